@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# How every target of this project is built: one function per kind of target.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+add_library(landfall_flags INTERFACE)
+target_compile_options(landfall_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
+  # A fused multiply-add rounds once where two operations round twice: without this the result would depend
+  # on the compiler and the target.
+  -ffp-contract=off
+  $<$<BOOL:${LANDFALL_WERROR}>:-Werror>)
+target_include_directories(landfall_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
+target_link_libraries(landfall_flags INTERFACE Threads::Threads)
+if(LANDFALL_SANITIZE)
+  target_compile_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE} -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer)
+  target_link_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE})
+endif()
+
+# landfall_library(module SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...])
+# A static library landfall::<module> that may include exactly what it links.
+function(landfall_library module)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(landfall_${module} STATIC ${arg_SOURCES})
+  add_library(landfall::${module} ALIAS landfall_${module})
+  target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
+endfunction()
+
+# landfall_header_library(module LINKS ...): the same for a folder that is headers only.
+function(landfall_header_library module)
+  cmake_parse_arguments(arg "" "" "LINKS" ${ARGN})
+  add_library(landfall_${module} INTERFACE)
+  add_library(landfall::${module} ALIAS landfall_${module})
+  target_link_libraries(landfall_${module} INTERFACE landfall_flags ${arg_LINKS})
+endfunction()
+
+# landfall_gtest(name LABEL unit SOURCES a_test.cpp ... LINKS landfall::raster ...)
+function(landfall_gtest name)
+  cmake_parse_arguments(arg "" "LABEL" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE landfall_flags ${arg_LINKS} GTest::gmock GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name} PROPERTIES LABELS ${arg_LABEL} DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace landfall {
+
+/// What every tool tells its caller (docs/cli.md).
+enum class ExitCode : int {
+  done = 0,
+  data_failed = 1,         ///< an input's content is wrong, or reading or writing failed
+  usage = 2,               ///< bad flag, bad config, or the output exists
+  requirement_missed = 3,  ///< --require-pass, and the DEM does not pass
+};
+
+/// The base of all errors that a user can cause or mend. The message names file, key, value, bound and what to do.
+class Error : public std::runtime_error {
+ public:
+  [[nodiscard]] ExitCode exit_code() const noexcept { return exit_code_; }
+
+ protected:
+  Error(ExitCode code, const std::string& message) : std::runtime_error(message), exit_code_(code) {}
+
+ private:
+  ExitCode exit_code_;
+};
+
+/// A flag or a config value is wrong, or the request contradicts itself: exit 2.
+class UsageError : public Error {
+ public:
+  explicit UsageError(const std::string& message) : Error(ExitCode::usage, message) {}
+};
+
+/// A data file does not hold what it must, or the data cannot be processed: exit 1.
+class FormatError : public Error {
+ public:
+  explicit FormatError(const std::string& message) : Error(ExitCode::data_failed, message) {}
+};
+
+/// The system refused to read or write: exit 1.
+class IoError : public Error {
+ public:
+  explicit IoError(const std::string& message) : Error(ExitCode::data_failed, message) {}
+};
+
+}  // namespace landfall

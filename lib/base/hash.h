@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace landfall {
+
+/// A 128-bit XXH3 digest, built piece by piece. It identifies files and configurations; it is no signature: whoever
+/// wants to can make two inputs collide.
+class Hash {
+ public:
+  Hash();
+  ~Hash();
+  Hash(const Hash&) = delete;
+  Hash& operator=(const Hash&) = delete;
+
+  Hash& update(std::span<const std::byte> bytes);
+  /// Adds the text and its length, so that ("ab", "c") and ("a", "bc") differ.
+  Hash& update(std::string_view text);
+  /// 32 lower-case hexadecimal digits.
+  [[nodiscard]] std::string hex() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace landfall

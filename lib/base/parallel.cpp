@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/parallel.h"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <mutex>
+
+namespace landfall {
+
+struct ThreadLimit::Impl {
+  tbb::global_control control;
+  explicit Impl(std::size_t threads) : control(tbb::global_control::max_allowed_parallelism, threads) {}
+};
+
+ThreadLimit::ThreadLimit(std::size_t threads) {
+  const auto cores = static_cast<std::size_t>(tbb::info::default_concurrency());
+  impl_ = std::make_unique<Impl>(threads == 0 ? cores : threads);
+}
+
+ThreadLimit::~ThreadLimit() = default;
+
+std::size_t thread_count() {
+  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+}
+
+void parallel_for(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& work, const ProgressCallback& progress) {
+  grain = std::max<std::size_t>(grain, 1);
+  const std::size_t pieces = (count + grain - 1) / grain;
+  std::mutex progress_mutex;
+  std::size_t done = 0;
+  const auto run_piece = [&](std::size_t piece) {
+    work(piece * grain, std::min(count, (piece + 1) * grain));
+    if (!progress) return;
+    const std::lock_guard lock(progress_mutex);
+    ++done;
+    progress(static_cast<double>(done) / static_cast<double>(pieces));
+  };
+  // Isolation keeps a thread that waits here from starting unrelated outer work (a pipeline stage, for one).
+  tbb::this_task_arena::isolate(
+      [&] { tbb::parallel_for(std::size_t{0}, pieces, run_piece, tbb::simple_partitioner{}); });
+  if (pieces == 0) report(progress, 1.0);
+}
+
+}  // namespace landfall

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+#include "base/progress.h"
+
+namespace landfall {
+
+/// Limits the threads of everything run while it lives; 0 means all cores.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(std::size_t threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The threads that parallel work may use now.
+[[nodiscard]] std::size_t thread_count();
+
+/// Calls work(begin, end) over pieces of [0, count), each of at most `grain` items (grain >= 1), in any order and
+/// on any thread. The pieces do not depend on the number of threads, so that work which writes only its own items gives
+/// the same result on any machine. An exception thrown by work is rethrown here.
+void parallel_for(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t begin, std::size_t end)>& work,
+                  const ProgressCallback& progress = {});
+
+}  // namespace landfall

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Random123/philox.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+namespace landfall {
+
+/// One stream per cause of chance, so that switching one on or off changes no draw of another. The values are part of
+/// the files' reproducibility: never renumber.
+enum class RandomStream : std::uint64_t { range_noise = 1, dropout = 2, dead_pixel = 3, fractal = 4 };
+
+/// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key
+/// (seed, stream) and the counter (i, j, 0, 0). No state: any thread may draw any element in any order.
+class RandomField {
+ public:
+  constexpr RandomField(std::uint64_t seed, RandomStream stream)
+      : key_{{seed, static_cast<std::uint64_t>(stream)}} {}
+
+  /// Uniform in [0, 1), a multiple of 2^-53.
+  [[nodiscard]] double uniform(std::uint64_t i, std::uint64_t j = 0) const { return unit(block(i, j)[0]); }
+
+  /// Standard normal by Box-Muller; |value| <= 8.6.
+  [[nodiscard]] double normal(std::uint64_t i, std::uint64_t j = 0) const {
+    const auto words = block(i, j);
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - unit(words[0])));  // 1 - u lies in (0, 1]
+    return radius * std::cos(2.0 * std::numbers::pi * unit(words[1]));
+  }
+
+ private:
+  using Generator = r123::Philox4x64;
+
+  [[nodiscard]] Generator::ctr_type block(std::uint64_t i, std::uint64_t j) const {
+    return Generator{}(Generator::ctr_type{{i, j, 0, 0}}, key_);
+  }
+  [[nodiscard]] static double unit(std::uint64_t word) { return static_cast<double>(word >> 11U) * 0x1p-53; }
+
+  Generator::key_type key_;
+};
+
+}  // namespace landfall
