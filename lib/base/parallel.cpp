@@ -28,7 +28,8 @@ std::size_t thread_count() {
 }
 
 void parallel_for(std::size_t count, std::size_t grain,
-                  const std::function<void(std::size_t, std::size_t)>& work, const ProgressCallback& progress) {
+                  const std::function<void(std::size_t, std::size_t)>& work,
+                  const ProgressCallback& progress) {
   grain = std::max<std::size_t>(grain, 1);
   const std::size_t pieces = (count + grain - 1) / grain;
   std::mutex progress_mutex;

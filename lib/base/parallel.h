@@ -25,9 +25,9 @@ class ThreadLimit {
 /// The threads that parallel work may use now.
 [[nodiscard]] std::size_t thread_count();
 
-/// Calls work(begin, end) over pieces of [0, count), each of at most `grain` items (grain >= 1), in any order and
-/// on any thread. The pieces do not depend on the number of threads, so that work which writes only its own items gives
-/// the same result on any machine. An exception thrown by work is rethrown here.
+/// Calls work(begin, end) over pieces of [0, count), each of at most `grain` items (grain >= 1), in any order
+/// and on any thread. The pieces do not depend on the number of threads, so that work which writes only its
+/// own items gives the same result on any machine. An exception thrown by work is rethrown here.
 void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& work,
                   const ProgressCallback& progress = {});

@@ -10,8 +10,8 @@
 
 namespace landfall {
 
-/// One stream per cause of chance, so that switching one on or off changes no draw of another. The values are part of
-/// the files' reproducibility: never renumber.
+/// One stream per cause of chance, so that switching one on or off changes no draw of another. The values are
+/// part of the files' reproducibility: never renumber.
 enum class RandomStream : std::uint64_t { range_noise = 1, dropout = 2, dead_pixel = 3, fractal = 4 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key

@@ -48,7 +48,8 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// R_to_from: turns components in From into components in To. Products whose inner frames differ do not compile.
+/// R_to_from: turns components in From into components in To. Products whose inner frames differ do not
+/// compile.
 template <class To, class From>
 struct Rotation {
   Eigen::Matrix3d m = Eigen::Matrix3d::Identity();

@@ -15,8 +15,8 @@ struct BinIndex {
 };
 
 /// A regular grid whose centres lie at integer multiples of the resolution: the one definition of where bin
-/// (row, col) lies. x = (first_col + col) * resolution_m, y = (first_row + row) * resolution_m, metres, frame D.
-/// Stored row-major, y ascending.
+/// (row, col) lies. x = (first_col + col) * resolution_m, y = (first_row + row) * resolution_m, metres, frame
+/// D. Stored row-major, y ascending.
 struct GridSpec {
   double resolution_m = 0;
   std::int64_t first_row = 0;
@@ -24,22 +24,29 @@ struct GridSpec {
   std::int64_t rows = 0;
   std::int64_t cols = 0;
 
-  /// Centres from -half_width_m to +half_width_m inclusive. Throws UsageError unless the resolution is finite and
-  /// positive, and half_width_m / resolution_m is a whole number >= 1 within 1e-9.
-  /// `what` begins the message: "terrain.json: /grid".
+  /// Centres from -half_width_m to +half_width_m inclusive. Throws UsageError unless the resolution is finite
+  /// and positive, and half_width_m / resolution_m is a whole number >= 1 within 1e-9. `what` begins the
+  /// message: "terrain.json: /grid".
   static GridSpec centered(double half_width_m, double resolution_m, const char* what = "grid");
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(rows * cols); }
-  [[nodiscard]] double x(std::int64_t col) const { return static_cast<double>(first_col + col) * resolution_m; }
-  [[nodiscard]] double y(std::int64_t row) const { return static_cast<double>(first_row + row) * resolution_m; }
+  [[nodiscard]] double x(std::int64_t col) const {
+    return static_cast<double>(first_col + col) * resolution_m;
+  }
+  [[nodiscard]] double y(std::int64_t row) const {
+    return static_cast<double>(first_row + row) * resolution_m;
+  }
   [[nodiscard]] bool contains(BinIndex bin) const {
     return bin.row >= 0 && bin.row < rows && bin.col >= 0 && bin.col < cols;
   }
   /// Row-major position; the bin must lie in the grid.
-  [[nodiscard]] std::size_t index(BinIndex bin) const { return static_cast<std::size_t>(bin.row * cols + bin.col); }
+  [[nodiscard]] std::size_t index(BinIndex bin) const {
+    return static_cast<std::size_t>(bin.row * cols + bin.col);
+  }
 
-  /// The bin whose centre is nearest, floor(x/s + 0.5) (half-open: a point on the edge belongs to the greater bin).
-  /// It may lie outside the grid; a coordinate that is not finite or beyond +-2^62 bins gives one outside.
+  /// The bin whose centre is nearest, floor(x/s + 0.5) (half-open: a point on the edge belongs to the greater
+  /// bin). It may lie outside the grid; a coordinate that is not finite or beyond +-2^62 bins gives one
+  /// outside.
   [[nodiscard]] BinIndex bin_of(double x_m, double y_m) const {
     return {nearest(y_m) - first_row, nearest(x_m) - first_col};
   }

@@ -20,7 +20,8 @@ TEST(ParallelFor, VisitsEachItemOnce) {
 
 TEST(ParallelFor, ProgressRisesToOne) {
   std::vector<double> fractions;
-  parallel_for(25, 4, [](std::size_t, std::size_t) {}, [&](double f) { fractions.push_back(f); });
+  parallel_for(
+      25, 4, [](std::size_t, std::size_t) {}, [&](double f) { fractions.push_back(f); });
   ASSERT_EQ(fractions.size(), 7U);
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   EXPECT_EQ(fractions.back(), 1.0);
@@ -28,7 +29,8 @@ TEST(ParallelFor, ProgressRisesToOne) {
 
 TEST(ParallelFor, NoItemsIsDone) {
   double last = -1;
-  parallel_for(0, 4, [](std::size_t, std::size_t) { FAIL(); }, [&](double f) { last = f; });
+  parallel_for(
+      0, 4, [](std::size_t, std::size_t) { FAIL(); }, [&](double f) { last = f; });
   EXPECT_EQ(last, 1.0);
 }
 

@@ -24,10 +24,10 @@ TEST(RotationMatrix, QuarterTurns) {
 
 TEST(RotationMatrix, IsYawPitchRollInThatOrder) {
   const RollPitchYaw rpy{0.3, -0.2, 1.1};
-  const Eigen::Matrix3d expected = (Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitZ()) *
-                                    Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitY()) *
-                                    Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))
-                                       .toRotationMatrix();
+  const Eigen::Matrix3d expected =
+      (Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitY()) *
+       Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
   EXPECT_LT((rotation_matrix(rpy) - expected).cwiseAbs().maxCoeff(), 1e-15);
 }
 

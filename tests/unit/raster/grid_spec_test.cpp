@@ -47,8 +47,8 @@ TEST(GridSpec, BinEdgesAndNegativeCoordinates) {
 
 TEST(GridSpec, WildCoordinatesLieOutside) {
   const GridSpec grid = GridSpec::centered(2, 0.5);
-  for (const double wild : {1e300, -1e300, std::numeric_limits<double>::infinity(),
-                            std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double wild :
+       {1e300, -1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_FALSE(grid.contains(grid.bin_of(wild, 0)));
     EXPECT_FALSE(grid.contains(grid.bin_of(0, wild)));
   }

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "geometry/frames.h"
+
+namespace landfall {
+
+/// A half-line from `origin` along the unit vector `direction`.
+struct Ray {
+  Point<DemFrame> origin;
+  Direction<DemFrame> direction;
+};
+
+/// Finds where rays first meet the terrain. Every engine answers the same: |range - exact intersection with
+/// the stored surface| <= 1e-6 m, and no leaks: a ray through a shared edge or vertex hits. Surfaces are
+/// two-sided. Holes (NaN) and whatever lies outside the terrain are misses. An engine is immutable once
+/// built: any number of threads may use it.
+class RayEngine {
+ public:
+  virtual ~RayEngine() = default;
+
+  /// ranges[i] = distance along rays[i] to its first hit, metres, >= 0; NaN where it misses. Both spans have
+  /// one size. Rays of one pulse in one call, in pixel order, is what engines are tuned for; any bundle is
+  /// allowed.
+  virtual void first_hits(std::span<const Ray> rays, std::span<double> ranges) const = 0;
+};
+
+}  // namespace landfall

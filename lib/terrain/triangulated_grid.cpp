@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/triangulated_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+
+namespace landfall {
+
+/// A point in a cell's own coordinates: u along x, v along y, both in [0, 1].
+struct TriangulatedGrid::CellPosition {
+  BinIndex cell;
+  double u;
+  double v;
+};
+
+TriangulatedGrid::TriangulatedGrid(Grid<double> nodes) : nodes_(std::move(nodes)) {
+  if (nodes_.spec().rows < 2 || nodes_.spec().cols < 2)
+    throw FormatError("a terrain grid needs at least 2 x 2 nodes");
+}
+
+double TriangulatedGrid::elevation_in_cell(const CellPosition& position) const {
+  const auto [cell, u, v] = position;
+  const double b = nodes_.at({cell.row, cell.col + 1});
+  const double c = nodes_.at({cell.row + 1, cell.col});
+  if (u + v <= 1) {
+    const double a = nodes_.at(cell);
+    const double z = a + u * (b - a) + v * (c - a);
+    if (u + v < 1 || std::isfinite(z)) return z;
+  }
+  const double d = nodes_.at({cell.row + 1, cell.col + 1});
+  return d + (1 - u) * (c - d) + (1 - v) * (b - d);
+}
+
+double TriangulatedGrid::elevation(double x_m, double y_m) const {
+  const GridSpec& spec = nodes_.spec();
+  const double gx = x_m / spec.resolution_m - static_cast<double>(spec.first_col);
+  const double gy = y_m / spec.resolution_m - static_cast<double>(spec.first_row);
+  const double last_col = static_cast<double>(spec.cols - 1);
+  const double last_row = static_cast<double>(spec.rows - 1);
+  if (!(gx >= 0 && gx <= last_col && gy >= 0 && gy <= last_row))
+    return std::numeric_limits<double>::quiet_NaN();
+  const BinIndex cell{std::min(static_cast<std::int64_t>(gy), spec.rows - 2),
+                      std::min(static_cast<std::int64_t>(gx), spec.cols - 2)};
+  const double u = gx - static_cast<double>(cell.col);
+  const double v = gy - static_cast<double>(cell.row);
+  double z = elevation_in_cell({cell, u, v});
+  // On a border that a hole shares with its neighbours, any neighbour's triangle closes the surface.
+  const bool has_left = u == 0 && cell.col > 0;
+  const bool has_below = v == 0 && cell.row > 0;
+  if (!std::isfinite(z) && has_left) z = elevation_in_cell({{cell.row, cell.col - 1}, 1, v});
+  if (!std::isfinite(z) && has_below) z = elevation_in_cell({{cell.row - 1, cell.col}, u, 1});
+  if (!std::isfinite(z) && has_left && has_below) z = elevation_in_cell({{cell.row - 1, cell.col - 1}, 1, 1});
+  return z;
+}
+
+std::size_t TriangulatedGrid::triangle_count() const {
+  return 2 * static_cast<std::size_t>((nodes_.spec().rows - 1) * (nodes_.spec().cols - 1));
+}
+
+std::array<Eigen::Vector3d, 3> TriangulatedGrid::triangle(std::size_t id) const {
+  const GridSpec& spec = nodes_.spec();
+  const auto cell = static_cast<std::int64_t>(id / 2);
+  const std::int64_t row = cell / (spec.cols - 1);
+  const std::int64_t col = cell % (spec.cols - 1);
+  const auto corner = [&](std::int64_t r, std::int64_t c) {
+    return Eigen::Vector3d(spec.x(c), spec.y(r), nodes_.at({r, c}));
+  };
+  if (id % 2 == 0) return {corner(row, col), corner(row, col + 1), corner(row + 1, col)};
+  return {corner(row, col + 1), corner(row + 1, col + 1), corner(row + 1, col)};
+}
+
+}  // namespace landfall

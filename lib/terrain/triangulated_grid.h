@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// The true surface of a gridded terrain: each cell of four nodes is split along the diagonal from node (col
+/// + 1, row) to node (col, row + 1) into two triangles. Rays and elevation() see this same surface, never
+/// another interpolation.
+///
+/// A triangle with a NaN node is a hole; the other triangle of its cell stays (docs/decisions.md).
+class TriangulatedGrid {
+ public:
+  /// Throws FormatError unless the grid has at least 2 x 2 nodes.
+  explicit TriangulatedGrid(Grid<double> nodes);
+
+  [[nodiscard]] const Grid<double>& nodes() const { return nodes_; }
+
+  /// H(x, y), metres, frame D; NaN off the grid and in holes. The surface is closed: on an edge or node that
+  /// a hole shares with a triangle, the triangle counts.
+  [[nodiscard]] double elevation(double x_m, double y_m) const;
+
+  /// Triangles are numbered by cell, row-major: 2 cell is the lower left one, 2 cell + 1 the upper right one.
+  /// Holes keep their numbers.
+  [[nodiscard]] std::size_t triangle_count() const;
+  /// The corners, counter-clockwise seen from above; some are NaN in a hole.
+  [[nodiscard]] std::array<Eigen::Vector3d, 3> triangle(std::size_t id) const;
+
+ private:
+  struct CellPosition;
+  [[nodiscard]] double elevation_in_cell(const CellPosition& position) const;
+
+  Grid<double> nodes_;
+};
+
+}  // namespace landfall
