@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace landfall {
+
+/// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
+/// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 copies
+/// the bytes unshuffled, which is what a dataset without filters holds. Throws IoError if libdeflate refuses
+/// (out of memory).
+[[nodiscard]] std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size,
+                                                  int level);
+
+}  // namespace landfall

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/grid_file.h"
+
+#include <hdf5_hl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/chunk_codec.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::int64_t kTile = 256;
+
+constexpr const char* kLocalFrameWkt =
+    R"(LOCAL_CS["landfall site frame",UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])";
+
+template <class T>
+constexpr T fill_of() {
+  if constexpr (std::numeric_limits<T>::has_quiet_NaN) return std::numeric_limits<T>::quiet_NaN();
+  return T{0};
+}
+
+/// The tile at (tile_row, tile_col), padded with the fill value to a full chunk.
+template <class T>
+std::vector<T> tile_values(const Grid<T>& layer, BinIndex first, BinIndex tile) {
+  std::vector<T> values(static_cast<std::size_t>(tile.row * tile.col), fill_of<T>());
+  const std::int64_t rows = std::min(tile.row, layer.spec().rows - first.row);
+  const std::int64_t cols = std::min(tile.col, layer.spec().cols - first.col);
+  for (std::int64_t r = 0; r < rows; ++r)
+    std::memcpy(values.data() + r * tile.col, &layer.at({first.row + r, first.col}),
+                static_cast<std::size_t>(cols) * sizeof(T));
+  return values;
+}
+
+h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values) {
+  const std::string axis = name;
+  h5::Handle dataset =
+      h5::create_dataset(root, axis, h5::Type::float64, {.size = {values.size()}, .chunk = {}});
+  if (H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    throw IoError("writing /" + axis + " failed: " + h5::failure_reason());
+  H5DSset_scale(dataset.get(), name);
+  h5::write_attribute(dataset.get(), "units", std::string("m"));
+  h5::write_attribute(dataset.get(), "long_name", axis + " in the DEM frame, bin centre");
+  h5::write_attribute(dataset.get(), "standard_name", "projection_" + axis + "_coordinate");
+  h5::write_attribute(dataset.get(), "axis", std::string(axis == "x" ? "X" : "Y"));
+  return dataset;
+}
+
+void write_crs(hid_t root, const std::string& wkt) {
+  const h5::Handle crs = h5::create_dataset(root, "crs", h5::Type::int32, {.size = {}, .chunk = {}});
+  const std::int32_t zero = 0;
+  H5Dwrite(crs.get(), H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, &zero);
+  h5::write_attribute(crs.get(), "units", std::string("1"));
+  h5::write_attribute(crs.get(), "long_name", std::string("coordinate reference system of the site frame"));
+  h5::write_attribute(crs.get(), "crs_wkt", wkt.empty() ? std::string(kLocalFrameWkt) : wkt);
+}
+
+/// _FillValue as netCDF writes it: one element of the layer's own type.
+void write_fill_value(hid_t dataset, h5::Type type) {
+  const hsize_t one = 1;
+  const h5::Handle space(H5Screate_simple(1, &one, nullptr), H5Sclose);
+  const h5::Handle attribute(
+      H5Acreate2(dataset, "_FillValue", h5::native(type), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, &nan);
+}
+
+std::vector<double> read_axis(const LandfallFileReader& file, const std::string& name) {
+  h5::Handle dataset;
+  if (h5::exists(file.root(), name))
+    dataset = h5::Handle(H5Dopen2(file.root(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset) file.fail("no dataset /" + name);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  if (H5Sget_simple_extent_ndims(space.get()) != 1 || count < 2 || count > (hssize_t{1} << 30U))
+    file.fail("/" + name + " is not a list of 2 to 2^30 coordinates");
+  std::vector<double> values(static_cast<std::size_t>(count));
+  if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    file.fail("reading /" + name + " failed: " + h5::failure_reason());
+  return values;
+}
+
+/// The resolution: the file's own word where it agrees with the coordinates, else their mean step.
+double resolution_of(const LandfallFileReader& file, const std::vector<double>& x) {
+  const double step = (x.back() - x.front()) / static_cast<double>(x.size() - 1);
+  const double stated = h5::read_number_attribute(file.root(), "resolution_m").value_or(step);
+  if (!(step > 0) || !std::isfinite(step)) file.fail("/x is not ascending");
+  return std::abs(stated - step) <= 1e-9 * step ? stated : step;
+}
+
+std::int64_t first_index(const LandfallFileReader& file, const std::vector<double>& axis, double resolution_m,
+                         const std::string& name) {
+  const double first = std::nearbyint(axis.front() / resolution_m);
+  if (!(std::abs(first) <= 0x1p40)) file.fail("/" + name + "[0] is not near the site");
+  for (std::size_t i = 0; i < axis.size(); ++i) {
+    const double expected = (first + static_cast<double>(i)) * resolution_m;
+    if (!(std::abs(axis[i] - expected) <= 1e-6 * resolution_m))
+      file.fail("/" + name + "[" + std::to_string(i) + "] = " + std::to_string(axis[i]) +
+                " is not an integer multiple of the resolution " + std::to_string(resolution_m));
+  }
+  return static_cast<std::int64_t>(first);
+}
+
+GridSpec read_spec(const LandfallFileReader& file) {
+  const std::vector<double> x = read_axis(file, "x");
+  const std::vector<double> y = read_axis(file, "y");
+  GridSpec spec;
+  spec.resolution_m = resolution_of(file, x);
+  spec.first_col = first_index(file, x, spec.resolution_m, "x");
+  spec.first_row = first_index(file, y, spec.resolution_m, "y");
+  spec.cols = static_cast<std::int64_t>(x.size());
+  spec.rows = static_cast<std::int64_t>(y.size());
+  return spec;
+}
+
+}  // namespace
+
+GridLayerWriter::GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec,
+                                 const std::string& crs_wkt)
+    : root_(file.root()), compression_(file.compression()), spec_(spec) {
+  std::vector<double> x(static_cast<std::size_t>(spec.cols));
+  std::vector<double> y(static_cast<std::size_t>(spec.rows));
+  for (std::int64_t c = 0; c < spec.cols; ++c) x[static_cast<std::size_t>(c)] = spec.x(c);
+  for (std::int64_t r = 0; r < spec.rows; ++r) y[static_cast<std::size_t>(r)] = spec.y(r);
+  h5::write_attribute(root_, "resolution_m", spec.resolution_m);
+  x_ = write_axis(root_, "x", x);
+  y_ = write_axis(root_, "y", y);
+  write_crs(root_, crs_wkt);
+}
+
+void GridLayerWriter::attach_scales(hid_t dataset) const {
+  if (H5DSattach_scale(dataset, y_.get(), 0) < 0 || H5DSattach_scale(dataset, x_.get(), 1) < 0)
+    throw IoError("attaching the coordinates failed: " + h5::failure_reason());
+}
+
+template <class T>
+void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
+  constexpr h5::Type kType = h5::TypeOf<T>::value;
+  const BinIndex tile{std::min(kTile, spec_.rows), std::min(kTile, spec_.cols)};
+  const h5::Handle dataset =
+      h5::create_dataset(root_, name, kType,
+                         {.size = {static_cast<hsize_t>(spec_.rows), static_cast<hsize_t>(spec_.cols)},
+                          .chunk = {static_cast<hsize_t>(tile.row), static_cast<hsize_t>(tile.col)},
+                          .level = compression_,
+                          .nan_fill = std::is_floating_point_v<T>});
+  attach_scales(dataset.get());
+  if constexpr (std::is_floating_point_v<T>) write_fill_value(dataset.get(), kType);
+  h5::write_attribute(dataset.get(), "units", text.units);
+  h5::write_attribute(dataset.get(), "long_name", text.long_name);
+  h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
+  if (!text.flag_values.empty()) {
+    h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
+    h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
+  }
+  const auto tiles_across = static_cast<std::size_t>((spec_.cols + tile.col - 1) / tile.col);
+  std::vector<std::vector<std::byte>> encoded(tiles_across);
+  for (std::int64_t row = 0; row < spec_.rows; row += tile.row) {
+    parallel_for(tiles_across, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t t = begin; t < end; ++t) {
+        const std::vector<T> values =
+            tile_values(layer, {row, static_cast<std::int64_t>(t) * tile.col}, tile);
+        encoded[t] = encode_chunk(std::as_bytes(std::span(values)), sizeof(T), compression_);
+      }
+    });
+    for (std::size_t t = 0; t < tiles_across; ++t) {
+      const hsize_t offset[2] = {static_cast<hsize_t>(row), static_cast<hsize_t>(tile.col) * t};
+      if (H5Dwrite_chunk(dataset.get(), H5P_DEFAULT, 0, offset, encoded[t].size(), encoded[t].data()) < 0)
+        throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
+    }
+  }
+}
+
+template void GridLayerWriter::write(const std::string&, const Grid<double>&, const LayerText&);
+template void GridLayerWriter::write(const std::string&, const Grid<float>&, const LayerText&);
+template void GridLayerWriter::write(const std::string&, const Grid<std::int32_t>&, const LayerText&);
+template void GridLayerWriter::write(const std::string&, const Grid<std::int8_t>&, const LayerText&);
+
+GridLayerReader::GridLayerReader(const LandfallFileReader& file) : file_(file), spec_(read_spec(file)) {
+  if (!h5::exists(file.root(), "crs")) return;
+  const h5::Handle crs(H5Dopen2(file.root(), "crs", H5P_DEFAULT), H5Dclose);
+  if (crs) crs_wkt_ = h5::read_text_attribute(crs.get(), "crs_wkt").value_or("");
+}
+
+bool GridLayerReader::has(const std::string& name) const { return h5::exists(file_.root(), name); }
+
+template <class T>
+Grid<T> GridLayerReader::read(const std::string& name) const {
+  h5::Handle dataset;
+  if (has(name)) dataset = h5::Handle(H5Dopen2(file_.root(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset) file_.fail("no layer /" + name);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  hsize_t size[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
+      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 ||
+      size[0] != static_cast<hsize_t>(spec_.rows) || size[1] != static_cast<hsize_t>(spec_.cols))
+    file_.fail("layer /" + name + " is not of the shape (y, x) = (" + std::to_string(spec_.rows) + ", " +
+               std::to_string(spec_.cols) + ")");
+  Grid<T> layer(spec_);
+  if (H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+              layer.values().data()) < 0)
+    file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());
+  return layer;
+}
+
+template Grid<double> GridLayerReader::read(const std::string&) const;
+template Grid<float> GridLayerReader::read(const std::string&) const;
+template Grid<std::int32_t> GridLayerReader::read(const std::string&) const;
+template Grid<std::int8_t> GridLayerReader::read(const std::string&) const;
+
+}  // namespace landfall

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/landfall_file.h"
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// The grid part of a file: coordinates /x and /y, /crs, and layers at the root (SPEC section 8's measured
+/// rules), so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
+class GridLayerWriter {
+ public:
+  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; empty: the local frame of a site without one.
+  GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt);
+
+  struct LayerText {
+    std::string units;
+    std::string long_name;
+    std::vector<std::int8_t> flag_values = {};
+    std::string flag_meanings = {};
+  };
+  /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
+  template <class T>
+  void write(const std::string& name, const Grid<T>& layer, const LayerText& text);
+
+ private:
+  void attach_scales(hid_t dataset) const;
+
+  hid_t root_;
+  int compression_;
+  GridSpec spec_;
+  h5::Handle x_;
+  h5::Handle y_;
+};
+
+/// Reads such a file's grid.
+class GridLayerReader {
+ public:
+  /// Throws FormatError unless /x and /y are ascending, evenly spaced integer multiples of one resolution
+  /// (within 1e-6 of a step).
+  explicit GridLayerReader(const LandfallFileReader& file);
+
+  [[nodiscard]] const GridSpec& spec() const { return spec_; }
+  [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
+  [[nodiscard]] bool has(const std::string& name) const;
+  /// Throws FormatError where the layer is missing, has another shape than (y, x), or cannot be read.
+  template <class T>
+  [[nodiscard]] Grid<T> read(const std::string& name) const;
+
+ private:
+  const LandfallFileReader& file_;
+  GridSpec spec_;
+  std::string crs_wkt_;
+};
+
+}  // namespace landfall

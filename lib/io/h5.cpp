@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/h5.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace landfall::h5 {
+namespace {
+
+Handle checked(hid_t id, Handle::Closer closer, const std::string& object) {
+  if (id >= 0) return {id, closer};
+  const std::string reason = failure_reason();
+  throw IoError("writing " + object + " failed" + (reason.empty() ? "" : ": " + reason));
+}
+
+void require(bool ok, const std::string& object) {
+  if (!ok) checked(H5I_INVALID_HID, nullptr, object);
+}
+
+Handle variable_text_type() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return type;
+}
+
+Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose}; }
+
+void write_scalar_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
+  const Handle space = scalar_space();
+  const Handle attribute =
+      checked(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
+  require(H5Awrite(attribute.get(), type, value) >= 0, name);
+}
+
+herr_t keep_reason(unsigned /*depth*/, const H5E_error2_t* record, void* target) {
+  auto& reason = *static_cast<std::string*>(target);
+  const std::string text = record->desc == nullptr ? "" : record->desc;
+  const std::size_t begin = text.find("error message = '");
+  if (begin == std::string::npos) {
+    if (reason.empty()) reason = text;
+    return 0;
+  }
+  const std::size_t start = begin + 17;
+  reason = text.substr(start, text.find('\'', start) - start);
+  return 1;  // the system's own word: look no further
+}
+
+/// Reads one text from an attribute or dataset through `read(type, buffer)`; fixed and variable lengths both
+/// occur.
+template <class Read>
+std::optional<std::string> read_string(hid_t file_type, const Read& read) {
+  if (H5Tget_class(file_type) != H5T_STRING) return std::nullopt;
+  if (H5Tis_variable_str(file_type) > 0) {
+    const Handle type = variable_text_type();
+    H5Tset_cset(type.get(), H5Tget_cset(file_type));
+    char* text = nullptr;
+    if (read(type.get(), static_cast<void*>(&text)) < 0 || text == nullptr) return std::nullopt;
+    std::string result = text;
+    H5free_memory(text);
+    return result;
+  }
+  std::string result(H5Tget_size(file_type), '\0');
+  if (read(file_type, static_cast<void*>(result.data())) < 0) return std::nullopt;
+  result.resize(std::min(result.size(), result.find('\0')));
+  return result;
+}
+
+bool is_single_value(hid_t space) { return H5Sget_simple_extent_npoints(space) == 1; }
+
+}  // namespace
+
+void initialise() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+std::string failure_reason() {
+  std::string reason;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);
+  return reason;
+}
+
+hid_t native(Type type) {
+  switch (type) {
+    case Type::float64:
+      return H5T_IEEE_F64LE;
+    case Type::float32:
+      return H5T_IEEE_F32LE;
+    case Type::int64:
+      return H5T_STD_I64LE;
+    case Type::int32:
+      return H5T_STD_I32LE;
+    case Type::int8:
+      return H5T_STD_I8LE;
+  }
+  return H5I_INVALID_HID;
+}
+
+std::size_t size_of(Type type) {
+  switch (type) {
+    case Type::float64:
+    case Type::int64:
+      return 8;
+    case Type::float32:
+    case Type::int32:
+      return 4;
+    case Type::int8:
+      return 1;
+  }
+  return 0;
+}
+
+Handle create_file(const std::filesystem::path& path) {
+  return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, path.string());
+}
+
+Handle create_group(hid_t parent, const std::string& name) {
+  const Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  return checked(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose,
+                 name);
+}
+
+Handle create_dataset(hid_t parent, const std::string& name, Type type, const DatasetShape& shape) {
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  const auto rank = static_cast<int>(shape.size.size());
+  if (!shape.chunk.empty()) {
+    H5Pset_chunk(properties.get(), rank, shape.chunk.data());
+    H5Pset_fill_time(properties.get(), H5D_FILL_TIME_IFSET);
+    if (shape.level > 0) {
+      H5Pset_shuffle(properties.get());
+      H5Pset_deflate(properties.get(), static_cast<unsigned>(shape.level));
+    }
+  }
+  if (shape.nan_fill) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    H5Pset_fill_value(properties.get(), H5T_NATIVE_DOUBLE, &nan);
+  }
+  std::vector<hsize_t> largest = shape.size;
+  if (shape.growing) largest.at(0) = H5S_UNLIMITED;
+  const Handle space(
+      rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, shape.size.data(), largest.data()),
+      H5Sclose);
+  return checked(
+      H5Dcreate2(parent, name.c_str(), native(type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose, name);
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::string& text) {
+  const char* const data = text.c_str();
+  write_scalar_attribute(object, name, variable_text_type().get(), static_cast<const void*>(&data));
+}
+
+void write_attribute(hid_t object, const std::string& name, double value) {
+  write_scalar_attribute(object, name, H5T_IEEE_F64LE, &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, std::int64_t value) {
+  write_scalar_attribute(object, name, H5T_STD_I64LE, &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values) {
+  const hsize_t size = values.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle attribute = checked(
+      H5Acreate2(object, name.c_str(), H5T_STD_I8LE, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
+  require(H5Awrite(attribute.get(), H5T_STD_I8LE, values.data()) >= 0, name);
+}
+
+void write_text(hid_t parent, const std::string& name, const std::string& text) {
+  const Handle type = variable_text_type();
+  const Handle space = scalar_space();
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties.get(), false);
+  const Handle dataset = checked(
+      H5Dcreate2(parent, name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose, name);
+  const char* const data = text.c_str();
+  require(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                   static_cast<const void*>(&data)) >= 0,
+          name);
+}
+
+Handle open_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw FormatError(path.string() + ": no such file");
+  if (std::filesystem::is_directory(path, error)) throw FormatError(path.string() + ": is a directory");
+  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (id >= 0) return {id, H5Fclose};
+  const std::string reason = failure_reason();
+  throw FormatError(path.string() + ": not a readable HDF5 file" +
+                    (reason.empty() ? "" : " (" + reason + ")"));
+}
+
+bool exists(hid_t parent, const std::string& name) {
+  return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::optional<std::string> read_text_attribute(hid_t object, const std::string& name) {
+  if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
+  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!attribute) return std::nullopt;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (!is_single_value(space.get())) return std::nullopt;
+  return read_string(type.get(), [&](hid_t t, void* buffer) { return H5Aread(attribute.get(), t, buffer); });
+}
+
+std::optional<double> read_number_attribute(hid_t object, const std::string& name) {
+  if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
+  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!attribute) return std::nullopt;
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  double value = 0;
+  if (!is_single_value(space.get()) || H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
+    return std::nullopt;
+  return value;
+}
+
+std::optional<std::string> read_text(hid_t parent, const std::string& name) {
+  if (!exists(parent, name)) return std::nullopt;
+  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset) return std::nullopt;
+  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  if (!is_single_value(space.get())) return std::nullopt;
+  return read_string(type.get(), [&](hid_t t, void* buffer) {
+    return H5Dread(dataset.get(), t, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+  });
+}
+
+}  // namespace landfall::h5

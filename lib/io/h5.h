@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace landfall::h5 {
+
+/// Owns an HDF5 identifier and closes it by the function of its kind.
+class Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+  Handle() = default;
+  Handle(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+  ~Handle() { reset(); }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), closer_(other.closer_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(closer_, other.closer_);
+    return *this;
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+
+  [[nodiscard]] hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+  /// Closes now; false where HDF5 reports a failure (a failed flush, for one).
+  bool reset() {
+    const hid_t id = std::exchange(id_, H5I_INVALID_HID);
+    return id < 0 || closer_(id) >= 0;
+  }
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Closer closer_ = nullptr;
+};
+
+/// Silences HDF5's own printing; call once before any other use. Reasons reach the user through
+/// failure_reason().
+void initialise();
+/// The innermost reason on HDF5's error stack ("No space left on device"), empty where there is none.
+[[nodiscard]] std::string failure_reason();
+
+/// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types (SPEC section
+/// 8).
+enum class Type { float64, float32, int64, int32, int8 };
+[[nodiscard]] hid_t native(Type type);
+[[nodiscard]] std::size_t size_of(Type type);
+template <class T>
+struct TypeOf;
+template <>
+struct TypeOf<double> {
+  static constexpr Type value = Type::float64;
+};
+template <>
+struct TypeOf<float> {
+  static constexpr Type value = Type::float32;
+};
+template <>
+struct TypeOf<std::int64_t> {
+  static constexpr Type value = Type::int64;
+};
+template <>
+struct TypeOf<std::int32_t> {
+  static constexpr Type value = Type::int32;
+};
+template <>
+struct TypeOf<std::int8_t> {
+  static constexpr Type value = Type::int8;
+};
+
+/// Every creation below leaves out object times, so that equal content gives equal bytes. Each throws IoError
+/// naming `object` when HDF5 refuses.
+Handle create_file(const std::filesystem::path& path);
+Handle create_group(hid_t parent, const std::string& name);
+/// Chunked (chunk dimensions > 0) with shuffle + deflate at `level` (0: no filter), or contiguous where
+/// `chunk` is empty.
+struct DatasetShape {
+  std::vector<hsize_t> size;
+  std::vector<hsize_t> chunk;
+  bool growing = false;  ///< the first dimension is unlimited
+  int level = 0;
+  bool nan_fill = false;  ///< floating-point types only
+};
+Handle create_dataset(hid_t parent, const std::string& name, Type type, const DatasetShape& shape);
+
+void write_attribute(hid_t object, const std::string& name, const std::string& text);
+void write_attribute(hid_t object, const std::string& name, double value);
+void write_attribute(hid_t object, const std::string& name, std::int64_t value);
+void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
+/// A scalar variable-length UTF-8 dataset: JSON goes here, for attributes end at 64 KiB.
+void write_text(hid_t parent, const std::string& name, const std::string& text);
+
+/// Throws FormatError: missing file, not HDF5, truncated.
+Handle open_file(const std::filesystem::path& path);
+[[nodiscard]] bool exists(hid_t parent, const std::string& name);
+[[nodiscard]] std::optional<std::string> read_text_attribute(hid_t object, const std::string& name);
+[[nodiscard]] std::optional<double> read_number_attribute(hid_t object, const std::string& name);
+[[nodiscard]] std::optional<std::string> read_text(hid_t parent, const std::string& name);
+
+}  // namespace landfall::h5

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/landfall_file.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kFormatVersion = "1.0";
+
+std::string title_of(const std::string& kind) {
+  if (kind == "terrain") return "True terrain of a landing site";
+  if (kind == "scan") return "Simulated scanning-lidar returns";
+  if (kind == "dem") return "Digital elevation model gridded from lidar returns";
+  return "Evaluation of a digital elevation model against landing requirements";
+}
+
+h5::Handle create_quietly(const std::filesystem::path& path) {
+  h5::initialise();
+  return h5::create_file(path);
+}
+
+h5::Handle open_quietly(const std::string& path) {
+  h5::initialise();
+  return h5::open_file(path);
+}
+
+nlohmann::json parse_or_null(const std::optional<std::string>& text) {
+  if (!text) return nullptr;
+  nlohmann::json value = nlohmann::json::parse(*text, nullptr, false);
+  return value.is_discarded() ? nlohmann::json() : value;
+}
+
+}  // namespace
+
+LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
+                                       const Provenance& provenance)
+    : output_(options.path, options.overwrite),
+      compression_(options.compression),
+      file_(create_quietly(output_.temporary())) {
+  h5::write_attribute(root(), "Conventions", std::string("CF-1.8"));
+  h5::write_attribute(root(), "title", title_of(kind));
+  h5::write_attribute(root(), "source", source_line(provenance.tool));
+  h5::write_attribute(root(), "format_name", "landfall." + kind);
+  h5::write_attribute(root(), "format_version", std::string(kFormatVersion));
+  h5::write_attribute(root(), "file_id", provenance.file_id());
+  const h5::Handle group = h5::create_group(root(), "provenance");
+  h5::write_attribute(group.get(), "tool", provenance.tool);
+  h5::write_attribute(group.get(), "version", program_version());
+  h5::write_text(group.get(), "config_json", provenance.config.dump(2));
+  h5::write_text(group.get(), "inputs_json", provenance.as_step().at("inputs").dump(2));
+  h5::write_text(group.get(), "chain_json", provenance.chain.dump(2));
+  if (!provenance.environment.is_null())
+    h5::write_text(group.get(), "environment_json", provenance.environment.dump(2));
+}
+
+void LandfallFileWriter::commit() {
+  h5::write_attribute(root(), "complete", std::int64_t{1});
+  if (!file_.reset())
+    throw IoError("output " + output_.path().string() + ": closing failed: " + h5::failure_reason());
+  output_.commit();
+}
+
+LandfallFileReader::LandfallFileReader(std::filesystem::path path, std::initializer_list<const char*> kinds)
+    : name_(path.string()), file_(open_quietly(name_)) {
+  const auto format = h5::read_text_attribute(root(), "format_name");
+  std::string wanted;
+  for (const char* const kind : kinds)
+    wanted += (wanted.empty() ? "landfall." : " or landfall.") + std::string(kind);
+  if (!format) fail("not a landfall file (no attribute format_name); wanted " + wanted);
+  const auto matches = [&](const char* kind) { return *format == "landfall." + std::string(kind); };
+  if (std::none_of(kinds.begin(), kinds.end(), matches)) fail("is a " + *format + " file; wanted " + wanted);
+  const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");
+  if (version.substr(0, 2) != "1.")
+    fail("format_version '" + version + "' is not 1.x, which this version reads");
+  if (h5::read_number_attribute(root(), "complete").value_or(0) != 1)
+    fail("is incomplete (attribute complete is not 1)");
+  read_provenance();
+}
+
+void LandfallFileReader::read_provenance() {
+  file_id_ = h5::read_text_attribute(root(), "file_id").value_or("");
+  if (file_id_.empty()) file_id_ = content_id(name_);
+  if (!h5::exists(root(), "provenance")) return;
+  const h5::Handle group(H5Gopen2(root(), "provenance", H5P_DEFAULT), H5Gclose);
+  if (!group) return;
+  config_ = parse_or_null(h5::read_text(group.get(), "config_json"));
+  nlohmann::json upstream = parse_or_null(h5::read_text(group.get(), "chain_json"));
+  if (upstream.is_array()) chain_ = std::move(upstream);
+  chain_.push_back({{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
+                    {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
+                    {"file_id", file_id_},
+                    {"config", config_},
+                    {"inputs", parse_or_null(h5::read_text(group.get(), "inputs_json"))}});
+}
+
+void LandfallFileReader::fail(const std::string& what) const { throw FormatError(name_ + ": " + what); }
+
+}  // namespace landfall

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace landfall {
+
+/// An output that appears whole under its name or not at all.
+///
+/// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
+/// it. Until then whatever stood under the name stays untouched; a run that fails, or is ended by SIGINT or
+/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.PID.part` file may remain; the next run for
+/// that name removes it if its process is gone.
+class OutputPath {
+ public:
+  /// Throws UsageError where `path` exists and `overwrite` is false, is a directory, or has no folder to
+  /// stand in.
+  OutputPath(std::filesystem::path path, bool overwrite);
+  ~OutputPath();
+  OutputPath(const OutputPath&) = delete;
+  OutputPath& operator=(const OutputPath&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
+  /// The temporary file must be closed. Throws IoError when the disk refuses, UsageError when another process
+  /// made the output meanwhile and `overwrite` is false.
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  bool overwrite_;
+  bool committed_ = false;
+};
+
+/// Writes a small text file through an OutputPath.
+void write_text_file(const std::filesystem::path& path, bool overwrite, const std::string& text);
+
+}  // namespace landfall

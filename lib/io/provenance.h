@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace landfall {
+
+/// One file that a step read.
+struct InputRecord {
+  std::string role;     ///< "terrain", "scan", "dem", "raster", "trajectory"
+  std::string file_id;  ///< of a landfall file; otherwise the hash of the bytes
+  friend bool operator==(const InputRecord&, const InputRecord&) = default;
+};
+
+/// How a file came to be: enough to make it again, and nothing that differs between two equal runs (no clock,
+/// host, path or thread count).
+struct Provenance {
+  std::string tool;
+  nlohmann::json config = nullptr;  ///< the resolved configuration; paths in it are cut to the file's name
+  std::vector<InputRecord> inputs = {};
+  /// The upstream steps, oldest first, each {"tool", "version", "file_id", "config", "inputs"}; a file
+  /// reached by two ways stands once.
+  nlohmann::json chain = nlohmann::json::array();
+  /// Host, clock, paths: only where the user asked by --record-environment. Null otherwise; no part of the
+  /// file_id.
+  nlohmann::json environment = nullptr;
+
+  /// A hash of program version, tool, resolved config and the inputs' ids: equal for equal runs.
+  [[nodiscard]] std::string file_id() const;
+  /// This step as an element of a downstream file's chain.
+  [[nodiscard]] nlohmann::json as_step() const;
+  /// Adds an input and everything upstream of it.
+  void add_input(const std::string& role, const std::string& file_id, const nlohmann::json& upstream_chain);
+};
+
+/// The hash of a foreign file's bytes. Throws FormatError if it cannot be read.
+[[nodiscard]] std::string content_id(const std::filesystem::path& path);
+
+/// "0.1.0", and "landfall scan-sim 0.1.0 (git 0123abc)".
+[[nodiscard]] std::string program_version();
+[[nodiscard]] std::string source_line(const std::string& tool);
+
+}  // namespace landfall

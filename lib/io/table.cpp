@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/table.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/chunk_codec.h"
+
+namespace landfall {
+namespace {
+
+std::size_t length(const ColumnRows& rows) {
+  return std::visit([](auto span) { return span.size(); }, rows);
+}
+
+template <class T>
+void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
+  if constexpr (std::is_same_v<T, double>) {
+    if (to_type == h5::Type::float32) {
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const auto value = static_cast<float>(from[i]);
+        std::memcpy(to + i * sizeof value, &value, sizeof value);
+      }
+      return;
+    }
+  }
+  if (h5::TypeOf<T>::value != to_type) throw std::logic_error("a column's rows are not of its type");
+  std::memcpy(to, from.data(), from.size_bytes());
+}
+
+void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, const std::vector<std::byte>& bytes,
+                 const std::string& name) {
+  const hsize_t size = end;
+  const hsize_t offset = begin;
+  if (H5Dset_extent(dataset, &size) < 0 ||
+      H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &offset, bytes.size(), bytes.data()) < 0)
+    throw IoError("writing column " + name + " failed: " + h5::failure_reason());
+}
+
+void describe(hid_t dataset, const ColumnSpec& spec) {
+  h5::write_attribute(dataset, "units", spec.units);
+  h5::write_attribute(dataset, "long_name", spec.long_name);
+  if (spec.flag_values.empty()) return;
+  h5::write_attribute(dataset, "flag_values", spec.flag_values);
+  h5::write_attribute(dataset, "flag_meanings", spec.flag_meanings);
+}
+
+}  // namespace
+
+TableWriter::TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
+                         int compression)
+    : compression_(compression), group_(h5::create_group(parent, group)) {
+  for (ColumnSpec& spec : columns) {
+    h5::Handle dataset =
+        h5::create_dataset(group_.get(), spec.name, spec.type,
+                           {.size = {0}, .chunk = {kTableChunkRows}, .growing = true, .level = compression_});
+    describe(dataset.get(), spec);
+    std::vector<std::byte> buffer(kTableChunkRows * h5::size_of(spec.type));
+    columns_.push_back({std::move(spec), std::move(dataset), std::move(buffer)});
+  }
+}
+
+void TableWriter::append(std::span<const ColumnRows> rows) {
+  if (rows.size() != columns_.size()) throw std::logic_error("a table row needs every column");
+  const std::size_t count = length(rows.front());
+  std::size_t begin = 0;
+  while (begin < count) {
+    const std::size_t take = std::min(count - begin, kTableChunkRows - buffered_rows_);
+    buffer_rows(rows, begin, take);
+    begin += take;
+    if (buffered_rows_ == kTableChunkRows) flush();
+  }
+}
+
+void TableWriter::buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count) {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    Column& column = columns_[c];
+    std::byte* const target = column.buffer.data() + buffered_rows_ * h5::size_of(column.spec.type);
+    std::visit([&](auto span) { copy_rows(span.subspan(begin, count), column.spec.type, target); }, rows[c]);
+  }
+  buffered_rows_ += count;
+}
+
+void TableWriter::flush() {
+  std::vector<std::vector<std::byte>> encoded(columns_.size());
+  parallel_for(columns_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      encoded[c] = encode_chunk(columns_[c].buffer, h5::size_of(columns_[c].spec.type), compression_);
+  });
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    write_chunk(columns_[c].dataset.get(), written_rows_, written_rows_ + buffered_rows_, encoded[c],
+                columns_[c].spec.name);
+  written_rows_ += buffered_rows_;
+  buffered_rows_ = 0;
+}
+
+void TableWriter::finish() {
+  if (buffered_rows_ == 0) return;
+  for (Column& column : columns_) {  // the unused end of the last chunk: zeros, never old rows
+    const std::size_t used = buffered_rows_ * h5::size_of(column.spec.type);
+    std::fill(column.buffer.begin() + static_cast<std::ptrdiff_t>(used), column.buffer.end(), std::byte{0});
+  }
+  flush();
+}
+
+void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
+                 std::span<const ColumnRows> rows, int compression) {
+  TableWriter table(parent, group, std::move(columns), compression);
+  table.append(rows);
+  table.finish();
+}
+
+TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
+    : file_(std::move(file)), name_(group) {
+  if (h5::exists(parent, group)) group_ = h5::Handle(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose);
+  if (!group_) throw FormatError(file_ + ": no group /" + group);
+}
+
+bool TableReader::has(const std::string& column) const { return h5::exists(group_.get(), column); }
+
+h5::Handle TableReader::open(const std::string& column) const {
+  h5::Handle dataset;
+  if (has(column)) dataset = h5::Handle(H5Dopen2(group_.get(), column.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset) throw FormatError(file_ + ": no column /" + name_ + "/" + column);
+  return dataset;
+}
+
+std::size_t TableReader::row_count(const std::string& column) const {
+  const h5::Handle dataset = open(column);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  if (H5Sget_simple_extent_ndims(space.get()) != 1)
+    throw FormatError(file_ + ": column /" + name_ + "/" + column + " is not one-dimensional");
+  return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get()));
+}
+
+template <class T>
+void TableReader::read(const std::string& column, std::size_t begin, std::span<T> out) const {
+  if (out.empty()) return;
+  const h5::Handle dataset = open(column);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  const hsize_t offset = begin;
+  const hsize_t count = out.size();
+  const h5::Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const bool selected =
+      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &offset, nullptr, &count, nullptr) >= 0;
+  if (!selected || H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), memory.get(), space.get(),
+                           H5P_DEFAULT, out.data()) < 0)
+    throw FormatError(file_ + ": reading /" + name_ + "/" + column + " failed: " + h5::failure_reason());
+}
+
+template void TableReader::read(const std::string&, std::size_t, std::span<double>) const;
+template void TableReader::read(const std::string&, std::size_t, std::span<std::int64_t>) const;
+template void TableReader::read(const std::string&, std::size_t, std::span<std::int32_t>) const;
+template void TableReader::read(const std::string&, std::size_t, std::span<std::int8_t>) const;
+
+}  // namespace landfall

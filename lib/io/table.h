@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "io/h5.h"
+
+namespace landfall {
+
+/// Rows of a chunk of a table column.
+inline constexpr std::size_t kTableChunkRows = 65536;
+
+struct ColumnSpec {
+  std::string name;
+  h5::Type type;
+  std::string units;
+  std::string long_name;
+  std::vector<std::int8_t> flag_values = {};  ///< with flag_meanings: a CF flag variable
+  std::string flag_meanings = {};
+};
+
+/// One column's new rows. Doubles may go into a float32 column; other types must match.
+using ColumnRows = std::variant<std::span<const double>, std::span<const std::int64_t>,
+                                std::span<const std::int32_t>, std::span<const std::int8_t>>;
+
+/// A group of 1-D columns of equal length that grows row by row in bounded memory. Full chunks are compressed
+/// in parallel and written in order; the bytes do not depend on how the rows were batched.
+class TableWriter {
+ public:
+  TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
+
+  /// Adds rows; `rows` in the order of the columns, all of one length. Throws IoError when the disk refuses.
+  void append(std::span<const ColumnRows> rows);
+  /// Writes what is buffered. Call once, after the last append.
+  void finish();
+
+  [[nodiscard]] std::size_t row_count() const { return written_rows_ + buffered_rows_; }
+  [[nodiscard]] hid_t group() const { return group_.get(); }
+
+ private:
+  struct Column {
+    ColumnSpec spec;
+    h5::Handle dataset;
+    std::vector<std::byte> buffer;
+  };
+  void buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
+  void flush();
+
+  int compression_;
+  h5::Handle group_;
+  std::vector<Column> columns_;
+  std::size_t buffered_rows_ = 0;
+  std::size_t written_rows_ = 0;
+};
+
+/// Writes whole columns at once.
+void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
+                 std::span<const ColumnRows> rows, int compression);
+
+/// Reads 1-D columns of equal length, in pieces of rows.
+class TableReader {
+ public:
+  /// Throws FormatError (naming `file`) where the group is missing.
+  TableReader(hid_t parent, const std::string& group, std::string file);
+
+  [[nodiscard]] bool has(const std::string& column) const;
+  /// The rows of a column; every column read must have the same number. Throws FormatError where it is
+  /// missing or is not 1-D.
+  [[nodiscard]] std::size_t row_count(const std::string& column) const;
+  /// Reads rows [begin, begin + out.size()) converted to T. Throws FormatError where HDF5 fails.
+  template <class T>
+  void read(const std::string& column, std::size_t begin, std::span<T> out) const;
+  [[nodiscard]] hid_t group() const { return group_.get(); }
+
+ private:
+  [[nodiscard]] h5::Handle open(const std::string& column) const;
+
+  std::string file_;
+  std::string name_;
+  h5::Handle group_;
+};
+
+}  // namespace landfall
