@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace landfall {
+
+/// A configuration as the user gave it, before validation.
+struct JsonSource {
+  std::string name;  ///< for messages: the file's name, "standard input" or "config"
+  nlohmann::json value;
+};
+
+/// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError where the file
+/// cannot be read, is not JSON (line and column named; NaN and infinity are not JSON), holds a key twice, or
+/// is no object.
+[[nodiscard]] JsonSource read_json(const std::string& path);
+
+/// Applies `a.b.c=JSON` assignments in order; a number in the path is an array index, which must exist.
+/// Missing objects are made. Throws UsageError naming the assignment where it is not KEY=JSON or runs into a
+/// value that is no container.
+void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments);
+
+}  // namespace landfall

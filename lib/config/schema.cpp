@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/schema.h"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validation_results.hpp>
+#include <valijson/validator.hpp>
+
+#include "base/error.h"
+#include "config/embedded_schemas.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+/// What an over-long value looks like in a message.
+std::string shown(const Json& value) {
+  const std::string text = value.dump();
+  return text.size() <= 60 ? text : text.substr(0, 57) + "...";
+}
+
+std::string listed(const Json& values) {
+  std::string text;
+  for (const Json& value : values) text += (text.empty() ? "" : ", ") + value.dump();
+  return text;
+}
+
+std::string type_name(const Json& value) {
+  if (value.is_number_integer()) return "integer";
+  return value.is_number() ? "number" : value.type_name();
+}
+
+bool has_type(const Json& value, const std::string& type) {
+  if (type == "number") return value.is_number();
+  if (type == "integer") return value.is_number_integer();
+  return value.type_name() == type;
+}
+
+/// Walks a schema and a value together.
+class Resolver {
+ public:
+  Resolver(const std::string& name, const Json& root) : name_(name), root_(root) {}
+
+  void resolve(const Json& schema_or_ref, Json& value, const std::string& pointer) {
+    const Json& schema = dereferenced(schema_or_ref);
+    if (schema.contains("oneOf")) {
+      resolve(alternative(schema, value, pointer), value, pointer);
+      return;
+    }
+    check_type(schema, value, pointer);
+    check_choice(schema, value, pointer);
+    if (value.is_number()) check_bounds(schema, value, pointer);
+    if (value.is_array()) resolve_array(schema, value, pointer);
+    if (value.is_object()) resolve_object(schema, value, pointer);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
+    throw UsageError(name_ + ": " + (pointer.empty() ? "/" : pointer) + ": " + what);
+  }
+
+  const Json& dereferenced(const Json& schema) const {
+    if (!schema.contains("$ref")) return schema;
+    return root_.at(Json::json_pointer(schema.at("$ref").get<std::string>().substr(1)));
+  }
+
+  /// The alternative that the value's "type" names, or the one of its JSON type.
+  const Json& alternative(const Json& schema, Json& value, const std::string& pointer) const {
+    if (!value.is_object()) return alternative_of_json_type(schema, value, pointer);
+    if (!value.contains("type") && schema.contains("default")) value["type"] = schema["default"].at("type");
+    Json names = Json::array();
+    for (const Json& option : schema["oneOf"]) {
+      const Json& choice = dereferenced(option);
+      if (!choice.contains("properties") || !choice["properties"].contains("type")) continue;
+      const Json& constant = choice["properties"]["type"].at("const");
+      if (value.contains("type") && value["type"] == constant) return choice;
+      names.push_back(constant);
+    }
+    if (names.empty()) return alternative_of_json_type(schema, value, pointer);
+    if (!value.contains("type")) fail(pointer, "needs a \"type\": one of " + listed(names));
+    fail_choice(names, value["type"], pointer + "/type");
+  }
+
+  const Json& alternative_of_json_type(const Json& schema, const Json& value,
+                                       const std::string& pointer) const {
+    std::string wanted;
+    for (const Json& option : schema["oneOf"]) {
+      const Json& choice = dereferenced(option);
+      const std::string type = choice.value("type", "object");
+      if (has_type(value, type)) return choice.contains("oneOf") ? option : choice;
+      wanted += (wanted.empty() ? "" : " or ") + type;
+    }
+    fail(pointer, shown(value) + " is no " + wanted);
+  }
+
+  [[noreturn]] void fail_choice(const Json& choices, const Json& value, const std::string& pointer) const {
+    std::vector<std::string> words;
+    for (const Json& choice : choices)
+      if (choice.is_string()) words.push_back(choice.get<std::string>());
+    const std::string near = value.is_string() ? nearest_word(value.get<std::string>(), words) : "";
+    fail(pointer, shown(value) + " is not one of " + listed(choices) +
+                      (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+  }
+
+  void check_type(const Json& schema, const Json& value, const std::string& pointer) const {
+    if (!schema.contains("type")) return;
+    const std::string type = schema["type"].get<std::string>();
+    if (!has_type(value, type))
+      fail(pointer, shown(value) + " is of type " + type_name(value) + ", not " + type);
+  }
+
+  void check_choice(const Json& schema, const Json& value, const std::string& pointer) const {
+    if (schema.contains("const") && value != schema["const"])
+      fail(pointer, shown(value) + " is not " + schema["const"].dump());
+    if (!schema.contains("enum")) return;
+    const Json& choices = schema["enum"];
+    if (std::find(choices.begin(), choices.end(), value) == choices.end())
+      fail_choice(choices, value, pointer);
+  }
+
+  void check_bounds(const Json& schema, const Json& value, const std::string& pointer) const {
+    const auto refuse = [&](const char* keyword, const char* text) {
+      fail(pointer, shown(value) + " is " + text + " " + schema[keyword].dump());
+    };
+    if (schema.contains("minimum") && value < schema["minimum"]) refuse("minimum", "below the minimum");
+    if (schema.contains("maximum") && value > schema["maximum"]) refuse("maximum", "above the maximum");
+    if (schema.contains("exclusiveMinimum") && value <= schema["exclusiveMinimum"])
+      refuse("exclusiveMinimum", "not greater than");
+    if (schema.contains("exclusiveMaximum") && value >= schema["exclusiveMaximum"])
+      refuse("exclusiveMaximum", "not less than");
+  }
+
+  void resolve_array(const Json& schema, Json& value, const std::string& pointer) {
+    const std::size_t size = value.size();
+    if (size < schema.value("minItems", std::size_t{0}) || size > schema.value("maxItems", SIZE_MAX)) {
+      const bool exact = schema.contains("maxItems") && schema.value("minItems", 0) == schema["maxItems"];
+      fail(pointer,
+           "an array of " + std::to_string(size) + " elements; wanted " +
+               (exact                                             ? ""
+                : size < schema.value("minItems", std::size_t{0}) ? "at least "
+                                                                  : "at most ") +
+               (size < schema.value("minItems", std::size_t{0}) ? schema["minItems"] : schema["maxItems"])
+                   .dump());
+    }
+    if (!schema.contains("items")) return;
+    for (std::size_t i = 0; i < size; ++i)
+      resolve(schema["items"], value[i], pointer + "/" + std::to_string(i));
+  }
+
+  void resolve_object(const Json& schema, Json& value, const std::string& pointer) {
+    const Json no_properties = Json::object();
+    const Json& properties = schema.contains("properties") ? schema["properties"] : no_properties;
+    for (const auto& [key, unused] : value.items())
+      if (!properties.contains(key)) fail_unknown_key(properties, key, pointer);
+    if (schema.contains("required"))
+      for (const Json& key : schema["required"])
+        if (!value.contains(key.get<std::string>())) fail(pointer, "needs the key " + key.dump());
+    for (const auto& [key, property] : properties.items()) {
+      if (!value.contains(key)) {
+        const std::optional<Json> fallback = default_of(property);
+        if (!fallback) continue;
+        value[key] = *fallback;
+      }
+      resolve(property, value[key], pointer + "/" + key);
+    }
+  }
+
+  std::optional<Json> default_of(const Json& property) const {
+    if (property.contains("default")) return property["default"];
+    const Json& schema = dereferenced(property);
+    if (schema.contains("default")) return schema["default"];
+    return std::nullopt;
+  }
+
+  [[noreturn]] void fail_unknown_key(const Json& properties, const std::string& key,
+                                     const std::string& pointer) const {
+    std::vector<std::string> known;
+    for (const auto& [name, unused] : properties.items()) known.push_back(name);
+    const std::string near = nearest_word(key, known);
+    std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
+    if (near.empty())
+      for (std::size_t i = 0; i < known.size(); ++i) hint += (i == 0 ? "" : ", ") + known[i];
+    fail(pointer + "/" + key, "unknown key" + hint);
+  }
+
+  std::string name_;
+  const Json& root_;
+};
+
+void validate(const std::string& name, const Json& schema_json, const Json& value) {
+  valijson::Schema schema;
+  valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
+  const valijson::adapters::NlohmannJsonAdapter schema_adapter(schema_json);
+  parser.populateSchema(schema_adapter, schema);
+  valijson::Validator validator(valijson::Validator::kStrongTypes);
+  valijson::ValidationResults results;
+  const valijson::adapters::NlohmannJsonAdapter adapter(value);
+  if (validator.validate(schema, adapter, &results)) return;
+  valijson::ValidationResults::Error error;
+  std::string text;
+  while (results.popError(error)) {
+    text.clear();
+    for (const std::string& part : error.context) text += part;
+    text += ": " + error.description;
+  }
+  throw UsageError(name + ": " + text);
+}
+
+}  // namespace
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& known) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : known) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance >= best_distance) continue;
+    best_distance = distance;
+    best = candidate;
+  }
+  return best;
+}
+
+const Json& embedded_schema(const std::string& name) {
+  static const Json schemas = [] {
+    Json all = Json::object();
+    for (const EmbeddedSchema& schema : kEmbeddedSchemas) all[schema.name] = Json::parse(schema.text);
+    return all;
+  }();
+  return schemas.at(name);
+}
+
+Json resolve_config(const JsonSource& source, const Json& schema) {
+  Json value = source.value;
+  Resolver(source.name, schema).resolve(schema, value, "");
+  validate(source.name, schema, value);
+  return value;
+}
+
+}  // namespace landfall

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "config/json_source.h"
+
+namespace landfall {
+
+/// The JSON schema (draft-07) of a tool's configuration, embedded from schemas/NAME.schema.json; NAME is
+/// terrain, scan, regrid or eval.
+[[nodiscard]] const nlohmann::json& embedded_schema(const std::string& name);
+
+/// Checks a configuration against a schema and fills in the schema's defaults: the resolved configuration.
+///
+/// valijson decides; before it, a walk over schema and value together fills the defaults and names what is
+/// wrong: `scan.json: /noise/dropout_frac: 1.7 is above the maximum 1`, and for an unknown key the nearest
+/// known one. A `oneOf` is a choice by the value's "type" (defaulting to the `oneOf` owner's default) or by
+/// JSON type. Throws UsageError.
+[[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
+
+/// The member of `known` that `word` most probably means, empty where none is near (edit distance <= 2, or
+/// one third of the word).
+[[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace landfall

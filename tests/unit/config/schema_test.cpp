@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/schema.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string refusal(const std::string& schema, const std::string& text) {
+  try {
+    static_cast<void>(resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema)));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Schema, EmptyConfigResolvesToTheContractsDefaults) {
+  const Json scan = resolve_config({"c", Json::object()}, embedded_schema("scan"));
+  EXPECT_EQ(scan.at("detector").at("rows"), 18);
+  EXPECT_EQ(scan.at("scanner").at("type"), "fsm");
+  EXPECT_EQ(scan.at("scanner").at("pattern").at("at_end"), "wrap");
+  EXPECT_EQ(scan.at("mount").at("rpy_deg"), Json({180, 0, 0}));
+  EXPECT_EQ(scan.at("trajectory").at("velocity_mps"), Json({0, 0, -23}));
+  const Json terrain = resolve_config({"c", Json::object()}, embedded_schema("terrain"));
+  EXPECT_EQ(terrain.at("base"), Json::parse(R"({"type":"plane","elevation_m":0,"slope_x":0,"slope_y":0})"));
+  const Json eval = resolve_config({"c", Json::object()}, embedded_schema("eval"));
+  EXPECT_EQ(eval.at("limits").at("hole_bins"), 10);
+}
+
+TEST(Schema, AMessageNamesFilePathValueAndBound) {
+  EXPECT_EQ(refusal("scan", R"({"noise": {"dropout_frac": 1.7}})"),
+            "c.json: /noise/dropout_frac: 1.7 is above the maximum 1");
+  EXPECT_EQ(refusal("scan", R"({"noise": {"range_sigma_m": -0.1}})"),
+            "c.json: /noise/range_sigma_m: -0.1 is below the minimum 0");
+  EXPECT_EQ(refusal("scan", R"({"laser": {"pulse_rate_hz": 0}})"),
+            "c.json: /laser/pulse_rate_hz: 0 is not greater than 0");
+  EXPECT_EQ(refusal("scan", R"({"detector": {"rows": 4097}})"),
+            "c.json: /detector/rows: 4097 is above the maximum 4096");
+  EXPECT_EQ(refusal("scan", R"({"detector": {"rows": 1.5}})"),
+            "c.json: /detector/rows: 1.5 is of type number, not integer");
+  EXPECT_EQ(refusal("scan", R"({"mount": {"rpy_deg": [1, 2]}})"),
+            "c.json: /mount/rpy_deg: an array of 2 elements; wanted 3");
+  EXPECT_EQ(refusal("terrain", R"({"features": [{"type": "cone", "radius_m": 3}]})"),
+            "c.json: /features/0: needs the key \"height_m\"");
+}
+
+TEST(Schema, UnknownKeysGetASuggestion) {
+  EXPECT_EQ(refusal("scan", R"({"noise": {"range_sgima_m": 0}})"),
+            "c.json: /noise/range_sgima_m: unknown key; did you mean \"range_sigma_m\"?");
+  EXPECT_THAT(refusal("regrid", R"({"zzzzzzzz": 1})"),
+              AllOf(HasSubstr("unknown key"), HasSubstr("half_width_m")));
+}
+
+TEST(Schema, VariantsAreChosenByType) {
+  EXPECT_EQ(refusal("scan", R"({"scanner": {"type": "fms"}})"),
+            "c.json: /scanner/type: \"fms\" is not one of \"flash\", \"fsm\"; did you mean \"fsm\"?");
+  EXPECT_THAT(refusal("scan", R"({"scanner": {"type": "flash", "pattern": {}}})"),
+              HasSubstr("/scanner/pattern"));
+  EXPECT_EQ(refusal("scan", R"({"scanner": {"pattern": {"rows": 0}}})"),
+            "c.json: /scanner/pattern/rows: 0 is below the minimum 1");
+  EXPECT_THAT(refusal("terrain", R"({"features": [{"radius_m": 3}]})"), HasSubstr("needs a \"type\""));
+  EXPECT_EQ(refusal("scan", R"({"detector": {"ifov_rad": [1e-4, 2e-4]}})"), "accepted");
+  EXPECT_EQ(refusal("scan", R"({"detector": {"ifov_rad": "x"}})"),
+            "c.json: /detector/ifov_rad: \"x\" is no number or array");
+}
+
+TEST(Schema, BasesMayBeStacked) {
+  const Json terrain = resolve_config(
+      {"c", Json::parse(R"({"base": [{"type": "plane", "slope_x": 0.1}, {"type": "fractal"}]})")},
+      embedded_schema("terrain"));
+  EXPECT_EQ(terrain.at("base").size(), 2U);
+  EXPECT_EQ(terrain.at("base").at(1).at("hurst_exponent"), 0.8);
+}
+
+// The walk that explains knows these keywords; a schema that uses another would be judged by valijson alone,
+// with messages that name no bound.
+void expect_known_keywords(const Json& schema) {
+  static const std::set<std::string> kKnown = {"$schema",
+                                               "$ref",
+                                               "title",
+                                               "description",
+                                               "type",
+                                               "properties",
+                                               "additionalProperties",
+                                               "default",
+                                               "oneOf",
+                                               "enum",
+                                               "const",
+                                               "minimum",
+                                               "maximum",
+                                               "exclusiveMinimum",
+                                               "items",
+                                               "minItems",
+                                               "maxItems",
+                                               "exclusiveMaximum",
+                                               "required",
+                                               "definitions",
+                                               "minLength"};
+  for (const auto& [key, value] : schema.items()) {
+    EXPECT_TRUE(kKnown.count(key) == 1) << key;
+    if (key == "properties" || key == "definitions")
+      for (const auto& [name, sub] : value.items()) expect_known_keywords(sub);
+    if (key == "items") expect_known_keywords(value);
+    if (key == "oneOf")
+      for (const Json& sub : value) expect_known_keywords(sub);
+  }
+}
+
+TEST(Schema, SchemasUseOnlyKeywordsThatAreExplained) {
+  for (const char* const name : {"terrain", "scan", "regrid", "eval"})
+    expect_known_keywords(embedded_schema(name));
+}
+
+TEST(NearestWord, SuggestsOnlyWhatIsNear) {
+  EXPECT_EQ(nearest_word("colums", {"rows", "columns"}), "columns");
+  EXPECT_EQ(nearest_word("abcdefgh", {"rows", "columns"}), "");
+}
+
+}  // namespace
+}  // namespace landfall
