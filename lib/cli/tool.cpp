@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/tool.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <new>
+
+#include "base/parallel.h"
+#include "cli/progress_bar.h"
+#include "config/json_source.h"
+#include "config/schema.h"
+#include "io/temporary_files.h"
+
+namespace landfall::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Anything that follows a path in a message or a file must not carry the machine's folders.
+void cut_paths(Json& value) {
+  if (value.is_object() && value.contains("path") && value["path"].is_string())
+    value["path"] = std::filesystem::path(value["path"].get<std::string>()).filename().string();
+  if (value.is_structured())
+    for (Json& element : value) cut_paths(element);
+}
+
+Json environment_json(const std::string& config_name) {
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  const std::time_t now = std::time(nullptr);
+  char clock[32] = "";
+  std::strftime(clock, sizeof clock, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  return {{"host", host},
+          {"time_utc", clock},
+          {"folder", std::filesystem::current_path().string()},
+          {"config", config_name}};
+}
+
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024;
+}
+
+void bind_common(CLI::App& app, CommonOptions& o, bool has_seed) {
+  app.add_option("-c,--config", o.config_path, "JSON configuration; - is standard input")->type_name("FILE");
+  app.add_option("--set", o.assignments, "Set one config value, a.b.c=JSON; repeatable, wins over the file")
+      ->type_name("KEY=JSON")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("-o,--output", o.output_path, "Output file")->type_name("FILE");
+  app.add_flag("-O,--overwrite", o.overwrite, "Replace an existing output");
+  app.add_option("-t,--threads", o.threads, "Threads; 0 is all cores")
+      ->type_name("N")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  if (has_seed)
+    app.add_option("--seed", o.seed, "Seed of all chance; wins over the config")
+        ->type_name("N")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}));
+  app.add_option("--compression", o.compression, "Deflate level of the output, 0 is none")
+      ->type_name("0..9")
+      ->check(CLI::Range(0, 9))
+      ->capture_default_str();
+  app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress");
+  app.add_flag("-v,--verbose", o.verbose, "Say what is done, on stderr");
+  app.add_flag("--progress,!--no-progress", o.progress, "Show progress; default: if stderr is a terminal");
+  app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory");
+  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop");
+  app.add_flag("--print-schema", o.print_schema, "Print the configuration's JSON schema and stop");
+  app.add_flag("--check", o.check_only, "Validate the configuration and stop");
+  app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output");
+}
+
+ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
+  if (options.print_schema) {
+    std::cout << embedded_schema(tool.schema).dump(2) << '\n';
+    return ExitCode::done;
+  }
+  Session session(tool.name, tool.schema, options);
+  session.resolve_config();
+  tool.check(session);
+  if (options.print_config) std::cout << session.config().dump(2) << '\n';
+  if (options.print_config || options.check_only) return ExitCode::done;
+  const ThreadLimit limit(options.threads);
+  install_signal_cleanup();
+  const ExitCode code = tool.run(session);
+  if (options.json_summary) std::cout << session.summary().dump(2) << '\n';
+  std::cout.flush();
+  if (!std::cout) throw IoError("writing to standard output failed");
+  return code;
+}
+
+int fail(const std::string& tool, const std::string& message, ExitCode code) {
+  std::cerr << tool << ": " << message << '\n';
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+Session::Session(std::string tool, std::string schema, const CommonOptions& options)
+    : tool_(std::move(tool)), schema_(std::move(schema)), options_(options), start_s_(wall_seconds()) {}
+
+void Session::resolve_config() {
+  JsonSource source = read_json(options_.config_path);
+  apply_assignments(source, options_.assignments);
+  if (options_.seed) source.value["seed"] = *options_.seed;
+  config_name_ = source.name;
+  config_ = landfall::resolve_config(source, embedded_schema(schema_));
+}
+
+OutputOptions Session::output() const {
+  if (options_.output_path.empty()) throw UsageError("-o/--output is required");
+  return {options_.output_path, options_.overwrite, options_.compression};
+}
+
+Provenance Session::provenance() const {
+  Provenance provenance;
+  provenance.tool = tool_;
+  provenance.config = config_;
+  cut_paths(provenance.config);
+  if (options_.record_environment) provenance.environment = environment_json(config_name_);
+  return provenance;
+}
+
+void Session::phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work) {
+  const double wall = wall_seconds();
+  const double cpu = cpu_seconds();
+  const bool shown = !options_.quiet && options_.progress.value_or(isatty(STDERR_FILENO) != 0);
+  if (shown) {
+    ProgressBar bar(name);
+    work([&bar](double fraction) { bar.update(fraction); });
+    bar.finish();
+  } else {
+    work({});
+  }
+  phases_[name] = {{"wall_s", wall_seconds() - wall}, {"cpu_s", cpu_seconds() - cpu}};
+}
+
+void Session::log(const std::string& line) const {
+  if (options_.verbose && !options_.quiet) std::cerr << tool_ << ": " << line << '\n';
+}
+
+Json Session::summary() const {
+  Json result = {{"tool", tool_},
+                 {"phases", phases_},
+                 {"wall_s", wall_seconds() - start_s_},
+                 {"cpu_s", cpu_seconds()},
+                 {"peak_memory_bytes", peak_memory_bytes()},
+                 {"threads", thread_count()}};
+  result.update(counts_);
+  return result;
+}
+
+int tool_main(int argc, const char* const* argv, const Tool& tool) {
+  CLI::App app(tool.summary, tool.name);
+  CommonOptions options;
+  app.set_version_flag("-V,--version", source_line(tool.name));
+  app.footer(tool.examples);
+  tool.bind(app);
+  bind_common(app, options, tool.has_seed);
+  try {
+    app.parse(argc, argv);
+    return static_cast<int>(run_tool(tool, options));
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+  } catch (const CLI::CallForVersion&) {
+    std::cout << source_line(tool.name) << '\n';
+  } catch (const CLI::ParseError& error) {
+    return fail(tool.name, std::string(error.what()) + " (see --help)", ExitCode::usage);
+  } catch (const Error& error) {
+    return fail(tool.name, error.what(), error.exit_code());
+  } catch (const std::bad_alloc&) {
+    return fail(tool.name, "not enough memory for this run", ExitCode::data_failed);
+  } catch (const std::exception& error) {
+    return fail(tool.name, std::string("internal error, please report it: ") + error.what(),
+                ExitCode::data_failed);
+  }
+  return 0;
+}
+
+}  // namespace landfall::cli

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "io/landfall_file.h"
+
+namespace CLI {
+class App;
+}
+
+namespace landfall::cli {
+
+/// The options that all tools share (SPEC section 1).
+struct CommonOptions {
+  std::string config_path;
+  std::vector<std::string> assignments;
+  std::string output_path;
+  bool overwrite = false;
+  std::size_t threads = 0;
+  std::optional<std::uint64_t> seed;
+  bool quiet = false;
+  bool verbose = false;
+  std::optional<bool> progress;
+  bool json_summary = false;
+  bool print_config = false;
+  bool print_schema = false;
+  bool check_only = false;
+  bool record_environment = false;
+  int compression = 1;
+};
+
+/// What one run of a tool has at hand.
+class Session {
+ public:
+  Session(std::string tool, std::string schema, const CommonOptions& options);
+
+  [[nodiscard]] const std::string& tool() const { return tool_; }
+  [[nodiscard]] const CommonOptions& options() const { return options_; }
+  /// The resolved configuration, and its name for messages.
+  [[nodiscard]] const nlohmann::json& config() const { return config_; }
+  [[nodiscard]] const std::string& config_name() const { return config_name_; }
+  /// Throws UsageError without -o.
+  [[nodiscard]] OutputOptions output() const;
+  /// The provenance of this run, its inputs still to be added.
+  [[nodiscard]] Provenance provenance() const;
+
+  /// Runs one phase of the work: shows its progress on a terminal, records its wall and CPU time for --json.
+  void phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
+  /// Adds a count to the --json summary.
+  void count(const std::string& name, nlohmann::json value) { counts_[name] = std::move(value); }
+  /// A line on stderr, only with --verbose.
+  void log(const std::string& line) const;
+
+  /// Resolves the configuration; throws UsageError.
+  void resolve_config();
+  [[nodiscard]] nlohmann::json summary() const;
+
+ private:
+  std::string tool_;
+  std::string schema_;
+  CommonOptions options_;
+  std::string config_name_;
+  nlohmann::json config_;
+  nlohmann::json phases_ = nlohmann::json::object();
+  nlohmann::json counts_ = nlohmann::json::object();
+  double start_s_;
+};
+
+/// A tool as its source file declares it.
+struct Tool {
+  std::string name;
+  std::string summary;   ///< one line
+  std::string examples;  ///< shown under --help
+  std::string schema;    ///< of embedded_schema()
+  bool has_seed = false;
+  std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
+  /// Builds the typed configuration, so that --check refuses what the schema cannot express.
+  std::function<void(const Session&)> check;
+  std::function<ExitCode(Session&)> run;
+};
+
+/// Parses, prints what was asked for, runs; owns the only catch. Exit codes by SPEC section 1; every error is
+/// one line on stderr that begins with the tool's name.
+int tool_main(int argc, const char* const* argv, const Tool& tool);
+
+}  // namespace landfall::cli
