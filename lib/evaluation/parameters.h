@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+#include "raster/grid_spec.h"
+
+namespace landfall {
+
+/// Table 1 of Chen et al.: a value equal to its limit passes.
+struct EvaluationLimits {
+  double invalid_frac = 0.01;              ///< invalid bins over all bins of the region
+  std::int64_t hole_bins = 10;             ///< bins of one hole
+  double distance_bins = 1;                ///< from an invalid bin to the nearest valid one
+  double relative_elevation_m = 0.05;      ///< rel_z of every footprint
+  double relative_horizontal_m = 0.05;     ///< rel_x and rel_y of every footprint
+  double absolute_horizontal_m = 1;        ///< hypot(abs_x, abs_y) of a footprint
+  double absolute_horizontal_frac = 0.95;  ///< the footprints that must keep absolute_horizontal_m
+  friend bool operator==(const EvaluationLimits&, const EvaluationLimits&) = default;
+};
+
+struct EvaluationParameters {
+  double region_radius_m = 50;  ///< about the origin, the intended landing site
+  double footprint_m = 1.7;     ///< edge of the square that the lander stands on
+  double quantile = 0.95;       ///< of |e - mean| in a footprint (Eq. 12)
+  EvaluationLimits limits;
+  friend bool operator==(const EvaluationParameters&, const EvaluationParameters&) = default;
+};
+
+/// Throws UsageError, naming the key, unless lengths are finite and positive, fractions and the quantile lie
+/// in [0, 1], and the other limits are finite and not negative.
+void check(const EvaluationParameters& parameters);
+
+/// h of the footprint of 2 h + 1 bins edge: bins whose centre lies within footprint_m / 2, inclusive, so h =
+/// floor(footprint_m / (2 resolution_m) + 1e-9). The slack of 1e-9 bins absorbs the division's rounding.
+/// Throws UsageError when h exceeds 2^20.
+[[nodiscard]] std::int64_t footprint_half_bins(double footprint_m, double resolution_m);
+
+}  // namespace landfall

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+double ratio_of(double radius_m, double resolution_m) {
+  const double ratio = radius_m / resolution_m;
+  const double whole = std::nearbyint(ratio);
+  return std::abs(ratio - whole) <= 1e-9 ? whole : ratio;
+}
+
+/// Bins from the origin to the nearest border of the DEM; negative when the origin is outside.
+std::int64_t margin_bins(const GridSpec& dem) {
+  return std::min(
+      {-dem.first_row, -dem.first_col, dem.first_row + dem.rows - 1, dem.first_col + dem.cols - 1});
+}
+
+[[noreturn]] void refuse(const GridSpec& dem, double radius_m) {
+  const std::int64_t margin = margin_bins(dem);
+  std::ostringstream message;
+  message.precision(12);
+  message << "region_radius_m: " << radius_m << " does not fit the DEM";
+  if (margin < 0)
+    message << ", which does not hold the origin: no region fits";
+  else
+    message << ": the largest radius that fits is " << static_cast<double>(margin + 1) * dem.resolution_m;
+  throw UsageError(message.str());
+}
+
+}  // namespace
+
+BinMask circular_region(const GridSpec& dem, double radius_m) {
+  const double radius_bins = ratio_of(radius_m, dem.resolution_m);
+  const std::int64_t margin = margin_bins(dem);
+  // |i| = margin + 1, the first bin outside, is in the region only when radius_bins > margin + 1.
+  if (!(radius_bins > 0) || margin < 0 || radius_bins > static_cast<double>(margin + 1))
+    refuse(dem, radius_m);
+  const bool whole = radius_bins == std::floor(radius_bins);
+  const std::int64_t whole_radius = static_cast<std::int64_t>(radius_bins);
+  const auto inside = [&](std::int64_t squared) {
+    return whole ? squared < whole_radius * whole_radius
+                 : static_cast<double>(squared) < radius_bins * radius_bins;
+  };
+  BinMask region(dem);
+  for (std::int64_t row = 0; row < dem.rows; ++row) {
+    const std::int64_t i = dem.first_row + row;
+    for (std::int64_t col = 0; col < dem.cols; ++col) {
+      const std::int64_t j = dem.first_col + col;
+      region.at({row, col}) = inside(i * i + j * j) ? 1 : 0;
+    }
+  }
+  return region;
+}
+
+std::int64_t count_set(const BinMask& mask) {
+  return static_cast<std::int64_t>(
+      std::count_if(mask.values().begin(), mask.values().end(), [](std::int8_t v) { return v != 0; }));
+}
+
+}  // namespace landfall

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/parameters.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+std::string refusal(const std::function<void(EvaluationParameters&)>& change) {
+  EvaluationParameters parameters;
+  change(parameters);
+  try {
+    check(parameters);
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(EvaluationParameters, DefaultsAreTable1) {
+  const EvaluationParameters parameters;
+  EXPECT_NO_THROW(check(parameters));
+  EXPECT_EQ(parameters.limits.invalid_frac, 0.01);
+  EXPECT_EQ(parameters.limits.hole_bins, 10);
+  EXPECT_EQ(parameters, EvaluationParameters{});
+}
+
+TEST(EvaluationParameters, LengthsAreFiniteAndPositive) {
+  for (const double bad : {0.0, -1.0, kNan, kInf}) {
+    EXPECT_THAT(refusal([&](auto& p) { p.region_radius_m = bad; }), testing::StartsWith("region_radius_m: "));
+    EXPECT_THAT(refusal([&](auto& p) { p.footprint_m = bad; }), testing::StartsWith("footprint_m: "));
+  }
+}
+
+TEST(EvaluationParameters, FractionsLieBetween0And1) {
+  for (const double good : {0.0, 1.0})
+    EXPECT_EQ(refusal([&](auto& p) {
+                p.quantile = good;
+                p.limits.invalid_frac = good;
+                p.limits.absolute_horizontal_frac = good;
+              }),
+              "accepted");
+  EXPECT_EQ(refusal([](auto& p) { p.quantile = 1.5; }), "quantile: 1.5 is not in [0, 1]");
+  EXPECT_EQ(refusal([](auto& p) { p.quantile = kNan; }), "quantile: nan is not in [0, 1]");
+  EXPECT_EQ(refusal([](auto& p) { p.limits.invalid_frac = -0.5; }),
+            "limits.invalid_frac: -0.5 is not in [0, 1]");
+  EXPECT_EQ(refusal([](auto& p) { p.limits.absolute_horizontal_frac = 2; }),
+            "limits.absolute_horizontal_frac: 2 is not in [0, 1]");
+}
+
+TEST(EvaluationParameters, LimitsAreNotNegative) {
+  EXPECT_EQ(refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
+  EXPECT_EQ(refusal([](auto& p) { p.limits.hole_bins = -1; }),
+            "limits.hole_bins: -1 is not finite and at least 0");
+  for (const double bad : {-1.0, kNan, kInf}) {
+    EXPECT_NE(refusal([&](auto& p) { p.limits.distance_bins = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_elevation_m = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.relative_horizontal_m = bad; }), "accepted");
+    EXPECT_NE(refusal([&](auto& p) { p.limits.absolute_horizontal_m = bad; }), "accepted");
+  }
+}
+
+TEST(FootprintHalfBins, CentresWithinHalfTheEdgeInclusive) {
+  EXPECT_EQ(footprint_half_bins(1.7, 0.05), 17);  // 35 bins; 1.7 / 0.1 = 16.999999999999996
+  EXPECT_EQ(footprint_half_bins(1.7, 0.1), 8);    // 8.5 bins each way
+  EXPECT_EQ(footprint_half_bins(1.69, 0.05), 16);
+  EXPECT_EQ(footprint_half_bins(0.6, 0.1), 3);  // 0.6 / 0.2 = 2.9999999999999996
+  EXPECT_EQ(footprint_half_bins(0.01, 1), 0);   // one bin
+}
+
+TEST(FootprintHalfBins, RefusesAFootprintBeyondCounting) {
+  EXPECT_EQ(footprint_half_bins(0x1p21, 1), 0x1p20);
+  EXPECT_THROW(static_cast<void>(footprint_half_bins(0x1p22, 1)), UsageError);
+  EXPECT_THROW(static_cast<void>(footprint_half_bins(1e300, 1e-300)), UsageError);
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/region.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+std::string refusal(const GridSpec& dem, double radius_m) {
+  try {
+    static_cast<void>(circular_region(dem, radius_m));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(CircularRegion, PapersCountWithoutThe28BinsOnTheCircle) {
+  const GridSpec dem = GridSpec::centered(50, 0.05);
+  const BinMask region = circular_region(dem, 50);
+  EXPECT_EQ(count_set(region), 3'141'521);
+  std::int64_t on_circle = 0;
+  for (std::int64_t row = 0; row < dem.rows; ++row) {
+    for (std::int64_t col = 0; col < dem.cols; ++col) {
+      const std::int64_t i = row - 1000;
+      const std::int64_t j = col - 1000;
+      if (i * i + j * j != 1'000'000) continue;
+      ++on_circle;
+      EXPECT_EQ(region.at({row, col}), 0);
+    }
+  }
+  EXPECT_EQ(on_circle, 28);
+}
+
+// R/s = 2: the origin, 4 at distance 1, 4 at sqrt 2; those at 2 are out.
+TEST(CircularRegion, SmallWholeRadius) {
+  const BinMask region = circular_region(GridSpec::centered(2, 1), 2);
+  EXPECT_EQ(count_set(region), 9);
+  EXPECT_EQ(region.at({2, 2}), 1);
+  EXPECT_EQ(region.at({1, 3}), 1);
+  EXPECT_EQ(region.at({0, 2}), 0);
+}
+
+TEST(CircularRegion, RatioNearAnIntegerIsThatInteger) {
+  EXPECT_EQ(count_set(circular_region(GridSpec::centered(0.3, 0.1), 0.3)), 25);  // 0.3 / 0.1 < 3
+  EXPECT_EQ(count_set(circular_region(GridSpec::centered(3, 1), 2 + 1e-10)), 9);
+  EXPECT_EQ(count_set(circular_region(GridSpec::centered(3, 1), 2 + 1e-8)), 13);  // no longer 2
+}
+
+// (R/s)^2 = 5.29: 21 lattice points have i^2 + j^2 <= 5.
+TEST(CircularRegion, FractionalRadius) {
+  EXPECT_EQ(count_set(circular_region(GridSpec::centered(2, 1), 2.3)), 21);
+  EXPECT_EQ(count_set(circular_region(GridSpec::centered(2, 1), 0.5)), 1);
+}
+
+TEST(CircularRegion, FitsWhileEveryBinLiesInTheDem) {
+  const GridSpec dem = GridSpec::centered(2, 0.5);  // 4 bins from the origin to the border
+  EXPECT_EQ(refusal(dem, 2.5), "accepted");         // bins at 5 would be on the circle: out
+  EXPECT_EQ(refusal(dem, 2.6),
+            "region_radius_m: 2.6 does not fit the DEM: the largest radius that fits is 2.5");
+  EXPECT_NE(refusal(dem, 1e300), "accepted");
+}
+
+TEST(CircularRegion, OriginNeedNotBeTheMiddle) {
+  const GridSpec dem{1, -2, -7, 20, 20};  // the southern border is nearest
+  const BinMask region = circular_region(dem, 3);
+  EXPECT_EQ(count_set(region), 25);
+  EXPECT_EQ(region.at({2, 7}), 1);
+  EXPECT_EQ(region.at({0, 7}), 1);
+  EXPECT_EQ(refusal(dem, 3.5),
+            "region_radius_m: 3.5 does not fit the DEM: the largest radius that fits is 3");
+}
+
+TEST(CircularRegion, NoRegionFitsADemWithoutTheOrigin) {
+  EXPECT_EQ(refusal({1, 1, -5, 10, 10}, 0.5),
+            "region_radius_m: 0.5 does not fit the DEM, which does not hold the origin: no region fits");
+}
+
+}  // namespace
+}  // namespace landfall
