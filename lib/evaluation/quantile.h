@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace landfall {
+
+/// Where a quantile lies among n sorted values a[0] <= .. <= a[n-1]: h = (n - 1) q, below = floor(h), frac =
+/// h - below, and its value is a[below] + frac (a[below + 1] - a[below]), or a[below] when frac is 0.
+/// This is numpy's default, Hyndman and Fan's type 7.
+struct QuantileRank {
+  std::size_t below = 0;
+  double frac = 0;
+};
+
+/// n >= 1, q in [0, 1].
+[[nodiscard]] QuantileRank quantile_rank(std::size_t n, double q);
+
+/// The q-quantile of the values, which it reorders. NaN when there is none; no value may be NaN. O(n).
+[[nodiscard]] double quantile_in_place(std::span<double> values, double q);
+
+}  // namespace landfall
