@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "evaluation/holes.h"
+#include "evaluation/metrics.h"
+
+namespace landfall {
+
+/// Coverage of the region by valid bins: the first three rows of Table 1.
+struct Coverage {
+  BinMask invalid;             ///< 1 where z_est is NaN inside the region
+  Grid<std::int32_t> hole_id;  ///< 8-connected components of `invalid`; 0 outside them
+  /// Euclidean, to the nearest valid bin of the whole DEM, in bins squared (distance_transform.h), of every
+  /// bin of the DEM, the region's or not.
+  Grid<std::int64_t> squared_distance;
+  std::vector<Hole> holes;  ///< distances filled
+  CoverageMetrics metrics;
+};
+
+/// `region` lies on the grid of z_est and has at least one bin. A DEM without any valid bin has infinite
+/// distances.
+[[nodiscard]] Coverage assess_coverage(const Grid<double>& z_est, const BinMask& region,
+                                       const EvaluationLimits& limits);
+
+}  // namespace landfall

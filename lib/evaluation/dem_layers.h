@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// Where the terrain under each bin truly is (SPEC layers x_true, y_true, z_true): metres, NaN where unknown.
+struct TrueLayers {
+  Grid<double> x;
+  Grid<double> y;
+  Grid<double> z;
+};
+
+/// What is judged: the estimated elevation, NaN where a bin is empty, and the truth. A DEM that lacks one of
+/// the three true layers has no truth.
+struct DemLayers {
+  Grid<double> z_est;
+  std::optional<TrueLayers> truth;
+};
+
+}  // namespace landfall

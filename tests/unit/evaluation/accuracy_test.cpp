@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/accuracy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Grid<double> row_of(std::initializer_list<double> values) {
+  Grid<double> grid(GridSpec{0.5, 2, -1, 1, static_cast<std::int64_t>(values.size())});
+  std::copy(values.begin(), values.end(), grid.values().begin());
+  return grid;
+}
+
+// Bins at x = -0.5, 0, 0.5 and y = 1.
+TEST(ErrorOf, TruthMinusEstimate) {
+  const TrueLayers truth{row_of({-0.25, 0, kNan}), row_of({1.5, 0.75, 1}), row_of({10, 20, 30})};
+  const DemLayers dem{row_of({11, kNan, 29.5}), truth};
+  const Grid<double> x = error_of(Axis::x, dem, truth);
+  EXPECT_EQ(x.at({0, 0}), 0.25);
+  EXPECT_EQ(x.at({0, 1}), 0);
+  EXPECT_TRUE(std::isnan(x.at({0, 2})));
+  const Grid<double> y = error_of(Axis::y, dem, truth);
+  EXPECT_EQ(y.at({0, 0}), 0.5);
+  EXPECT_EQ(y.at({0, 1}), -0.25);
+  const Grid<double> z = error_of(Axis::z, dem, truth);
+  EXPECT_EQ(z.at({0, 0}), -1);
+  EXPECT_TRUE(std::isnan(z.at({0, 1})));
+  EXPECT_EQ(z.at({0, 2}), 0.5);
+}
+
+// Bins outside the region count in a footprint; only footprints centred inside have a value.
+TEST(FootprintStatistics, CentredInTheRegion) {
+  const Grid<double> error = row_of({3, 6, 0, 9});
+  BinMask region(error.spec());
+  region.at({0, 1}) = 1;
+  const FootprintStatistics statistics = footprint_statistics(error, region, {1, 0.5});
+  EXPECT_EQ(statistics.mean.at({0, 1}), 3);
+  EXPECT_EQ(statistics.relative.at({0, 1}), 3);  // deviations 0 3 3
+  for (const std::int64_t outside : {0, 2, 3}) {
+    EXPECT_TRUE(std::isnan(statistics.mean.at({0, outside})));
+    EXPECT_TRUE(std::isnan(statistics.relative.at({0, outside})));
+  }
+}
+
+TEST(Summaries, Absolute) {
+  const AbsoluteMetrics metrics = summarise_absolute(row_of({kNan, -4, 1, 0, kNan}));
+  EXPECT_EQ(metrics.mean_m, -1);
+  EXPECT_EQ(metrics.max_m, 4);
+  // Of 0, 1, 4: h = 1.9.
+  EXPECT_NEAR(metrics.p95_m.value(), 1 + 0.9 * 3, 1e-14);
+  EXPECT_EQ(summarise_absolute(row_of({kNan})), AbsoluteMetrics{});
+}
+
+TEST(Summaries, Relative) {
+  const RelativeMetrics metrics = summarise_relative(row_of({0.25, kNan, 0.5, 0.75}), 0.25);
+  EXPECT_EQ(metrics.max_m, 0.75);
+  EXPECT_EQ(metrics.violation_count, 2);  // equal to the limit is none
+  EXPECT_NEAR(metrics.p95_m.value(), 0.725, 1e-14);
+  EXPECT_EQ(summarise_relative(row_of({kNan}), 0), RelativeMetrics{});
+}
+
+TEST(Summaries, HorizontalLeavesEmptyFootprintsOut) {
+  const Grid<double> horizontal = horizontal_error(row_of({3, 0, 6, kNan}), row_of({4, 1, 8, 0}));
+  EXPECT_EQ(horizontal.at({0, 0}), 5);
+  EXPECT_TRUE(std::isnan(horizontal.at({0, 3})));
+  const HorizontalMetrics metrics = summarise_horizontal(horizontal, 5);
+  EXPECT_EQ(metrics.within_limit_frac, 2.0 / 3);
+  EXPECT_NEAR(metrics.p95_m.value(), 5 + 0.9 * 5, 1e-14);
+  EXPECT_EQ(summarise_horizontal(row_of({kNan}), 1), HorizontalMetrics{});
+}
+
+}  // namespace
+}  // namespace landfall

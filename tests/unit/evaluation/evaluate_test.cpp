@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/evaluate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A perfect DEM of 1 m bins, 2 half + 1 on a side.
+DemLayers perfect(std::int64_t half) {
+  const GridSpec spec = GridSpec::centered(static_cast<double>(half), 1);
+  DemLayers dem{Grid<double>(spec, 7),
+                TrueLayers{Grid<double>(spec), Grid<double>(spec), Grid<double>(spec, 7)}};
+  for (std::int64_t row = 0; row < spec.rows; ++row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      dem.truth->x.at({row, col}) = spec.x(col);
+      dem.truth->y.at({row, col}) = spec.y(row);
+    }
+  }
+  return dem;
+}
+
+/// A DEM with noise of some centimetres and 5 % empty bins.
+DemLayers noisy(std::int64_t half) {
+  DemLayers dem = perfect(half);
+  const RandomField noise(3, RandomStream::range_noise);
+  const RandomField empty(3, RandomStream::dropout);
+  for (std::size_t i = 0; i < dem.z_est.spec().size(); ++i) {
+    const bool none = empty.uniform(i) < 0.05;
+    Grid<double>* const layers[] = {&dem.z_est, &dem.truth->x, &dem.truth->y, &dem.truth->z};
+    for (std::size_t k = 0; k < 4; ++k) {
+      double& value = layers[k]->values()[i];
+      value = none ? kNan : value + 0.03 * noise.normal(i, k);
+    }
+  }
+  return dem;
+}
+
+EvaluationParameters small() {
+  EvaluationParameters parameters;
+  parameters.region_radius_m = 4;
+  parameters.footprint_m = 3;
+  return parameters;
+}
+
+template <class T>
+bool same_bits(const Grid<T>& a, const Grid<T>& b) {
+  return a.spec() == b.spec() && std::ranges::equal(a.values(), b.values(), [](T x, T y) {
+           if constexpr (std::is_same_v<T, double>)
+             return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+           else if constexpr (std::is_same_v<T, float>)
+             return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y);
+           else
+             return x == y;
+         });
+}
+
+bool same_bits(const AxisLayers& a, const AxisLayers& b) {
+  return same_bits(a.error, b.error) && same_bits(a.absolute, b.absolute) &&
+         same_bits(a.relative, b.relative);
+}
+
+TEST(Evaluate, PerfectDemPasses) {
+  const Evaluation evaluation = evaluate(perfect(5), small());
+  EXPECT_EQ(evaluation.metrics.pass, true);
+  EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{4, 45}));
+  ASSERT_TRUE(evaluation.metrics.accuracy);
+  EXPECT_EQ(evaluation.metrics.accuracy->footprint_bins, 3);
+  EXPECT_EQ(evaluation.metrics.accuracy->quantile, 0.95);
+  EXPECT_EQ(evaluation.metrics.accuracy->absolute.z, (AbsoluteMetrics{0.0, 0.0, 0.0}));
+  EXPECT_EQ(evaluation.metrics.accuracy->absolute.horizontal, (HorizontalMetrics{0.0, 1.0}));
+  EXPECT_TRUE(std::ranges::all_of(evaluation.layers->fail.values(), [](std::int8_t f) { return f == 0; }));
+}
+
+// One bin of e_z = 0.9 in footprints of 9: mean 0.1, deviations eight of 0.1 and one of 0.8; h = 7.6, so
+// rel = 0.1 + 0.6 * 0.7 = 0.52, in the nine footprints around it.
+TEST(Evaluate, OneWrongElevation) {
+  DemLayers dem = perfect(5);
+  dem.truth->z.at({5, 5}) += 0.9;
+  const Evaluation evaluation = evaluate(dem, small());
+  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation, (Requirement{9.0, 0, false}));
+  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.pass, true);
+  EXPECT_EQ(evaluation.metrics.pass, false);
+  const AccuracyMetrics& accuracy = *evaluation.metrics.accuracy;
+  EXPECT_NEAR(accuracy.absolute.z.mean_m.value(), 0.1 * 9 / 45, 1e-14);
+  EXPECT_NEAR(accuracy.absolute.z.max_m.value(), 0.1, 1e-14);
+  EXPECT_NEAR(accuracy.relative.z.max_m.value(), 0.52, 1e-14);
+  const EvaluationLayers& layers = *evaluation.layers;
+  EXPECT_EQ(layers.fail.at({4, 6}), kFailRelativeZ);
+  EXPECT_EQ(layers.fail.at({4, 7}), 0);
+  EXPECT_EQ(layers.accuracy->z.error.at({5, 5}), 7.9 - 7);
+  EXPECT_NEAR(layers.accuracy->z.absolute.at({6, 6}), 0.1, 1e-7);
+  EXPECT_NEAR(layers.accuracy->z.relative.at({6, 6}), 0.52, 1e-7);
+}
+
+TEST(Evaluate, AxesHaveTheirOwnFlags) {
+  DemLayers dem = perfect(5);
+  dem.truth->x.at({5, 5}) -= 0.9;
+  dem.truth->y.at({5, 7}) += 0.9;
+  const Evaluation evaluation = evaluate(dem, small());
+  EXPECT_EQ(evaluation.layers->fail.at({5, 4}), kFailRelativeX);
+  EXPECT_EQ(evaluation.layers->fail.at({5, 6}), kFailRelativeX | kFailRelativeY);
+  EXPECT_EQ(evaluation.layers->fail.at({5, 8}), kFailRelativeY);
+  EXPECT_NEAR(evaluation.metrics.accuracy->absolute.x.mean_m.value(), -0.1 * 9 / 45, 1e-14);
+  // Both blocks of 3 x 3 footprints lie in the region: its corner (4, 8) has 3^2 + 1 < 16.
+  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, 18);
+}
+
+TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
+  DemLayers dem = perfect(5);
+  for (double& x : dem.truth->x.values()) x += 3;
+  for (double& y : dem.truth->y.values()) y -= 4;
+  EvaluationParameters parameters = small();
+  parameters.limits.absolute_horizontal_m = 5;
+  Evaluation evaluation = evaluate(dem, parameters);
+  EXPECT_EQ(evaluation.metrics.accuracy->absolute.horizontal, (HorizontalMetrics{5.0, 1.0}));
+  EXPECT_EQ(evaluation.metrics.accuracy->absolute.y, (AbsoluteMetrics{4.0, -4.0, 4.0}));
+  EXPECT_EQ(evaluation.metrics.pass, true);
+  parameters.limits.absolute_horizontal_m = std::nextafter(5, 0);
+  evaluation = evaluate(dem, parameters);
+  EXPECT_EQ(evaluation.metrics.requirements.absolute_horizontal, (Requirement{0.0, 0.95, false}));
+  EXPECT_EQ(evaluation.layers->fail.at({5, 5}), kFailAbsoluteHorizontal);
+  EXPECT_EQ(evaluation.layers->fail.at({0, 0}), 0);  // outside the region
+}
+
+// As floats, 0.05 is above 0.05 and a little more than 0.05 is equal to it.
+TEST(Evaluate, ViolationsAreJudgedInDouble) {
+  DemLayers dem = perfect(5);
+  dem.truth->z.at({5, 5}) += 0.0865;
+  EvaluationParameters parameters = small();
+  const double largest = evaluate(dem, parameters).metrics.accuracy->relative.z.max_m.value();
+  parameters.limits.relative_elevation_m = largest;
+  const Evaluation at_limit = evaluate(dem, parameters);
+  EXPECT_EQ(at_limit.metrics.requirements.relative_elevation.value, 0);
+  EXPECT_EQ(std::ranges::count(at_limit.layers->fail.values(), 0), 11 * 11);
+  parameters.limits.relative_elevation_m = std::nextafter(largest, 0);
+  ASSERT_EQ(static_cast<float>(largest), static_cast<float>(parameters.limits.relative_elevation_m));
+  EXPECT_GT(evaluate(dem, parameters).metrics.requirements.relative_elevation.value, 0);
+}
+
+TEST(Evaluate, HolesAndDistancesAreFlagged) {
+  DemLayers dem = perfect(5);
+  for (std::int64_t row = 4; row <= 6; ++row)
+    for (std::int64_t col = 4; col <= 6; ++col) dem.z_est.at({row, col}) = kNan;
+  EvaluationParameters parameters = small();
+  parameters.limits.hole_bins = 8;
+  const Evaluation evaluation = evaluate(dem, parameters);
+  const EvaluationLayers& layers = *evaluation.layers;
+  EXPECT_EQ(layers.fail.at({4, 4}), kFailHoleSize);
+  EXPECT_EQ(layers.fail.at({5, 5}), kFailHoleSize | kFailDistance);
+  EXPECT_EQ(layers.hole_id.at({5, 5}), 1);
+  EXPECT_EQ(layers.distance_to_valid.at({5, 5}), 2);
+  EXPECT_EQ(layers.distance_to_valid.at({3, 5}), 0);
+  ASSERT_EQ(evaluation.holes.size(), 1U);
+  EXPECT_EQ(evaluation.holes[0].centroid_x_m, 0);
+  EXPECT_EQ(evaluation.metrics.coverage.invalid_frac, 9.0 / 45);
+  // The footprint of (5, 5) has no valid e_z: no value, and no violation.
+  EXPECT_TRUE(std::isnan(layers.accuracy->z.absolute.at({5, 5})));
+  EXPECT_EQ(evaluation.metrics.accuracy->relative.z.violation_count, 0);
+  EXPECT_EQ(evaluation.metrics.requirements.hole_size, (Requirement{9.0, 8, false}));
+  EXPECT_EQ(evaluation.metrics.requirements.hole_distance, (Requirement{2.0, 1, false}));
+  parameters.limits.hole_bins = 9;
+  EXPECT_EQ(evaluate(dem, parameters).layers->fail.at({4, 4}), 0);
+}
+
+TEST(Evaluate, LayersOutsideTheRegion) {
+  DemLayers dem = perfect(5);
+  dem.z_est.at({0, 0}) = kNan;
+  const EvaluationLayers layers = *evaluate(dem, small()).layers;
+  EXPECT_EQ(layers.in_region.at({0, 0}), 0);
+  EXPECT_EQ(layers.in_region.at({5, 5}), 1);
+  EXPECT_EQ(layers.invalid.at({0, 0}), 0);
+  EXPECT_EQ(layers.hole_id.at({0, 0}), 0);
+  EXPECT_EQ(layers.distance_to_valid.at({0, 0}), 1);
+  EXPECT_TRUE(std::isnan(layers.accuracy->x.absolute.at({0, 1})));
+  EXPECT_TRUE(std::isnan(layers.accuracy->x.relative.at({0, 1})));
+  EXPECT_EQ(layers.accuracy->x.error.at({0, 1}), 0);
+}
+
+// The region touches the DEM's border (R/s = 6 bins, 5 on each side of the origin): footprints there are
+// clipped to two thirds. e_z = 0.6 on one bin of six.
+TEST(Evaluate, FootprintClippedAtTheDemBorder) {
+  DemLayers dem = perfect(5);
+  dem.truth->z.at({0, 5}) += 0.6;
+  EvaluationParameters parameters = small();
+  parameters.region_radius_m = 6;
+  const Evaluation evaluation = evaluate(dem, parameters);
+  EXPECT_NEAR(evaluation.layers->accuracy->z.absolute.at({0, 5}), 0.1, 1e-7);
+  EXPECT_NEAR(evaluation.layers->accuracy->z.absolute.at({1, 5}), 0.6 / 9, 1e-7);
+}
+
+TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
+  DemLayers dem = perfect(5);
+  dem.truth.reset();
+  const Evaluation evaluation = evaluate(dem, small());
+  EXPECT_EQ(evaluation.metrics.pass, std::nullopt);
+  EXPECT_EQ(evaluation.metrics.accuracy, std::nullopt);
+  EXPECT_EQ(evaluation.metrics.requirements.coverage.pass, true);
+  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.pass, std::nullopt);
+  EXPECT_FALSE(evaluation.layers->accuracy);
+}
+
+TEST(Evaluate, DemWithoutAValidBinFails) {
+  DemLayers dem = perfect(5);
+  for (Grid<double>* layer : {&dem.z_est, &dem.truth->x, &dem.truth->y, &dem.truth->z})
+    std::ranges::fill(layer->values(), kNan);
+  const Evaluation evaluation = evaluate(dem, small());
+  EXPECT_EQ(evaluation.metrics.pass, false);
+  EXPECT_EQ(evaluation.metrics.coverage.max_distance_bins, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(evaluation.metrics.accuracy->absolute.z, AbsoluteMetrics{});
+  EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, std::nullopt);
+  EXPECT_EQ(evaluation.layers->distance_to_valid.at({5, 5}), std::numeric_limits<float>::infinity());
+}
+
+TEST(Evaluate, QuantileChangesRelativeOnly) {
+  const DemLayers dem = noisy(20);
+  EvaluationParameters parameters = small();
+  parameters.region_radius_m = 15;
+  const Metrics at_95 = evaluate(dem, parameters).metrics;
+  parameters.quantile = 0.5;
+  const Metrics at_50 = evaluate(dem, parameters).metrics;
+  EXPECT_EQ(at_50.accuracy->absolute, at_95.accuracy->absolute);
+  EXPECT_LT(at_50.accuracy->relative.z.max_m, at_95.accuracy->relative.z.max_m);
+}
+
+TEST(Evaluate, SameAtAnyThreadCountAndInBothModes) {
+  const DemLayers dem = noisy(60);
+  EvaluationParameters parameters = small();
+  parameters.region_radius_m = 50;
+  parameters.footprint_m = 9;
+  const auto with_threads = [&](std::size_t threads, EvaluationOutput output) {
+    const ThreadLimit limit(threads);
+    return evaluate(dem, parameters, output);
+  };
+  const Evaluation one = with_threads(1, EvaluationOutput::layers_and_metrics);
+  const Evaluation two = with_threads(2, EvaluationOutput::layers_and_metrics);
+  const Evaluation metrics_only = with_threads(2, EvaluationOutput::metrics_only);
+  EXPECT_EQ(one.metrics, two.metrics);
+  EXPECT_EQ(one.metrics, metrics_only.metrics);
+  EXPECT_EQ(one.holes, two.holes);
+  EXPECT_EQ(one.holes, metrics_only.holes);
+  EXPECT_FALSE(metrics_only.layers);
+  EXPECT_TRUE(same_bits(one.layers->fail, two.layers->fail));
+  EXPECT_TRUE(same_bits(one.layers->hole_id, two.layers->hole_id));
+  EXPECT_TRUE(same_bits(one.layers->distance_to_valid, two.layers->distance_to_valid));
+  EXPECT_TRUE(same_bits(one.layers->accuracy->x, two.layers->accuracy->x));
+  EXPECT_TRUE(same_bits(one.layers->accuracy->y, two.layers->accuracy->y));
+  EXPECT_TRUE(same_bits(one.layers->accuracy->z, two.layers->accuracy->z));
+}
+
+TEST(Evaluate, ProgressRisesToOne) {
+  std::vector<double> fractions;
+  static_cast<void>(evaluate(perfect(5), small(), EvaluationOutput::metrics_only,
+                             [&](double f) { fractions.push_back(f); }));
+  EXPECT_GT(fractions.size(), 6U);
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_GE(fractions.front(), 0);
+  EXPECT_EQ(fractions.back(), 1);
+}
+
+TEST(Evaluate, RefusesWhatDoesNotFit) {
+  EvaluationParameters parameters = small();
+  parameters.region_radius_m = 6.5;
+  EXPECT_THROW(static_cast<void>(evaluate(perfect(5), parameters)), UsageError);
+  parameters = small();
+  parameters.quantile = 2;
+  EXPECT_THROW(static_cast<void>(evaluate(perfect(5), parameters)), UsageError);
+}
+
+std::string refusal(const DemLayers& dem) {
+  try {
+    static_cast<void>(evaluate(dem, small()));
+  } catch (const FormatError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Evaluate, RefusesInfiniteValues) {
+  DemLayers dem = perfect(5);
+  dem.truth->y.at({2, 3}) = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "y_true: the value in row 2, column 3 is infinite");
+  dem.truth.reset();
+  dem.z_est.at({0, 1}) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "z_est: the value in row 0, column 1 is infinite");
+}
+
+TEST(Evaluate, RefusesLayersOfDifferentGrids) {
+  DemLayers dem = perfect(5);
+  dem.truth->z = Grid<double>(GridSpec::centered(4, 1));
+  EXPECT_EQ(refusal(dem), "z_true: its grid differs from that of z_est");
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace landfall {
+namespace {
+
+AccuracyMetrics flawless() {
+  AccuracyMetrics accuracy;
+  accuracy.absolute.horizontal = {.p95_m = 0.5, .within_limit_frac = 1};
+  for (RelativeMetrics* axis : {&accuracy.relative.x, &accuracy.relative.y, &accuracy.relative.z})
+    *axis = {.p95_m = 0.01, .max_m = 0.02, .violation_count = 0};
+  return accuracy;
+}
+
+TEST(Judge, FlawlessPasses) {
+  const RequirementMetrics judged = judge({}, flawless(), {});
+  EXPECT_EQ(overall_pass(judged), true);
+  EXPECT_EQ(judged.coverage, (Requirement{0.0, 0.01, true}));
+  EXPECT_EQ(judged.hole_size, (Requirement{0.0, 10, true}));
+  EXPECT_EQ(judged.hole_distance, (Requirement{0.0, 1, true}));
+  EXPECT_EQ(judged.relative_elevation, (Requirement{0.0, 0, true}));
+  EXPECT_EQ(judged.relative_horizontal, (Requirement{0.0, 0, true}));
+  EXPECT_EQ(judged.absolute_horizontal, (Requirement{1.0, 0.95, true}));
+}
+
+TEST(Judge, EqualToTheLimitPasses) {
+  CoverageMetrics coverage;
+  coverage.invalid_frac = 0.01;
+  coverage.largest_hole_bins = 10;
+  coverage.max_distance_bins = 1;
+  AccuracyMetrics accuracy = flawless();
+  accuracy.absolute.horizontal.within_limit_frac = 0.95;
+  EXPECT_EQ(overall_pass(judge(coverage, accuracy, {})), true);
+}
+
+TEST(Judge, JustBeyondTheLimitFails) {
+  CoverageMetrics coverage;
+  coverage.invalid_frac = std::nextafter(0.01, 1);
+  coverage.largest_hole_bins = 11;
+  coverage.max_distance_bins = std::sqrt(2.0);
+  AccuracyMetrics accuracy = flawless();
+  accuracy.absolute.horizontal.within_limit_frac = std::nextafter(0.95, 0);
+  const RequirementMetrics judged = judge(coverage, accuracy, {});
+  EXPECT_EQ(judged.coverage.pass, false);
+  EXPECT_EQ(judged.hole_size.pass, false);
+  EXPECT_EQ(judged.hole_distance.pass, false);
+  EXPECT_EQ(judged.absolute_horizontal.pass, false);
+  EXPECT_EQ(judged.relative_elevation.pass, true);
+  EXPECT_EQ(overall_pass(judged), false);
+}
+
+TEST(Judge, ViolationsOfXAndYAreAdded) {
+  AccuracyMetrics accuracy = flawless();
+  accuracy.relative.x.violation_count = 2;
+  accuracy.relative.y.violation_count = 3;
+  const RequirementMetrics judged = judge({}, accuracy, {});
+  EXPECT_EQ(judged.relative_horizontal, (Requirement{5.0, 0, false}));
+  EXPECT_EQ(judged.relative_elevation, (Requirement{0.0, 0, true}));
+  EXPECT_EQ(overall_pass(judged), false);
+}
+
+TEST(Judge, WithoutTruthAccuracyIsNull) {
+  CoverageMetrics coverage;
+  const RequirementMetrics judged = judge(coverage, std::nullopt, {});
+  EXPECT_EQ(judged.coverage.pass, true);
+  EXPECT_EQ(judged.relative_elevation, (Requirement{std::nullopt, 0, std::nullopt}));
+  EXPECT_EQ(judged.relative_horizontal, (Requirement{std::nullopt, 0, std::nullopt}));
+  EXPECT_EQ(judged.absolute_horizontal, (Requirement{std::nullopt, 0.95, std::nullopt}));
+  EXPECT_EQ(overall_pass(judged), std::nullopt);
+  coverage.invalid_frac = 1;  // a failure does not decide what was not judged
+  EXPECT_EQ(overall_pass(judge(coverage, std::nullopt, {})), std::nullopt);
+}
+
+TEST(Judge, NoFootprintToJudgeIsNotMet) {
+  const RequirementMetrics judged = judge({}, AccuracyMetrics{}, {});
+  EXPECT_EQ(judged.relative_elevation, (Requirement{std::nullopt, 0, false}));
+  EXPECT_EQ(judged.relative_horizontal, (Requirement{std::nullopt, 0, false}));
+  EXPECT_EQ(judged.absolute_horizontal, (Requirement{std::nullopt, 0.95, false}));
+  EXPECT_EQ(overall_pass(judged), false);
+}
+
+TEST(Judge, InfiniteDistanceFails) {
+  CoverageMetrics coverage;
+  coverage.max_distance_bins = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(judge(coverage, flawless(), {}).hole_distance.pass, false);
+}
+
+}  // namespace
+}  // namespace landfall
