@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "ray/engine.h"
+#include "terrain/triangulated_grid.h"
+
+namespace landfall {
+
+/// First hits through CGAL's AABB tree, with the exact predicates of its EPICK kernel: whether a ray meets a
+/// triangle is decided without rounding, borders included, so that no ray slips between neighbours.
+///
+/// The range is that to the hit triangle's plane, in double where its error bound stays below 1e-9 m, in
+/// rational arithmetic where the ray grazes the plane more flatly. A ray in a triangle's plane meets it where
+/// it enters it; an origin on the surface has range 0. A ray that is not finite misses.
+///
+/// The ray that is traced passes through the origin and a second point whose rounding turns it by at most
+/// 1e-15 rad. Triangles with a NaN corner are left out. O(log triangles) per ray; the tree takes 72 bytes per
+/// triangle, the triangles themselves are made from the terrain when needed.
+[[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain);
+
+}  // namespace landfall

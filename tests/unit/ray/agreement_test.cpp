@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Property tests: the fast engines answer what brute force answers, and no ray leaks. LANDFALL_TEST_SEED sets
+// the seed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <random>
+
+#include "ray/brute_force.h"
+#include "ray/cgal_engine.h"
+#include "scenes.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTolerance_m = 1e-9;
+
+using Random = std::mt19937_64;
+
+double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
+}
+
+// Sums of sines with random phases, rougher as they get shorter.
+Terrain fractal_relief(Random& random) {
+  std::array<double, 24> phases{};
+  for (double& phase : phases) phase = uniform(random, 0, 6.3);
+  return terrain_of(GridSpec::centered(4, 0.5), [=](double x, double y) {
+    double z = 0;
+    for (std::size_t k = 0; k < phases.size(); k += 2) {
+      const double wave = std::pow(1.6, static_cast<double>(k) / 2);
+      z += std::pow(wave, -0.6) * std::sin(wave * x + phases[k]) * std::sin(wave * y + phases[k + 1]);
+    }
+    return z;
+  });
+}
+
+Terrain cliffs(Random& random) {
+  return terrain_of(GridSpec::centered(4, 0.5),
+                    [&](double, double) { return random() % 3 == 0 ? 5.0 : 0.0; });
+}
+
+Terrain relief_with_holes(Random& random) {
+  return terrain_of(GridSpec::centered(4, 0.5),
+                    [&](double, double) { return random() % 8 == 0 ? kNan : uniform(random, -0.3, 0.3); });
+}
+
+Terrain single_cell(Random& random) {
+  return terrain_of(GridSpec{1, 0, 0, 2, 2}, [&](double, double) { return uniform(random, -1, 1); });
+}
+
+Terrain strip(Random& random) {
+  return terrain_of(GridSpec{0.5, -1, -12, 2, 25}, [&](double, double) { return uniform(random, -1, 1); });
+}
+
+Terrain flat_ground(Random&) {
+  return terrain_of(GridSpec::centered(4, 0.5), [](double, double) { return 0.0; });
+}
+
+struct Scene {
+  const char* name;
+  Terrain (*make)(Random&);
+};
+
+class Agreement : public testing::TestWithParam<Scene> {
+ protected:
+  void SetUp() override {
+    std::cout << "LANDFALL_TEST_SEED=" << test_seed() << '\n';
+    terrain_ = GetParam().make(random_);
+  }
+
+  void expect_same_answers(const std::vector<Ray>& rays) const {
+    const std::vector<double> expected = ranges_of(*make_brute_force_engine(terrain_), rays);
+    const std::vector<double> ranges = ranges_of(*make_cgal_engine(terrain_), rays);
+    std::size_t hits = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      hits += std::isnan(expected[i]) ? 0U : 1U;
+      const bool same =
+          std::isnan(expected[i]) ? std::isnan(ranges[i]) : std::abs(ranges[i] - expected[i]) <= kTolerance_m;
+      EXPECT_TRUE(same) << "ray " << i << ": " << ranges[i] << ", brute force " << expected[i];
+    }
+    EXPECT_GT(hits, rays.size() / 50);  // the scene is worth asking about
+  }
+
+  [[nodiscard]] Eigen::Vector3d random_point(double half_width_m) {
+    const auto draw = [&] { return uniform(random_, -half_width_m, half_width_m); };
+    return {draw(), draw(), draw()};
+  }
+
+  /// In the terrain's own extent, or a little outside.
+  [[nodiscard]] Eigen::Vector3d random_target() {
+    const GridSpec& spec = terrain_->nodes().spec();
+    const double margin = spec.resolution_m / 4;
+    return {uniform(random_, spec.x(0) - margin, spec.x(spec.cols - 1) + margin),
+            uniform(random_, spec.y(0) - margin, spec.y(spec.rows - 1) + margin), uniform(random_, -1, 1)};
+  }
+
+  Random random_{test_seed()};
+  Terrain terrain_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Agreement,
+                         testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
+                                         Scene{"relief_with_holes", relief_with_holes},
+                                         Scene{"single_cell", single_cell}, Scene{"strip", strip},
+                                         Scene{"flat_ground", flat_ground}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_P(Agreement, RandomRaysInAllDirections) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4000; ++i) rays.push_back(ray_at(random_point(7), random_target()));
+  expect_same_answers(rays);
+}
+
+TEST_P(Agreement, RaysFromAbove) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4000; ++i)
+    rays.push_back(ray_at(random_point(20) + Eigen::Vector3d(0, 0, 500), random_target()));
+  expect_same_answers(rays);
+}
+
+// Vertical and level rays through nodes and edges: their coordinates are exact, so the borders of the surface
+// and of holes must be judged alike to the last bit.
+TEST_P(Agreement, AxisParallelRaysAtGridCoordinates) {
+  const GridSpec& spec = terrain_->nodes().spec();
+  const double half = spec.resolution_m / 2;
+  std::vector<Ray> rays;
+  for (double y = spec.y(0) - half; y <= spec.y(spec.rows - 1) + half; y += half)
+    for (double x = spec.x(0) - half; x <= spec.x(spec.cols - 1) + half; x += half) {
+      rays.push_back(ray_from({x, y, 9}, {0, 0, -1}));
+      rays.push_back(ray_from({x, y, -9}, {0, 0, 1}));
+      rays.push_back(ray_from({x, -40, y}, {0, 1, 0}));
+      rays.push_back(ray_from({-40, x, y}, {1, 0, 0}));
+      rays.push_back(ray_from({x, y, 0}, {-1, 0, 0}));
+    }
+  expect_same_answers(rays);
+}
+
+/// Points of the inner surface that triangles share: nodes, edge midpoints, diagonal midpoints.
+std::vector<Eigen::Vector3d> shared_points(const TriangulatedGrid& terrain) {
+  std::vector<Eigen::Vector3d> points;
+  const GridSpec& spec = terrain.nodes().spec();
+  for (std::size_t id = 0; id < terrain.triangle_count(); ++id) {
+    const auto corners = terrain.triangle(id);
+    points.insert(points.end(), corners.begin(), corners.end());
+    for (std::size_t i = 0; i < 3; ++i) points.emplace_back((corners[i] + corners[(i + 1) % 3]) / 2);
+  }
+  const auto on_border = [&](const Eigen::Vector3d& p) {
+    return p.x() == spec.x(0) || p.x() == spec.x(spec.cols - 1) || p.y() == spec.y(0) ||
+           p.y() == spec.y(spec.rows - 1);
+  };
+  std::erase_if(points, on_border);
+  return points;
+}
+
+class Leaks : public Agreement {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Leaks,
+                         testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
+                                         Scene{"flat_ground", flat_ground}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+// From so far above, no flank of these scenes turns its back: the ray meets the very point it is aimed at.
+TEST_P(Leaks, SteepRaysMeetNodesEdgesAndDiagonals) {
+  std::vector<Ray> rays;
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& point : shared_points(*terrain_))
+    for (const Eigen::Vector3d& origin :
+         {Eigen::Vector3d(0, 0, 500), Eigen::Vector3d(point.x(), point.y(), 20)}) {
+      rays.push_back(ray_at(origin, point));
+      distances.push_back((point - origin).norm());
+    }
+  for (const auto& engine : {make_brute_force_engine(terrain_), make_cgal_engine(terrain_)}) {
+    const std::vector<double> ranges = ranges_of(*engine, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      EXPECT_NEAR(ranges[i], distances[i], kTolerance_m) << "ray " << i;
+  }
+}
+
+// A ray that starts above the terrain and would end below it, both inside its borders, cannot miss; it may
+// pass a ridge it was aimed at by a rounding and hit later.
+TEST_P(Leaks, ObliqueRaysAtNodesEdgesAndDiagonalsHit) {
+  constexpr double kTop_m = 6;
+  constexpr double kBottom_m = -6;
+  const GridSpec& spec = terrain_->nodes().spec();
+  std::vector<Ray> rays;
+  for (const Eigen::Vector3d& point : shared_points(*terrain_))
+    for (int i = 0; i < 10; ++i) {
+      Eigen::Vector3d origin = random_point(4);
+      origin.z() = kTop_m;
+      const Eigen::Vector3d end = origin + (kTop_m - kBottom_m) / (kTop_m - point.z()) * (point - origin);
+      if (std::abs(end.x()) < spec.x(spec.cols - 1) && std::abs(end.y()) < spec.y(spec.rows - 1))
+        rays.push_back(ray_at(origin, point));
+    }
+  ASSERT_GT(rays.size(), 500U);
+  for (const auto& engine : {make_brute_force_engine(terrain_), make_cgal_engine(terrain_)}) {
+    const std::vector<double> ranges = ranges_of(*engine, rays);
+    EXPECT_EQ(std::count_if(ranges.begin(), ranges.end(), [](double r) { return std::isnan(r); }), 0);
+  }
+}
+
+}  // namespace
+}  // namespace landfall
