@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <variant>
+
+#include "detector/detector.h"
+
+namespace landfall {
+
+/// One pixel's angle at the boresight; x along a row of pixels, y along a column. The pitch of the pixels is
+/// this number in tangent units.
+struct PixelFieldOfView {
+  double x_rad = 1.6e-3 / 18;
+  double y_rad = 1.6e-3 / 18;
+};
+
+/// The whole detector's angle, edge to edge, in (0, pi): pitch = 2 tan(fov / 2) / pixels on that axis.
+struct FullFieldOfView {
+  double x_rad = 1.6e-3;
+  double y_rad = 1.6e-3;
+};
+
+struct PerspectiveParameters {
+  int rows = 18;     ///< 1 .. 4096
+  int columns = 18;  ///< 1 .. 4096
+  std::variant<PixelFieldOfView, FullFieldOfView> field_of_view = PixelFieldOfView{};
+  int subpixels = 1;    ///< per axis, 1 .. 64; rows x columns x subpixels^2 must not exceed 2^26
+  double roll_rad = 0;  ///< turns the pixel grid counter-clockwise on the map, the mount being nominal
+};
+
+/// An ideal pinhole camera. Pixel (row a, column b) has u = (b - (columns - 1)/2) pitch_x,
+/// v = ((rows - 1)/2 - a) pitch_y and looks along normalise(u, -v, 1), turned by the roll right-handedly
+/// about -z_L. Sub-pixels sit at offsets ((p - (m - 1)/2)/m) pitch, p = 0 .. m - 1, from the centre of their
+/// pixel. Throws UsageError, naming the key and the bound, for a value out of range.
+[[nodiscard]] Detector perspective_detector(const PerspectiveParameters& parameters);
+
+}  // namespace landfall
