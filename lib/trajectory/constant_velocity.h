@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+
+#include "geometry/rotation.h"
+#include "trajectory/trajectory.h"
+
+namespace landfall {
+
+struct ConstantVelocityParameters {
+  Point<DemFrame> position_m{{0, 0, 500}};  ///< at t0
+  Vector<DemFrame> velocity_mps{{0, 0, -23}};
+  RollPitchYaw rpy{};  ///< at t0
+  RollPitchYaw rpy_rate_radps{};
+};
+
+/// p = position + velocity (t - t0); roll, pitch and yaw are each linear in t - t0; t0 = 0. It has neither
+/// beginning nor end: times before t0 are extrapolated.
+class ConstantVelocity : public Trajectory {
+ public:
+  /// Throws UsageError, naming the key, where a number is not finite.
+  explicit ConstantVelocity(const ConstantVelocityParameters& parameters);
+
+  [[nodiscard]] Pose pose(double t_s) const override;
+  [[nodiscard]] double start_time_s() const override { return 0; }
+  [[nodiscard]] double end_time_s() const override { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  ConstantVelocityParameters parameters_;
+};
+
+}  // namespace landfall

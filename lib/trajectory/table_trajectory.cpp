@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trajectory/table_trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNormTolerance = 1e-3;
+constexpr double kTimeSlack_s = 1e-9;
+
+[[noreturn]] void refuse(std::size_t index, const std::string& what) {
+  throw FormatError("trajectory table: row " + std::to_string(index + 1) + ": " + what);
+}
+
+void check(const std::vector<TrajectorySample>& samples) {
+  if (samples.size() < 2)
+    throw FormatError("trajectory table: " + std::to_string(samples.size()) + " rows, at least 2 are needed");
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const TrajectorySample& s = samples[i];
+    if (!std::isfinite(s.t_s) || !s.position_m.v.allFinite() || !s.attitude.coeffs().allFinite())
+      refuse(i, "a value is not finite");
+    if (std::abs(s.attitude.norm() - 1) > kNormTolerance)
+      refuse(i, "the quaternion's norm is " + std::to_string(s.attitude.norm()) + ", not within 0.001 of 1");
+    if (i > 0 && !(s.t_s > samples[i - 1].t_s)) refuse(i, "t_s does not exceed that of the row before");
+  }
+}
+
+/// Mean velocity from sample i to the next.
+Vector<DemFrame> secant(std::span<const TrajectorySample> samples, std::size_t i) {
+  return (1 / (samples[i + 1].t_s - samples[i].t_s)) * (samples[i + 1].position_m - samples[i].position_m);
+}
+
+/// The velocities, at three samples, of the parabola through them.
+struct ParabolaSlopes {
+  Vector<DemFrame> first;
+  Vector<DemFrame> middle;
+  Vector<DemFrame> last;
+};
+
+ParabolaSlopes parabola_slopes(std::span<const TrajectorySample> three) {
+  const double before = three[1].t_s - three[0].t_s;
+  const double whole = three[2].t_s - three[0].t_s;
+  const Vector<DemFrame> into = secant(three, 0);
+  const Vector<DemFrame> out_of = secant(three, 1);
+  const Vector<DemFrame> middle = into + (before / whole) * (out_of - into);
+  return {2 * into - middle, middle, 2 * out_of - middle};
+}
+
+std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) {
+  const std::size_t count = samples.size();
+  if (count == 2) return std::vector<Vector<DemFrame>>(2, secant(samples, 0));
+  std::vector<Vector<DemFrame>> result(count);
+  for (std::size_t i = 1; i + 1 < count; ++i) result[i] = parabola_slopes(samples.subspan(i - 1, 3)).middle;
+  result.front() = parabola_slopes(samples.first(3)).first;
+  result.back() = parabola_slopes(samples.last(3)).last;
+  return result;
+}
+
+/// An end of a Hermite piece: its place, and its slope times the length of the piece.
+struct HermiteEnd {
+  Point<DemFrame> position;
+  Vector<DemFrame> slope;
+};
+
+/// Written from the two ends, so that u = 0 and u = 1 give them exactly.
+Point<DemFrame> hermite(double u, const HermiteEnd& a, const HermiteEnd& b) {
+  const double w = u * u * (3 - 2 * u);
+  const Vector<DemFrame> bend = (u * (1 - u)) * ((1 - u) * a.slope - u * b.slope);
+  return Point<DemFrame>{(1 - w) * a.position.v + w * b.position.v} + bend;
+}
+
+[[noreturn]] void refuse_time(double t_s, double first_s, double last_s) {
+  std::ostringstream message;
+  message.precision(17);
+  message << "trajectory table: time " << t_s << " s lies outside the table, " << first_s << " .. " << last_s
+          << " s";
+  throw FormatError(message.str());
+}
+
+}  // namespace
+
+TableTrajectory::TableTrajectory(std::vector<TrajectorySample> samples) : samples_(std::move(samples)) {
+  check(samples_);
+  for (TrajectorySample& sample : samples_) sample.attitude.normalize();
+  slopes_mps_ = slopes(samples_);
+}
+
+Pose TableTrajectory::pose(double t_s) const {
+  if (!(t_s >= start_time_s() - kTimeSlack_s && t_s <= end_time_s() + kTimeSlack_s))
+    refuse_time(t_s, start_time_s(), end_time_s());
+  const double t = std::clamp(t_s, start_time_s(), end_time_s());
+  // The piece that begins at or before t; the last time belongs to the last piece.
+  const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, t,
+                                     [](double time, const TrajectorySample& s) { return time < s.t_s; });
+  const auto i = static_cast<std::size_t>(next - samples_.begin()) - 1;
+  const double h = samples_[i + 1].t_s - samples_[i].t_s;
+  const double u = (t - samples_[i].t_s) / h;
+  const Point<DemFrame> position = hermite(u, {samples_[i].position_m, h * slopes_mps_[i]},
+                                           {samples_[i + 1].position_m, h * slopes_mps_[i + 1]});
+  const Eigen::Quaterniond attitude = samples_[i].attitude.slerp(u, samples_[i + 1].attitude).normalized();
+  return {{attitude.toRotationMatrix()}, position};
+}
+
+}  // namespace landfall

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "trajectory/trajectory.h"
+
+namespace landfall {
+
+/// One row of a trajectory table.
+struct TrajectorySample {
+  double t_s = 0;
+  Point<DemFrame> position_m{};
+  /// D <- B, Hamilton; note that Eigen's constructor takes (w, x, y, z).
+  Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();
+};
+
+/// A sampled trajectory, such as another simulator exports. Both parts go through every sample:
+/// - positions by cubic Hermite pieces, whose slope at a sample is that of the parabola through it and its
+/// two
+///   neighbours (at an end: through the last three), however the times are spaced. Motion that is quadratic
+///   in time is reproduced to rounding; two samples give a straight line.
+/// - attitudes by slerp between neighbours, the shortest way: constant body rate from sample to sample.
+class TableTrajectory : public Trajectory {
+ public:
+  /// Times must increase strictly, everything be finite, and a quaternion's norm be within 1e-3 of 1 (it is
+  /// then normalised); at least 2 rows. Throws FormatError, naming the row counted from 1, otherwise.
+  explicit TableTrajectory(std::vector<TrajectorySample> samples);
+
+  /// A time that lies up to 1 ns outside the table counts as its end: pulse times are rounded.
+  [[nodiscard]] Pose pose(double t_s) const override;
+  /// The time of the first row.
+  [[nodiscard]] double start_time_s() const override { return samples_.front().t_s; }
+  [[nodiscard]] double end_time_s() const override { return samples_.back().t_s; }
+
+ private:
+  std::vector<TrajectorySample> samples_;
+  std::vector<Vector<DemFrame>> slopes_mps_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geometry/frames.h"
+
+namespace landfall {
+
+/// T_dem_body: where the lander is and how it is turned.
+using Pose = Transform<DemFrame, BodyFrame>;
+
+/// The motion of the lander as a pure function of time; any number of threads may ask.
+class Trajectory {
+ public:
+  virtual ~Trajectory() = default;
+
+  /// Throws FormatError, naming the time and the span, outside [start_time_s(), end_time_s()].
+  [[nodiscard]] virtual Pose pose(double t_s) const = 0;
+  /// t0: the time of the first pulse.
+  [[nodiscard]] virtual double start_time_s() const = 0;
+  /// The last time that has a pose; infinite where the motion has no end.
+  [[nodiscard]] virtual double end_time_s() const = 0;
+};
+
+}  // namespace landfall

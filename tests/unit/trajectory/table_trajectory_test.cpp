@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trajectory/table_trajectory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include "base/error.h"
+#include "geometry/rotation.h"
+
+namespace landfall {
+namespace {
+
+using Motion = std::function<Eigen::Vector3d(double)>;
+
+TableTrajectory sampled(const Motion& motion, std::initializer_list<double> times) {
+  std::vector<TrajectorySample> samples;
+  for (const double t : times) samples.push_back({t, {motion(t)}, Eigen::Quaterniond::Identity()});
+  return TableTrajectory(std::move(samples));
+}
+
+Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle_rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, axis));
+}
+
+std::string message_of(std::vector<TrajectorySample> samples) {
+  try {
+    const TableTrajectory table(std::move(samples));
+  } catch (const FormatError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(TableTrajectory, StartsAtItsFirstRow) {
+  const TableTrajectory table = sampled([](double) { return Eigen::Vector3d::Zero(); }, {7, 8, 10});
+  EXPECT_EQ(table.start_time_s(), 7);
+  EXPECT_EQ(table.end_time_s(), 10);
+}
+
+TEST(TableTrajectory, TwoRowsAreAStraightLine) {
+  const TableTrajectory table =
+      sampled([](double t) { return Eigen::Vector3d(t, -2 * t, 500 - 23 * t); }, {0, 2});
+  EXPECT_LT((table.pose(0.3).position.v - Eigen::Vector3d(0.3, -0.6, 493.1)).norm(), 1e-12);
+}
+
+// p = (t^2, 3 - t, 500 - 23 t + 0.6575 t^2) on uneven times: exact everywhere, the ends included.
+TEST(TableTrajectory, QuadraticMotionIsExact) {
+  const Motion motion = [](double t) { return Eigen::Vector3d(t * t, 3 - t, 500 - 23 * t + 0.6575 * t * t); };
+  const TableTrajectory table = sampled(motion, {0, 0.1, 0.5, 0.6, 1.7, 2});
+  for (double t = 0; t <= 2; t += 0.01)
+    EXPECT_LT((table.pose(t).position.v - motion(t)).norm(), 3e-13) << "at " << t;
+}
+
+TEST(TableTrajectory, GoesThroughItsSamples) {
+  const Motion motion = [](double t) { return Eigen::Vector3d(std::sin(9 * t), std::exp(t), -t * t * t); };
+  const auto times = {0.0, 0.3, 0.35, 1.0};
+  const TableTrajectory table = sampled(motion, times);
+  for (const double t : times) EXPECT_EQ(table.pose(t).position.v, motion(t));
+}
+
+// The parabola through three samples of t^3 at -1, 0, 1 is the line t: slope 1 at each of them, so both
+// pieces are that line. Slopes of the cubic itself (3, 0, 3) would give t^3.
+TEST(TableTrajectory, SlopesComeFromThreePoints) {
+  const TableTrajectory table =
+      sampled([](double t) { return Eigen::Vector3d(t * t * t, 0, 0); }, {-1, 0, 1});
+  EXPECT_NEAR(table.pose(0.25).position.v.x(), 0.25, 1e-15);
+  EXPECT_NEAR(table.pose(-0.75).position.v.x(), -0.75, 1e-15);
+}
+
+TEST(TableTrajectory, AttitudeIsSlerp) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3;
+  const TableTrajectory table({{0, {}, about(axis, 0.2)}, {2, {}, about(axis, 1.0)}});
+  const Eigen::Matrix3d expected = Eigen::AngleAxisd(0.2 + 0.8 * 0.35, axis).toRotationMatrix();
+  EXPECT_LT((table.pose(0.7).rotation.m - expected).norm(), 1e-15);
+}
+
+TEST(TableTrajectory, AttitudeGoesTheShortestWay) {
+  Eigen::Quaterniond turned = about(Eigen::Vector3d::UnitZ(), 0.4);
+  turned.coeffs() *= -1;  // the same attitude
+  const TableTrajectory table({{0, {}, Eigen::Quaterniond::Identity()}, {1, {}, turned}});
+  EXPECT_LT((table.pose(0.5).rotation.m - rotation_matrix({0, 0, 0.2})).norm(), 1e-15);
+}
+
+// Scalar first, D <- B: (cos 45 deg, 0, 0, sin 45 deg) yaws the body's x axis to y.
+TEST(TableTrajectory, QuaternionTurnsBodyIntoDem) {
+  const double h = std::numbers::sqrt2 / 2;
+  const Eigen::Quaterniond yaw(h, 0, 0, h);
+  const TableTrajectory table({{0, {}, yaw}, {1, {}, yaw}});
+  EXPECT_LT((table.pose(0.5).rotation.m * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-15);
+}
+
+// What rotation_matrix() means by roll, pitch and yaw survives the way through a quaternion table.
+TEST(TableTrajectory, RollPitchYawRoundTrip) {
+  const Eigen::Matrix3d R = rotation_matrix({0.3, -1.2, 2.8});
+  const TableTrajectory table({{0, {}, Eigen::Quaterniond(R)}, {1, {}, Eigen::Quaterniond(R)}});
+  EXPECT_LT((table.pose(0.4).rotation.m - R).norm(), 1e-15);
+}
+
+TEST(TableTrajectory, NormalisesWhatIsNearlyAUnitQuaternion) {
+  Eigen::Quaterniond q = about(Eigen::Vector3d::UnitX(), 0.5);
+  q.coeffs() *= 1.0009;
+  const TableTrajectory table({{0, {}, q}, {1, {}, q}});
+  EXPECT_LT((table.pose(0).rotation.m - rotation_matrix({0.5, 0, 0})).norm(), 1e-15);
+  q.coeffs() *= 1.0002;
+  EXPECT_THAT(message_of({{0, {}, Eigen::Quaterniond::Identity()}, {1, {}, q}}),
+              testing::HasSubstr("row 2: the quaternion's norm is 1.001"));
+}
+
+TEST(TableTrajectory, RefusesABadTable) {
+  const Eigen::Quaterniond one = Eigen::Quaterniond::Identity();
+  EXPECT_THAT(message_of({}), testing::HasSubstr("0 rows"));
+  EXPECT_THAT(message_of({{0, {}, one}}), testing::HasSubstr("1 rows"));
+  EXPECT_THAT(message_of({{0, {}, one}, {1, {}, one}, {1, {}, one}}), testing::HasSubstr("row 3: t_s"));
+  EXPECT_THAT(message_of({{0, {}, one}, {-1, {}, one}}), testing::HasSubstr("row 2: t_s"));
+  EXPECT_THAT(message_of({{0, {}, one}, {std::nan(""), {}, one}}), testing::HasSubstr("row 2: a value"));
+  EXPECT_THAT(message_of({{0, {{0, HUGE_VAL, 0}}, one}, {1, {}, one}}), testing::HasSubstr("row 1: a value"));
+  EXPECT_THAT(message_of({{0, {}, one}, {1, {}, Eigen::Quaterniond(1, 0, 0, std::nan(""))}}),
+              testing::HasSubstr("row 2: a value"));
+}
+
+TEST(TableTrajectory, RefusesTimesOutsideTheTable) {
+  const TableTrajectory table = sampled([](double t) { return Eigen::Vector3d(t, 0, 0); }, {1, 2.5});
+  EXPECT_EQ(table.pose(2.5 + 0.9e-9).position.v.x(), 2.5);
+  EXPECT_EQ(table.pose(1 - 0.9e-9).position.v.x(), 1);
+  EXPECT_THROW(static_cast<void>(table.pose(1 - 2e-9)), FormatError);
+  EXPECT_THROW(static_cast<void>(table.pose(std::nan(""))), FormatError);
+  try {
+    static_cast<void>(table.pose(2.75));
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("2.75 s lies outside the table, 1 .. 2.5 s"));
+  }
+}
+
+}  // namespace
+}  // namespace landfall
