@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scanner/pattern.h"
+
+namespace landfall {
+
+enum class LineDirection {
+  unidirectional,  ///< every line from left to right
+  boustrophedon,   ///< odd lines from right to left
+};
+
+enum class AtEnd { wrap, stop };
+
+struct LineSearchParameters {
+  int rows = 200;            ///< 1 .. 2^20
+  int columns = 200;         ///< 1 .. 2^20
+  double half_width_m = 50;  ///< E, finite and positive
+  LineDirection direction = LineDirection::unidirectional;
+  bool compensated = true;
+  AtEnd at_end = AtEnd::wrap;
+};
+
+/// A raster over a square. Pulse k is on line l = k div columns, at place c = k mod columns, and aims at
+/// (-E + 2E c/(columns - 1), E - 2E l/(rows - 1), 0): from the upper left to the lower right corner, line by
+/// line. A single row or column aims at 0 on that axis; boustrophedon runs odd lines backwards. After
+/// rows x columns pulses it begins anew, or the scan stops.
+class LineSearch : public Pattern {
+ public:
+  /// Throws UsageError, naming the key and the bound, for a parameter out of range.
+  explicit LineSearch(const LineSearchParameters& parameters);
+
+  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
+  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override;
+  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
+
+ private:
+  LineSearchParameters parameters_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scanner/line_search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+using Eigen::Vector3d;
+using enum LineDirection;
+using enum AtEnd;
+
+Vector3d aim(const LineSearch& pattern, std::int64_t pulse) { return pattern.ground_aim({pulse, 0})->v; }
+
+TEST(LineSearch, ReferenceRaster) {
+  const LineSearch pattern({});
+  EXPECT_EQ(aim(pattern, 0), Vector3d(-50, 50, 0));
+  EXPECT_EQ(aim(pattern, 199), Vector3d(50, 50, 0));
+  EXPECT_EQ(aim(pattern, 39800), Vector3d(-50, -50, 0));
+  EXPECT_EQ(aim(pattern, 39999), Vector3d(50, -50, 0));
+  EXPECT_NEAR(aim(pattern, 1).x(), -50 + 100.0 / 199, 1e-14);
+  EXPECT_NEAR(aim(pattern, 200).y(), 50 - 100.0 / 199, 1e-14);
+  EXPECT_TRUE(pattern.compensated());
+}
+
+// 2 rows x 3 columns over +-4 m.
+TEST(LineSearch, RunsLineByLine) {
+  const LineSearch pattern({.rows = 2, .columns = 3, .half_width_m = 4});
+  const double expected[6][2] = {{-4, 4}, {0, 4}, {4, 4}, {-4, -4}, {0, -4}, {4, -4}};
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
+}
+
+TEST(LineSearch, BoustrophedonReversesOddLines) {
+  const LineSearch pattern({.rows = 3, .columns = 3, .half_width_m = 4, .direction = boustrophedon});
+  const double expected[9][2] = {{-4, 4}, {0, 4},   {4, 4},  {4, 0}, {0, 0},
+                                 {-4, 0}, {-4, -4}, {0, -4}, {4, -4}};
+  for (int k = 0; k < 9; ++k) EXPECT_EQ(aim(pattern, k), Vector3d(expected[k][0], expected[k][1], 0));
+}
+
+// Each repetition starts as the first did, also where the number of lines is odd.
+TEST(LineSearch, WrapsByDefault) {
+  const LineSearch pattern({.rows = 3, .columns = 2, .half_width_m = 4, .direction = boustrophedon});
+  EXPECT_FALSE(pattern.pulse_limit().has_value());
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(aim(pattern, k), aim(pattern, k + 600000000000));
+}
+
+TEST(LineSearch, StopsOnRequest) {
+  const LineSearch pattern({.rows = 3, .columns = 2, .half_width_m = 4, .at_end = stop});
+  EXPECT_EQ(pattern.pulse_limit(), 6);
+  EXPECT_EQ(aim(pattern, 5), Vector3d(4, -4, 0));
+  EXPECT_FALSE(pattern.ground_aim({6, 0}).has_value());
+}
+
+TEST(LineSearch, SingleRowOrColumnAimsAtTheMiddle) {
+  const LineSearch row({.rows = 1, .columns = 2, .half_width_m = 4});
+  EXPECT_EQ(aim(row, 0), Vector3d(-4, 0, 0));
+  EXPECT_EQ(aim(row, 1), Vector3d(4, 0, 0));
+  const LineSearch column({.rows = 2, .columns = 1, .half_width_m = 4});
+  EXPECT_EQ(aim(column, 0), Vector3d(0, 4, 0));
+  EXPECT_EQ(aim(column, 1), Vector3d(0, -4, 0));
+}
+
+TEST(LineSearch, SaysWhetherItIsCompensated) {
+  EXPECT_FALSE(LineSearch({.compensated = false}).compensated());
+}
+
+TEST(LineSearch, RefusesParametersOutOfRange) {
+  EXPECT_THROW(LineSearch({.rows = 0}), UsageError);
+  EXPECT_THROW(LineSearch({.rows = (1 << 20) + 1}), UsageError);
+  EXPECT_THROW(LineSearch({.columns = 0}), UsageError);
+  EXPECT_THROW(LineSearch({.columns = (1 << 20) + 1}), UsageError);
+  EXPECT_THROW(LineSearch({.half_width_m = 0}), UsageError);
+  EXPECT_THROW(LineSearch({.half_width_m = std::nan("")}), UsageError);
+  EXPECT_THROW(LineSearch({.half_width_m = HUGE_VAL}), UsageError);
+}
+
+}  // namespace
+}  // namespace landfall
