@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "terrain/features/ground.h"
+#include "terrain/parameter_check.h"
+
+namespace landfall {
+
+/// A pyramid on a square base of edge base_width_m, turned counter-clockwise by yaw_rad:
+/// height_m (1 - 2 max(|u|, |v|) / base_width_m), (u, v) the place in the base's own axes.
+struct Pyramid {
+  double base_width_m = 2;
+  double height_m = 1;
+  double yaw_rad = 0;
+
+  /// Throws UsageError unless width and height are finite and positive and the yaw finite.
+  void validate(const std::string& owner) const {
+    require_positive({owner, "base_width_m"}, base_width_m);
+    require_positive({owner, "height_m"}, height_m);
+    require_finite({owner, "yaw_rad"}, yaw_rad);
+  }
+  /// Half the diagonal, for any yaw.
+  [[nodiscard]] double reach_m() const { return std::hypot(base_width_m, base_width_m) / 2; }
+  [[nodiscard]] double elevation_m(const Ground& ground, const Offset& offset) const {
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    const double u_m = std::abs(c * offset.x_m + s * offset.y_m);
+    const double v_m = std::abs(c * offset.y_m - s * offset.x_m);
+    const double edge_frac = 2 * std::max(u_m, v_m) / base_width_m;
+    return edge_frac <= 1 ? standing(ground, height_m * (1 - edge_frac)) : ground.here_m;
+  }
+  friend bool operator==(const Pyramid&, const Pyramid&) = default;
+};
+
+}  // namespace landfall

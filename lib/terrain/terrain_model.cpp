@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/terrain_model.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "terrain/parameter_check.h"
+
+namespace landfall {
+namespace {
+
+void validate_base(const PlaneBase& plane, const std::string& owner) {
+  require_finite({owner, "elevation_m"}, plane.elevation_m);
+  require_finite({owner, "slope_x"}, plane.slope_x);
+  require_finite({owner, "slope_y"}, plane.slope_y);
+}
+
+void validate_base(const FractalBase& fractal, const std::string& owner) {
+  const double hurst = fractal.hurst_exponent;
+  require(hurst > 0 && hurst < 1, {owner, "hurst_exponent"}, hurst, "in (0, 1)");
+  const double rms_m = fractal.rms_deviation_m;
+  require(std::isfinite(rms_m) && rms_m >= 0, {owner, "rms_deviation_m"}, rms_m, "finite and >= 0");
+  require_positive({owner, "reference_length_m"}, fractal.reference_length_m);
+}
+
+void validate_base(const DemBase& dem, const std::string& owner) {
+  if (dem.path.empty()) throw UsageError(owner + "/path: is empty");
+  if (dem.center && dem.center_pixel) throw UsageError(owner + ": give center or center_pixel, not both");
+  require(dem.band >= 1, {owner, "band"}, dem.band, ">= 1");
+  for (const double value : dem.center.value_or(std::array<double, 2>{}))
+    require_finite({owner, "center"}, value);
+  for (const double value : dem.center_pixel.value_or(std::array<double, 2>{}))
+    require_finite({owner, "center_pixel"}, value);
+  require(std::isfinite(dem.vertical_scale) && dem.vertical_scale != 0, {owner, "vertical_scale"},
+          dem.vertical_scale, "finite and other than 0");
+  if (dem.horizontal_scale_m) require_positive({owner, "horizontal_scale_m"}, *dem.horizontal_scale_m);
+}
+
+std::string place(const char* list, std::size_t index) {
+  return std::string(list) + "/" + std::to_string(index);
+}
+
+}  // namespace
+
+void validate(const TerrainModel& model) {
+  for (std::size_t i = 0; i < model.bases.size(); ++i)
+    std::visit([&](const auto& base) { validate_base(base, place("base", i)); }, model.bases[i]);
+  for (std::size_t i = 0; i < model.features.size(); ++i) {
+    const Feature& feature = model.features[i];
+    require_finite({place("features", i), "x_m"}, feature.x_m);
+    require_finite({place("features", i), "y_m"}, feature.y_m);
+    validate(feature.shape, place("features", i));
+  }
+  for (std::size_t i = 0; i < model.patterns.size(); ++i)
+    std::visit([&](const auto& pattern) { pattern.validate(place("patterns", i)); }, model.patterns[i]);
+}
+
+}  // namespace landfall

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "terrain/features/feature.h"
+
+namespace landfall {
+
+/// z = elevation_m + slope_x x + slope_y y; slopes are rise over run.
+struct PlaneBase {
+  double elevation_m = 0;
+  double slope_x = 0;
+  double slope_y = 0;
+  friend bool operator==(const PlaneBase&, const PlaneBase&) = default;
+};
+
+/// Self-affine relief: the rms elevation difference of two places L apart is
+/// rms_deviation_m (L / reference_length_m)^hurst_exponent. The defaults are those of Europa's ridged plains
+/// (a slope of 12 deg rms at 10 m; Schenk 2009).
+struct FractalBase {
+  double hurst_exponent = 0.8;
+  double rms_deviation_m = 2.13;
+  double reference_length_m = 10;
+  friend bool operator==(const FractalBase&, const FractalBase&) = default;
+};
+
+enum class Interpolation { nearest, bilinear, bicubic };
+
+/// What z = 0 means: the elevation at the site centre, or the raster's own zero.
+enum class Datum { center, none };
+
+/// Elevations from a raster file around a site centre, which becomes the origin of frame D. At most one of
+/// `center` and `center_pixel`; neither means the middle of the raster.
+struct DemBase {
+  std::string path;
+  int band = 1;
+  std::optional<std::array<double, 2>> center;  ///< [x, y] in the raster's CRS (longitude before latitude)
+  std::optional<std::array<double, 2>> center_pixel;  ///< [column, row] from 0, the centre of that pixel
+  Interpolation interpolation = Interpolation::bicubic;
+  Datum datum = Datum::center;
+  double vertical_scale = 1;  ///< multiplies the elevation, after the band's own scale and offset
+  /// Metres per unit of the raster's coordinates (per pixel where it has none): for a raster without a CRS.
+  std::optional<double> horizontal_scale_m;
+  friend bool operator==(const DemBase&, const DemBase&) = default;
+};
+
+using Base = std::variant<PlaneBase, FractalBase, DemBase>;
+
+/// A gridded terrain: the sum of the bases, then what stands on it: features in their order, then those of
+/// the patterns in theirs.
+struct TerrainModel {
+  std::vector<Base> bases = {PlaneBase{}};
+  std::vector<Feature> features;
+  std::vector<Pattern> patterns;
+  std::uint64_t seed = 1;
+  friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
+};
+
+/// Throws UsageError, naming the place in the model, key, value and bound, on the first parameter that makes
+/// no sense. Opens nothing.
+void validate(const TerrainModel& model);
+
+}  // namespace landfall
