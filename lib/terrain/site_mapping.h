@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <array>
+#include <optional>
+
+namespace landfall {
+
+/// A place on the site, metres, frame D: x east, y north of the site centre.
+struct SitePoint {
+  double x_m = 0;
+  double y_m = 0;
+};
+
+/// A place in a raster. Whole numbers are pixel centres, (0, 0) that of the first pixel of the first row.
+struct PixelPosition {
+  double col = 0;
+  double row = 0;
+};
+
+/// A place in a raster's coordinate system, its own units: (x, y), or (longitude, latitude).
+struct MapPoint {
+  double x = 0;
+  double y = 0;
+};
+
+/// GDAL's affine georeference: pixel corner (col, row) lies at x = c[0] + c[1] col + c[2] row,
+/// y = c[3] + c[4] col + c[5] row. Any cell shape, rotation and handedness.
+class GeoTransform {
+ public:
+  explicit GeoTransform(const std::array<double, 6>& coefficients);
+  /// False where cells have no area or a coefficient is not finite: there is no way back to pixels then.
+  [[nodiscard]] bool invertible() const;
+  [[nodiscard]] MapPoint map_point(const PixelPosition& pixel) const;
+  [[nodiscard]] PixelPosition pixel(const MapPoint& point) const;
+  /// Pixels (col, row) per map unit (x, y).
+  [[nodiscard]] Eigen::Matrix2d pixels_per_unit() const { return cell_.inverse(); }
+
+ private:
+  Eigen::Vector2d origin_;
+  Eigen::Matrix2d cell_;
+};
+
+/// An ellipsoid of revolution; flattening 0 is a sphere.
+struct Ellipsoid {
+  double semi_major_m = 0;
+  double flattening = 0;
+};
+
+/// Geodetic, radians.
+struct LonLat {
+  double lon_rad = 0;
+  double lat_rad = 0;
+};
+
+/// The orthographic frame of a body around a centre: the tangent plane at the centre, x east and y north,
+/// every place of the surface projected along the centre's normal (EPSG method 9840). Exact for spheres and
+/// ellipsoids; metres on the plane are true at the centre and shrink as the cosine of the distance.
+class OrthographicFrame {
+ public:
+  OrthographicFrame(const Ellipsoid& body, const LonLat& center);
+  /// Longitude and latitude of the surface under a place of the plane, both as differences from the centre's;
+  /// NaN beyond the body's limb. The longitude difference lies in [-pi, pi].
+  [[nodiscard]] LonLat difference(const SitePoint& point) const;
+
+ private:
+  Ellipsoid body_;
+  LonLat center_;
+  Eigen::Vector3d origin_m_;      // of the body, x through the centre's meridian
+  Eigen::Matrix3d R_body_plane_;  // columns: north, up; east is the body's y
+};
+
+/// Where in a raster a place of the site lies.
+class SiteMapping {
+ public:
+  /// The site's axes are the raster's coordinate axes, `metres_per_unit` long per unit.
+  SiteMapping(const GeoTransform& georeference, const PixelPosition& center, double metres_per_unit);
+  /// The raster's coordinates are longitude and latitude in units of `radians_per_unit`; the site's axes are
+  /// those of `frame`, which is centred on the same place.
+  SiteMapping(const GeoTransform& georeference, const PixelPosition& center, const OrthographicFrame& frame,
+              double radians_per_unit);
+
+  [[nodiscard]] PixelPosition pixel(const SitePoint& point) const;
+  /// The same site in a window of the raster that begins at pixel `first`.
+  [[nodiscard]] SiteMapping in_window(const PixelPosition& first) const;
+
+ private:
+  PixelPosition center_;
+  Eigen::Matrix2d pixels_per_step_;  // per metre, or per radian with a frame
+  std::optional<OrthographicFrame> frame_;
+};
+
+}  // namespace landfall
