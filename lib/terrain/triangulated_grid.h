@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "raster/grid.h"
 
@@ -20,6 +21,8 @@ class TriangulatedGrid {
   explicit TriangulatedGrid(Grid<double> nodes);
 
   [[nodiscard]] const Grid<double>& nodes() const { return nodes_; }
+  /// Gives the grid back; the surface is gone.
+  [[nodiscard]] Grid<double> take_nodes() && { return std::move(nodes_); }
 
   /// H(x, y), metres, frame D; NaN off the grid and in holes. The surface is closed: on an edge or node that
   /// a hole shares with a triangle, the triangle counts.

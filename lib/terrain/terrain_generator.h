@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "raster/grid.h"
+#include "terrain/dem_raster.h"
+#include "terrain/terrain_model.h"
+
+namespace landfall {
+
+/// What generate_terrain makes.
+struct GeneratedTerrain {
+  Grid<double> nodes;
+  std::string crs_wkt;                 ///< of the first imported DEM's site frame, else kLocalSiteCrsWkt
+  std::vector<DemSource> dem_sources;  ///< one per DemBase, in their order
+};
+
+/// Builds a gridded terrain: the sum of the bases at each node, then the features, each standing on that
+/// sum's triangulated surface under its own centre and evaluated at nodes only. Fractal base number i
+/// (counted among all bases) draws its own waves. Holes of any base are holes of the terrain, whatever stands
+/// there.
+///
+/// Throws UsageError on a parameter without sense (validate()), more than 2^30 nodes, or a feature whose
+/// centre is off the grid; FormatError where a DEM is refused (no finite node, NaN at the centre with
+/// Datum::center, a node outside the raster, or by the loader itself) or a feature's centre is on a hole;
+/// both name the culprit. The result does not depend on the number of threads.
+[[nodiscard]] GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec,
+                                                const DemLoader& load_dem,
+                                                const ProgressCallback& progress = {});
+
+}  // namespace landfall
