@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The only code that opens rasters: GDAL's side of load_dem() (lib/terrain/gdal_loader.h).
+#include <cpl_error.h>
+#include <gdal_priv.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "terrain/gdal/plugin.h"
+#include "terrain/gdal/site_frame.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::int64_t kMebi = std::int64_t{1} << 20U;
+constexpr std::int64_t kWholeLimit = 64 * kMebi;
+constexpr std::int64_t kWindowLimit = 256 * kMebi;
+constexpr std::int64_t kStripSamples = 4 * kMebi;
+
+/// Keeps GDAL's first error instead of printing it, for as long as it lives.
+class GdalErrors {
+ public:
+  GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
+  ~GdalErrors() { CPLPopErrorHandler(); }
+  GdalErrors(const GdalErrors&) = delete;
+  GdalErrors& operator=(const GdalErrors&) = delete;
+
+  [[nodiscard]] bool any() const { return !first_.empty(); }
+  [[nodiscard]] std::string reason() const { return any() ? first_ : "GDAL gives no reason"; }
+  void clear() { first_.clear(); }
+
+ private:
+  static void CPL_STDCALL keep(CPLErr level, CPLErrorNum /*number*/, const char* message) {
+    auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
+    if (level < CE_Failure || self.any()) return;
+    self.first_ = message;
+    std::replace(self.first_.begin(), self.first_.end(), '\n', ' ');
+    self.first_.erase(self.first_.find_last_not_of(' ') + 1);
+  }
+  std::string first_;
+};
+
+struct OpenRaster {
+  GDALDatasetUniquePtr dataset;
+  GDALRasterBand* band;
+  RasterSize size;
+};
+
+/// A rectangle of a raster's samples.
+struct Window {
+  std::int64_t row = 0;
+  std::int64_t col = 0;
+  RasterSize size;
+};
+
+/// Names what the file holds instead of a band, since a container of several rasters is a common slip.
+std::string subdataset_hint(GDALDataset& dataset) {
+  const char* const first = CSLFetchNameValue(dataset.GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
+  return first != nullptr ? std::string("; it holds several rasters, name one, such as ") + first : "";
+}
+
+OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors) {
+  constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
+  GDALDatasetUniquePtr dataset(GDALDataset::Open(dem.path.c_str(), kFlags));
+  if (!dataset) throw FormatError(dem.path + ": cannot open: " + errors.reason());
+  const int bands = dataset->GetRasterCount();
+  if (bands < 1) throw FormatError(dem.path + ": has no raster band" + subdataset_hint(*dataset));
+  if (dem.band < 1 || dem.band > bands)
+    throw UsageError(dem.path + ": band " + std::to_string(dem.band) + " is not in 1.." +
+                     std::to_string(bands));
+  GDALRasterBand* band = dataset->GetRasterBand(dem.band);
+  const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
+  return {std::move(dataset), band, size};
+}
+
+void require_usable(const OpenRaster& raster, const DemBase& dem) {
+  const auto [rows, cols] = raster.size;
+  if (rows < 2 || cols < 2)
+    throw FormatError(dem.path + ": " + std::to_string(cols) + " x " + std::to_string(rows) +
+                      " pixels are fewer than 2 x 2");
+  if (GDALDataTypeIsComplex(raster.band->GetRasterDataType()) != 0)
+    throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " holds complex numbers");
+  int block_cols = 0;
+  int block_rows = 0;
+  raster.band->GetBlockSize(&block_cols, &block_rows);
+  if (std::int64_t{block_cols} * block_rows > kWindowLimit)
+    throw FormatError(dem.path + ": one block has " + std::to_string(std::int64_t{block_cols} * block_rows) +
+                      " samples, more than can be handled");
+}
+
+Georeference georeference(const OpenRaster& raster) {
+  std::array<double, 6> coefficients{};
+  Georeference result;
+  if (raster.dataset->GetGeoTransform(coefficients.data()) == CE_None)
+    result.transform = GeoTransform(coefficients);
+  const OGRSpatialReference* crs = raster.dataset->GetSpatialRef();
+  if (crs != nullptr && !crs->IsEmpty()) result.crs = crs;
+  result.size = raster.size;
+  return result;
+}
+
+/// All of a raster of ordinary size, else what the site needs and the ring that interpolation adds.
+Window window_to_read(const OpenRaster& raster, const SiteMapping& mapping, const GridSpec& site,
+                      const DemBase& dem) {
+  const auto [rows, cols] = raster.size;
+  if (rows * cols <= kWholeLimit) return {0, 0, raster.size};
+  constexpr double kMargin = 3;
+  const PixelBox box = pixel_box(mapping, site);
+  const auto first = [](double low) { return std::max<std::int64_t>(0, std::llround(low - kMargin)); };
+  const auto count = [](double high, std::int64_t begin, std::int64_t limit) {
+    return std::min<std::int64_t>(limit, std::llround(high + kMargin) + 1) - begin;
+  };
+  const std::int64_t row = first(box.low.row);
+  const std::int64_t col = first(box.low.col);
+  const Window window{row, col, {count(box.high.row, row, rows), count(box.high.col, col, cols)}};
+  if (window.size.rows * window.size.cols > kWindowLimit)
+    throw FormatError(dem.path + ": the site needs " + std::to_string(window.size.cols) + " x " +
+                      std::to_string(window.size.rows) + " pixels, more than 256 Mpx");
+  return window;
+}
+
+/// The raw number that means "no data", as the band's own type holds it.
+struct Nodata {
+  std::optional<double> value;
+  bool single_precision = false;
+
+  [[nodiscard]] bool matches(double raw) const {
+    if (!value) return false;
+    return single_precision ? static_cast<float>(raw) == static_cast<float>(*value) : raw == *value;
+  }
+};
+
+Nodata nodata_of(GDALRasterBand& band) {
+  const GDALDataType type = band.GetRasterDataType();
+  int given = 0;
+  double value = kNan;
+  if (type == GDT_Int64)
+    value = static_cast<double>(band.GetNoDataValueAsInt64(&given));
+  else if (type == GDT_UInt64)
+    value = static_cast<double>(band.GetNoDataValueAsUInt64(&given));
+  else
+    value = band.GetNoDataValue(&given);
+  return {given != 0 ? std::optional(value) : std::nullopt, type == GDT_Float32};
+}
+
+/// Metres from raw numbers: z = scale raw + offset.
+struct Scaling {
+  double scale = 1;
+  double offset = 0;
+};
+
+Scaling scaling_of(GDALRasterBand& band, const DemBase& dem) {
+  int given = 0;
+  Scaling scaling;
+  const double scale = band.GetScale(&given);
+  if (given != 0) scaling.scale = scale;
+  const double offset = band.GetOffset(&given);
+  if (given != 0) scaling.offset = offset;
+  if (!std::isfinite(scaling.scale) || !std::isfinite(scaling.offset) || scaling.scale == 0)
+    throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " has a scale of 0 or not finite");
+  return scaling;
+}
+
+/// Reads a window strip by strip, so that what GDAL needs besides stays small.
+class WindowReader {
+ public:
+  WindowReader(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors)
+      : band_(*raster.band),
+        dem_(dem),
+        errors_(errors),
+        nodata_(nodata_of(band_)),
+        scaling_(scaling_of(band_, dem)) {
+    // The nodata value is judged here, in the band's own type; any other mask is asked for.
+    const int flags = band_.GetMaskFlags();
+    if (flags != GMF_ALL_VALID && flags != GMF_NODATA) mask_ = band_.GetMaskBand();
+  }
+
+  DemSamples read(const Window& window) {
+    DemSamples samples{window.size, std::vector<double>(static_cast<std::size_t>(window.size.rows) *
+                                                        static_cast<std::size_t>(window.size.cols))};
+    const std::int64_t step = std::max<std::int64_t>(1, kStripSamples / window.size.cols);
+    for (std::int64_t row = 0; row < window.size.rows; row += step) {
+      const std::int64_t rows = std::min(step, window.size.rows - row);
+      double* out = samples.values.data() + row * window.size.cols;
+      read_strip({window.row + row, window.col, {rows, window.size.cols}}, out);
+    }
+    return samples;
+  }
+
+ private:
+  void read_strip(const Window& strip, double* out) {
+    transfer(band_, strip, out, GDT_Float64);
+    const auto count = static_cast<std::size_t>(strip.size.rows * strip.size.cols);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double z = scaling_.scale * out[i] + scaling_.offset;
+      out[i] = nodata_.matches(out[i]) || !std::isfinite(z) ? kNan : z;
+    }
+    if (mask_ == nullptr) return;
+    mask_values_.resize(count);
+    transfer(*mask_, strip, mask_values_.data(), GDT_Byte);
+    for (std::size_t i = 0; i < count; ++i)
+      if (mask_values_[i] == 0) out[i] = kNan;
+  }
+
+  /// Throws unless all of it was read: some drivers report an error and carry on, so both are asked.
+  void transfer(GDALRasterBand& band, const Window& w, void* out, GDALDataType type) {
+    errors_.clear();
+    const CPLErr status =
+        band.RasterIO(GF_Read, static_cast<int>(w.col), static_cast<int>(w.row),
+                      static_cast<int>(w.size.cols), static_cast<int>(w.size.rows), out,
+                      static_cast<int>(w.size.cols), static_cast<int>(w.size.rows), type, 0, 0, nullptr);
+    if (status != CE_None || errors_.any())
+      throw FormatError(dem_.path + ": cannot read rows " + std::to_string(w.row) + " .. " +
+                        std::to_string(w.row + w.size.rows - 1) + ": " + errors_.reason());
+  }
+
+  GDALRasterBand& band_;
+  const DemBase& dem_;
+  GdalErrors& errors_;
+  Nodata nodata_;
+  Scaling scaling_;
+  GDALRasterBand* mask_ = nullptr;
+  std::vector<unsigned char> mask_values_;
+};
+
+DemRaster read_dem(const DemBase& dem, const GridSpec& site) {
+  static std::once_flag registered;
+  std::call_once(registered, GDALAllRegister);
+  GdalErrors errors;
+  const OpenRaster raster = open_raster(dem, errors);
+  require_usable(raster, dem);
+  SiteFrame frame = site_frame(georeference(raster), dem);
+  require_site_inside(frame.mapping, raster.size, dem.interpolation, site, dem.path);
+  const Window window = window_to_read(raster, frame.mapping, site, dem);
+  DemSamples samples = WindowReader(raster, dem, errors).read(window);
+  const PixelPosition first{static_cast<double>(window.col), static_cast<double>(window.row)};
+  const char* const driver = GDALGetDriverShortName(raster.dataset->GetDriver());
+  return {std::move(samples),
+          frame.mapping.in_window(first),
+          std::move(frame.crs_wkt),
+          {dem.path, driver, raster.size, dem.band}};
+}
+
+}  // namespace
+}  // namespace landfall
+
+extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
+const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION, &landfall::read_dem};

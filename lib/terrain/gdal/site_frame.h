@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "terrain/dem_raster.h"
+#include "terrain/site_mapping.h"
+#include "terrain/terrain_model.h"
+
+class OGRSpatialReference;
+
+namespace landfall {
+
+/// What a raster says about its place.
+struct Georeference {
+  std::optional<GeoTransform> transform;
+  const OGRSpatialReference* crs =
+      nullptr;  ///< axes in longitude-latitude or easting-northing order; may be null
+  RasterSize size;
+};
+
+/// The frame of a site in a raster.
+struct SiteFrame {
+  SiteMapping mapping;
+  std::string crs_wkt;
+};
+
+/// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal_loader.h) says.
+[[nodiscard]] SiteFrame site_frame(const Georeference& georeference, const DemBase& dem);
+
+}  // namespace landfall

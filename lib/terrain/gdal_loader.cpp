@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/gdal_loader.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "terrain/gdal/plugin.h"
+
+namespace landfall {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> plugin_folders() {
+  std::vector<fs::path> folders;
+  if (const char* chosen = std::getenv("LANDFALL_PLUGIN_DIR"); chosen != nullptr && *chosen != '\0')
+    folders.emplace_back(chosen);
+  std::error_code unreadable;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
+  if (!unreadable) {
+    const fs::path prefix = program.parent_path().parent_path();
+    folders.push_back(prefix / "lib" / "landfall");
+    folders.push_back(prefix / LANDFALL_LIBDIR / "landfall");
+  }
+  folders.emplace_back(LANDFALL_PLUGIN_INSTALL_DIR);
+  return folders;
+}
+
+std::string last_dl_error() {
+  const char* reason = dlerror();
+  return reason != nullptr ? reason : "unknown reason";
+}
+
+const GdalPlugin& plugin_at(const fs::path& file) {
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) throw IoError("cannot load the GDAL plugin: " + last_dl_error());
+  const auto* plugin = static_cast<const GdalPlugin*>(dlsym(library, kGdalPluginSymbol));
+  if (plugin == nullptr) throw IoError("cannot use the GDAL plugin: " + last_dl_error());
+  if (std::string(plugin->version) != LANDFALL_VERSION)
+    throw IoError(file.string() + ": is of version " + plugin->version +
+                  ", this program of " LANDFALL_VERSION);
+  return *plugin;
+}
+
+const GdalPlugin& find_plugin() {
+  std::string tried;
+  for (const fs::path& folder : plugin_folders()) {
+    const fs::path file = folder / "landfall-gdal.so";
+    std::error_code missing;
+    if (fs::exists(file, missing)) return plugin_at(file);
+    tried += (tried.empty() ? "" : ", ") + file.string();
+  }
+  throw IoError("the GDAL plugin is not there; tried " + tried + "; LANDFALL_PLUGIN_DIR can name its folder");
+}
+
+}  // namespace
+
+DemRaster load_dem(const DemBase& dem, const GridSpec& site) {
+  // Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.
+  static const GdalPlugin& plugin = find_plugin();
+  return plugin.read_dem(dem, site);
+}
+
+}  // namespace landfall

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "raster/grid_spec.h"
+#include "terrain/dem_raster.h"
+#include "terrain/terrain_model.h"
+
+namespace landfall {
+
+/// The DemLoader that opens files: any raster that GDAL reads. GDAL brings about a hundred shared libraries
+/// along, so it lives in a plugin, landfall-gdal.so, which the first call loads. Looked for in
+/// $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and ../<libdir>/landfall), then
+/// where it was installed to.
+///
+/// Holes are NaN: what the band's nodata value, its mask or alpha band, or NaN says. Scale and offset are
+/// applied. Rasters up to 64 Mpx (2^26) are read whole, of larger ones the window that the site needs, at
+/// most 256 Mpx. The site's frame is
+/// - for a projected or local CRS: its own axes, shifted to the centre, in metres;
+/// - for a geographic CRS: the orthographic frame of its body around the centre;
+/// - without a CRS: the raster's axes times horizontal_scale_m; a raster without georeference counts columns
+///   from its left and rows from its bottom edge.
+///
+/// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
+/// both kinds of centre at once; FormatError where the raster cannot be opened or read, is complex-valued, is
+/// smaller than 2 x 2, has no usable georeference, or does not hold all of the site; IoError, naming the
+/// places tried, without the plugin. Safe from any thread.
+[[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
+
+}  // namespace landfall
