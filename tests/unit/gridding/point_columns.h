@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gridding/bin_accumulator.h"
+
+namespace landfall {
+
+/// One return; what a test does not name is 0.
+struct ReturnPoint {
+  double x_est = 0;
+  double y_est = 0;
+  double z_est = 0;
+  double x_true = 0;
+  double y_true = 0;
+  double z_true = 0;
+  double t = 0;
+};
+
+/// The columns that GridPoints looks at.
+struct PointColumns {
+  std::vector<double> x_est, y_est, z_est, x_true, y_true, z_true, t;
+
+  PointColumns() = default;
+  explicit PointColumns(const std::vector<ReturnPoint>& points) {
+    for (const ReturnPoint& p : points) push_back(p);
+  }
+  void push_back(const ReturnPoint& p) {
+    x_est.push_back(p.x_est);
+    y_est.push_back(p.y_est);
+    z_est.push_back(p.z_est);
+    x_true.push_back(p.x_true);
+    y_true.push_back(p.y_true);
+    z_true.push_back(p.z_true);
+    t.push_back(p.t);
+  }
+  [[nodiscard]] GridPoints view() const { return {x_est, y_est, z_est, x_true, y_true, z_true, t}; }
+};
+
+inline BinAccumulator accumulated(const GridSpec& spec, const std::vector<ReturnPoint>& points) {
+  BinAccumulator bins(spec);
+  const PointColumns columns(points);
+  bins.add(columns.view(), 0);
+  return bins;
+}
+
+}  // namespace landfall
