@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/pulse_batch.h"
+
+namespace landfall {
+namespace {
+
+bool is_return(PointStatus status) {
+  return status == PointStatus::returned || status == PointStatus::false_return;
+}
+
+}  // namespace
+
+void PulseBatch::resize(std::size_t pulse_count, std::size_t pixel_count) {
+  PointColumns::for_each(points,
+                         [&](const char*, auto& column) { column.resize(pulse_count * pixel_count); });
+  PulseColumns::for_each(pulses, [&](const char*, auto& column) { column.resize(pulse_count); });
+}
+
+std::array<std::int64_t, kPointStatusCount> PulseBatch::status_counts() const {
+  std::array<std::int64_t, kPointStatusCount> counts{};
+  for (const PointStatus status : points.status) ++counts[static_cast<std::size_t>(status)];
+  return counts;
+}
+
+void PulseBatch::keep_returns() {
+  std::vector<std::size_t> kept;
+  kept.reserve(points.size());
+  std::size_t row = 0;
+  for (std::int32_t& count : pulses.point_count) {
+    const std::size_t before = kept.size();
+    for (const std::size_t end = row + static_cast<std::size_t>(count); row < end; ++row)
+      if (is_return(points.status[row])) kept.push_back(row);
+    count = static_cast<std::int32_t>(kept.size() - before);
+  }
+  PointColumns::for_each(points, [&](const char*, auto& column) {
+    for (std::size_t i = 0; i < kept.size(); ++i) column[i] = column[kept[i]];
+    column.resize(kept.size());
+  });
+}
+
+}  // namespace landfall

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/pulse_simulator.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// The direction from the lidar, at this pose, to a point.
+Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
+                                   const Transform<DemFrame, LidarFrame>& T_dem_lidar) {
+  return Direction<LidarFrame>::of(T_dem_lidar.rotation.inverse() * (target - T_dem_lidar.position));
+}
+
+[[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double ground_m) {
+  std::ostringstream message;
+  message.precision(10);
+  message << "pulse " << pulse << ": the lidar at x = " << origin.v.x() << " m, y = " << origin.v.y()
+          << " m is " << origin.v.z() << " m high, at or below the terrain, " << ground_m << " m";
+  throw FormatError(message.str());
+}
+
+/// The columns of a pose, whichever of the two it is.
+struct PoseColumns {
+  std::vector<double>&px, &py, &pz, &qw, &qx, &qy, &qz;
+};
+
+void record_pose(const Pose& pose, std::size_t slot, const PoseColumns& columns) {
+  Eigen::Quaterniond q(pose.rotation.m);
+  if (q.w() < 0) q.coeffs() *= -1;  // q and -q are one attitude; the file holds one of them
+  columns.px[slot] = pose.position.v.x();
+  columns.py[slot] = pose.position.v.y();
+  columns.pz[slot] = pose.position.v.z();
+  columns.qw[slot] = q.w();
+  columns.qx[slot] = q.x();
+  columns.qy[slot] = q.y();
+  columns.qz[slot] = q.z();
+}
+
+void record_pulse(const PulseInput& pulse, const ScannerState& state, std::size_t slot, PulseColumns& out) {
+  out.t[slot] = pulse.t_s;
+  out.angle_1[slot] = state.angle_1_rad;
+  out.angle_2[slot] = state.angle_2_rad;
+  record_pose(pulse.truth, slot,
+              {out.px_true, out.py_true, out.pz_true, out.qw_true, out.qx_true, out.qy_true, out.qz_true});
+  record_pose(pulse.estimate, slot,
+              {out.px_est, out.py_est, out.pz_est, out.qw_est, out.qx_est, out.qy_est, out.qz_est});
+}
+
+/// Puts the engine's ranges, which leave out the lost beams, back among all beams.
+void spread_over(std::span<const Beam> beams, std::vector<double>& hits_m) {
+  std::size_t from = hits_m.size();
+  hits_m.resize(beams.size());
+  for (std::size_t i = beams.size(); i-- > 0;) hits_m[i] = beams[i].lost ? kNan : hits_m[--from];
+}
+
+std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
+  std::vector<std::int8_t> dead(lidar.detector.pixel_count());
+  for (std::size_t i = 0; i < dead.size(); ++i)
+    dead[i] = lidar.range_errors.is_dead(static_cast<std::int64_t>(i)) ? 1 : 0;
+  return dead;
+}
+
+}  // namespace
+
+PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine& engine, const TriangulatedGrid* ground)
+    : lidar_(std::move(lidar)), engine_(&engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {}
+
+void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+                              PulseWorkspace& workspace) const {
+  steer(pulse, workspace);
+  trace(pulse, workspace);
+  record(pulse, slot, batch, workspace);
+}
+
+void PulseSimulator::replay(const PulseInput& pulse, std::span<const double> ranges_true_m, std::size_t slot,
+                            PulseBatch& batch, PulseWorkspace& workspace) const {
+  steer(pulse, workspace);
+  workspace.ranges_m.assign(ranges_true_m.begin(), ranges_true_m.end());
+  record(pulse, slot, batch, workspace);
+}
+
+void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  PulseContext context{.time = pulse.time};
+  std::optional<Point<DemFrame>> target;
+  if (lidar_.pattern) target = lidar_.pattern->ground_aim(pulse.time);
+  if (target) context.aim = direction_to(*target, pulse.nominal * lidar_.mount);
+  workspace.state = lidar_.scanner->state(context);
+  if (lidar_.pattern && !target) workspace.state.blanked = true;
+  const auto pixels = lidar_.detector.pixels();
+  workspace.beams.resize(pixels.size());
+  lidar_.scanner->steer(workspace.state, pixels, workspace.beams);
+}
+
+void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  PulseWorkspace& w = workspace;
+  w.ranges_m.assign(w.beams.size(), kNan);
+  if (w.state.blanked) return;
+  const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
+  std::span<const Beam> beams = w.beams;
+  if (per_pixel > 1) {
+    w.sample_beams.resize(lidar_.detector.samples().size());
+    lidar_.scanner->steer(w.state, lidar_.detector.samples(), w.sample_beams);
+    beams = w.sample_beams;
+  }
+  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.truth * lidar_.mount;
+  w.rays.clear();
+  for (const Beam& beam : beams)
+    if (!beam.lost) w.rays.push_back({T_dem_lidar * beam.exit, T_dem_lidar.rotation * beam.direction});
+  require_above_ground(pulse, w.rays);
+  w.hits_m.resize(w.rays.size());
+  engine_->first_hits(w.rays, w.hits_m);
+  if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
+  for (std::size_t i = 0; i < w.beams.size(); ++i)
+    if (!w.beams[i].lost) w.ranges_m[i] = mean_range_m(std::span(w.hits_m).subspan(i * per_pixel, per_pixel));
+}
+
+void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
+  if (ground_ == nullptr) return;
+  const Point<DemFrame>* checked = nullptr;
+  for (const Ray& ray : rays) {
+    if (checked != nullptr && ray.origin == *checked) continue;
+    checked = &ray.origin;
+    const double ground_m = ground_->elevation(ray.origin.v.x(), ray.origin.v.y());
+    if (ray.origin.v.z() <= ground_m) refuse_origin(pulse.time.pulse, ray.origin, ground_m);
+  }
+}
+
+PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& workspace) const {
+  const auto i = static_cast<std::size_t>(where.pixel);
+  if (dead_map_[i] != 0) return PointStatus::dead;
+  if (workspace.state.blanked) return PointStatus::blanked;
+  if (workspace.beams[i].lost) return PointStatus::total_reflection;
+  if (std::isnan(workspace.ranges_m[i])) return PointStatus::miss;
+  return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
+}
+
+void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+                            const PulseWorkspace& workspace) const {
+  const std::size_t pixel_count = workspace.beams.size();
+  record_pulse(pulse, workspace.state, slot, batch.pulses);
+  batch.pulses.point_count[slot] = static_cast<std::int32_t>(pixel_count);
+  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.truth * lidar_.mount;
+  const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
+  PointColumns& out = batch.points;
+  for (std::size_t i = 0; i < pixel_count; ++i) {
+    const PulsePixel where{pulse.time.pulse, static_cast<std::int64_t>(i)};
+    const Beam& beam = workspace.beams[i];
+    const double range = workspace.ranges_m[i];
+    const PointStatus what = status(where, workspace);
+    const double measured =
+        what == PointStatus::returned ? lidar_.range_errors.measured_m(range, where) : kNan;
+    // A range that is NaN makes its point NaN.
+    const Point<DemFrame> truth = T_dem_lidar * (beam.exit + range * beam.direction);
+    const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + measured * beam.direction);
+    const std::size_t row = slot * pixel_count + i;
+    out.x_est[row] = estimate.v.x();
+    out.y_est[row] = estimate.v.y();
+    out.z_est[row] = estimate.v.z();
+    out.x_true[row] = truth.v.x();
+    out.y_true[row] = truth.v.y();
+    out.z_true[row] = truth.v.z();
+    out.range_true[row] = range;
+    out.range_measured[row] = measured;
+    out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
+    out.pixel[row] = static_cast<std::int32_t>(i);
+    out.status[row] = what;
+  }
+}
+
+}  // namespace landfall

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "detector/detector.h"
+#include "errors/range_errors.h"
+#include "geometry/rotation.h"
+#include "ray/engine.h"
+#include "scanner/pattern.h"
+#include "scanner/scanner.h"
+#include "simulation/pulse_batch.h"
+#include "terrain/triangulated_grid.h"
+#include "trajectory/trajectory.h"
+
+namespace landfall {
+
+/// The instrument: everything about a scan that is neither the lander's motion nor the terrain.
+struct Lidar {
+  Detector detector;
+  std::unique_ptr<const Scanner> scanner;
+  std::unique_ptr<const Pattern> pattern{};  ///< none: the scanner gets no aim
+  /// T_body_lidar. Nominally +z_L looks down and x_L is x_B: diag(1, -1, -1).
+  Transform<BodyFrame, LidarFrame> mount{rotation_from<BodyFrame, LidarFrame>({std::numbers::pi, 0, 0}), {}};
+  RangeErrors range_errors;
+};
+
+/// One pulse, as whoever moves the lander gives it.
+struct PulseInput {
+  PulseTime time{};
+  double t_s = 0;  ///< as written to the pulse table
+  Pose truth{};
+  Pose estimate{};  ///< what the lander believes
+  Pose nominal{};   ///< the pose that the pattern aims from
+};
+
+/// Memory that a thread keeps between pulses; its contents mean nothing to the caller.
+struct PulseWorkspace {
+  ScannerState state;
+  std::vector<Beam> beams;
+  std::vector<Beam> sample_beams;
+  std::vector<Ray> rays;
+  std::vector<double> hits_m;
+  std::vector<double> ranges_m;
+};
+
+/// One pulse from poses to points. It knows no trajectory, so that a host simulator can step it with poses
+/// and a RayEngine of its own. The result depends on the arguments only: any thread may compute any pulse.
+///
+/// The true beam leaves from the true pose, aimed from the nominal one: navigation error never moves it. A
+/// point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7), the true one with the true range and pose, the
+/// estimated one with the measured range and the estimated pose, both with the same n and b. A pixel's status
+/// is the first that applies of dead, blanked, total reflection, miss, dropout.
+class PulseSimulator {
+ public:
+  /// `engine` must outlive this. So must `ground`; where given, a beam that starts at or below it is refused.
+  PulseSimulator(Lidar lidar, const RayEngine& engine, const TriangulatedGrid* ground);
+
+  [[nodiscard]] const Lidar& lidar() const { return lidar_; }
+  /// 1 for each dead pixel, 0 for the others, row-major.
+  [[nodiscard]] std::span<const std::int8_t> dead_map() const { return dead_map_; }
+
+  /// Fills pulse `slot` of `batch`, which has been resized to this detector's pixels. All rays of the pulse
+  /// go to the engine in one call, in pixel order, sub-pixels within. Throws FormatError, naming the pulse,
+  /// where the scanner cannot follow the aim, or for a beam that starts at or below the ground.
+  void simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+                PulseWorkspace& workspace) const;
+
+  /// The same with true ranges from an earlier run, one per pixel, NaN for a miss, instead of tracing.
+  void replay(const PulseInput& pulse, std::span<const double> ranges_true_m, std::size_t slot,
+              PulseBatch& batch, PulseWorkspace& workspace) const;
+
+ private:
+  void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
+  void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+              const PulseWorkspace& workspace) const;
+  [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
+
+  Lidar lidar_;
+  const RayEngine* engine_;
+  const TriangulatedGrid* ground_;
+  std::vector<std::int8_t> dead_map_;
+};
+
+}  // namespace landfall

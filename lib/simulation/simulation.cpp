@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/simulation.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+void require(bool good, const char* key, double value, const char* bound) {
+  if (good) return;
+  std::ostringstream message;
+  message.precision(17);
+  message << "laser: " << key << ": " << value << " is not " << bound;
+  throw UsageError(message.str());
+}
+
+std::int64_t pulse_count_of(const ScanModel& model) {
+  const double rate = model.pulse_rate_hz;
+  const double time = model.scan_time_s;
+  require(std::isfinite(rate) && rate > 0, "pulse_rate_hz", rate, "finite and positive");
+  require(std::isfinite(time) && time > 0, "scan_time_s", time, "finite and positive");
+  // A product such as 100 Hz x 0.29 s is a hair below the whole number that it stands for.
+  const double pulses = std::floor(rate * time + 1e-9);
+  require(pulses >= 1 && pulses <= std::numeric_limits<std::int32_t>::max(), "pulse_rate_hz x scan_time_s",
+          pulses, "in 1..2147483647 pulses");
+  const auto count = static_cast<std::int64_t>(pulses);
+  if (!model.lidar.pattern) return count;
+  return std::min(count, model.lidar.pattern->pulse_limit().value_or(count));
+}
+
+}  // namespace
+
+Simulation::Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground)
+    : pulse_rate_hz_(model.pulse_rate_hz),
+      pulse_count_(pulse_count_of(model)),
+      first_pose_(model.trajectory->pose(model.trajectory->start_time_s())),
+      trajectory_(std::move(model.trajectory)),
+      navigation_error_(std::move(model.navigation_error)),
+      simulator_(std::move(model.lidar), engine, ground) {
+  // A trajectory that is too short shall fail now, not after an hour.
+  static_cast<void>(pulse(pulse_count_ - 1));
+}
+
+PulseInput Simulation::pulse(std::int64_t k) const {
+  const double since_start_s = static_cast<double>(k) / pulse_rate_hz_;
+  PulseInput input{.time = {k, since_start_s}, .t_s = trajectory_->start_time_s() + since_start_s};
+  input.truth = trajectory_->pose(input.t_s);
+  input.estimate = navigation_error_ ? navigation_error_->estimated(input.truth, since_start_s) : input.truth;
+  const Pattern* pattern = simulator_.lidar().pattern.get();
+  input.nominal = pattern != nullptr && !pattern->compensated() ? first_pose_ : input.truth;
+  return input;
+}
+
+void Simulation::simulate(PulseRange pulses, PulseBatch& batch) const {
+  assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
+  batch.resize(static_cast<std::size_t>(pulses.count), pixel_count());
+  PulseWorkspace workspace;
+  for (std::int64_t i = 0; i < pulses.count; ++i)
+    simulator_.simulate(pulse(pulses.first + i), static_cast<std::size_t>(i), batch, workspace);
+}
+
+PulseBatch Simulation::simulate(PulseRange pulses) const {
+  PulseBatch batch;
+  simulate(pulses, batch);
+  return batch;
+}
+
+void Simulation::replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch) const {
+  assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
+  const std::size_t pixels = pixel_count();
+  const auto count = static_cast<std::size_t>(pulses.count);
+  if (ranges_true_m.size() != count * pixels)
+    throw FormatError("replay: " + std::to_string(ranges_true_m.size()) + " ranges where " +
+                      std::to_string(count * pixels) + " are needed");
+  batch.resize(count, pixels);
+  PulseWorkspace workspace;
+  for (std::size_t i = 0; i < count; ++i)
+    simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)),
+                      ranges_true_m.subspan(i * pixels, pixels), i, batch, workspace);
+}
+
+}  // namespace landfall

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "errors/navigation_error.h"
+#include "simulation/pulse_simulator.h"
+#include "trajectory/trajectory.h"
+
+namespace landfall {
+
+/// A whole scan.
+struct ScanModel {
+  Lidar lidar;
+  std::unique_ptr<const Trajectory> trajectory;
+  std::unique_ptr<const NavigationError> navigation_error{};  ///< none: the estimate is the truth
+  double pulse_rate_hz = 20000;
+  double scan_time_s = 2;
+};
+
+struct PulseRange {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
+/// The pulse loop. Pulses are sent at t_k = t0 + k/f, k = 0 .. N - 1, N = floor(f T + 1e-9), or fewer where
+/// the pattern stops; all pixels of a pulse share its time, pose and scanner state. The nominal pose, which
+/// the pattern aims from, is the trajectory's: at t_k for a compensated pattern, at t0 otherwise.
+///
+/// Immutable: any number of threads may simulate batches of any size, with identical results.
+class Simulation {
+ public:
+  /// `engine` and `ground` must outlive this (see PulseSimulator). The model's scanner and trajectory must be
+  /// set. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and positive or they give no
+  /// pulse or 2^31 and more; FormatError where the trajectory ends before the last pulse.
+  Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr);
+
+  [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
+  [[nodiscard]] std::size_t pixel_count() const { return simulator_.lidar().detector.pixel_count(); }
+  [[nodiscard]] const Detector& detector() const { return simulator_.lidar().detector; }
+  /// See PulseSimulator.
+  [[nodiscard]] std::span<const std::int8_t> dead_map() const { return simulator_.dead_map(); }
+
+  /// Fills `batch` with all pixels of the pulses, which must lie in 0 .. pulse_count() - 1. Throws
+  /// FormatError, naming the pulse, as PulseSimulator does.
+  void simulate(PulseRange pulses, PulseBatch& batch) const;
+  [[nodiscard]] PulseBatch simulate(PulseRange pulses) const;
+
+  /// The same with the true ranges of an earlier run, one per pixel and pulse, NaN for a miss, instead of
+  /// tracing: only the errors are drawn anew. Throws FormatError where their number does not fit.
+  void replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch) const;
+
+ private:
+  [[nodiscard]] PulseInput pulse(std::int64_t k) const;
+
+  double pulse_rate_hz_;
+  std::int64_t pulse_count_;
+  Pose first_pose_;
+  std::unique_ptr<const Trajectory> trajectory_;
+  std::unique_ptr<const NavigationError> navigation_error_;
+  PulseSimulator simulator_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/pulse_batch.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace landfall {
+namespace {
+
+using enum PointStatus;
+using testing::ElementsAre;
+
+// Three pulses of two pixels; the rows are numbered in every column.
+PulseBatch numbered(std::initializer_list<PointStatus> status) {
+  PulseBatch batch;
+  batch.resize(3, 2);
+  PointColumns::for_each(batch.points, [](const char*, auto& column) {
+    for (std::size_t i = 0; i < column.size(); ++i)
+      column[i] = static_cast<std::decay_t<decltype(column[0])>>(i);
+  });
+  batch.points.status = status;
+  batch.pulses.point_count = {2, 2, 2};
+  return batch;
+}
+
+TEST(PulseBatch, ResizesEveryColumn) {
+  PulseBatch batch;
+  batch.resize(4, 3);
+  int columns = 0;
+  PointColumns::for_each(batch.points, [&](const char* name, const auto& column) {
+    EXPECT_EQ(column.size(), 12U) << name;
+    ++columns;
+  });
+  PulseColumns::for_each(batch.pulses, [&](const char* name, const auto& column) {
+    EXPECT_EQ(column.size(), 4U) << name;
+    ++columns;
+  });
+  EXPECT_EQ(columns, 11 + 18);
+}
+
+TEST(PulseBatch, CountsEachStatus) {
+  const PulseBatch batch = numbered({returned, miss, returned, dead, false_return, blanked});
+  EXPECT_THAT(batch.status_counts(), ElementsAre(2, 1, 0, 1, 1, 0, 1));
+}
+
+TEST(PulseBatch, KeepsReturnsInOrder) {
+  PulseBatch batch = numbered({miss, returned, dropout, dead, false_return, returned});
+  batch.keep_returns();
+  EXPECT_THAT(batch.points.x_est, ElementsAre(1, 4, 5));
+  EXPECT_THAT(batch.points.range_measured, ElementsAre(1, 4, 5));
+  EXPECT_THAT(batch.points.pixel, ElementsAre(1, 4, 5));
+  EXPECT_THAT(batch.points.status, ElementsAre(returned, false_return, returned));
+  EXPECT_THAT(batch.pulses.point_count, ElementsAre(1, 0, 2));
+  EXPECT_EQ(batch.pulses.t.size(), 3U);
+}
+
+TEST(PulseBatch, KeepingReturnsTwiceIsKeepingThemOnce) {
+  PulseBatch batch = numbered({returned, returned, blanked, total_reflection, miss, returned});
+  batch.keep_returns();
+  const PointColumns once = batch.points;
+  batch.keep_returns();
+  EXPECT_EQ(batch.points, once);
+  EXPECT_THAT(batch.pulses.point_count, ElementsAre(2, 0, 1));
+}
+
+// The values are those of the scan file: never renumber.
+TEST(PointStatus, ValuesAreTheFiles) {
+  EXPECT_EQ(static_cast<int>(returned), 0);
+  EXPECT_EQ(static_cast<int>(miss), 1);
+  EXPECT_EQ(static_cast<int>(dropout), 2);
+  EXPECT_EQ(static_cast<int>(dead), 3);
+  EXPECT_EQ(static_cast<int>(blanked), 4);
+  EXPECT_EQ(static_cast<int>(total_reflection), 5);
+  EXPECT_EQ(static_cast<int>(false_return), 6);
+}
+
+}  // namespace
+}  // namespace landfall
