@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reduces a map of bins to what a panel can show.
+
+A panel has fewer pixels than a map has bins. Values are reduced block by block to the extreme of each block,
+flags to "any", so that no defect vanishes; single bins are enlarged to a few pixels.
+"""
+import math
+
+import numpy as np
+
+def block_size(shape, cells):
+    """The edge, in bins, of blocks that cover `shape` with at most `cells` blocks along the longer side."""
+    return max(1, math.ceil(max(shape) / cells))
+
+
+def blocks(values, size, fill):
+    """View of `values`, padded with `fill`, as (block row, row in block, block column, column in block)."""
+    rows, cols = (math.ceil(n / size) for n in values.shape)
+    padding = [(0, rows * size - values.shape[0]), (0, cols * size - values.shape[1])]
+    padded = np.pad(values, padding, constant_values=fill)
+    return padded.reshape(rows, size, cols, size)
+
+
+def shrink_extreme(values, size):
+    """The value of largest magnitude of each block; NaN where a block has none."""
+    cut = blocks(values, size, np.nan)
+    high, low = np.fmax.reduce(cut, axis=(1, 3)), np.fmin.reduce(cut, axis=(1, 3))
+    return np.where(-low > high, low, high)
+
+
+def shrink_mean(values, size):
+    """The mean of each block's values; NaN where a block has none."""
+    cut = blocks(values, size, np.nan)
+    known = ~np.isnan(cut)
+    count = known.sum(axis=(1, 3))
+    total = np.where(known, cut, 0).sum(axis=(1, 3))
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def shrink_any(flags, size):
+    """Whether any bin of each block is set."""
+    return blocks(flags, size, False).any(axis=(1, 3))
+
+
+def enlarge(flags, radius):
+    """Grows set cells to squares of 2 radius + 1 cells."""
+    grown = flags.copy()
+    for axis in (0, 1):
+        source = grown.copy()
+        for shift in range(1, radius + 1):
+            ahead = [slice(None)] * 2
+            behind = [slice(None)] * 2
+            ahead[axis], behind[axis] = slice(shift, None), slice(None, -shift)
+            grown[tuple(ahead)] |= source[tuple(behind)]
+            grown[tuple(behind)] |= source[tuple(ahead)]
+    return grown
+
+
+def shrink_marks(flags, cells, growth=2):
+    """(reduced flags, block size); a single bin becomes a square of about growth/250 of the panel's edge."""
+    size = block_size(flags.shape, cells)
+    reduced = shrink_any(flags, size)
+    return enlarge(reduced, round(growth * max(reduced.shape) / 500 + 0.2)), size
