@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of scripts/plot_dem.py on small files made here."""
+"""Tests of scripts/plot_dem.py and scripts/plot_eval.py on small files made here."""
+import json
 import os
 import shutil
 import subprocess
@@ -22,6 +23,8 @@ import matplotlib.pyplot as plt
 
 BINS = 41
 RESOLUTION_M = 0.5
+RADIUS_M = 9.0
+PICTURES = ["accuracy", "coverage", "elevation_error", "verdict"]
 
 
 def start_file(path, format_name, complete=1):
@@ -48,6 +51,49 @@ def make_dem(path, truth=True, empty_bins=((22, 25),), **attributes):
         file["z_est"] = estimated
         if truth:
             file["z_true"] = true
+
+
+def make_metrics(invalid, judged=True):
+    def requirement(value, limit):
+        return {"value": value if judged else None, "limit": limit, "pass": True if judged else None}
+
+    axis = {"p95_m": 0.01, "mean_m": 0.0, "max_m": 0.02, "violation_count": 3}
+    accuracy = {"footprint_bins": 5, "quantile": 0.95, "absolute": {a: axis for a in "xyz"},
+                "relative": {a: axis for a in "xyz"}}
+    histogram = {"size_bins": [1] if invalid else [], "count": [invalid] if invalid else []}
+    return {"format": "landfall.metrics", "version": 1, "pass": True if judged else None,
+            "region": {"radius_m": RADIUS_M, "bin_count": 1009},
+            "coverage": {"invalid_count": invalid, "invalid_frac": invalid / 1009, "hole_count": invalid,
+                         "largest_hole_bins": min(invalid, 1), "holes_over_limit": 0, "max_distance_bins": 1,
+                         "distance_over_limit_count": 0, "hole_size_histogram": histogram},
+            "accuracy": accuracy if judged else None,
+            "requirements": {"coverage": {"value": 0.001, "limit": 0.01, "pass": True},
+                             "hole_size": {"value": 1, "limit": 10, "pass": True},
+                             "hole_distance": {"value": 1.0, "limit": 1, "pass": True},
+                             "relative_elevation": requirement(0, 0),
+                             "relative_horizontal": requirement(0, 0),
+                             "absolute_horizontal": requirement(1.0, 0.95)}}
+
+
+def coverage_layers(estimated):
+    x = np.arange(BINS) - BINS // 2
+    inside = x[:, None] ** 2 + x[None, :] ** 2 < (RADIUS_M / RESOLUTION_M) ** 2
+    invalid = np.isnan(estimated) & inside
+    return {"in_region": inside.astype(np.int8), "invalid": invalid.astype(np.int8),
+            "fail": np.where(invalid, 32, 0).astype(np.int8)}
+
+
+def make_evaluation(path, empty_bins=((22, 25),), truth=True, layers=True):
+    true, estimated = elevations(empty_bins)
+    with start_file(path, "landfall.evaluation") as file:
+        file["metrics_json"] = json.dumps(make_metrics(len(empty_bins), truth))
+        for name, values in (coverage_layers(estimated) if layers else {}).items():
+            file[name] = values
+        if layers and truth:
+            for axis in "xyz":
+                file[f"e_{axis}"] = true - estimated
+                file[f"abs_{axis}"] = (true - estimated).astype(np.float32)
+                file[f"rel_{axis}"] = np.abs(true - estimated).astype(np.float32)
 
 
 class ScriptTest(unittest.TestCase):
@@ -130,7 +176,7 @@ class PlotDemTest(ScriptTest):
         with open(self.path("text.h5"), "w", encoding="utf-8") as file:
             file.write("not HDF5")
         self.expect_failure(1, "text.h5: not a readable HDF5 file", "plot_dem.py", "text.h5")
-        start_file(self.path("eval.h5"), "landfall.evaluation").close()
+        make_evaluation(self.path("eval.h5"))
         self.expect_failure(1, "expected 'landfall.dem'", "plot_dem.py", "eval.h5")
         make_dem(self.path("unfinished.h5"), complete=0)
         self.expect_failure(1, "never finished", "plot_dem.py", "unfinished.h5")
@@ -157,6 +203,72 @@ class PlotDemTest(ScriptTest):
         self.expect_failure(2, "positive length", "plot_dem.py", "dem.h5", "--footprint-m", "-1")
         self.expect_failure(2, ".png", "plot_dem.py", "dem.h5", "-o", "dem.jpg")
         self.expect_failure(1, "no folder", "plot_dem.py", "dem.h5", "-o", "missing/dem.png")
+
+
+class PlotEvalTest(ScriptTest):
+    def expect_pictures(self, prefix, names):
+        self.assertEqual(sorted(os.path.basename(f) for f in os.listdir(self.folder) if f.endswith(".png")),
+                         sorted(f"{prefix}{name}.png" for name in names))
+        for name in names:
+            self.expect_picture(f"{prefix}{name}.png")
+
+    def test_draws_all_pictures(self):
+        make_evaluation(self.path("eval.h5"))
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", PICTURES)
+
+    def test_prefix_and_dem(self):
+        make_evaluation(self.path("eval.h5"))
+        make_dem(self.path("dem.h5"))
+        self.expect_success("plot_eval.py", "eval.h5", "--dem", "dem.h5", "-o", "case_")
+        self.expect_pictures("case_", PICTURES + ["dem"])
+
+    def test_folder(self):
+        make_evaluation(self.path("eval.h5"))
+        written = self.expect_success("plot_eval.py", "eval.h5", "-o", self.folder)
+        self.assertEqual(sorted(written), sorted(self.path(f"{name}.png") for name in PICTURES))
+        self.expect_pictures("", PICTURES)
+
+    def test_no_holes(self):
+        make_evaluation(self.path("eval.h5"), empty_bins=())
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", PICTURES)
+
+    def test_no_value_at_all(self):
+        make_evaluation(self.path("eval.h5"), [(row, col) for row in range(BINS) for col in range(BINS)])
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", PICTURES)
+
+    def test_dem_without_truth(self):
+        make_evaluation(self.path("eval.h5"), truth=False)
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", ["coverage", "verdict"])
+
+    def test_metrics_only(self):
+        make_evaluation(self.path("eval.h5"), layers=False)
+        with h5py.File(self.path("eval.h5"), "r+") as file:
+            del file["x"], file["y"]
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", ["coverage", "verdict"])
+
+    def test_one_existing_picture_stops_all(self):
+        make_evaluation(self.path("eval.h5"))
+        with open(self.path("eval-verdict.png"), "w", encoding="utf-8") as file:
+            file.write("mine")
+        self.expect_failure(2, "eval-verdict.png: exists", "plot_eval.py", "eval.h5")
+        self.expect_success("plot_eval.py", "eval.h5", "--overwrite")
+        self.expect_pictures("eval-", PICTURES)
+
+    def test_errors(self):
+        self.expect_failure(1, "eval.h5: no such file", "plot_eval.py", "eval.h5")
+        make_dem(self.path("dem.h5"))
+        self.expect_failure(1, "expected 'landfall.evaluation'", "plot_eval.py", "dem.h5")
+        make_evaluation(self.path("eval.h5"))
+        self.expect_failure(1, "none.h5: no such file", "plot_eval.py", "eval.h5", "--dem", "none.h5")
+        with h5py.File(self.path("eval.h5"), "r+") as file:
+            del file["metrics_json"]
+            file["metrics_json"] = "{"
+        self.expect_failure(1, "/metrics_json is not JSON", "plot_eval.py", "eval.h5")
 
 
 class ReductionTest(unittest.TestCase):
