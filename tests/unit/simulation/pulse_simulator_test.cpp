@@ -277,6 +277,19 @@ TEST(PulseSimulator, HalfOfTheSubpixelsAreAReturn) {
   EXPECT_EQ(at_edge(EdgeEngine(13)).points.status[0], miss);
 }
 
+// OddScanner loses the second ray of whatever it steers: one sub-pixel of pixel 0, and the centre ray of
+// pixel 1, on which its point would lie.
+TEST(PulseSimulator, LostSubpixelIsAMissLostCentreIsTheEnd) {
+  const PlaneEngine engine;
+  const PulseSimulator simulator(lidar_of(perspective_detector({.rows = 1, .columns = 2, .subpixels = 2}),
+                                          std::make_unique<OddScanner>()),
+                                 engine, {});
+  const PulseBatch batch = simulate(simulator, at(kAt500m));
+  EXPECT_THAT(batch.points.status, ElementsAre(returned, total_reflection));
+  EXPECT_NEAR(batch.points.range_true[0], 500, 1e-5);
+  EXPECT_TRUE(std::isnan(batch.points.range_true[1]));
+}
+
 TEST(PulseSimulator, SubpixelsShareTheirPulsesCall) {
   const RecordingEngine engine;
   at_edge(engine);
