@@ -57,7 +57,7 @@ using Base = std::variant<PlaneBase, FractalBase, DemBase>;
 struct TerrainModel {
   std::vector<Base> bases = {PlaneBase{}};
   std::vector<Feature> features;
-  std::vector<Pattern> patterns;
+  std::vector<FeaturePattern> patterns;
   std::uint64_t seed = 1;
   friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
 };

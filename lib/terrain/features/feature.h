@@ -40,7 +40,7 @@ struct RingPattern {
 };
 
 /// A pattern stands for many features: features() lists them in a fixed order.
-using Pattern = std::variant<RingPattern>;
+using FeaturePattern = std::variant<RingPattern>;
 
 /// Throws UsageError, its message begun by `owner`, where a parameter makes no sense.
 void validate(const FeatureShape& shape, const std::string& owner);

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/terrain_config.h"
+
+#include "base/error.h"
+#include "config/json_values.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+std::optional<std::array<double, 2>> optional_pair(const Json& json, const char* key) {
+  if (!json.contains(key)) return std::nullopt;
+  return json.at(key).get<std::array<double, 2>>();
+}
+
+Interpolation interpolation_of(const std::string& word) {
+  if (word == "nearest") return Interpolation::nearest;
+  return word == "bilinear" ? Interpolation::bilinear : Interpolation::bicubic;
+}
+
+DemBase dem_base(const Json& json) {
+  DemBase base;
+  base.path = json.at("path").get<std::string>();
+  base.band = json.at("band").get<int>();
+  base.center = optional_pair(json, "center");
+  base.center_pixel = optional_pair(json, "center_pixel");
+  base.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
+  base.datum = json.at("datum") == "center" ? Datum::center : Datum::none;
+  base.vertical_scale = json.at("vertical_scale").get<double>();
+  if (json.contains("horizontal_scale_m"))
+    base.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
+  return base;
+}
+
+Base base_of(const Json& json) {
+  const auto number = [&](const char* key) { return json.at(key).get<double>(); };
+  if (json.at("type") == "dem") return dem_base(json);
+  if (json.at("type") == "fractal")
+    return FractalBase{number("hurst_exponent"), number("rms_deviation_m"), number("reference_length_m")};
+  return PlaneBase{number("elevation_m"), number("slope_x"), number("slope_y")};
+}
+
+FeatureShape shape_of(const Json& json) {
+  const auto number = [&](const char* key) { return json.at(key).get<double>(); };
+  if (json.at("type") == "cone") return Cone{number("radius_m"), number("height_m")};
+  if (json.at("type") == "hemisphere") return Hemisphere{number("radius_m")};
+  return Pyramid{number("base_width_m"), number("height_m"), kRadiansPerDegree * number("yaw_deg")};
+}
+
+Feature feature_of(const Json& json) {
+  return {json.at("x_m").get<double>(), json.at("y_m").get<double>(), shape_of(json)};
+}
+
+FeaturePattern pattern_of(const Json& json) {
+  return RingPattern{json.at("count").get<std::int64_t>(), json.at("radius_m").get<double>(),
+                     kRadiansPerDegree * json.at("first_azimuth_deg").get<double>(),
+                     shape_of(json.at("feature"))};
+}
+
+TerrainModel model_of(const Json& json) {
+  TerrainModel model;
+  model.bases.clear();
+  const Json& base = json.at("base");
+  if (base.is_object()) model.bases.push_back(base_of(base));
+  if (base.is_array())
+    for (const Json& layer : base) model.bases.push_back(base_of(layer));
+  for (const Json& feature : json.at("features")) model.features.push_back(feature_of(feature));
+  for (const Json& pattern : json.at("patterns")) model.patterns.push_back(pattern_of(pattern));
+  model.seed = json.at("seed").get<std::uint64_t>();
+  return model;
+}
+
+}  // namespace
+
+TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
+  const Json& grid = resolved.at("grid");
+  TerrainConfig config;
+  config.grid = GridSpec::centered(grid.at("half_width_m").get<double>(),
+                                   grid.at("resolution_m").get<double>(), (name + ": /grid").c_str());
+  config.model = model_of(resolved);
+  try {
+    validate(config.model);
+  } catch (const UsageError& error) {
+    throw UsageError(name + ": /" + error.what());
+  }
+  return config;
+}
+
+}  // namespace landfall
