@@ -11,14 +11,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "io/chunk_codec.h"
+#include "io/crs.h"
 
 namespace landfall {
 namespace {
 
 constexpr std::int64_t kTile = 256;
-
-constexpr const char* kLocalFrameWkt =
-    R"(LOCAL_CS["landfall site frame",UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])";
 
 template <class T>
 constexpr T fill_of() {
@@ -50,15 +48,6 @@ h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& v
   h5::write_attribute(dataset.get(), "standard_name", "projection_" + axis + "_coordinate");
   h5::write_attribute(dataset.get(), "axis", std::string(axis == "x" ? "X" : "Y"));
   return dataset;
-}
-
-void write_crs(hid_t root, const std::string& wkt) {
-  const h5::Handle crs = h5::create_dataset(root, "crs", h5::Type::int32, {.size = {}, .chunk = {}});
-  const std::int32_t zero = 0;
-  H5Dwrite(crs.get(), H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, &zero);
-  h5::write_attribute(crs.get(), "units", std::string("1"));
-  h5::write_attribute(crs.get(), "long_name", std::string("coordinate reference system of the site frame"));
-  h5::write_attribute(crs.get(), "crs_wkt", wkt.empty() ? std::string(kLocalFrameWkt) : wkt);
 }
 
 /// _FillValue as netCDF writes it: one element of the layer's own type.
@@ -181,11 +170,8 @@ template void GridLayerWriter::write(const std::string&, const Grid<float>&, con
 template void GridLayerWriter::write(const std::string&, const Grid<std::int32_t>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<std::int8_t>&, const LayerText&);
 
-GridLayerReader::GridLayerReader(const LandfallFileReader& file) : file_(file), spec_(read_spec(file)) {
-  if (!h5::exists(file.root(), "crs")) return;
-  const h5::Handle crs(H5Dopen2(file.root(), "crs", H5P_DEFAULT), H5Dclose);
-  if (crs) crs_wkt_ = h5::read_text_attribute(crs.get(), "crs_wkt").value_or("");
-}
+GridLayerReader::GridLayerReader(const LandfallFileReader& file)
+    : file_(file), spec_(read_spec(file)), crs_wkt_(read_crs(file.root())) {}
 
 bool GridLayerReader::has(const std::string& name) const { return h5::exists(file_.root(), name); }
 

@@ -14,7 +14,7 @@ namespace landfall {
 /// rules), so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
 class GridLayerWriter {
  public:
-  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; empty: the local frame of a site without one.
+  /// Writes /x, /y and /crs. `crs_wkt` is the site frame.
   GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt);
 
   struct LayerText {

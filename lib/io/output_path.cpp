@@ -96,12 +96,12 @@ void OutputPath::commit() {
   committed_ = true;
 }
 
-void write_text_file(const fs::path& path, bool overwrite, const std::string& text) {
-  OutputPath output(path, overwrite);
+void write_text(OutputPath& output, const std::string& text) {
   std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
   stream << text;
   stream.close();
-  if (!stream) throw IoError("output " + path.string() + ": writing failed: " + system_message(errno));
+  if (!stream)
+    throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
   output.commit();
 }
 

@@ -34,7 +34,7 @@ class OutputPath {
   bool committed_ = false;
 };
 
-/// Writes a small text file through an OutputPath.
-void write_text_file(const std::filesystem::path& path, bool overwrite, const std::string& text);
+/// Writes a small text as the whole output and commits it. Throws IoError when the disk refuses.
+void write_text(OutputPath& output, const std::string& text);
 
 }  // namespace landfall

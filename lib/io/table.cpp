@@ -114,7 +114,7 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 
 TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
     : file_(std::move(file)), name_(group) {
-  if (h5::exists(parent, group)) group_ = h5::Handle(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose);
+  group_ = h5::Handle(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose);
   if (!group_) throw FormatError(file_ + ": no group /" + group);
 }
 

@@ -68,11 +68,12 @@ TEST(OutputPath, RemovesWhatAKilledRunLeft) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(WriteTextFile, WritesWhole) {
+TEST(WriteText, WritesWhole) {
   const TemporaryFolder folder;
-  write_text_file(folder / "m.json", false, "{}\n");
+  OutputPath output(folder / "m.json", false);
+  write_text(output, "{}\n");
   EXPECT_EQ(read_file(folder / "m.json"), "{}\n");
-  EXPECT_THROW(write_text_file(folder / "m.json", false, "x"), UsageError);
+  EXPECT_EQ(folder.entries(), 1U);
 }
 
 }  // namespace

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/evaluation_file.h"
+
+#include <array>
+#include <vector>
+
+#include "io/grid_file.h"
+#include "io/metrics_json.h"
+#include "io/table.h"
+
+namespace landfall {
+namespace {
+
+void write_coverage(GridLayerWriter& out, const EvaluationLayers& layers) {
+  out.write("in_region", layers.in_region, {"1", "bin lies in the judged region", {0, 1}, "outside inside"});
+  out.write("invalid", layers.invalid,
+            {"1", "bin of the region without an elevation", {0, 1}, "valid invalid"});
+  out.write("hole_id", layers.hole_id, {"1", "number of the 8-connected hole, 0 for none"});
+  out.write("distance_to_valid", layers.distance_to_valid,
+            {"1", "distance to the nearest valid bin, in bins"});
+  GridLayerWriter::LayerText fail{"1", "missed requirements of the bin or of the footprint centred on it"};
+  fail.flag_values = {kFailRelativeX,          kFailRelativeY, kFailRelativeZ,
+                      kFailAbsoluteHorizontal, kFailHoleSize,  kFailDistance};
+  fail.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
+  out.write("fail", layers.fail, fail);
+}
+
+void write_axis_layers(GridLayerWriter& out, const std::string& axis, const AxisLayers& layers) {
+  out.write("e_" + axis, layers.error, {"m", "true minus estimated " + axis});
+  out.write("abs_" + axis, layers.absolute, {"m", "mean of e_" + axis + " over the footprint"});
+  out.write("rel_" + axis, layers.relative,
+            {"m", "quantile of the deviation of e_" + axis + " from its mean over the footprint"});
+}
+
+void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std::vector<Hole>& holes) {
+  std::vector<std::int32_t> id;
+  std::vector<std::int64_t> size;
+  std::vector<std::int64_t> row;
+  std::vector<std::int64_t> col;
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> first_x;
+  std::vector<double> first_y;
+  std::vector<double> distance;
+  for (const Hole& hole : holes) {
+    id.push_back(hole.id);
+    size.push_back(hole.size_bins);
+    row.push_back(hole.first.row);
+    col.push_back(hole.first.col);
+    first_x.push_back(spec.x(hole.first.col));
+    first_y.push_back(spec.y(hole.first.row));
+    x.push_back(hole.centroid_x_m);
+    y.push_back(hole.centroid_y_m);
+    distance.push_back(hole.largest_distance_bins);
+  }
+  const std::array<ColumnRows, 9> rows = {
+      std::span<const std::int32_t>(id),  std::span<const std::int64_t>(size),
+      std::span<const std::int64_t>(row), std::span<const std::int64_t>(col),
+      std::span<const double>(first_x),   std::span<const double>(first_y),
+      std::span<const double>(x),         std::span<const double>(y),
+      std::span<const double>(distance)};
+  write_table(file.root(), "holes",
+              {{"id", h5::Type::int32, "1", "number of the hole, by first bin in row-major order"},
+               {"size_bins", h5::Type::int64, "1", "bins of the hole"},
+               {"row", h5::Type::int64, "1", "row of the first bin"},
+               {"column", h5::Type::int64, "1", "column of the first bin"},
+               {"first_x", h5::Type::float64, "m", "x of the first bin's centre"},
+               {"first_y", h5::Type::float64, "m", "y of the first bin's centre"},
+               {"x", h5::Type::float64, "m", "x of the centroid"},
+               {"y", h5::Type::float64, "m", "y of the centroid"},
+               {"max_distance_bins", h5::Type::float64, "1", "largest distance to a valid bin, in bins"}},
+              rows, file.compression());
+}
+
+}  // namespace
+
+DemInput read_dem(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"dem"});
+  const GridLayerReader layers(file);
+  DemInput dem{{layers.read<double>("z_est"), std::nullopt}, layers.crs_wkt(), file.file_id(), file.chain()};
+  if (layers.has("x_true") && layers.has("y_true") && layers.has("z_true"))
+    dem.layers.truth = TrueLayers{layers.read<double>("x_true"), layers.read<double>("y_true"),
+                                  layers.read<double>("z_true")};
+  return dem;
+}
+
+void write_evaluation(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
+                      const Evaluation& evaluation) {
+  if (evaluation.layers) {
+    GridLayerWriter out(file, spec, crs_wkt);
+    if (evaluation.layers->accuracy) {
+      write_axis_layers(out, "x", evaluation.layers->accuracy->x);
+      write_axis_layers(out, "y", evaluation.layers->accuracy->y);
+      write_axis_layers(out, "z", evaluation.layers->accuracy->z);
+    }
+    write_coverage(out, *evaluation.layers);
+  }
+  write_holes(file, spec, evaluation.holes);
+  h5::write_text(file.root(), "metrics_json", metrics_json(evaluation.metrics).dump(2));
+  file.commit();
+}
+
+}  // namespace landfall

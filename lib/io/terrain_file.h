@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "io/landfall_file.h"
+#include "terrain/terrain_generator.h"
+#include "terrain/triangulated_grid.h"
+
+namespace landfall {
+
+/// Writes terrain.h5: /x /y /z (float64) and the site frame (SPEC section 8).
+void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
+
+/// A terrain as other tools use it.
+struct TerrainInput {
+  std::shared_ptr<const TriangulatedGrid> surface;
+  std::string crs_wkt;
+  std::string file_id;
+  nlohmann::json chain;
+};
+
+/// Throws FormatError unless the file is a complete gridded terrain with at least one finite node and no
+/// infinite one.
+[[nodiscard]] TerrainInput read_terrain(const std::filesystem::path& path);
+
+}  // namespace landfall
