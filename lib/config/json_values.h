@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "geometry/frames.h"
+#include "geometry/rotation.h"
+
+namespace landfall {
+
+inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+
+/// An array of three numbers.
+inline Eigen::Vector3d vector3(const nlohmann::json& value) {
+  return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
+}
+
+inline RollPitchYaw roll_pitch_yaw(const nlohmann::json& value, double radians_per_unit) {
+  const Eigen::Vector3d angles = radians_per_unit * vector3(value);
+  return {angles.x(), angles.y(), angles.z()};
+}
+
+}  // namespace landfall
