@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "evaluation/evaluate.h"
+
+namespace landfall::cli {
+
+/// The requirements of Table 1 as lines of text: requirement, value, limit, verdict; then coverage and
+/// accuracy in short.
+[[nodiscard]] std::string verdict_table(const Metrics& metrics, const EvaluationParameters& parameters);
+
+/// The names of the requirements that are missed or cannot be judged.
+[[nodiscard]] std::vector<std::string> missed_requirements(const Metrics& metrics);
+
+}  // namespace landfall::cli
