@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dem-eval: judges a DEM against the landing requirements.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "cli/tool.h"
+#include "cli/verdict_table.h"
+#include "config/dem_config.h"
+#include "io/evaluation_file.h"
+#include "io/metrics_json.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  dem-eval dem.h5 -o eval.h5 --metrics metrics.json
+  dem-eval dem.h5 --metrics-only --require-pass > metrics.json
+  dem-eval dem.h5 -o eval.h5 --table --set region_radius_m=40 --set limits.relative_elevation_m=0.03
+Exit: 3 where --require-pass is given and a requirement is missed or cannot be judged.
+Configuration: docs/dem-eval.md and --print-schema.)";
+
+struct Options {
+  std::string dem;
+  std::string metrics;
+  bool metrics_only = false;
+  bool require_pass = false;
+  bool table = false;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("dem", o.dem, "DEM to judge (dem.h5)")->type_name("FILE");
+  app.add_option("--metrics", o.metrics, "Write the metrics as JSON")->type_name("FILE");
+  app.add_flag("--metrics-only", o.metrics_only,
+               "Keep no layers; without -o and --metrics the metrics go to stdout");
+  app.add_flag("--require-pass", o.require_pass, "Exit with 3 unless every requirement passes");
+  app.add_flag("--table", o.table, "Print the table of requirements; the default on a terminal");
+}
+
+/// The outputs of a run, claimed before the work begins.
+struct Outputs {
+  std::unique_ptr<LandfallFileWriter> file;
+  std::unique_ptr<OutputPath> metrics;
+};
+
+Outputs claim_outputs(const cli::Session& session, const Options& o, const Provenance& provenance) {
+  Outputs outputs;
+  if (!o.metrics_only || !session.options().output_path.empty())
+    outputs.file = std::make_unique<LandfallFileWriter>(session.output(), "evaluation", provenance);
+  if (!o.metrics.empty())
+    outputs.metrics = std::make_unique<OutputPath>(o.metrics, session.options().overwrite);
+  return outputs;
+}
+
+void print_result(const cli::Session& session, const Options& o, const Evaluation& evaluation,
+                  const EvaluationParameters& parameters) {
+  const bool metrics_to_stdout = o.metrics_only && o.metrics.empty() && session.options().output_path.empty();
+  if (metrics_to_stdout && !session.options().json_summary && !o.table) {
+    std::cout << metrics_json(evaluation.metrics).dump(2) << '\n';
+  } else if (o.table ||
+             (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary)) {
+    std::cout << cli::verdict_table(evaluation.metrics, parameters);
+  }
+}
+
+ExitCode verdict(const cli::Session& session, const Options& o, const Metrics& metrics) {
+  if (!o.require_pass || metrics.pass.value_or(false)) return ExitCode::done;
+  std::string names;
+  for (const std::string& name : cli::missed_requirements(metrics))
+    names += (names.empty() ? "" : ", ") + name;
+  if (!session.options().quiet)
+    std::cerr << session.tool() << ": " << o.dem << ": missed or not judged: " << names << '\n';
+  return ExitCode::requirement_missed;
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.dem.empty()) throw UsageError("a DEM to judge is required");
+  if (o.table && session.options().json_summary) throw UsageError("--table and --json both want stdout");
+  const EvaluationParameters parameters = evaluation_config(session.config(), session.config_name());
+  DemInput dem;
+  session.phase("read", [&](const ProgressCallback&) { dem = read_dem(o.dem); });
+  Provenance provenance = session.provenance();
+  provenance.add_input("dem", dem.file_id, dem.chain);
+  Outputs outputs = claim_outputs(session, o, provenance);
+  Evaluation evaluation;
+  session.phase("evaluate", [&](const ProgressCallback& progress) {
+    const auto kept = o.metrics_only ? EvaluationOutput::metrics_only : EvaluationOutput::layers_and_metrics;
+    evaluation = evaluate(dem.layers, parameters, kept, progress);
+  });
+  session.phase("write", [&](const ProgressCallback&) {
+    if (outputs.file) write_evaluation(*outputs.file, dem.layers.z_est.spec(), dem.crs_wkt, evaluation);
+    if (outputs.metrics) write_text(*outputs.metrics, metrics_json(evaluation.metrics).dump(2) + "\n");
+  });
+  session.count("metrics", metrics_json(evaluation.metrics));
+  print_result(session, o, evaluation, parameters);
+  return verdict(session, o, evaluation.metrics);
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  Options options;
+  cli::Tool tool;
+  tool.name = "dem-eval";
+  tool.summary =
+      "Judges a DEM against landing requirements: coverage, holes, absolute and relative accuracy.";
+  tool.examples = kExamples;
+  tool.schema = "eval";
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.check = [](const cli::Session& s) {
+    static_cast<void>(evaluation_config(s.config(), s.config_name()));
+  };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool);
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// regrid: gathers the returns of one or more scans into a DEM.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "cli/tool.h"
+#include "config/dem_config.h"
+#include "gridding/bin_accumulator.h"
+#include "io/dem_file.h"
+#include "io/scan_file.h"
+#include "io/terrain_file.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  regrid scan.h5 --terrain terrain.h5 -o dem.h5
+  regrid first.h5 second.h5 -c regrid.json --terrain terrain.h5 -o merged.h5
+  regrid scan.h5 -o dem.h5 --set resolution_m=0.1 --layers z_est,count
+Without --terrain there is no z_true. Configuration: docs/regrid.md and --print-schema.)";
+
+/// Rows read at a time: 8 chunks of the file, 34 MB.
+constexpr std::size_t kBatchRows = 8 * kTableChunkRows;
+
+struct Options {
+  std::vector<std::string> scans;
+  std::string terrain;
+  std::vector<std::string> layers;
+  std::string truth_at;
+  bool other_terrain = false;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("scans", o.scans, "Scans to grid (scan.h5)")->type_name("FILE...");
+  app.add_option("--terrain", o.terrain, "True terrain, for the layer z_true")->type_name("FILE");
+  app.add_option("--layers", o.layers, "Write only these layers, comma-separated")
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  app.add_option("--truth-at", o.truth_at,
+                 "Where z_true is taken: bin_center or centroid; wins over the config")
+      ->check(CLI::IsMember({"bin_center", "centroid"}));
+  app.add_flag("--other-terrain", o.other_terrain, "Allow a --terrain that is not the one that was scanned");
+}
+
+/// The configuration with --truth-at in it, so that the file's provenance tells what was done.
+nlohmann::json config_of(const cli::Session& session, const Options& o) {
+  nlohmann::json config = session.config();
+  if (!o.truth_at.empty()) config["truth_at"] = o.truth_at;
+  return config;
+}
+
+/// True where the scan's history names a terrain, and it is another one.
+bool saw_other_terrain(const nlohmann::json& scan_chain, const std::string& terrain_id) {
+  for (const nlohmann::json& step : scan_chain)
+    if (step.value("tool", "") == "terrain-gen") return step.value("file_id", "") != terrain_id;
+  return false;
+}
+
+/// Everything that goes into the DEM, opened and checked before the work begins.
+struct Inputs {
+  std::vector<std::unique_ptr<ScanReader>> scans;
+  std::optional<TerrainInput> terrain;
+  Provenance provenance;
+};
+
+Inputs open_inputs(cli::Session& session, const Options& o) {
+  Inputs inputs;
+  inputs.provenance = session.provenance();
+  inputs.provenance.config = config_of(session, o);
+  inputs.provenance.config["layers"] = o.layers;
+  for (const std::string& path : o.scans) {
+    inputs.scans.push_back(std::make_unique<ScanReader>(path));
+    const LandfallFileReader& file = inputs.scans.back()->file();
+    inputs.provenance.add_input("scan", file.file_id(), file.chain());
+  }
+  if (o.terrain.empty()) return inputs;
+  session.phase("terrain", [&](const ProgressCallback&) { inputs.terrain = read_terrain(o.terrain); });
+  inputs.provenance.add_input("terrain", inputs.terrain->file_id, inputs.terrain->chain);
+  for (const auto& scan : inputs.scans)
+    if (!o.other_terrain && saw_other_terrain(scan->file().chain(), inputs.terrain->file_id))
+      throw FormatError(scan->file().name() + ": scanned another terrain than " + o.terrain +
+                        "; give that one, or --other-terrain");
+  return inputs;
+}
+
+void grid_scan(const ScanReader& scan, BinAccumulator& bins,
+               const std::function<void(std::size_t)>& rows_done) {
+  ScanPoints points;
+  for (std::size_t begin = 0; begin < scan.row_count(); begin += kBatchRows) {
+    const std::size_t count = std::min(kBatchRows, scan.row_count() - begin);
+    scan.read(begin, count, points);
+    bins.add(
+        {points.x_est, points.y_est, points.z_est, points.x_true, points.y_true, points.z_true, points.t},
+        static_cast<std::int64_t>(begin));
+    rows_done(count);
+  }
+}
+
+void grid_scans(const Inputs& inputs, BinAccumulator& bins, const ProgressCallback& progress) {
+  std::size_t total = 0;
+  for (const auto& scan : inputs.scans) total += scan->row_count();
+  std::size_t done = 0;
+  for (const auto& scan : inputs.scans)
+    grid_scan(*scan, bins, [&](std::size_t rows) {
+      done += rows;
+      report(progress, static_cast<double>(done) / static_cast<double>(total));
+    });
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.scans.empty()) throw UsageError("a scan to grid is required");
+  const RegridConfig config = regrid_config(config_of(session, o), session.config_name());
+  const OutputOptions output = session.output();
+  Inputs inputs = open_inputs(session, o);
+  const DemRequest request{o.layers, inputs.terrain ? inputs.terrain->surface.get() : nullptr,
+                           config.truth_at};
+  check_layers(request);
+  LandfallFileWriter file(output, "dem", inputs.provenance);
+  BinAccumulator bins(config.grid);
+  session.phase("grid", [&](const ProgressCallback& progress) { grid_scans(inputs, bins, progress); });
+  session.phase("write", [&](const ProgressCallback& progress) {
+    write_dem(file, bins, request, inputs.scans.front()->crs_wkt(), progress);
+  });
+  session.count("inside_count", bins.inside_count());
+  session.count("outside_count", bins.outside_count());
+  return ExitCode::done;
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  Options options;
+  cli::Tool tool;
+  tool.name = "regrid";
+  tool.summary =
+      "Gathers the returns of one or more scans into a DEM, with its truth where the terrain is given.";
+  tool.examples = kExamples;
+  tool.schema = "regrid";
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.check = [&](const cli::Session& s) {
+    static_cast<void>(regrid_config(config_of(s, options), s.config_name()));
+  };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool);
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// scan-sim: scans a terrain with a lander's lidar.
+#include <tbb/parallel_pipeline.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "base/parallel.h"
+#include "cli/tool.h"
+#include "config/scan_config.h"
+#include "io/scan_file.h"
+#include "io/terrain_file.h"
+#include "io/trajectory_table.h"
+#include "ray/cgal_engine.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  scan-sim -c scan.json --terrain terrain.h5 -o scan.h5
+  scan-sim -c scan.json --terrain terrain.h5 -o noisy.h5 --set noise.range_sigma_m=0.0167 --seed 7
+  scan-sim --terrain terrain.h5 -o flash.h5 --set 'scanner={"type":"flash"}' --set detector.rows=128
+Configuration: docs/scan-sim.md and --print-schema.)";
+
+struct Options {
+  std::string terrain;
+  std::string engine = "auto";
+  bool keep_misses = false;
+  bool float32 = false;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("--terrain", o.terrain, "Terrain to scan (terrain.h5)")->type_name("FILE");
+  app.add_option("--engine", o.engine, "Ray engine: auto or cgal (AABB tree, exact predicates)")
+      ->check(CLI::IsMember({"auto", "cgal"}))
+      ->capture_default_str();
+  app.add_flag("--keep-misses", o.keep_misses, "A row per pixel and pulse, not only per return");
+  app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
+}
+
+std::unique_ptr<const Trajectory> read_trajectory(const ScanConfig& config, Provenance& provenance) {
+  const auto* const table = std::get_if<TrajectoryFile>(&config.trajectory);
+  if (table == nullptr) return nullptr;
+  provenance.add_input("trajectory", content_id(table->path), nlohmann::json::array());
+  try {
+    return std::make_unique<TableTrajectory>(read_trajectory_table(table->path));
+  } catch (const FormatError& error) {
+    const std::string what = error.what();
+    throw FormatError(what.find(table->path) == std::string::npos ? table->path + ": " + what : what);
+  }
+}
+
+/// Pulses of a batch: about 64 Ki points, so that memory does not depend on the scan.
+std::int64_t pulses_per_batch(const Simulation& simulation) {
+  return std::max<std::int64_t>(1, 65536 / static_cast<std::int64_t>(simulation.pixel_count()));
+}
+
+/// Batches are traced on all threads and written in order; at most a few per thread exist at a time.
+void scan(const Simulation& simulation, ScanWriter& writer, const ProgressCallback& progress) {
+  const std::int64_t total = simulation.pulse_count();
+  const std::int64_t step = pulses_per_batch(simulation);
+  std::int64_t next = 0;
+  std::int64_t done = 0;
+  const auto give_out = [&](tbb::flow_control& control) -> PulseRange {
+    if (next >= total) {
+      control.stop();
+      return {};
+    }
+    const PulseRange pulses{next, std::min(step, total - next)};
+    next += pulses.count;
+    return pulses;
+  };
+  const auto trace = [&](PulseRange pulses) {
+    auto batch = std::make_shared<PulseBatch>();
+    simulation.simulate(pulses, *batch);
+    return batch;
+  };
+  const auto write = [&](const std::shared_ptr<PulseBatch>& batch) {
+    done += static_cast<std::int64_t>(batch->pulses.size());
+    writer.append(*batch);
+    report(progress, static_cast<double>(done) / static_cast<double>(total));
+  };
+  using tbb::filter_mode;
+  tbb::parallel_pipeline(
+      2 * thread_count(),
+      tbb::make_filter<void, PulseRange>(filter_mode::serial_in_order, give_out) &
+          tbb::make_filter<PulseRange, std::shared_ptr<PulseBatch>>(filter_mode::parallel, trace) &
+          tbb::make_filter<std::shared_ptr<PulseBatch>, void>(filter_mode::serial_in_order, write));
+}
+
+void count_points(cli::Session& session, const Simulation& simulation, const ScanWriter& writer) {
+  session.count("engine", "cgal");
+  session.count("pulse_count", simulation.pulse_count());
+  session.count("ray_count",
+                simulation.pulse_count() * static_cast<std::int64_t>(simulation.detector().samples().size()));
+  session.count("return_count", writer.count(PointStatus::returned));
+  session.count("miss_count", writer.count(PointStatus::miss));
+  session.count("dropout_count", writer.count(PointStatus::dropout));
+  session.count("dead_count", writer.count(PointStatus::dead));
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.terrain.empty()) throw UsageError("--terrain is required");
+  const ScanConfig config = scan_config(session.config(), session.config_name());
+  Provenance provenance = session.provenance();
+  std::unique_ptr<const Trajectory> trajectory = read_trajectory(config, provenance);
+  ScanModel model = scan_model(config, std::move(trajectory), session.config_name());
+  const OutputPath claim_check(session.output().path, session.output().overwrite);
+  TerrainInput terrain;
+  session.phase("terrain", [&](const ProgressCallback&) { terrain = read_terrain(o.terrain); });
+  provenance.add_input("terrain", terrain.file_id, terrain.chain);
+  LandfallFileWriter file(session.output(), "scan", provenance);
+  std::unique_ptr<const RayEngine> engine;
+  session.phase("engine", [&](const ProgressCallback&) { engine = make_cgal_engine(terrain.surface); });
+  const Simulation simulation(std::move(model), *engine, terrain.surface.get());
+  ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
+  session.phase("trace", [&](const ProgressCallback& progress) { scan(simulation, writer, progress); });
+  session.phase("finish", [&](const ProgressCallback&) {
+    writer.commit(simulation.detector(), simulation.dead_map());
+  });
+  count_points(session, simulation, writer);
+  return ExitCode::done;
+}
+
+void check(const cli::Session& session) {
+  const ScanConfig config = scan_config(session.config(), session.config_name());
+  std::unique_ptr<const Trajectory> stand_in;
+  if (std::holds_alternative<TrajectoryFile>(config.trajectory))
+    stand_in = std::make_unique<ConstantVelocity>(ConstantVelocityParameters{});
+  static_cast<void>(scan_model(config, std::move(stand_in), session.config_name()));
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  Options options;
+  cli::Tool tool;
+  tool.name = "scan-sim";
+  tool.summary = "Scans a terrain with a lander's scanning lidar: true and estimated points of every return.";
+  tool.examples = kExamples;
+  tool.schema = "scan";
+  tool.has_seed = true;
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.check = check;
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool);
+}

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// terrain-gen: builds the true terrain of a landing site.
+#include <variant>
+
+#include "cli/tool.h"
+#include "config/terrain_config.h"
+#include "io/terrain_file.h"
+#include "terrain/gdal_loader.h"
+#include "terrain/terrain_generator.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  terrain-gen -c terrain.json -o terrain.h5
+  terrain-gen -o slope.h5 --set base.slope_x=0.1 --set 'features=[{"type":"cone","radius_m":3,"height_m":10}]'
+  terrain-gen -o europa.h5 --set 'base={"type":"dem","path":"europa.tif"}' --set grid.resolution_m=0.1
+Configuration: docs/terrain-gen.md and --print-schema.)";
+
+Provenance provenance_of(const cli::Session& session, const TerrainModel& model) {
+  Provenance provenance = session.provenance();
+  for (const Base& base : model.bases)
+    if (const auto* const dem = std::get_if<DemBase>(&base))
+      provenance.add_input("raster", content_id(dem->path), nlohmann::json::array());
+  return provenance;
+}
+
+void count_holes(cli::Session& session, const Grid<double>& nodes) {
+  std::int64_t holes = 0;
+  for (const double z : nodes.values()) holes += std::isnan(z) ? 1 : 0;
+  session.count("node_count", nodes.spec().size());
+  session.count("hole_node_count", holes);
+}
+
+ExitCode run(cli::Session& session) {
+  const TerrainConfig config = terrain_config(session.config(), session.config_name());
+  const OutputOptions output = session.output();
+  LandfallFileWriter file(output, "terrain", provenance_of(session, config.model));
+  GeneratedTerrain terrain;
+  session.phase("terrain", [&](const ProgressCallback& progress) {
+    terrain = generate_terrain(config.model, config.grid, load_dem, progress);
+  });
+  session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
+  count_holes(session, terrain.nodes);
+  return ExitCode::done;
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  cli::Tool tool;
+  tool.name = "terrain-gen";
+  tool.summary =
+      "Builds the true terrain of a landing site: planes, fractals, imported DEMs, and features on them.";
+  tool.examples = kExamples;
+  tool.schema = "terrain";
+  tool.has_seed = true;
+  tool.bind = [](CLI::App&) {};
+  tool.check = [](const cli::Session& s) { static_cast<void>(terrain_config(s.config(), s.config_name())); };
+  tool.run = run;
+  return cli::tool_main(argc, argv, tool);
+}
