@@ -1,0 +1,68 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks that includes go downwards only, and that each third-party library has its one user.
+
+usage: check_includes.py REPOSITORY
+"""
+import pathlib
+import re
+import sys
+
+# A folder includes itself and folders of a lower level; folders of one level do not see each other.
+LEVELS = {
+    "base": 0,
+    "geometry": 1, "raster": 1,
+    "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "errors": 2,
+    "ray": 3,
+    "simulation": 4, "gridding": 4, "evaluation": 4,
+    "config": 5, "io": 5,
+    "cli": 6,
+}
+
+# Header pattern -> folders that may include it. What is not listed here is free to all.
+ONLY_IN = {
+    r"(CGAL|boost/.*)/": {"ray"},
+    r"(gdal|ogr|cpl_|vrt)": {"terrain"},
+    r"(hdf5|H5)": {"io"},
+    r"libdeflate": {"io"},
+    r"nlohmann/": {"config", "io", "cli"},
+    r"valijson/": {"config"},
+    r"CLI/": {"cli"},
+    r"(iostream|fstream|chrono|ctime)$": {"config", "io", "cli"},
+}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]')
+
+
+def violations(lib: pathlib.Path):
+    for file in sorted(lib.rglob("*")):
+        if file.suffix not in (".h", ".cpp", ".in"):
+            continue
+        folder = file.relative_to(lib).parts[0]
+        if folder not in LEVELS:
+            yield f"{file}: folder {folder} has no level in check_includes.py"
+            continue
+        for number, line in enumerate(file.read_text().splitlines(), 1):
+            match = INCLUDE.match(line)
+            if match:
+                for problem in problems_of(folder, match.group(1)):
+                    yield f"{file}:{number}: {problem}"
+
+
+def problems_of(folder: str, header: str):
+    target = header.split("/")[0]
+    if target in LEVELS and target != folder and LEVELS[target] >= LEVELS[folder]:
+        yield f"{folder} (level {LEVELS[folder]}) includes {header} (level {LEVELS[target]})"
+    for pattern, allowed in ONLY_IN.items():
+        if re.match(pattern, header) and folder not in allowed:
+            yield f"{folder} includes {header}; only {', '.join(sorted(allowed))} may"
+
+
+def main():
+    found = list(violations(pathlib.Path(sys.argv[1]) / "lib"))
+    print("\n".join(found) if found else "includes go downwards only")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
