@@ -21,7 +21,7 @@ Provenance provenance_of(const cli::Session& session, const TerrainModel& model)
   Provenance provenance = session.provenance();
   for (const Base& base : model.bases)
     if (const auto* const dem = std::get_if<DemBase>(&base))
-      provenance.add_input("raster", content_id(dem->path), nlohmann::json::array());
+      provenance.add_input("raster", raster_content_id(dem->path), nlohmann::json::array());
   return provenance;
 }
 

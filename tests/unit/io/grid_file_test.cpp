@@ -124,5 +124,20 @@ TEST(Provenance, AStepReachedTwiceStandsOnce) {
   EXPECT_EQ(p.inputs.size(), 3U);
 }
 
+// A subdataset's id follows the file's bytes, not its folder.
+TEST(Provenance, RasterIdIsOfTheBytes) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.nc") << "same";
+  std::ofstream(folder / "b.nc") << "same";
+  const auto subdataset = [&](const char* file, const char* layer) {
+    return raster_content_id("NETCDF:\"" + (folder / file).string() + "\":" + layer);
+  };
+  EXPECT_EQ(raster_content_id((folder / "a.nc").string()), raster_content_id((folder / "b.nc").string()));
+  EXPECT_EQ(subdataset("a.nc", "z"), subdataset("b.nc", "z"));
+  EXPECT_NE(subdataset("a.nc", "z"), subdataset("a.nc", "y"));
+  std::ofstream(folder / "b.nc") << "other";
+  EXPECT_NE(subdataset("a.nc", "z"), subdataset("b.nc", "z"));
+}
+
 }  // namespace
 }  // namespace landfall
