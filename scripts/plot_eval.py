@@ -236,7 +236,7 @@ def requirement_row(metrics, requirement):
     value, limit = metrics.get(f"requirements/{key}/value"), metrics.get(f"requirements/{key}/limit")
     passed = metrics.get(f"requirements/{key}/pass")
     value_text = "–" if value is None else text(value)
-    limit_text = "–" if limit is None or value is None else f"{sense} {text(limit)}"
+    limit_text = "–" if limit is None or value is None else f"{sense} {text(limit)}".replace("at most none", "none")
     return [name, value_text, limit_text, VERDICT[passed]], passed
 
 
