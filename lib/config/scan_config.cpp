@@ -121,7 +121,7 @@ ScanModel scan_model(const ScanConfig& config, std::unique_ptr<const Trajectory>
             config.pulse_rate_hz,
             config.scan_time_s};
   } catch (const UsageError& error) {
-    throw UsageError(name + ": " + error.what());
+    throw UsageError(name + ": /" + error.what());
   }
 }
 

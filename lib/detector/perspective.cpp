@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
-#include "base/error.h"
+#include "base/parameter_check.h"
 
 namespace landfall {
 namespace {
@@ -16,15 +15,6 @@ constexpr int kMaxPixelsPerAxis = 4096;
 constexpr int kMaxSubpixels = 64;
 constexpr std::int64_t kMaxSamples = std::int64_t{1} << 26;
 
-template <class T>
-void require(bool good, const char* key, T value, const char* bound) {
-  if (good) return;
-  std::ostringstream message;
-  message.precision(17);
-  message << "detector: " << key << ": " << value << " is not " << bound;
-  throw UsageError(message.str());
-}
-
 /// Tangent units, per image axis.
 struct Pitch {
   double x;
@@ -32,12 +22,12 @@ struct Pitch {
 };
 
 double pitch_of(double ifov_rad, const char* key) {
-  require(std::isfinite(ifov_rad) && ifov_rad > 0, key, ifov_rad, "finite and positive");
+  require_positive({"detector", key}, ifov_rad);
   return ifov_rad;
 }
 
 double pitch_of(double fov_rad, int pixels, const char* key) {
-  require(fov_rad > 0 && fov_rad < std::numbers::pi, key, fov_rad, "between 0 and pi");
+  require(fov_rad > 0 && fov_rad < std::numbers::pi, {"detector", key}, fov_rad, "between 0 and pi");
   return 2 * std::tan(fov_rad / 2) / pixels;
 }
 
@@ -49,12 +39,13 @@ Pitch pitch_of(const PerspectiveParameters& p) {
 }
 
 void check(const PerspectiveParameters& p) {
-  require(p.rows >= 1 && p.rows <= kMaxPixelsPerAxis, "rows", p.rows, "in 1..4096");
-  require(p.columns >= 1 && p.columns <= kMaxPixelsPerAxis, "columns", p.columns, "in 1..4096");
-  require(p.subpixels >= 1 && p.subpixels <= kMaxSubpixels, "subpixels", p.subpixels, "in 1..64");
+  require(p.rows >= 1 && p.rows <= kMaxPixelsPerAxis, {"detector", "rows"}, p.rows, "in 1..4096");
+  require(p.columns >= 1 && p.columns <= kMaxPixelsPerAxis, {"detector", "columns"}, p.columns, "in 1..4096");
+  require(p.subpixels >= 1 && p.subpixels <= kMaxSubpixels, {"detector", "subpixels"}, p.subpixels,
+          "in 1..64");
   const std::int64_t samples = std::int64_t{p.rows} * p.columns * p.subpixels * p.subpixels;
-  require(samples <= kMaxSamples, "rows x columns x subpixels^2", samples, "at most 67108864");
-  require(std::isfinite(p.roll_rad), "roll_rad", p.roll_rad, "finite");
+  require(samples <= kMaxSamples, {"detector", "rows x columns x subpixels^2"}, samples, "at most 67108864");
+  require_finite({"detector", "roll_rad"}, p.roll_rad);
 }
 
 /// Offset of item `i` of `count` from their middle, in items.

@@ -2,53 +2,28 @@
 #include "evaluation/parameters.h"
 
 #include <cmath>
-#include <sstream>
-#include <string_view>
 
-#include "base/error.h"
+#include "base/parameter_check.h"
 
 namespace landfall {
-namespace {
-
-void require(bool holds, std::string_view key, double value, std::string_view bound) {
-  if (holds) return;
-  std::ostringstream message;
-  message.precision(17);
-  message << key << ": " << value << " is not " << bound;
-  throw UsageError(message.str());
-}
-
-void require_positive(std::string_view key, double value) {
-  require(std::isfinite(value) && value > 0, key, value, "finite and positive");
-}
-
-void require_not_negative(std::string_view key, double value) {
-  require(std::isfinite(value) && value >= 0, key, value, "finite and at least 0");
-}
-
-void require_fraction(std::string_view key, double value) {
-  require(value >= 0 && value <= 1, key, value, "in [0, 1]");
-}
-
-}  // namespace
-
 void check(const EvaluationParameters& parameters) {
   const EvaluationLimits& limits = parameters.limits;
-  require_positive("region_radius_m", parameters.region_radius_m);
-  require_positive("footprint_m", parameters.footprint_m);
-  require_fraction("quantile", parameters.quantile);
-  require_fraction("limits.invalid_frac", limits.invalid_frac);
-  require_not_negative("limits.hole_bins", static_cast<double>(limits.hole_bins));
-  require_not_negative("limits.distance_bins", limits.distance_bins);
-  require_not_negative("limits.relative_elevation_m", limits.relative_elevation_m);
-  require_not_negative("limits.relative_horizontal_m", limits.relative_horizontal_m);
-  require_not_negative("limits.absolute_horizontal_m", limits.absolute_horizontal_m);
-  require_fraction("limits.absolute_horizontal_frac", limits.absolute_horizontal_frac);
+  require_positive({"", "region_radius_m"}, parameters.region_radius_m);
+  require_positive({"", "footprint_m"}, parameters.footprint_m);
+  require_fraction({"", "quantile"}, parameters.quantile);
+  require_fraction({"limits", "invalid_frac"}, limits.invalid_frac);
+  require_not_negative({"limits", "hole_bins"}, static_cast<double>(limits.hole_bins));
+  require_not_negative({"limits", "distance_bins"}, limits.distance_bins);
+  require_not_negative({"limits", "relative_elevation_m"}, limits.relative_elevation_m);
+  require_not_negative({"limits", "relative_horizontal_m"}, limits.relative_horizontal_m);
+  require_not_negative({"limits", "absolute_horizontal_m"}, limits.absolute_horizontal_m);
+  require_fraction({"limits", "absolute_horizontal_frac"}, limits.absolute_horizontal_frac);
 }
 
 std::int64_t footprint_half_bins(double footprint_m, double resolution_m) {
   const double half = std::floor(footprint_m / (2 * resolution_m) + 1e-9);
-  require(half >= 0 && half <= 0x1p20, "footprint_m", footprint_m, "between 0 and 2^21 bins of the DEM");
+  require(half >= 0 && half <= 0x1p20, {"", "footprint_m"}, footprint_m,
+          "between 0 and 2^21 bins of the DEM");
   return static_cast<std::int64_t>(half);
 }
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/parameter_check.h"
 #include "geometry/rotation.h"
 
 namespace landfall {
@@ -13,20 +14,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-void require(bool good, const char* key, double value, const char* bound) {
-  if (good) return;
-  std::ostringstream message;
-  message.precision(17);
-  message << "scanner: " << key << ": " << value << " is not " << bound;
-  throw UsageError(message.str());
-}
-
 void check(const FsmParameters& p) {
-  require(p.incidence_rad >= 0 && p.incidence_rad < std::numbers::pi / 2, "incidence_rad", p.incidence_rad,
-          "in [0, pi/2)");
-  require(std::isfinite(p.fold_azimuth_rad), "fold_azimuth_rad", p.fold_azimuth_rad, "finite");
+  require(p.incidence_rad >= 0 && p.incidence_rad < std::numbers::pi / 2, {"scanner", "incidence_rad"},
+          p.incidence_rad, "in [0, pi/2)");
+  require_finite({"scanner", "fold_azimuth_rad"}, p.fold_azimuth_rad);
   require(p.max_deflection_rad > 0 && p.max_deflection_rad < std::numbers::pi - 2 * p.incidence_rad,
-          "max_deflection_rad", p.max_deflection_rad, "positive and below pi - 2 incidence_rad");
+          {"scanner", "max_deflection_rad"}, p.max_deflection_rad, "positive and below pi - 2 incidence_rad");
 }
 
 [[noreturn]] void refuse_aim(std::int64_t pulse, double angle_rad, double limit_rad) {

@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scanner/line_search.h"
 
-#include <cmath>
-#include <sstream>
-
-#include "base/error.h"
+#include "base/parameter_check.h"
 
 namespace landfall {
 namespace {
 
 constexpr int kMaxLines = 1 << 20;
-
-template <class T>
-void require(bool good, const char* key, T value, const char* bound) {
-  if (good) return;
-  std::ostringstream message;
-  message.precision(17);
-  message << "pattern: " << key << ": " << value << " is not " << bound;
-  throw UsageError(message.str());
-}
 
 /// Item i of count, spread evenly over -half_width_m .. half_width_m; the middle where there is but one.
 double spread(double half_width_m, std::int64_t i, int count) {
@@ -30,10 +18,10 @@ double spread(double half_width_m, std::int64_t i, int count) {
 
 LineSearch::LineSearch(const LineSearchParameters& parameters) : parameters_(parameters) {
   const LineSearchParameters& p = parameters;
-  require(p.rows >= 1 && p.rows <= kMaxLines, "rows", p.rows, "in 1..1048576");
-  require(p.columns >= 1 && p.columns <= kMaxLines, "columns", p.columns, "in 1..1048576");
-  require(std::isfinite(p.half_width_m) && p.half_width_m > 0, "half_width_m", p.half_width_m,
-          "finite and positive");
+  require(p.rows >= 1 && p.rows <= kMaxLines, {"scanner/pattern", "rows"}, p.rows, "in 1..1048576");
+  require(p.columns >= 1 && p.columns <= kMaxLines, {"scanner/pattern", "columns"}, p.columns,
+          "in 1..1048576");
+  require_positive({"scanner/pattern", "half_width_m"}, p.half_width_m);
 }
 
 std::optional<Point<DemFrame>> LineSearch::ground_aim(const PulseTime& pulse) const {

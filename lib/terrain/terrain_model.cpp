@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "terrain/parameter_check.h"
+#include "base/parameter_check.h"
 
 namespace landfall {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "terrain/features/ground.h"
-#include "terrain/parameter_check.h"
+#include "base/parameter_check.h"
 
 namespace landfall {
 

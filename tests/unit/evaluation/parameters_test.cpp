@@ -53,15 +53,15 @@ TEST(EvaluationParameters, FractionsLieBetween0And1) {
   EXPECT_EQ(refusal([](auto& p) { p.quantile = 1.5; }), "quantile: 1.5 is not in [0, 1]");
   EXPECT_EQ(refusal([](auto& p) { p.quantile = kNan; }), "quantile: nan is not in [0, 1]");
   EXPECT_EQ(refusal([](auto& p) { p.limits.invalid_frac = -0.5; }),
-            "limits.invalid_frac: -0.5 is not in [0, 1]");
+            "limits/invalid_frac: -0.5 is not in [0, 1]");
   EXPECT_EQ(refusal([](auto& p) { p.limits.absolute_horizontal_frac = 2; }),
-            "limits.absolute_horizontal_frac: 2 is not in [0, 1]");
+            "limits/absolute_horizontal_frac: 2 is not in [0, 1]");
 }
 
 TEST(EvaluationParameters, LimitsAreNotNegative) {
   EXPECT_EQ(refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
   EXPECT_EQ(refusal([](auto& p) { p.limits.hole_bins = -1; }),
-            "limits.hole_bins: -1 is not finite and at least 0");
+            "limits/hole_bins: -1 is not finite and >= 0");
   for (const double bad : {-1.0, kNan, kInf}) {
     EXPECT_NE(refusal([&](auto& p) { p.limits.distance_bins = bad; }), "accepted");
     EXPECT_NE(refusal([&](auto& p) { p.limits.relative_elevation_m = bad; }), "accepted");
