@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ray/watertight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace landfall {
+namespace {
+
+constexpr double kMiss = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+WatertightRay::WatertightRay(const Ray& ray) : origin_(ray.origin.v) {
+  ray.direction.v.cwiseAbs().maxCoeff(&axis_);
+  along_ = ray.direction.v[axis_];
+  slope_x_ = Real{ray.direction.v[(axis_ + 1) % 3]} / along_;
+  slope_y_ = Real{ray.direction.v[(axis_ + 2) % 3]} / along_;
+}
+
+WatertightRay::Corner WatertightRay::sheared(const Eigen::Vector3d& point) const {
+  const auto difference = [&](Eigen::Index axis) { return Real{point[axis]} - Real{origin_[axis]}; };
+  const Real depth = difference(axis_);
+  return {difference((axis_ + 1) % 3) - slope_x_ * depth, difference((axis_ + 2) % 3) - slope_y_ * depth,
+          depth};
+}
+
+/// On which side of the ray the edge from p to q passes; the sign is exact. Rounding is monotone, so that
+/// products which differ after rounding are in the right order; equal ones are told apart by what was rounded
+/// off.
+int WatertightRay::side(const Corner& p, const Corner& q) {
+  const Real left = p.x * q.y;
+  const Real right = p.y * q.x;
+  if (left != right) return left > right ? 1 : -1;
+  const Real left_rest = std::fma(p.x, q.y, -left);
+  const Real right_rest = std::fma(p.y, q.x, -right);
+  return int{left_rest > right_rest} - int{left_rest < right_rest};
+}
+
+/// The smallest range >= 0 among those between two depths on the ray.
+double WatertightRay::first_range(Real depth_a, Real depth_b) const {
+  constexpr Real kOnSurface_m = 1e-15L;
+  const auto [near, far] = std::minmax({depth_a / along_, depth_b / along_});
+  if (far < -kOnSurface_m) return kMiss;
+  return static_cast<double>(std::max<Real>(near, 0));
+}
+
+/// Whether the edge from p to q, in one plane with the ray, crosses it, and at which depth. The whole edge
+/// may lie on the ray: its corners then come up as ends of the other two edges.
+bool WatertightRay::edge_crosses(const Corner& p, const Corner& q, Real& depth) {
+  const bool along_x = std::abs(p.x) + std::abs(q.x) >= std::abs(p.y) + std::abs(q.y);
+  const Real from = along_x ? p.x : p.y;
+  const Real to = along_x ? q.x : q.y;
+  if (from != 0 && to != 0 && (from < 0) == (to < 0)) return false;
+  depth = from == 0 ? p.depth : p.depth + (q.depth - p.depth) * (from / (from - to));
+  return true;
+}
+
+/// The triangle is seen edge-on: the ray lies in its plane and meets it in a piece of itself, or not at all.
+double WatertightRay::edge_on_range(const Triangle& t) const {
+  Real nearest = std::numeric_limits<Real>::infinity();
+  Real farthest = -nearest;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Real depth = 0;
+    if (!edge_crosses(t[i], t[(i + 1) % 3], depth)) continue;
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  }
+  return nearest <= farthest ? first_range(nearest, farthest) : kMiss;
+}
+
+double WatertightRay::range_to(const std::array<Eigen::Vector3d, 3>& corners) const {
+  if (!corners[0].allFinite() || !corners[1].allFinite() || !corners[2].allFinite()) return kMiss;
+  const Triangle t{sheared(corners[0]), sheared(corners[1]), sheared(corners[2])};
+  const auto [least, greatest] = std::minmax({side(t[1], t[2]), side(t[2], t[0]), side(t[0], t[1])});
+  if (least < 0 && greatest > 0) return kMiss;
+  if (least == 0 && greatest == 0) return edge_on_range(t);
+  const auto edge_function = [](const Corner& p, const Corner& q) { return p.x * q.y - p.y * q.x; };
+  const Real u = edge_function(t[1], t[2]);
+  const Real v = edge_function(t[2], t[0]);
+  const Real w = edge_function(t[0], t[1]);
+  if (u + v + w == 0) return edge_on_range(t);  // so thin a sight that the signs alone see it
+  const Real depth = (u * t[0].depth + v * t[1].depth + w * t[2].depth) / (u + v + w);
+  return first_range(depth, depth);
+}
+
+}  // namespace landfall
