@@ -11,6 +11,7 @@
 
 #include "ray/brute_force.h"
 #include "ray/cgal_engine.h"
+#include "ray/heightfield_engine.h"
 #include "scenes.h"
 
 namespace landfall {
@@ -32,7 +33,8 @@ class Engine : public testing::TestWithParam<EngineKind> {
 
 INSTANTIATE_TEST_SUITE_P(All, Engine,
                          testing::Values(EngineKind{"brute_force", make_brute_force_engine},
-                                         EngineKind{"cgal", make_cgal_engine}),
+                                         EngineKind{"cgal", make_cgal_engine},
+                                         EngineKind{"heightfield", make_heightfield_engine}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 Terrain flat(double elevation_m = 0) {
