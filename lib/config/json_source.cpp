@@ -40,16 +40,20 @@ class DuplicateKeyCheck {
   std::vector<std::set<std::string>> keys_;
 };
 
-std::string without_prefix(const std::string& message) {
+/// The parser's message without its prefix and in plain ASCII: it quotes the bytes that it could not read.
+std::string plain_message(const std::string& message) {
   const std::size_t end = message.find("] ");
-  return end == std::string::npos ? message : message.substr(end + 2);
+  std::string text = end == std::string::npos ? message : message.substr(end + 2);
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return text;
 }
 
 Json parse(const std::string& text, const std::string& name) {
   try {
     return Json::parse(text, DuplicateKeyCheck(name));
   } catch (const Json::exception& error) {
-    throw UsageError(name + ": not valid JSON: " + without_prefix(error.what()));
+    throw UsageError(name + ": not valid JSON: " + plain_message(error.what()));
   }
 }
 
@@ -79,10 +83,10 @@ void assign(Json& root, const std::string& assignment) {
   if (equals == std::string::npos || equals == 0)
     throw UsageError("--set " + assignment + ": wanted KEY=JSON");
   const std::string text = assignment.substr(equals + 1);
-  const Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded())
+  if (!Json::accept(text))
     throw UsageError("--set " + assignment + ": '" + text + "' is not JSON (a text needs quotes: '\"" + text +
                      "\"')");
+  const Json value = parse(text, "--set " + assignment);
   Json* target = &root;
   for (const std::string& key : split(assignment.substr(0, equals))) {
     if (key.empty()) throw UsageError("--set " + assignment + ": an empty key");

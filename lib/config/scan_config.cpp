@@ -114,12 +114,14 @@ ScanModel scan_model(const ScanConfig& config, std::unique_ptr<const Trajectory>
   try {
     std::unique_ptr<const Pattern> pattern;
     if (config.pattern) pattern = std::make_unique<LineSearch>(*config.pattern);
-    return {{perspective_detector(config.detector), make_scanner(config), std::move(pattern), config.mount,
-             RangeErrors(config.noise, config.seed)},
-            trajectory ? std::move(trajectory) : make_trajectory(config),
-            std::make_unique<LinearNavigationError>(config.navigation_error),
-            config.pulse_rate_hz,
-            config.scan_time_s};
+    ScanModel model{{perspective_detector(config.detector), make_scanner(config), std::move(pattern),
+                     config.mount, RangeErrors(config.noise, config.seed)},
+                    trajectory ? std::move(trajectory) : make_trajectory(config),
+                    std::make_unique<LinearNavigationError>(config.navigation_error),
+                    config.pulse_rate_hz,
+                    config.scan_time_s};
+    static_cast<void>(pulse_count(model));
+    return model;
   } catch (const UsageError& error) {
     throw UsageError(name + ": /" + error.what());
   }

@@ -13,9 +13,7 @@
 #include "base/parameter_check.h"
 
 namespace landfall {
-namespace {
-
-std::int64_t pulse_count_of(const ScanModel& model) {
+std::int64_t pulse_count(const ScanModel& model) {
   const double rate = model.pulse_rate_hz;
   const double time = model.scan_time_s;
   require_positive({"laser", "pulse_rate_hz"}, rate);
@@ -29,11 +27,9 @@ std::int64_t pulse_count_of(const ScanModel& model) {
   return std::min(count, model.lidar.pattern->pulse_limit().value_or(count));
 }
 
-}  // namespace
-
 Simulation::Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground)
     : pulse_rate_hz_(model.pulse_rate_hz),
-      pulse_count_(pulse_count_of(model)),
+      pulse_count_(landfall::pulse_count(model)),
       first_pose_(model.trajectory->pose(model.trajectory->start_time_s())),
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),

@@ -20,6 +20,10 @@ struct ScanModel {
   double scan_time_s = 2;
 };
 
+/// The pulses of a scan. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and positive or
+/// they give no pulse or 2^31 and more.
+[[nodiscard]] std::int64_t pulse_count(const ScanModel& model);
+
 struct PulseRange {
   std::int64_t first = 0;
   std::int64_t count = 0;
@@ -33,8 +37,7 @@ struct PulseRange {
 class Simulation {
  public:
   /// `engine` and `ground` must outlive this (see PulseSimulator). The model's scanner and trajectory must be
-  /// set. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and positive or they give no
-  /// pulse or 2^31 and more; FormatError where the trajectory ends before the last pulse.
+  /// set. Throws as pulse_count() does, and FormatError where the trajectory ends before the last pulse.
   Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
