@@ -40,20 +40,37 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--table", o.table, "Print the table of requirements; the default on a terminal");
 }
 
-/// The outputs of a run, claimed before the work begins.
-struct Outputs {
-  std::unique_ptr<LandfallFileWriter> file;
-  std::unique_ptr<OutputPath> metrics;
-};
+/// The outputs of a run, refused before the DEM is read. They appear together or not at all.
+class Outputs {
+ public:
+  Outputs(const cli::Session& session, const Options& o) {
+    if (!o.metrics_only || !session.options().output_path.empty()) layers_ = session.output();
+    if (o.metrics.empty()) return;
+    if (layers_ && same_file(layers_->path, o.metrics))
+      throw UsageError("-o and --metrics name the same file, " + o.metrics);
+    metrics_ = std::make_unique<OutputPath>(o.metrics, session.options().overwrite);
+  }
 
-Outputs claim_outputs(const cli::Session& session, const Options& o, const Provenance& provenance) {
-  Outputs outputs;
-  if (!o.metrics_only || !session.options().output_path.empty())
-    outputs.file = std::make_unique<LandfallFileWriter>(session.output(), "evaluation", provenance);
-  if (!o.metrics.empty())
-    outputs.metrics = std::make_unique<OutputPath>(o.metrics, session.options().overwrite);
-  return outputs;
-}
+  void open(const Provenance& provenance) {
+    if (layers_) file_ = std::make_unique<LandfallFileWriter>(*layers_, "evaluation", provenance);
+  }
+
+  void write(const DemInput& dem, const Evaluation& evaluation) {
+    if (metrics_) write_text(*metrics_, metrics_json(evaluation.metrics).dump(2) + "\n");
+    if (file_) write_evaluation(*file_, dem.layers.z_est.spec(), dem.crs_wkt, evaluation);
+    if (metrics_) metrics_->commit();
+  }
+
+ private:
+  static bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
+  }
+
+  std::optional<OutputOptions> layers_;
+  std::unique_ptr<LandfallFileWriter> file_;
+  std::unique_ptr<OutputPath> metrics_;
+};
 
 void print_result(const cli::Session& session, const Options& o, const Evaluation& evaluation,
                   const EvaluationParameters& parameters) {
@@ -80,20 +97,18 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.table && session.options().json_summary) throw UsageError("--table and --json both want stdout");
   const EvaluationParameters parameters = evaluation_config(session.config(), session.config_name());
+  Outputs outputs(session, o);
   DemInput dem;
   session.phase("read", [&](const ProgressCallback&) { dem = read_dem(o.dem); });
   Provenance provenance = session.provenance();
   provenance.add_input("dem", dem.file_id, dem.chain);
-  Outputs outputs = claim_outputs(session, o, provenance);
+  outputs.open(provenance);
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
     const auto kept = o.metrics_only ? EvaluationOutput::metrics_only : EvaluationOutput::layers_and_metrics;
     evaluation = evaluate(dem.layers, parameters, kept, progress);
   });
-  session.phase("write", [&](const ProgressCallback&) {
-    if (outputs.file) write_evaluation(*outputs.file, dem.layers.z_est.spec(), dem.crs_wkt, evaluation);
-    if (outputs.metrics) write_text(*outputs.metrics, metrics_json(evaluation.metrics).dump(2) + "\n");
-  });
+  session.phase("write", [&](const ProgressCallback&) { outputs.write(dem, evaluation); });
   session.count("metrics", metrics_json(evaluation.metrics));
   print_result(session, o, evaluation, parameters);
   return verdict(session, o, evaluation.metrics);

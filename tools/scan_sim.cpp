@@ -42,16 +42,25 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
 }
 
+/// Runs what uses the trajectory's table; a refusal names the table's file.
+template <class Work>
+auto naming_table(const ScanConfig& config, const Work& work) {
+  try {
+    return work();
+  } catch (const FormatError& error) {
+    const std::string what = error.what();
+    const auto* const table = std::get_if<TrajectoryFile>(&config.trajectory);
+    if (table == nullptr || what.substr(0, 17) != "trajectory table:") throw;
+    throw FormatError(table->path + ": " + what);
+  }
+}
+
 std::unique_ptr<const Trajectory> read_trajectory(const ScanConfig& config, Provenance& provenance) {
   const auto* const table = std::get_if<TrajectoryFile>(&config.trajectory);
   if (table == nullptr) return nullptr;
   provenance.add_input("trajectory", content_id(table->path), nlohmann::json::array());
-  try {
-    return std::make_unique<TableTrajectory>(read_trajectory_table(table->path));
-  } catch (const FormatError& error) {
-    const std::string what = error.what();
-    throw FormatError(what.find(table->path) == std::string::npos ? table->path + ": " + what : what);
-  }
+  return naming_table(config,
+                      [&] { return std::make_unique<TableTrajectory>(read_trajectory_table(table->path)); });
 }
 
 /// Pulses of a batch: about 64 Ki points, so that memory does not depend on the scan.
@@ -113,19 +122,20 @@ void count_points(cli::Session& session, const Simulation& simulation, const Sca
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.terrain.empty()) throw UsageError("--terrain is required");
   const ScanConfig config = scan_config(session.config(), session.config_name());
+  const OutputOptions output = session.output();
   Provenance provenance = session.provenance();
   std::unique_ptr<const Trajectory> trajectory = read_trajectory(config, provenance);
   ScanModel model = scan_model(config, std::move(trajectory), session.config_name());
-  const OutputPath claim_check(session.output().path, session.output().overwrite);
   TerrainInput terrain;
   session.phase("terrain", [&](const ProgressCallback&) { terrain = read_terrain(o.terrain); });
   provenance.add_input("terrain", terrain.file_id, terrain.chain);
-  LandfallFileWriter file(session.output(), "scan", provenance);
+  LandfallFileWriter file(output, "scan", provenance);
   std::unique_ptr<const RayEngine> engine;
   const std::string name = engine_name(o.engine);
   session.count("engine", name);
   session.phase("engine", [&](const ProgressCallback&) { engine = make_engine(name, terrain.surface); });
-  const Simulation simulation(std::move(model), *engine, terrain.surface.get());
+  const Simulation simulation =
+      naming_table(config, [&] { return Simulation(std::move(model), *engine, terrain.surface.get()); });
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
   session.phase("trace", [&](const ProgressCallback& progress) { scan(simulation, writer, progress); });
   session.phase("finish", [&](const ProgressCallback&) {

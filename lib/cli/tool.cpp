@@ -41,10 +41,16 @@ Json environment_json(const std::string& config_name) {
           {"config", config_name}};
 }
 
-double peak_memory_bytes() {
+std::int64_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024;
+  return std::int64_t{usage.ru_maxrss} * 1024;
+}
+
+/// A reader of stdout must not take half an answer for the whole.
+void flush_stdout() {
+  std::cout.flush();
+  if (!std::cout) throw IoError("writing to standard output failed");
 }
 
 void bind_common(CLI::App& app, CommonOptions& o, bool has_seed) {
@@ -69,12 +75,26 @@ void bind_common(CLI::App& app, CommonOptions& o, bool has_seed) {
       ->capture_default_str();
   app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress");
   app.add_flag("-v,--verbose", o.verbose, "Say what is done, on stderr");
-  app.add_flag("--progress,!--no-progress", o.progress, "Show progress; default: if stderr is a terminal");
+  // As a function: bound to an optional, the flag would be set to false where it is not given.
+  app.add_flag_function(
+      "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
+      "Show progress; default: if stderr is a terminal");
   app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory");
   app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop");
   app.add_flag("--print-schema", o.print_schema, "Print the configuration's JSON schema and stop");
   app.add_flag("--check", o.check_only, "Validate the configuration and stop");
   app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output");
+}
+
+/// A write that the system refused must say which output is lost; deep down only the dataset is known.
+ExitCode run_naming_output(const Tool& tool, Session& session) {
+  try {
+    return tool.run(session);
+  } catch (const IoError& error) {
+    const std::string what = error.what();
+    if (session.options().output_path.empty() || what.substr(0, 7) == "output ") throw;
+    throw IoError("output " + session.options().output_path + ": " + what);
+  }
 }
 
 ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
@@ -88,12 +108,24 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
   const ThreadLimit limit(options.threads);
-  install_signal_cleanup();
-  const ExitCode code = tool.run(session);
+  install_signal_cleanup(tool.name);
+  const ExitCode code = run_naming_output(tool, session);
   if (options.json_summary) std::cout << session.summary().dump(2) << '\n';
-  std::cout.flush();
-  if (!std::cout) throw IoError("writing to standard output failed");
   return code;
+}
+
+ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const Tool& tool,
+                       const CommonOptions& options) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return ExitCode::done;
+  } catch (const CLI::CallForVersion&) {
+    std::cout << source_line(tool.name) << '\n';
+    return ExitCode::done;
+  }
+  return run_tool(tool, options);
 }
 
 int fail(const std::string& tool, const std::string& message, ExitCode code) {
@@ -116,6 +148,7 @@ void Session::resolve_config() {
 
 OutputOptions Session::output() const {
   if (options_.output_path.empty()) throw UsageError("-o/--output is required");
+  require_usable_output(options_.output_path, options_.overwrite);
   return {options_.output_path, options_.overwrite, options_.compression};
 }
 
@@ -165,12 +198,9 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   tool.bind(app);
   bind_common(app, options, tool.has_seed);
   try {
-    app.parse(argc, argv);
-    return static_cast<int>(run_tool(tool, options));
-  } catch (const CLI::CallForHelp&) {
-    std::cout << app.help();
-  } catch (const CLI::CallForVersion&) {
-    std::cout << source_line(tool.name) << '\n';
+    const ExitCode code = parse_and_run(app, argc, argv, tool, options);
+    flush_stdout();
+    return static_cast<int>(code);
   } catch (const CLI::ParseError& error) {
     return fail(tool.name, std::string(error.what()) + " (see --help)", ExitCode::usage);
   } catch (const Error& error) {
@@ -181,7 +211,6 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
     return fail(tool.name, std::string("internal error, please report it: ") + error.what(),
                 ExitCode::data_failed);
   }
-  return 0;
 }
 
 }  // namespace landfall::cli

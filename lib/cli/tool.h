@@ -47,7 +47,7 @@ class Session {
   /// The resolved configuration, and its name for messages.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   [[nodiscard]] const std::string& config_name() const { return config_name_; }
-  /// Throws UsageError without -o.
+  /// Throws UsageError without -o, or where the output exists or cannot be: call it before the work.
   [[nodiscard]] OutputOptions output() const;
   /// The provenance of this run, its inputs still to be added.
   [[nodiscard]] Provenance provenance() const;

@@ -96,7 +96,8 @@ void write_evaluation(LandfallFileWriter& file, const GridSpec& spec, const std:
     write_coverage(out, *evaluation.layers);
   }
   write_holes(file, spec, evaluation.holes);
-  h5::write_text(file.root(), "metrics_json", metrics_json(evaluation.metrics).dump(2));
+  h5::write_text(file.root(), {"metrics_json", "metrics and verdicts"},
+                 metrics_json(evaluation.metrics).dump(2));
   file.commit();
 }
 

@@ -73,7 +73,12 @@ bool is_single_value(hid_t space) { return H5Sget_simple_extent_npoints(space) =
 
 }  // namespace
 
-void initialise() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void initialise() {
+  // Every identifier has an owner that closes it. The library's own clean-up at exit would try once more to
+  // flush a file that a full disk refused, and crash (HDF5 1.10).
+  H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 std::string failure_reason() {
   std::string reason;
@@ -112,7 +117,11 @@ std::size_t size_of(Type type) {
 }
 
 Handle create_file(const std::filesystem::path& path) {
-  return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, path.string());
+  // Strong: closing the file closes what is still open in it. By default HDF5 would put the closing off,
+  // report success, and write the rest after the file has been renamed.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose, path.string());
 }
 
 Handle create_group(hid_t parent, const std::string& name) {
@@ -169,7 +178,8 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<st
   require(H5Awrite(attribute.get(), H5T_STD_I8LE, values.data()) >= 0, name);
 }
 
-void write_text(hid_t parent, const std::string& name, const std::string& text) {
+void write_text(hid_t parent, const TextDataset& what, const std::string& text) {
+  const std::string& name = what.name;
   const Handle type = variable_text_type();
   const Handle space = scalar_space();
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
@@ -181,6 +191,8 @@ void write_text(hid_t parent, const std::string& name, const std::string& text) 
   require(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
                    static_cast<const void*>(&data)) >= 0,
           name);
+  write_attribute(dataset.get(), "units", std::string("1"));
+  write_attribute(dataset.get(), "long_name", what.long_name);
 }
 
 Handle open_file(const std::filesystem::path& path) {

@@ -77,6 +77,7 @@ struct TypeOf<std::int8_t> {
 
 /// Every creation below leaves out object times, so that equal content gives equal bytes. Each throws IoError
 /// naming `object` when HDF5 refuses.
+/// Closing the file closes every object in it; handles that remain are void.
 Handle create_file(const std::filesystem::path& path);
 Handle create_group(hid_t parent, const std::string& name);
 /// Chunked (chunk dimensions > 0) with shuffle + deflate at `level` (0: no filter), or contiguous where
@@ -94,8 +95,13 @@ void write_attribute(hid_t object, const std::string& name, const std::string& t
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
-/// A scalar variable-length UTF-8 dataset: JSON goes here, for attributes end at 64 KiB.
-void write_text(hid_t parent, const std::string& name, const std::string& text);
+/// A scalar variable-length UTF-8 dataset with units and `long_name`: JSON goes here, for attributes end at
+/// 64 KiB.
+struct TextDataset {
+  std::string name;
+  std::string long_name;
+};
+void write_text(hid_t parent, const TextDataset& dataset, const std::string& text);
 
 /// Throws FormatError: missing file, not HDF5, truncated.
 Handle open_file(const std::filesystem::path& path);

@@ -49,16 +49,18 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
   const h5::Handle group = h5::create_group(root(), "provenance");
   h5::write_attribute(group.get(), "tool", provenance.tool);
   h5::write_attribute(group.get(), "version", program_version());
-  h5::write_text(group.get(), "config_json", provenance.config.dump(2));
-  h5::write_text(group.get(), "inputs_json", provenance.as_step().at("inputs").dump(2));
-  h5::write_text(group.get(), "chain_json", provenance.chain.dump(2));
+  h5::write_text(group.get(), {"config_json", "resolved configuration"}, provenance.config.dump(2));
+  h5::write_text(group.get(), {"inputs_json", "files that were read, and their ids"},
+                 provenance.as_step().at("inputs").dump(2));
+  h5::write_text(group.get(), {"chain_json", "upstream steps, oldest first"}, provenance.chain.dump(2));
   if (!provenance.environment.is_null())
-    h5::write_text(group.get(), "environment_json", provenance.environment.dump(2));
+    h5::write_text(group.get(), {"environment_json", "host, time and folder of the run"},
+                   provenance.environment.dump(2));
 }
 
 void LandfallFileWriter::commit() {
   h5::write_attribute(root(), "complete", std::int64_t{1});
-  if (!file_.reset())
+  if (H5Fflush(root(), H5F_SCOPE_GLOBAL) < 0 || !file_.reset())
     throw IoError("output " + output_.path().string() + ": closing failed: " + h5::failure_reason());
   output_.commit();
 }

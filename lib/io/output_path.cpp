@@ -21,18 +21,6 @@ namespace fs = std::filesystem;
 
 std::string system_message(int error_number) { return std::generic_category().message(error_number); }
 
-void require_usable(const fs::path& path, bool overwrite) {
-  std::error_code ignored;
-  if (path.empty() || path.filename().empty())
-    throw UsageError("output '" + path.string() + "' names no file");
-  if (fs::is_directory(path, ignored)) throw UsageError("output " + path.string() + " is a directory");
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored))
-    throw UsageError("output " + path.string() + ": folder " + folder.string() + " does not exist");
-  if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
-    throw UsageError("output " + path.string() + " exists; use -O to overwrite it");
-}
-
 /// The process number in ".NAME.PID.part", 0 where it is not such a name.
 int owner_of_part(const std::string& file, const std::string& output_name) {
   const std::string prefix = "." + output_name + ".";
@@ -68,8 +56,20 @@ void flush_to_disk(const fs::path& file) {
 
 }  // namespace
 
+void require_usable_output(const fs::path& path, bool overwrite) {
+  std::error_code ignored;
+  if (path.empty() || path.filename().empty())
+    throw UsageError("output '" + path.string() + "' names no file");
+  if (fs::is_directory(path, ignored)) throw UsageError("output " + path.string() + " is a directory");
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored))
+    throw UsageError("output " + path.string() + ": folder " + folder.string() + " does not exist");
+  if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
+    throw UsageError("output " + path.string() + " exists; use -O to overwrite it");
+}
+
 OutputPath::OutputPath(fs::path path, bool overwrite) : path_(std::move(path)), overwrite_(overwrite) {
-  require_usable(path_, overwrite_);
+  require_usable_output(path_, overwrite_);
   remove_abandoned_parts(path_);
   temporary_ = path_;
   temporary_.replace_filename("." + path_.filename().string() + "." + std::to_string(::getpid()) + ".part");
@@ -96,13 +96,12 @@ void OutputPath::commit() {
   committed_ = true;
 }
 
-void write_text(OutputPath& output, const std::string& text) {
+void write_text(const OutputPath& output, const std::string& text) {
   std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
   stream << text;
   stream.close();
   if (!stream)
     throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
-  output.commit();
 }
 
 }  // namespace landfall

@@ -34,7 +34,12 @@ class OutputPath {
   bool committed_ = false;
 };
 
-/// Writes a small text as the whole output and commits it. Throws IoError when the disk refuses.
-void write_text(OutputPath& output, const std::string& text);
+/// What OutputPath refuses, without claiming the name: for a refusal before the inputs are read. Throws
+/// UsageError.
+void require_usable_output(const std::filesystem::path& path, bool overwrite);
+
+/// Writes a small text as the whole of the temporary file; the caller commits. Throws IoError when the disk
+/// refuses.
+void write_text(const OutputPath& output, const std::string& text);
 
 }  // namespace landfall

@@ -11,7 +11,8 @@ namespace landfall {
 void register_temporary_file(const std::string& path);
 void forget_temporary_file(const std::string& path);
 
-/// On SIGINT, SIGTERM and SIGHUP: removes the registered files, says so in one line, ends by that signal.
-void install_signal_cleanup();
+/// On SIGINT, SIGTERM and SIGHUP: removes the registered files, says so in one line begun by `program`, ends
+/// by that signal. A file-size limit (ulimit -f) becomes a failed write, as a full disk is.
+void install_signal_cleanup(const std::string& program);
 
 }  // namespace landfall

@@ -5,14 +5,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <utility>
 
-#include "base/error.h"
 #include "base/parameter_check.h"
 
 namespace landfall {
+
 std::int64_t pulse_count(const ScanModel& model) {
   const double rate = model.pulse_rate_hz;
   const double time = model.scan_time_s;

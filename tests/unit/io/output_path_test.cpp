@@ -72,6 +72,7 @@ TEST(WriteText, WritesWhole) {
   const TemporaryFolder folder;
   OutputPath output(folder / "m.json", false);
   write_text(output, "{}\n");
+  output.commit();
   EXPECT_EQ(read_file(folder / "m.json"), "{}\n");
   EXPECT_EQ(folder.entries(), 1U);
 }
