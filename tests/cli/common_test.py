@@ -1,0 +1,537 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the four tools share (SPEC section 1): options, exit codes, messages, refusals."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import time
+import unittest
+
+import h5py
+import jsonschema
+from tools import CONFIGS, TOOLS, ChainTest, ToolTest, read_bytes, run, tool, with_values
+
+# A key of each tool's configuration, a valid value of it and one out of range.
+KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),
+        "regrid": ("resolution_m", 0.2, 0), "dem-eval": ("limits.invalid_frac", 0.5, 1.5)}
+MISSPELT = {"terrain-gen": ("feature", "features"), "scan-sim": ("trajektory", "trajectory"),
+            "regrid": ("resolution", "resolution_m"), "dem-eval": ("region_radius", "region_radius_m")}
+COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
+          "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
+          "-h,--help", "--compression", "--record-environment"]
+
+
+class Information(ToolTest):
+    """Options that print and stop: they need no input, open none and write nothing."""
+
+    def test_help_names_every_shared_option_and_the_seed_only_where_there_is_chance(self):
+        for name in TOOLS:
+            text = self.succeed(name, "--help").stdout
+            for option in COMMON:
+                self.assertIn(option, text, name)
+            self.assertEqual("--seed" in text, name in ["terrain-gen", "scan-sim"], name)
+            self.assertEqual(run(name, "-h").stdout, text)
+
+    def test_help_answers_in_under_50_ms(self):
+        for name in TOOLS:
+            times = []
+            for _ in range(10):
+                start = time.perf_counter()
+                subprocess.run([tool(name), "--help"], stdout=subprocess.DEVNULL, check=True)
+                times.append(time.perf_counter() - start)
+            self.assertLess(min(times), 0.05, name)
+
+    def test_help_does_not_load_gdal(self):
+        for name in TOOLS:
+            result = subprocess.run([tool(name), "--help"], env={**os.environ, "LD_DEBUG": "files"},
+                                    capture_output=True, text=True, check=True)
+            self.assertIn("libc.so", result.stderr, "LD_DEBUG tells nothing here")
+            self.assertNotIn("libgdal", result.stderr, name)
+
+    def test_version_is_one_line_with_tool_and_number(self):
+        for name in TOOLS:
+            text = self.succeed(name, "--version").stdout
+            self.assertRegex(text, rf"\Alandfall {name} \d+\.\d+\.\d+ \(git [^)\n]+\)\n\Z")
+            self.assertEqual(run(name, "-V").stdout, text)
+
+    def test_print_config_is_resolved_and_can_be_used_again(self):
+        for name in TOOLS:
+            for config in ({}, CONFIGS[name]):
+                first = self.succeed(name, "-c", self.config(config), "--print-config").stdout
+                again = self.succeed(name, "-c", self.config(first), "--print-config").stdout
+                self.assertEqual(first, again, name)
+                self.assertContains(json.loads(first), config)
+        self.assertEqual(self.entries(), ["config.json"])
+
+    def assertContains(self, resolved, given):
+        if not isinstance(given, dict):
+            self.assertEqual(resolved, given)
+            return
+        for key, value in given.items():
+            if isinstance(value, dict):
+                self.assertContains(resolved[key], value)
+
+    def test_the_defaults_are_those_of_the_contract(self):
+        def resolved(name):
+            return json.loads(self.succeed(name, "--print-config").stdout)
+        self.assertEqual(resolved("regrid"), {"resolution_m": 0.05, "half_width_m": 50, "truth_at": "bin_center"})
+        self.assertEqual(resolved("dem-eval"), {
+            "region_radius_m": 50, "footprint_m": 1.7, "quantile": 0.95,
+            "limits": {"invalid_frac": 0.01, "hole_bins": 10, "distance_bins": 1, "relative_elevation_m": 0.05,
+                       "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1,
+                       "absolute_horizontal_frac": 0.95}})
+        terrain = resolved("terrain-gen")
+        self.assertEqual((terrain["grid"], terrain["features"], terrain["patterns"], terrain["seed"]),
+                         ({"half_width_m": 60, "resolution_m": 0.05}, [], [], 1))
+        scan = resolved("scan-sim")
+        self.assertEqual(scan["detector"], {"rows": 18, "columns": 18, "subpixels": 1, "roll_deg": 0})
+        self.assertEqual(scan["laser"], {"pulse_rate_hz": 20000, "scan_time_s": 2})
+        self.assertEqual(scan["trajectory"], {
+            "type": "constant_velocity", "position_m": [0, 0, 500], "velocity_mps": [0, 0, -23],
+            "rpy_deg": [0, 0, 0], "rpy_rate_degps": [0, 0, 0]})
+
+    def test_print_schema_is_a_draft_07_schema_that_accepts_the_empty_and_the_resolved_config(self):
+        for name in TOOLS:
+            schema = json.loads(self.succeed(name, "--print-schema").stdout)
+            self.assertEqual(schema["$schema"], "http://json-schema.org/draft-07/schema#")
+            jsonschema.Draft7Validator.check_schema(schema)
+            validator = jsonschema.Draft7Validator(schema)
+            validator.validate({})
+            validator.validate(CONFIGS[name])
+            validator.validate(json.loads(run(name, "--print-config").stdout))
+            self.assertFalse(validator.is_valid({"no_such_key": 1}), name)
+
+    def test_information_that_cannot_be_written_is_a_failure(self):
+        for name in TOOLS:
+            for option in ["--help", "--version", "--print-config", "--print-schema"]:
+                with open("/dev/full", "w", encoding="utf-8") as full:
+                    result = subprocess.run([tool(name), option], stdout=full, stderr=subprocess.PIPE, text=True,
+                                            check=False)
+                self.assertEqual(result.returncode, 1, f"{name} {option}")
+                self.check_message(name, result.stderr, ["standard output"])
+
+
+class Check(ToolTest):
+    """--check validates the configuration and does nothing else."""
+
+    def test_a_valid_config_is_silent_and_writes_nothing(self):
+        for name in TOOLS:
+            result = self.succeed(name, "-c", self.config(CONFIGS[name]), "--check", "-o", self.path("out.h5"))
+            self.assertEqual((result.stdout, self.entries()), ("", ["config.json"]))
+
+    def test_it_opens_no_data(self):
+        inputs = {"terrain-gen": ["--set", 'base={"type":"dem","path":"/nowhere/dem.tif"}'],
+                  "scan-sim": ["--terrain", "/nowhere/terrain.h5", "--set",
+                               'trajectory={"type":"table","path":"/nowhere/table.csv"}'],
+                  "regrid": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"],
+                  "dem-eval": ["/nowhere/dem.h5"]}
+        for name in TOOLS:
+            self.succeed(name, "--check", *inputs[name])
+
+    def test_what_a_run_would_refuse_as_a_config_check_refuses(self):
+        for name, assignment, words in [
+                ("terrain-gen", "grid.resolution_m=0.7", ["/grid", "half_width_m 60", "0.69"]),
+                ("scan-sim", "laser.scan_time_s=0.00001", ["config", "pulse_rate_hz x scan_time_s"]),
+                ("scan-sim", "laser.scan_time_s=1000000", ["config", "pulse_rate_hz x scan_time_s"]),
+                ("regrid", "resolution_m=0.07", ["half_width_m 50", "0.07"]),
+                ("dem-eval", "quantile=1.01", ["/quantile", "1.01"])]:
+            self.refuse(2, name, "--check", "--set", assignment, words=words)
+
+
+class Config(ToolTest):
+    """A configuration that is wrong is exit 2, one line, no output; the line says what, where and the bound."""
+
+    def refuse_config(self, name, text, words):
+        output = self.path("out.h5")
+        self.refuse(2, name, "-c", self.config(text), "-o", output, *INPUTS[name], words=words, output=output)
+
+    def test_unknown_key(self):
+        for name in TOOLS:
+            word, meant = MISSPELT[name]
+            self.refuse_config(name, {word: 1}, ["config.json", f"/{word}", f'did you mean "{meant}"?'])
+        self.refuse_config("scan-sim", {"noise": {"dropout": 0.1}}, ["/noise/dropout", "dropout_frac"])
+
+    def test_value_out_of_range(self):
+        for name in TOOLS:
+            key, _, bad = KEYS[name]
+            config = with_values({"grid": {}, "noise": {}, "limits": {}}, **{key.replace(".", "__"): bad})
+            config = {k: v for k, v in config.items() if v != {}}
+            self.refuse_config(name, config, ["/" + key.replace(".", "/"), str(bad)])
+
+    def test_wrong_type(self):
+        for name in TOOLS:
+            key = KEYS[name][0]
+            config = with_values({"grid": {}, "noise": {}, "limits": {}}, **{key.replace(".", "__"): "much"})
+            config = {k: v for k, v in config.items() if v != {}}
+            self.refuse_config(name, config, ["/" + key.replace(".", "/"), '"much"', "number"])
+
+    def test_nan_infinity_and_overflow_are_no_json(self):
+        for name in TOOLS:
+            for value in ["NaN", "nan", "Infinity", "-Infinity", "1e999"]:
+                self.refuse_config(name, f'{{"seed": {value}}}', ["config.json", "not valid JSON"])
+
+    def test_duplicate_key(self):
+        for name in TOOLS:
+            self.refuse_config(name, '{"a": {"b": 1, "b": 2}}', ["config.json", '"b"', "twice"])
+
+    def test_text_that_is_no_json_object(self):
+        for name in TOOLS:
+            for text in ["", "{", "{}}", "nonsense", '{"a": 1,}', "\0\0\0\0", '{"a": "\udcff"}']:
+                with open(self.path("config.json"), "wb") as file:
+                    file.write(text.encode("utf-8", "surrogateescape"))
+                self.refuse(2, name, "-c", self.path("config.json"), "--check", words=["config.json"])
+            self.refuse_config(name, "[]", ["config.json", "object"])
+            self.refuse_config(name, "3", ["config.json", "object"])
+
+    def test_config_that_cannot_be_read(self):
+        for name in TOOLS:
+            self.refuse(2, name, "-c", self.path("none.json"), "--check", words=["none.json"])
+            self.refuse(2, name, "-c", self.folder, "--check", words=[self.folder])
+
+    def test_deep_nesting_is_refused_not_a_crash(self):
+        for name in TOOLS:
+            self.refuse_config(name, '{"a":' * 50000 + "1" + "}" * 50000, ["config.json"])
+
+
+# Inputs that need not exist: a wrong configuration is refused before any is opened.
+INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
+          "dem-eval": ["/nowhere/dem.h5"]}
+
+
+class Assignments(ToolTest):
+    """--set, the config file, standard input and --seed."""
+
+    def resolved(self, name, *arguments, **options):
+        return json.loads(self.succeed(name, "--print-config", *arguments, **options).stdout)
+
+    def test_set_wins_over_the_file_and_the_last_one_wins(self):
+        for name in TOOLS:
+            key, value, _ = KEYS[name]
+            folder, _, leaf = key.rpartition(".")
+            config = self.config(CONFIGS[name])
+            resolved = self.resolved(name, "-c", config, "--set", f"{key}=0.4", f"--set={key}={value}")
+            self.assertEqual((resolved[folder] if folder else resolved)[leaf], value)
+
+    def test_set_takes_arrays_objects_texts_and_indices(self):
+        scan = self.resolved("scan-sim", "--set", "mount.position_m=[1, 2, 3]", "--set", "mount.position_m.1=-4",
+                             "--set", 'scanner={"type": "flash"}', "--set", "detector.ifov_rad=[1e-3,2e-3]")
+        self.assertEqual(scan["mount"]["position_m"], [1, -4, 3])
+        self.assertEqual(scan["scanner"], {"type": "flash"})
+        self.assertEqual(scan["detector"]["ifov_rad"], [1e-3, 2e-3])
+        self.assertEqual(self.resolved("regrid", "--set", 'truth_at="centroid"')["truth_at"], "centroid")
+
+    def test_assignments_that_are_none(self):
+        for name in TOOLS:
+            for text in ["a", "=1", "a=", "a=nonsense", "a=NaN", "a..b=1", '{"a":1}']:
+                self.refuse(2, name, "--check", "--set", text, words=["--set", text])
+        self.refuse(2, "scan-sim", "--check", "--set", "seed=1", "--set", "seed.x=1", words=["--set seed.x=1"])
+        self.refuse(2, "scan-sim", "--check", "--set", 'noise={"range_bias_m":1,"range_bias_m":2}',
+                    words=["--set", "range_bias_m", "twice"])
+
+    def test_config_from_standard_input(self):
+        for name in TOOLS:
+            self.assertEqual(self.resolved(name, "-c", "-", stdin=json.dumps(CONFIGS[name])),
+                             self.resolved(name, "-c", self.config(CONFIGS[name])))
+            self.refuse(2, name, "-c", "-", "--check", stdin='{"nope": 1}', words=["standard input", "/nope"])
+            self.refuse(2, name, "-c", "-", "--check", stdin="", words=["standard input"])
+
+    def test_seed_option_wins_over_set_and_file(self):
+        for name in ["terrain-gen", "scan-sim"]:
+            config = self.config({"seed": 5})
+            self.assertEqual(self.resolved(name)["seed"], 1)
+            self.assertEqual(self.resolved(name, "-c", config)["seed"], 5)
+            self.assertEqual(self.resolved(name, "-c", config, "--set", "seed=6")["seed"], 6)
+            self.assertEqual(self.resolved(name, "-c", config, "--set", "seed=6", "--seed", "7")["seed"], 7)
+            self.assertEqual(self.resolved(name, "--seed", 2**53 - 1)["seed"], 2**53 - 1)
+            for bad in ["-1", "x", "1.5", str(2**53)]:
+                self.refuse(2, name, "--check", "--seed", bad, words=["--seed"])
+
+
+class Usage(ToolTest):
+    def test_unknown_flag_and_surplus_argument(self):
+        for name in TOOLS:
+            self.refuse(2, name, "--no-such-flag", words=["--no-such-flag"])
+        self.refuse(2, "terrain-gen", "surplus", words=["surplus"])
+        self.refuse(2, "dem-eval", "a.h5", "b.h5", words=["b.h5"])
+
+    def test_option_values_out_of_range(self):
+        for name in TOOLS:
+            for option, value in [("-t", "-1"), ("-t", "x"), ("--compression", "10"), ("--compression", "-1")]:
+                self.refuse(2, name, option, value, words=[value])
+
+    def test_missing_arguments(self):
+        output = self.path("out.h5")
+        self.refuse(2, "terrain-gen", words=["-o"])
+        self.refuse(2, "scan-sim", "-o", output, words=["--terrain"])
+        self.refuse(2, "regrid", "-o", output, words=["scan"])
+        self.refuse(2, "dem-eval", "-o", output, words=["DEM"])
+        for name in TOOLS:
+            self.refuse(2, name, "-o", words=["--output"])
+
+    def test_without_an_output_no_input_is_opened(self):
+        for name in TOOLS:
+            self.refuse(2, name, *INPUTS[name], words=["-o"])
+
+
+class Output(ChainTest):
+    """The output's name: refusals come before the work, an existing file is safe without -O."""
+
+    def test_an_existing_output_is_refused_and_left_alone(self):
+        output = self.path("out.h5")
+        for name in TOOLS:
+            with open(output, "w", encoding="utf-8") as file:
+                file.write("precious")
+            self.refuse(2, name, *self.chain.inputs(name), "-o", output, words=[output, "-O"])
+            self.assertEqual(read_bytes(output), b"precious")
+
+    def test_an_existing_output_is_refused_before_inputs_are_read(self):
+        output = self.path("out.h5")
+        for name in TOOLS:
+            with open(output, "w", encoding="utf-8") as file:
+                file.write("precious")
+            self.refuse(2, name, *INPUTS[name], "-o", output, words=[output, "-O"])
+
+    def test_overwrite_replaces_it_by_the_same_bytes(self):
+        output = self.path("out.h5")
+        for name in TOOLS:
+            with open(output, "w", encoding="utf-8") as file:
+                file.write("precious")
+            self.succeed(name, *self.chain.inputs(name), "-o", output, "-O")
+            self.assertEqual(read_bytes(output), read_bytes(self.chain.output(name)), name)
+            self.assertEqual(self.entries(), ["out.h5"])
+
+    def test_a_folder_a_missing_folder_or_a_dangling_link_is_no_output(self):
+        os.symlink("/nowhere/x", self.path("dangling"))
+        for name in TOOLS:
+            self.refuse(2, name, *self.chain.inputs(name), "-o", self.folder, "-O", words=[self.folder])
+            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path("a/b.h5"), words=["a/b.h5"])
+            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path("dangling"), words=["dangling"])
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write anywhere")
+    def test_a_folder_without_permission(self):
+        os.mkdir(self.path("locked"))
+        os.chmod(self.path("locked"), 0o500)
+        for name in TOOLS:
+            self.refuse(1, name, *self.chain.inputs(name), "-o", self.path("locked/out.h5"), words=["locked"])
+
+    def test_a_name_with_spaces_and_other_letters(self):
+        for name in TOOLS:
+            self.succeed(name, *self.chain.inputs(name), "-o", self.path("größe 1 'x'.h5"), "-O")
+
+    def test_compression_changes_the_size_not_the_content(self):
+        for name in TOOLS:
+            sizes = {}
+            for level in (0, 9):
+                output = self.path(f"{level}.h5")
+                self.succeed(name, *self.chain.inputs(name), "-o", output, "-O", "--compression", level)
+                sizes[level] = os.path.getsize(output)
+                self.assertEqual(contents(output), contents(self.chain.output(name)), name)
+            self.assertLess(sizes[9], sizes[0], name)
+
+
+def contents(path):
+    """Every dataset's bytes and every attribute, the identity of references aside."""
+    found = {}
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()].tobytes() if item.shape else item[()]
+        found[name, "attributes"] = sorted(
+            (key, str(value)) for key, value in item.attrs.items()
+            if key not in ("DIMENSION_LIST", "REFERENCE_LIST"))
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+        found["/"] = sorted((key, str(value)) for key, value in file.attrs.items())
+    return found
+
+
+class Inputs(ChainTest):
+    """Input files that are missing, of another kind, or damaged: exit 1, one line that names the file."""
+
+    def arguments(self, name, data):
+        """The tool's arguments with its main input replaced."""
+        return {"scan-sim": ["--terrain", data], "regrid": [data],
+                "dem-eval": [data]}[name] + ["-c", self.chain.config(name), "-o", self.path("out.h5")]
+
+    def refuse_input(self, name, data, words=()):
+        self.refuse(1, name, *self.arguments(name, data), words=[data, *words], output=self.path("out.h5"))
+
+    READERS = {"scan-sim": "terrain", "regrid": "scan", "dem-eval": "dem"}
+
+    def test_missing_file_folder_or_text(self):
+        with open(self.path("text.h5"), "w", encoding="utf-8") as file:
+            file.write("x_est,y_est\n1,2\n")
+        with open(self.path("empty.h5"), "w", encoding="utf-8"):
+            pass
+        for name in self.READERS:
+            self.refuse_input(name, self.path("none.h5"), ["no such file"])
+            self.refuse_input(name, self.folder, ["directory"])
+            self.refuse_input(name, self.path("text.h5"), ["HDF5"])
+            self.refuse_input(name, self.path("empty.h5"), ["HDF5"])
+        self.refuse(1, "regrid", self.chain.scan, "--terrain", self.path("none.h5"), "-o", self.path("out.h5"),
+                    words=["none.h5"])
+
+    def test_another_kind_of_file(self):
+        for name, wanted in self.READERS.items():
+            for kind in ["terrain", "scan", "dem", "eval"]:
+                if kind == wanted:
+                    continue
+                found = "evaluation" if kind == "eval" else kind
+                self.refuse_input(name, getattr(self.chain, kind), [f"landfall.{found}", f"landfall.{wanted}"])
+        with h5py.File(self.path("foreign.h5"), "w") as file:
+            file["z"] = [1.0]
+        for name in self.READERS:
+            self.refuse_input(name, self.path("foreign.h5"), ["format_name"])
+
+    def test_a_file_of_a_later_format_or_an_incomplete_one(self):
+        for name, kind in self.READERS.items():
+            data = self.path("changed.h5")
+            shutil.copy(getattr(self.chain, kind), data)
+            with h5py.File(data, "r+") as file:
+                file.attrs["complete"] = 0
+            self.refuse_input(name, data, ["incomplete"])
+            with h5py.File(data, "r+") as file:
+                file.attrs["complete"] = 1
+                file.attrs["format_version"] = "2.0"
+            self.refuse_input(name, data, ["2.0"])
+
+    def test_truncated_at_many_places(self):
+        data = self.path("cut.h5")
+        for name, kind in self.READERS.items():
+            whole = read_bytes(getattr(self.chain, kind))
+            for size in [1, 8, 100, 2048, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, len(whole) - 1]:
+                cut = int(size * len(whole)) if isinstance(size, float) else size
+                with open(data, "wb") as file:
+                    file.write(whole[:cut])
+                self.refuse_input(name, data)
+
+    def test_bytes_lost_in_the_data_are_an_error_or_harmless_never_a_crash(self):
+        # In the second half, where the datasets' chunks lie: damage to the texts of the root's attributes
+        # makes libhdf5 1.10 itself loop or crash (H5HG), h5dump and h5py too.
+        data = self.path("holed.h5")
+        for name, kind in self.READERS.items():
+            whole = read_bytes(getattr(self.chain, kind))
+            for piece in range(10, 20):
+                begin = len(whole) * piece // 20
+                with open(data, "wb") as file:
+                    file.write(whole[:begin] + b"\xff" * 512 + whole[begin + 512:])
+                result = run(name, *self.arguments(name, data), "-O")
+                self.assertIn(result.returncode, (0, 1), f"{name} {piece}: {result.stderr}")
+                if result.returncode == 1:
+                    self.check_message(name, result.stderr, [data])
+
+    def test_a_missing_dataset(self):
+        data = self.path("changed.h5")
+        for name, kind, key in [("scan-sim", "terrain", "z"), ("scan-sim", "terrain", "x"),
+                                ("regrid", "scan", "points/x_est"), ("regrid", "scan", "points/status"),
+                                ("regrid", "scan", "pulses/t"), ("regrid", "scan", "points"),
+                                ("dem-eval", "dem", "z_est"), ("dem-eval", "dem", "y")]:
+            shutil.copy(getattr(self.chain, kind), data)
+            with h5py.File(data, "r+") as file:
+                del file[key]
+            self.refuse_input(name, data, [key.rpartition("/")[2]])
+
+
+class Summary(ChainTest):
+    """--json: one JSON object on stdout, and the same file."""
+
+    PHASES = {"terrain-gen": ["terrain", "write"], "scan-sim": ["trace"], "regrid": ["grid", "write"],
+              "dem-eval": ["evaluate", "write"]}
+    COUNTS = {"terrain-gen": ["node_count"], "scan-sim": ["pulse_count", "ray_count", "return_count"],
+              "regrid": ["inside_count", "outside_count"], "dem-eval": ["metrics"]}
+
+    def test_keys(self):
+        for name in TOOLS:
+            output = self.path("out.h5")
+            text = self.succeed(name, *self.chain.inputs(name), "-o", output, "-O", "--json", "-t", "2").stdout
+            summary = json.loads(text)
+            self.assertEqual((summary["tool"], summary["threads"]), (name, 2))
+            self.assertIsInstance(summary["peak_memory_bytes"], int)
+            self.assertGreater(summary["peak_memory_bytes"], 1 << 20)
+            self.assertGreater(summary["wall_s"], 0)
+            self.assertGreater(summary["cpu_s"], 0)
+            self.assertLessEqual(set(self.PHASES[name]), set(summary["phases"]))
+            for phase in summary["phases"].values():
+                self.assertEqual(set(phase), {"wall_s", "cpu_s"})
+                self.assertGreaterEqual(phase["wall_s"], 0)
+            self.assertLessEqual(set(self.COUNTS[name]), set(summary))
+            self.assertEqual(read_bytes(output), read_bytes(self.chain.output(name)))
+
+    def test_counts_agree_with_the_files(self):
+        output = self.path("out.h5")
+        scan = json.loads(self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "-o", output, "--json").stdout)
+        with h5py.File(output) as file:
+            self.assertEqual(scan["return_count"], file["points/x_est"].shape[0])
+            self.assertEqual(scan["pulse_count"], file["pulses/t"].shape[0])
+            for key in ["return_count", "miss_count", "dropout_count", "dead_count"]:
+                self.assertEqual(scan[key], file["points"].attrs[key])
+        self.assertEqual(scan["ray_count"], 400 * 64)
+        regrid = json.loads(self.succeed("regrid", *self.chain.inputs("regrid"), "-o", output, "-O",
+                                         "--json").stdout)
+        with h5py.File(output) as file:
+            self.assertEqual(regrid["inside_count"], file["count"][()].sum())
+        self.assertEqual(regrid["inside_count"] + regrid["outside_count"], scan["return_count"])
+
+    def test_verbose_speaks_on_stderr_and_quiet_wins(self):
+        for name in TOOLS:
+            for flags in (["-q"], ["-q", "-v"], ["-q", "--progress"], ["--no-progress"]):
+                result = self.succeed(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", *flags)
+                self.assertEqual(result.stdout, "")
+
+
+class Privacy(ChainTest):
+    """A file tells nothing of the machine, the clock or the folders unless asked."""
+
+    def test_no_path_host_or_year_in_any_file(self):
+        secrets = [self.chain.folder, os.uname().nodename, os.path.expanduser("~") + "/", os.getcwd(),
+                   time.strftime("%Y-%m-%d"), os.path.dirname(tool("regrid"))]
+        for name in TOOLS:
+            text = all_text(self.chain.output(name))
+            for secret in secrets:
+                if len(secret) > 3:
+                    self.assertNotIn(secret, text, name)
+                    self.assertNotIn(secret.encode(), read_bytes(self.chain.output(name)), name)
+
+    def test_record_environment_adds_host_clock_and_folder_and_nothing_else(self):
+        output = self.path("out.h5")
+        for name in TOOLS:
+            self.succeed(name, *self.chain.inputs(name), "-o", output, "-O", "--record-environment")
+            recorded = contents(output)
+            environment = recorded.pop("provenance/environment_json").decode()
+            recorded.pop(("provenance/environment_json", "attributes"))
+            self.assertEqual(recorded, contents(self.chain.output(name)))
+            self.assertIn(os.uname().nodename, environment)
+            self.assertRegex(environment, r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ")
+
+    def test_data_paths_in_the_config_are_cut_to_the_name(self):
+        table = self.path("descent.csv")
+        with open(table, "w", encoding="utf-8") as file:
+            file.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,50,1,0,0,0\n1,0,0,45,1,0,0,0\n")
+        self.succeed("scan-sim", "--terrain", self.chain.terrain, "-c", self.chain.config("scan-sim"), "-o",
+                     self.path("out.h5"), "--set", "trajectory=" + json.dumps({"type": "table", "path": table}))
+        text = all_text(self.path("out.h5"))
+        self.assertIn("descent.csv", text)
+        self.assertNotIn(self.folder, text)
+
+
+def all_text(path):
+    """Every text in the file, variable-length ones too, which are compressed in no way but lie apart."""
+    texts = []
+
+    def visit(name, item):
+        texts.append(name)
+        texts.extend(str(value) for value in item.attrs.values())
+        if isinstance(item, h5py.Dataset) and item.dtype.kind == "O" and not item.shape:
+            texts.append(item.asstr()[()])
+
+    with h5py.File(path) as file:
+        texts.extend(str(value) for value in file.attrs.values())
+        file.visititems(visit)
+    return "\n".join(texts)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,84 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the tools show on a terminal, a pseudo-terminal here, and what they leave out on request."""
+import os
+import pty
+import subprocess
+import unittest
+
+from tools import TOOLS, ChainTest, read_bytes, tool
+
+
+def read_all(descriptor):
+    chunks = []
+    while True:
+        try:
+            chunk = os.read(descriptor, 65536)
+        except OSError:  # the last process on the other side has gone
+            break
+        if not chunk:
+            break
+        chunks.append(chunk)
+    return b"".join(chunks).decode()
+
+
+class Terminal(ChainTest):
+    def on_terminal(self, name, *arguments, streams=("stdout", "stderr")):
+        """Runs the tool with those streams on a terminal, the others thrown away; returns what appeared."""
+        ours, theirs = pty.openpty()
+        ends = {stream: theirs if stream in streams else subprocess.DEVNULL for stream in ("stdout", "stderr")}
+        command = [tool(name), *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", *arguments]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, **ends) as process:
+            os.close(theirs)
+            text = read_all(ours)
+        os.close(ours)
+        self.assertEqual(process.returncode, 0, text)
+        self.assertEqual(read_bytes(self.path("out.h5")), read_bytes(self.chain.output(name)))
+        return text
+
+    PHASE = {"terrain-gen": "terrain", "scan-sim": "trace", "regrid": "grid", "dem-eval": "evaluate"}
+
+    def test_progress_appears_on_a_terminal(self):
+        for name in TOOLS:
+            text = self.on_terminal(name, streams=["stderr"])
+            self.assertRegex(text, rf"{self.PHASE[name]} +\[#{{30}}\] 100 %")
+
+    def test_quiet_and_no_progress_silence_it(self):
+        for name in TOOLS:
+            for flag in ("-q", "--no-progress"):
+                self.assertEqual(self.on_terminal(name, flag, streams=["stderr"]), "", name)
+
+    def test_progress_can_be_forced_off_a_terminal(self):
+        for name in TOOLS:
+            result = subprocess.run([tool(name), *self.chain.inputs(name), "-o", self.path("out.h5"), "-O",
+                                     "--progress"], capture_output=True, text=True, check=True)
+            self.assertEqual(result.stdout, "")
+            self.assertIn("100 %", result.stderr)
+
+    def test_only_dem_eval_prints_on_stdout_its_table(self):
+        for name in TOOLS:
+            text = self.on_terminal(name, streams=["stdout"])
+            if name == "dem-eval":
+                self.assertRegex(text, r"requirement +measured as +value +limit +verdict")
+                self.assertRegex(text, r"relative_elevation .* FAIL")
+            else:
+                self.assertEqual(text, "")
+
+    def test_quiet_leaves_out_the_table(self):
+        self.assertEqual(self.on_terminal("dem-eval", "-q", streams=["stdout"]), "")
+
+    def test_an_error_stands_on_a_line_of_its_own(self):
+        """Below or instead of the bar that it interrupts."""
+        ours, theirs = pty.openpty()
+        command = [tool("scan-sim"), *self.chain.inputs("scan-sim"), "-o", self.path("out.h5"), "--set",
+                   "noise.dropout_frac=1"]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=theirs) as process:
+            os.close(theirs)
+            text = read_all(ours)
+        os.close(ours)
+        self.assertEqual(process.returncode, 1)
+        self.assertRegex(text, r"(\n|\r\x1b\[K)scan-sim: the scan has no return[^\n]*\n\Z")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,281 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each tool alone promises: its own options and the refusals that its data call for."""
+import json
+import os
+import shutil
+import unittest
+
+import h5py
+import numpy as np
+from tools import ChainTest, read_bytes, run
+
+
+class TerrainGen(ChainTest):
+    def make(self, *arguments):
+        self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "-o", self.path("t.h5"), "-O", *arguments)
+        with h5py.File(self.path("t.h5")) as file:
+            return file["x"][()], file["y"][()], file["z"][()]
+
+    def test_plane_and_features_have_their_heights(self):
+        x, y, z = self.make()
+        plane = 0.25 + 0.05 * x[None, :] - 0.03 * y[:, None]
+        at = lambda px, py: (round(py / 0.1) + 60, round(px / 0.1) + 60)
+        self.assertAlmostEqual(z[at(-5, -5)], plane[at(-5, -5)], places=14)
+        for px, py, height in [(1.5, 0.5, 1.5), (-2, -1, 0.8), (-1, 2, 0.7)]:
+            self.assertAlmostEqual(z[at(px, py)], plane[at(px, py)] + height, places=12)
+
+    def test_bases_are_summed(self):
+        base = [{"type": "plane", "elevation_m": 1}, {"type": "plane", "slope_x": 0.5}]
+        x, _, z = self.make("--set", "features=[]", "--set", "base=" + json.dumps(base))
+        np.testing.assert_allclose(z, np.broadcast_to(1 + 0.5 * x, z.shape), rtol=0, atol=1e-14)
+
+    def test_ring(self):
+        ring = [{"type": "ring", "count": 4, "radius_m": 3, "first_azimuth_deg": 90,
+                 "feature": {"type": "cone", "radius_m": 0.5, "height_m": 2}}]
+        _, _, z = self.make("--set", "features=[]", "--set", 'base={"type":"plane"}', "--set",
+                            "patterns=" + json.dumps(ring))
+        tops = sorted(map(tuple, np.argwhere(z > 1.99) - 60))
+        self.assertEqual(tops, [(-30, 0), (0, -30), (0, 30), (30, 0)])
+
+    def test_raster_that_is_missing_or_none(self):
+        with open(self.path("text.tif"), "w", encoding="utf-8") as file:
+            file.write("no raster")
+        for path in [self.path("none.tif"), self.path("text.tif"), self.folder]:
+            base = json.dumps({"type": "dem", "path": path})
+            self.refuse(1, "terrain-gen", "-o", self.path("t.h5"), "--set", f"base={base}", words=[path],
+                        output=self.path("t.h5"))
+
+    def write_raster(self, size, spacing_m=1.0):
+        """An ESRI ASCII grid of a tilted plane, without a CRS; its middle is the origin."""
+        path = self.path("dem.asc")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f"ncols {size}\nnrows {size}\nxllcorner {-size * spacing_m / 2}\n"
+                       f"yllcorner {-size * spacing_m / 2}\ncellsize {spacing_m}\n")
+            for row in range(size):
+                file.write(" ".join(str(0.5 * col - 0.25 * row) for col in range(size)) + "\n")
+        return path
+
+    def test_site_must_lie_inside_the_raster(self):
+        base = {"type": "dem", "path": self.write_raster(11), "horizontal_scale_m": 1}
+        self.refuse(1, "terrain-gen", "-c", self.chain.config("terrain-gen"), "-o", self.path("t.h5"), "--set",
+                    "base=" + json.dumps(base), words=["dem.asc"], output=self.path("t.h5"))
+
+    def test_a_plane_survives_the_import(self):
+        base = {"type": "dem", "path": self.write_raster(15), "horizontal_scale_m": 1}
+        x, y, z = self.make("--set", "features=[]", "--set", "base=" + json.dumps(base))
+        np.testing.assert_allclose(z, 0.5 * x[None, :] + 0.25 * y[:, None], rtol=0, atol=1e-6)
+
+    def test_horizontal_scale_is_required_without_a_crs(self):
+        base = {"type": "dem", "path": self.write_raster(15)}
+        result = run("terrain-gen", "-c", self.chain.config("terrain-gen"), "-o", self.path("t.h5"), "--set",
+                     "base=" + json.dumps(base))
+        self.assertIn(result.returncode, (1, 2))
+        self.check_message("terrain-gen", result.stderr, ["horizontal_scale_m"])
+
+    def test_two_centres_exclude_each_other(self):
+        base = {"type": "dem", "path": "x.tif", "center": [0, 0], "center_pixel": [1, 1]}
+        self.refuse(2, "terrain-gen", "--check", "--set", "base=" + json.dumps(base), words=["center_pixel"])
+
+
+class ScanSim(ChainTest):
+    FLASH = ["--set", 'scanner={"type":"flash"}']
+
+    def refuse_scan(self, code, *arguments, words=()):
+        self.refuse(code, "scan-sim", *self.chain.inputs("scan-sim"), "-o", self.path("s.h5"), *arguments,
+                    words=words, output=self.path("s.h5"))
+
+    def test_a_scan_without_a_return(self):
+        self.refuse_scan(1, *self.FLASH, "--set", "mount.rpy_deg=[0,0,0]", words=["no return", "misses"])
+        self.refuse_scan(1, "--set", "noise.dropout_frac=1", words=["no return", "dropouts"])
+        self.refuse_scan(1, "--set", "noise.dead_pixel_frac=1", words=["no return", "dead"])
+        self.refuse_scan(1, "--keep-misses", "--set", "noise.dropout_frac=1", words=["no return"])
+
+    def test_a_lidar_at_or_below_the_terrain_is_refused_by_pulse(self):
+        place = ["--set", "mount.position_m=[0,0,0]", "--set", "trajectory.rpy_deg=[0,0,0]"]
+        self.refuse_scan(1, *self.FLASH, *place, "--set", "trajectory.position_m=[0,0,-1]",
+                         words=["pulse 0:", "below the terrain"])
+        # 0.5 m above the plane (0.25 m at the origin, sloping), sinking at 5 m/s: it meets it after about 0.1 s.
+        self.refuse_scan(1, *self.FLASH, *place, "--set", "trajectory.position_m=[0,0,0.75]", "--set",
+                         "trajectory.velocity_mps=[0,0,-5]", words=["pulse 200:", "below the terrain"])
+
+    def test_an_aim_beyond_the_mirror(self):
+        self.refuse_scan(1, "--set", "scanner.max_deflection_deg=1", words=["pulse 0 ", "degrees"])
+
+    def write_table(self, text):
+        with open(self.path("table.csv"), "w", encoding="utf-8") as file:
+            file.write(text)
+        return ["--set", "trajectory=" + json.dumps({"type": "table", "path": self.path("table.csv")})]
+
+    HEADER = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"
+
+    def test_a_trajectory_table_gives_the_same_scan_as_its_formula(self):
+        table = self.write_table(self.HEADER + "0,0,0,50,1,0,0,0\n0.3,0,0,48.5,1,0,0,0\n")
+        straight = {"type": "constant_velocity", "position_m": [0, 0, 50], "velocity_mps": [0, 0, -5]}
+        for name, values in [("a.h5", table), ("b.h5", ["--set", "trajectory=" + json.dumps(straight)])]:
+            self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "-o", self.path(name), *values)
+        with h5py.File(self.path("a.h5")) as one, h5py.File(self.path("b.h5")) as two:
+            for column in ("x_est", "y_est", "z_est", "range_true"):
+                np.testing.assert_allclose(one["points"][column], two["points"][column], rtol=0, atol=1e-8)
+
+    def test_trajectory_tables_that_are_refused(self):
+        row = "{},0,0,50,1,0,0,0\n"
+        for text, words in [
+                ("", ["empty"]), (self.HEADER, ["0 rows"]), (self.HEADER + row.format(0), ["1 rows"]),
+                ("t_s,x_m\n0,0\n", ["line 1", "y_m"]),
+                (self.HEADER + row.format(0) + "0.1,0,0\n", ["line 3", "3 values"]),
+                (self.HEADER + row.format(0) + row.format("soon"), ["line 3", "t_s 'soon'"]),
+                (self.HEADER + row.format(0) + row.format("nan"), ["row 2", "finite"]),
+                (self.HEADER + row.format(0) + row.format(0), ["row 2", "t_s"]),
+                (self.HEADER + row.format(0) + "1,0,0,50,0.5,0,0,0\n", ["row 2", "norm"])]:
+            self.refuse_scan(1, *self.write_table(text), words=["table.csv", *words])
+        self.refuse_scan(1, *self.write_table(self.HEADER + row.format(0) + row.format(0.1)),
+                         words=["outside the table", "table.csv"])
+
+    def test_a_trajectory_table_that_cannot_be_read(self):
+        for path in [self.path("none.csv"), self.folder]:
+            self.refuse_scan(1, "--set", "trajectory=" + json.dumps({"type": "table", "path": path}), words=[path])
+
+    def test_ifov_and_fov_exclude_each_other(self):
+        self.refuse_scan(2, "--set", "detector.fov_deg=1", words=["/detector", "ifov_rad", "fov_deg"])
+
+    def test_unknown_engine(self):
+        self.refuse_scan(2, "--engine", "magic", words=["--engine", "magic"])
+
+    def test_a_mesh_or_damaged_terrain(self):
+        shutil.copy(self.chain.terrain, self.path("t.h5"))
+        for value, word in [(np.inf, "infinite"), (np.nan, "finite")]:
+            with h5py.File(self.path("t.h5"), "r+") as file:
+                file["z"][...] = value
+            self.refuse(1, "scan-sim", "--terrain", self.path("t.h5"), "-c", self.chain.config("scan-sim"), "-o",
+                        self.path("s.h5"), words=["t.h5", word], output=self.path("s.h5"))
+
+
+class Regrid(ChainTest):
+    def refuse_dem(self, code, *arguments, words=()):
+        self.refuse(code, "regrid", "-c", self.chain.config("regrid"), "-o", self.path("d.h5"), *arguments,
+                    words=words, output=self.path("d.h5"))
+
+    def changed_scan(self, change):
+        shutil.copy(self.chain.scan, self.path("s.h5"))
+        with h5py.File(self.path("s.h5"), "r+") as file:
+            change(file)
+        return self.path("s.h5")
+
+    def test_layers(self):
+        self.refuse_dem(2, self.chain.scan, "--layers", "z_est,zest", words=["--layers", "'zest'", "z_est"])
+        self.refuse_dem(2, self.chain.scan, "--layers", "z_true", words=["z_true", "--terrain"])
+
+    def test_another_terrain_is_refused_unless_asked_for(self):
+        self.succeed("terrain-gen", *self.chain.inputs("terrain-gen"), "--set", "base.elevation_m=0", "-o",
+                     self.path("t.h5"))
+        self.refuse_dem(1, self.chain.scan, "--terrain", self.path("t.h5"), words=["scan.h5", "t.h5",
+                                                                                  "--other-terrain"])
+        self.succeed("regrid", self.chain.scan, "--terrain", self.path("t.h5"), "--other-terrain", "-o",
+                     self.path("d.h5"), "-c", self.chain.config("regrid"))
+
+    def test_a_return_that_is_not_finite_is_named_by_row(self):
+        for value in (np.nan, np.inf):
+            def change(file, value=value):
+                file["points/y_est"][123] = value
+            self.refuse_dem(1, self.changed_scan(change), words=["s.h5", "y_est[123]"])
+
+    def test_a_pulse_number_out_of_range(self):
+        for number in (-1, 400):
+            def change(file, number=number):
+                file["points/pulse"][7] = number
+            self.refuse_dem(1, self.changed_scan(change), words=["s.h5", "pulse[7]", str(number)])
+
+    def test_columns_of_different_length(self):
+        self.refuse_dem(1, self.changed_scan(lambda file: file["points/z_true"].resize((5,))),
+                        words=["s.h5", "z_true", "length"])
+
+    def test_points_outside_the_grid_are_counted(self):
+        text = self.succeed("regrid", self.chain.scan, "-o", self.path("d.h5"), "--json", "--set", "half_width_m=1",
+                            "--set", "resolution_m=0.1").stdout
+        counts = json.loads(text)
+        with h5py.File(self.chain.scan) as file:
+            x, y = file["points/x_est"][()], file["points/y_est"][()]
+        inside = (np.abs(np.floor(x / 0.1 + 0.5)) <= 10) & (np.abs(np.floor(y / 0.1 + 0.5)) <= 10)
+        self.assertEqual((counts["inside_count"], counts["outside_count"]), (inside.sum(), (~inside).sum()))
+
+    def test_truth_at(self):
+        self.refuse_dem(2, self.chain.scan, "--truth-at", "middle", words=["--truth-at", "middle"])
+
+
+class DemEval(ChainTest):
+    def arguments(self, *more):
+        return [self.chain.dem, "-c", self.chain.config("dem-eval"), *more]
+
+    LENIENT = ["--set", "limits.invalid_frac=0.1", "--set", "limits.relative_elevation_m=0.5"]
+
+    def test_region_that_does_not_fit(self):
+        self.refuse(2, "dem-eval", *self.arguments("--set", "region_radius_m=50"), "-o", self.path("e.h5"),
+                    words=["region_radius_m", "50", "fit"], output=self.path("e.h5"))
+
+    def test_require_pass_is_3_and_writes_the_evaluation(self):
+        result = run("dem-eval", *self.arguments("--require-pass"), "-o", self.path("e.h5"))
+        self.assertEqual((result.returncode, result.stdout), (3, ""))
+        self.check_message("dem-eval", result.stderr, [self.chain.dem, "coverage", "relative_elevation"])
+        self.assertNotIn("hole_size", result.stderr)
+        self.assertEqual(read_bytes(self.path("e.h5")), read_bytes(self.chain.eval))
+
+    def test_require_pass_is_0_where_all_pass(self):
+        self.succeed("dem-eval", *self.arguments("--require-pass", *self.LENIENT), "-o", self.path("e.h5"))
+
+    def test_require_pass_without_truth_is_3(self):
+        self.succeed("regrid", self.chain.scan, "-c", self.chain.config("regrid"), "-o", self.path("d.h5"))
+        result = run("dem-eval", self.path("d.h5"), "-c", self.chain.config("dem-eval"), "--require-pass",
+                     "--metrics-only", *self.LENIENT)
+        self.assertEqual(result.returncode, 3)
+        self.check_message("dem-eval", result.stderr, ["relative_elevation", "absolute_horizontal"])
+        metrics = json.loads(result.stdout)
+        self.assertIsNone(metrics["pass"])
+        self.assertIs(metrics["requirements"]["coverage"]["pass"], True)
+        self.assertEqual(metrics["requirements"]["relative_elevation"]["pass"], None)
+        self.assertIsNone(metrics["accuracy"]["absolute"]["x"]["p95_m"])
+        self.assertEqual(set(metrics), set(json.loads(read_bytes(self.chain.metrics))))
+
+    def test_metrics_go_to_stdout_in_the_order_of_the_contract(self):
+        text = self.succeed("dem-eval", *self.arguments("--metrics-only")).stdout
+        self.assertEqual(text, read_bytes(self.chain.metrics).decode())
+        metrics = json.loads(text)
+        self.assertEqual(list(metrics), ["format", "version", "pass", "region", "coverage", "accuracy",
+                                         "requirements"])
+        self.assertEqual((metrics["format"], metrics["version"]), ("landfall.metrics", 1))
+        self.assertEqual(list(metrics["requirements"]), [
+            "coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal",
+            "absolute_horizontal"])
+        self.assertEqual(list(metrics["coverage"]), [
+            "invalid_count", "invalid_frac", "hole_count", "largest_hole_bins", "holes_over_limit",
+            "max_distance_bins", "distance_over_limit_count", "hole_size_histogram"])
+        self.assertEqual(self.entries(), [])
+
+    def test_existing_metrics_are_refused_before_any_work(self):
+        with open(self.path("m.json"), "w", encoding="utf-8") as file:
+            file.write("precious")
+        self.refuse(2, "dem-eval", "/nowhere/dem.h5", "-o", self.path("e.h5"), "--metrics", self.path("m.json"),
+                    words=["m.json", "-O"], output=self.path("e.h5"))
+        self.assertEqual(read_bytes(self.path("m.json")), b"precious")
+        self.succeed("dem-eval", *self.arguments("-O"), "-o", self.path("e.h5"), "--metrics", self.path("m.json"))
+        self.assertEqual(read_bytes(self.path("m.json")), read_bytes(self.chain.metrics))
+
+    def test_output_and_metrics_must_differ(self):
+        os.symlink(self.folder, self.path("alias"))
+        for other in ("same", "./same", "alias/same"):
+            for more in ([], ["-O"]):
+                self.refuse(2, "dem-eval", *self.arguments(*more), "-o", self.path("same"), "--metrics",
+                            os.path.join(self.folder, other), words=["--metrics"], output=self.path("same"))
+
+    def test_table_and_json_exclude_each_other(self):
+        self.refuse(2, "dem-eval", *self.arguments("--table", "--json"), "-o", self.path("e.h5"), words=["--table"])
+
+    def test_table(self):
+        text = self.succeed("dem-eval", *self.arguments("--table"), "-o", self.path("e.h5")).stdout
+        for word in ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal",
+                     "absolute_horizontal", "pass", "FAIL"]:
+            self.assertIn(word, text)
+
+
+if __name__ == "__main__":
+    unittest.main()
