@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // scan-sim: scans a terrain with a lander's lidar.
-#include <tbb/parallel_pipeline.h>
-
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 
-#include "base/parallel.h"
 #include "cli/tool.h"
 #include "config/scan_config.h"
+#include "io/range_file.h"
 #include "io/scan_file.h"
 #include "io/terrain_file.h"
 #include "io/trajectory_table.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
+#include "simulation/scan_pipeline.h"
 
 namespace landfall {
 namespace {
@@ -21,10 +22,15 @@ constexpr const char* kExamples = R"(Examples:
   scan-sim -c scan.json --terrain terrain.h5 -o scan.h5
   scan-sim -c scan.json --terrain terrain.h5 -o noisy.h5 --set noise.range_sigma_m=0.0167 --seed 7
   scan-sim --terrain terrain.h5 -o flash.h5 --set 'scanner={"type":"flash"}' --set detector.rows=128
+  scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2 --set noise.range_sigma_m=0.02
 Configuration: docs/scan-sim.md and --print-schema.)";
+
+/// Points of a batch. Memory grows with it, results do not depend on it.
+constexpr std::int64_t kPointsPerBatch = 65536;
 
 struct Options {
   std::string terrain;
+  std::string ranges_from;
   std::string engine = "auto";
   bool keep_misses = false;
   bool float32 = false;
@@ -38,6 +44,10 @@ void bind(CLI::App& app, Options& o) {
          "heightfield. Their ranges agree within 1e-9 m")
       ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
       ->capture_default_str();
+  app.add_option("--ranges-from", o.ranges_from,
+                 "Take the true ranges of an earlier scan and draw only the errors anew; --terrain is not "
+                 "needed then")
+      ->type_name("FILE");
   app.add_flag("--keep-misses", o.keep_misses, "A row per pixel and pulse, not only per return");
   app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
 }
@@ -63,44 +73,6 @@ std::unique_ptr<const Trajectory> read_trajectory(const ScanConfig& config, Prov
                       [&] { return std::make_unique<TableTrajectory>(read_trajectory_table(table->path)); });
 }
 
-/// Pulses of a batch: about 64 Ki points, so that memory does not depend on the scan.
-std::int64_t pulses_per_batch(const Simulation& simulation) {
-  return std::max<std::int64_t>(1, 65536 / static_cast<std::int64_t>(simulation.pixel_count()));
-}
-
-/// Batches are traced on all threads and written in order; at most a few per thread exist at a time.
-void scan(const Simulation& simulation, ScanWriter& writer, const ProgressCallback& progress) {
-  const std::int64_t total = simulation.pulse_count();
-  const std::int64_t step = pulses_per_batch(simulation);
-  std::int64_t next = 0;
-  std::int64_t done = 0;
-  const auto give_out = [&](tbb::flow_control& control) -> PulseRange {
-    if (next >= total) {
-      control.stop();
-      return {};
-    }
-    const PulseRange pulses{next, std::min(step, total - next)};
-    next += pulses.count;
-    return pulses;
-  };
-  const auto trace = [&](PulseRange pulses) {
-    auto batch = std::make_shared<PulseBatch>();
-    simulation.simulate(pulses, *batch);
-    return batch;
-  };
-  const auto write = [&](const std::shared_ptr<PulseBatch>& batch) {
-    done += static_cast<std::int64_t>(batch->pulses.size());
-    writer.append(*batch);
-    report(progress, static_cast<double>(done) / static_cast<double>(total));
-  };
-  using tbb::filter_mode;
-  tbb::parallel_pipeline(
-      2 * thread_count(),
-      tbb::make_filter<void, PulseRange>(filter_mode::serial_in_order, give_out) &
-          tbb::make_filter<PulseRange, std::shared_ptr<PulseBatch>>(filter_mode::parallel, trace) &
-          tbb::make_filter<std::shared_ptr<PulseBatch>, void>(filter_mode::serial_in_order, write));
-}
-
 /// The name of the engine that `asked` stands for.
 std::string engine_name(const std::string& asked) { return asked == "auto" ? "heightfield" : asked; }
 
@@ -119,25 +91,65 @@ void count_points(cli::Session& session, const Simulation& simulation, const Sca
   session.count("dead_count", writer.count(PointStatus::dead));
 }
 
+/// Stands for the engine of a run that takes its ranges from a file.
+class NoEngine final : public RayEngine {
+ public:
+  void first_hits(std::span<const Ray>, std::span<double>) const override {
+    throw std::logic_error("a replayed scan traced a ray");
+  }
+};
+
+/// The terrain to scan; of a run that takes its ranges from a file, only its name.
+TerrainInput open_terrain(cli::Session& session, const Options& o, const std::optional<RangeFile>& ranges) {
+  TerrainInput terrain;
+  if (ranges) terrain = ranges->terrain();
+  if (o.terrain.empty()) return terrain;
+  if (ranges) {
+    const LandfallFileReader named(o.terrain, {"terrain"});
+    terrain.file_id = named.file_id();
+    terrain.chain = named.chain();
+  } else {
+    session.phase("terrain", [&](const ProgressCallback&) { terrain = read_terrain(o.terrain); });
+  }
+  return terrain;
+}
+
+std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Options& o,
+                                             const TerrainInput& terrain) {
+  if (terrain.surface == nullptr) {
+    session.count("engine", "none");
+    return std::make_unique<NoEngine>();
+  }
+  const std::string name = engine_name(o.engine);
+  session.count("engine", name);
+  std::unique_ptr<const RayEngine> engine;
+  session.phase("engine", [&](const ProgressCallback&) { engine = make_engine(name, terrain.surface); });
+  return engine;
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
-  if (o.terrain.empty()) throw UsageError("--terrain is required");
+  if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");
   const ScanConfig config = scan_config(session.config(), session.config_name());
   const OutputOptions output = session.output();
   Provenance provenance = session.provenance();
   std::unique_ptr<const Trajectory> trajectory = read_trajectory(config, provenance);
   ScanModel model = scan_model(config, std::move(trajectory), session.config_name());
-  TerrainInput terrain;
-  session.phase("terrain", [&](const ProgressCallback&) { terrain = read_terrain(o.terrain); });
+  std::optional<RangeFile> ranges;
+  if (!o.ranges_from.empty()) ranges.emplace(o.ranges_from);
+  const TerrainInput terrain = open_terrain(session, o, ranges);
   provenance.add_input("terrain", terrain.file_id, terrain.chain);
+  if (ranges) ranges->require_match(provenance);
   LandfallFileWriter file(output, "scan", provenance);
-  std::unique_ptr<const RayEngine> engine;
-  const std::string name = engine_name(o.engine);
-  session.count("engine", name);
-  session.phase("engine", [&](const ProgressCallback&) { engine = make_engine(name, terrain.surface); });
+  const std::unique_ptr<const RayEngine> engine = open_engine(session, o, terrain);
   const Simulation simulation =
       naming_table(config, [&] { return Simulation(std::move(model), *engine, terrain.surface.get()); });
+  RangeSource source;
+  if (ranges) source = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
-  session.phase("trace", [&](const ProgressCallback& progress) { scan(simulation, writer, progress); });
+  session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
+    run_scan(
+        simulation, source, [&](PulseBatch& batch) { writer.append(batch); }, kPointsPerBatch, progress);
+  });
   session.phase("finish", [&](const ProgressCallback&) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });

@@ -144,6 +144,7 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
                       " of dead pixels; does it look at the terrain?");
   points_.finish();
   pulses_.finish();
+  h5::write_attribute(points_.group(), "misses_kept", std::int64_t{options_.keep_misses ? 1 : 0});
   h5::write_attribute(points_.group(), "return_count", count(PointStatus::returned));
   h5::write_attribute(points_.group(), "miss_count", count(PointStatus::miss));
   h5::write_attribute(points_.group(), "dropout_count", count(PointStatus::dropout));

@@ -135,6 +135,12 @@ std::size_t TableReader::row_count(const std::string& column) const {
   return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get()));
 }
 
+std::size_t TableReader::element_size(const std::string& column) const {
+  const h5::Handle dataset = open(column);
+  const h5::Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  return H5Tget_size(type.get());
+}
+
 template <class T>
 void TableReader::read(const std::string& column, std::size_t begin, std::span<T> out) const {
   if (out.empty()) return;

@@ -72,6 +72,8 @@ class TableReader {
   /// The rows of a column; every column read must have the same number. Throws FormatError where it is
   /// missing or is not 1-D.
   [[nodiscard]] std::size_t row_count(const std::string& column) const;
+  /// Bytes of one value as stored.
+  [[nodiscard]] std::size_t element_size(const std::string& column) const;
   /// Reads rows [begin, begin + out.size()) converted to T. Throws FormatError where HDF5 fails.
   template <class T>
   void read(const std::string& column, std::size_t begin, std::span<T> out) const;

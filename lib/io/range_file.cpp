@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/range_file.h"
+
+#include <limits>
+
+#include "base/error.h"
+#include "io/crs.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+template <class T>
+std::vector<T> read_column(const TableReader& table, const std::string& name) {
+  std::vector<T> values(table.row_count(name));
+  table.read(name, 0, std::span(values));
+  return values;
+}
+
+/// The path of the first difference, "/detector/rows"; empty where there is none.
+std::string first_difference(const Json& a, const Json& b, const std::string& pointer) {
+  if (a == b) return {};
+  if (!a.is_object() || !b.is_object()) return pointer;
+  for (const auto& [key, value] : a.items()) {
+    if (!b.contains(key)) return pointer + "/" + key;
+    const std::string inner = first_difference(value, b.at(key), pointer + "/" + key);
+    if (!inner.empty()) return inner;
+  }
+  for (const auto& [key, value] : b.items())
+    if (!a.contains(key)) return pointer + "/" + key;
+  return pointer;
+}
+
+}  // namespace
+
+RangeFile::RangeFile(const std::filesystem::path& path)
+    : file_(path, {"scan"}), points_(file_.root(), "points", file_.name()) {
+  const TableReader pulses(file_.root(), "pulses", file_.name());
+  begin_ = read_column<std::int64_t>(pulses, "point_begin");
+  count_ = read_column<std::int32_t>(pulses, "point_count");
+  if (begin_.size() != count_.size())
+    file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
+  if (points_.row_count("range_true") != points_.row_count("pixel"))
+    file_.fail("/points/range_true and /points/pixel differ in length");
+}
+
+void RangeFile::require_match(const Provenance& provenance) const {
+  const auto refuse = [&](const std::string& what) {
+    throw UsageError("--ranges-from " + file_.name() + ": " + what);
+  };
+  const Json& theirs = file_.config();
+  if (!theirs.is_object() || file_.chain().empty()) refuse("does not say how it was made");
+  const Json& step = file_.chain().back();
+  if (step.value("version", "") != program_version())
+    refuse("made by version " + step.value("version", "?") + ", this is " + program_version());
+  for (const char* const key : {"detector", "laser", "scanner", "mount", "trajectory"}) {
+    const std::string where = first_difference(theirs.value(key, Json()),
+                                               provenance.config.value(key, Json()), std::string("/") + key);
+    if (!where.empty()) refuse(where + " differs from this configuration's");
+  }
+  if (step.value("inputs", Json()) != provenance.as_step().at("inputs"))
+    refuse("its terrain or trajectory table is another file than this run's");
+  require_complete_ranges();
+}
+
+void RangeFile::require_complete_ranges() const {
+  const Json noise = file_.config().value("noise", Json::object());
+  const bool all_returned = noise.value("dropout_frac", 0.0) == 0 && noise.value("dead_pixel_frac", 0.0) == 0;
+  const bool misses_kept = h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
+  if (!all_returned && !misses_kept)
+    throw UsageError(
+        "--ranges-from " + file_.name() +
+        ": the ranges of its dropped and dead pixels are missing; make it with --keep-misses, or with "
+        "/noise/dropout_frac and /noise/dead_pixel_frac 0");
+  if (points_.element_size("range_true") != sizeof(double))
+    throw UsageError("--ranges-from " + file_.name() + ": its ranges are in single precision (--float32)");
+}
+
+TerrainInput RangeFile::terrain() const {
+  TerrainInput terrain{nullptr, read_crs(file_.root()), "", Json::array()};
+  if (file_.chain().empty()) return terrain;
+  for (const Json& input : file_.chain().back().value("inputs", Json::array()))
+    if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");
+  terrain.chain = file_.chain();
+  terrain.chain.erase(terrain.chain.size() - 1);
+  return terrain;
+}
+
+std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_count) const {
+  const auto first = static_cast<std::size_t>(pulses.first);
+  const auto end = first + static_cast<std::size_t>(pulses.count);
+  if (end > begin_.size()) file_.fail("has " + std::to_string(begin_.size()) + " pulses, this scan more");
+  const std::int64_t first_row = begin_[first];
+  const std::int64_t row_count = begin_[end - 1] + count_[end - 1] - first_row;
+  const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
+  if (first_row < 0 || row_count < 0 || row_count > most)
+    file_.fail("/pulses/point_begin does not fit /points");
+  std::vector<double> range(static_cast<std::size_t>(row_count));
+  std::vector<std::int32_t> pixel(range.size());
+  points_.read("range_true", static_cast<std::size_t>(first_row), std::span(range));
+  points_.read("pixel", static_cast<std::size_t>(first_row), std::span(pixel));
+  std::vector<double> result(static_cast<std::size_t>(most), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t pulse = first; pulse < end; ++pulse)
+    for (std::int64_t i = 0; i < count_[pulse]; ++i) {
+      const std::int64_t row = begin_[pulse] + i - first_row;
+      if (row < 0 || row >= row_count) file_.fail("/pulses/point_begin does not fit /points");
+      const std::int32_t where = pixel[static_cast<std::size_t>(row)];
+      if (where < 0 || static_cast<std::size_t>(where) >= pixel_count)
+        file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is no pixel of the detector");
+      result[(pulse - first) * pixel_count + static_cast<std::size_t>(where)] =
+          range[static_cast<std::size_t>(row)];
+    }
+  return result;
+}
+
+}  // namespace landfall

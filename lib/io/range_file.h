@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "io/landfall_file.h"
+#include "io/provenance.h"
+#include "io/table.h"
+#include "io/terrain_file.h"
+#include "simulation/simulation.h"
+
+namespace landfall {
+
+/// The true ranges of an earlier scan, for a run that only draws the errors anew (--ranges-from).
+class RangeFile {
+ public:
+  /// Throws FormatError unless it is a complete scan.
+  explicit RangeFile(const std::filesystem::path& path);
+
+  /// Throws UsageError, naming the key, unless the scan was made by this version with the same detector,
+  /// laser, scanner, mount, trajectory (also the bytes of its table) and terrain as `provenance` says, and
+  /// holds the true range of every pixel that hit, in double precision: --keep-misses, or neither dropouts
+  /// nor dead pixels.
+  void require_match(const Provenance& provenance) const;
+
+  /// The terrain that was scanned, by name only: no surface.
+  [[nodiscard]] TerrainInput terrain() const;
+
+  /// The true ranges, one per pixel and pulse, NaN for a miss. Throws FormatError where the file's rows do
+  /// not fit.
+  [[nodiscard]] std::vector<double> ranges_m(PulseRange pulses, std::size_t pixel_count) const;
+
+ private:
+  void require_complete_ranges() const;
+
+  LandfallFileReader file_;
+  TableReader points_;
+  std::vector<std::int64_t> begin_;  ///< first row of each pulse in /points
+  std::vector<std::int32_t> count_;
+};
+
+}  // namespace landfall
