@@ -113,9 +113,9 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 }
 
 TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
-    : file_(std::move(file)), name_(group) {
+    : file_(std::move(file)), name_(group == "/" ? "" : "/" + group) {
   group_ = h5::Handle(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose);
-  if (!group_) throw FormatError(file_ + ": no group /" + group);
+  if (!group_) throw FormatError(file_ + ": no group " + (name_.empty() ? "/" : name_));
 }
 
 bool TableReader::has(const std::string& column) const { return h5::exists(group_.get(), column); }
@@ -123,7 +123,7 @@ bool TableReader::has(const std::string& column) const { return h5::exists(group
 h5::Handle TableReader::open(const std::string& column) const {
   h5::Handle dataset;
   if (has(column)) dataset = h5::Handle(H5Dopen2(group_.get(), column.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!dataset) throw FormatError(file_ + ": no column /" + name_ + "/" + column);
+  if (!dataset) throw FormatError(file_ + ": no column " + name_ + "/" + column);
   return dataset;
 }
 
@@ -131,7 +131,7 @@ std::size_t TableReader::row_count(const std::string& column) const {
   const h5::Handle dataset = open(column);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   if (H5Sget_simple_extent_ndims(space.get()) != 1)
-    throw FormatError(file_ + ": column /" + name_ + "/" + column + " is not one-dimensional");
+    throw FormatError(file_ + ": column " + name_ + "/" + column + " is not one-dimensional");
   return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get()));
 }
 
@@ -153,7 +153,7 @@ void TableReader::read(const std::string& column, std::size_t begin, std::span<T
       H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &offset, nullptr, &count, nullptr) >= 0;
   if (!selected || H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), memory.get(), space.get(),
                            H5P_DEFAULT, out.data()) < 0)
-    throw FormatError(file_ + ": reading /" + name_ + "/" + column + " failed: " + h5::failure_reason());
+    throw FormatError(file_ + ": reading " + name_ + "/" + column + " failed: " + h5::failure_reason());
 }
 
 template void TableReader::read(const std::string&, std::size_t, std::span<double>) const;
