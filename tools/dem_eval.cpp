@@ -101,6 +101,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   DemInput dem;
   session.phase("read", [&](const ProgressCallback&) { dem = read_dem(o.dem); });
   Provenance provenance = session.provenance();
+  if (o.metrics_only) provenance.options = {{"metrics_only", true}};
   provenance.add_input("dem", dem.file_id, dem.chain);
   outputs.open(provenance);
   Evaluation evaluation;

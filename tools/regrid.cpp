@@ -69,7 +69,7 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
   Inputs inputs;
   inputs.provenance = session.provenance();
   inputs.provenance.config = config_of(session, o);
-  inputs.provenance.config["layers"] = o.layers;
+  if (!o.layers.empty()) inputs.provenance.options = {{"layers", o.layers}};
   for (const std::string& path : o.scans) {
     inputs.scans.push_back(std::make_unique<ScanReader>(path));
     const LandfallFileReader& file = inputs.scans.back()->file();

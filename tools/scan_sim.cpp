@@ -91,6 +91,14 @@ void count_points(cli::Session& session, const Simulation& simulation, const Sca
   session.count("dead_count", writer.count(PointStatus::dead));
 }
 
+/// The options that change what the scan file holds; null where none does.
+nlohmann::json options_json(const Options& o) {
+  nlohmann::json options;
+  if (o.keep_misses) options["keep_misses"] = true;
+  if (o.float32) options["float32"] = true;
+  return options;
+}
+
 /// Stands for the engine of a run that takes its ranges from a file.
 class NoEngine final : public RayEngine {
  public:
@@ -132,6 +140,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const ScanConfig config = scan_config(session.config(), session.config_name());
   const OutputOptions output = session.output();
   Provenance provenance = session.provenance();
+  provenance.options = options_json(o);
   std::unique_ptr<const Trajectory> trajectory = read_trajectory(config, provenance);
   ScanModel model = scan_model(config, std::move(trajectory), session.config_name());
   std::optional<RangeFile> ranges;

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <sstream>
+
 #include <string>
 
 #include "base/error.h"
+#include "base/number_text.h"
 
 namespace landfall {
 
@@ -16,14 +17,10 @@ struct ParameterName {
 };
 
 /// Throws UsageError "owner/key: value is not bound" unless `holds`.
-template <class T>
-void require(bool holds, const ParameterName& name, const T& value, const char* bound) {
+inline void require(bool holds, const ParameterName& name, double value, const char* bound) {
   if (holds) return;
-  std::ostringstream message;
-  message.precision(17);
-  message << name.owner << (name.owner.empty() ? "" : "/") << name.key << ": " << value << " is not "
-          << bound;
-  throw UsageError(message.str());
+  throw UsageError(name.owner + (name.owner.empty() ? "" : "/") + name.key + ": " + number_text(value) +
+                   " is not " + bound);
 }
 
 inline void require_positive(const ParameterName& name, double value) {

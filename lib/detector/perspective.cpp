@@ -44,7 +44,8 @@ void check(const PerspectiveParameters& p) {
   require(p.subpixels >= 1 && p.subpixels <= kMaxSubpixels, {"detector", "subpixels"}, p.subpixels,
           "in 1..64");
   const std::int64_t samples = std::int64_t{p.rows} * p.columns * p.subpixels * p.subpixels;
-  require(samples <= kMaxSamples, {"detector", "rows x columns x subpixels^2"}, samples, "at most 67108864");
+  require(samples <= kMaxSamples, {"detector", "rows x columns x subpixels^2"}, static_cast<double>(samples),
+          "at most 67108864");
   require_finite({"detector", "roll_rad"}, p.roll_rad);
 }
 

@@ -50,6 +50,9 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
   h5::write_attribute(group.get(), "tool", provenance.tool);
   h5::write_attribute(group.get(), "version", program_version());
   h5::write_text(group.get(), {"config_json", "resolved configuration"}, provenance.config.dump(2));
+  if (!provenance.options.is_null())
+    h5::write_text(group.get(), {"options_json", "options that change the content"},
+                   provenance.options.dump(2));
   h5::write_text(group.get(), {"inputs_json", "files that were read, and their ids"},
                  provenance.as_step().at("inputs").dump(2));
   h5::write_text(group.get(), {"chain_json", "upstream steps, oldest first"}, provenance.chain.dump(2));
@@ -91,11 +94,14 @@ void LandfallFileReader::read_provenance() {
   config_ = parse_or_null(h5::read_text(group.get(), "config_json"));
   nlohmann::json upstream = parse_or_null(h5::read_text(group.get(), "chain_json"));
   if (upstream.is_array()) chain_ = std::move(upstream);
-  chain_.push_back({{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
-                    {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
-                    {"file_id", file_id_},
-                    {"config", config_},
-                    {"inputs", parse_or_null(h5::read_text(group.get(), "inputs_json"))}});
+  nlohmann::json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
+                         {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
+                         {"file_id", file_id_},
+                         {"config", config_},
+                         {"inputs", parse_or_null(h5::read_text(group.get(), "inputs_json"))}};
+  const nlohmann::json options = parse_or_null(h5::read_text(group.get(), "options_json"));
+  if (!options.is_null()) step["options"] = options;
+  chain_.push_back(step);
 }
 
 void LandfallFileReader::fail(const std::string& what) const { throw FormatError(name_ + ": " + what); }

@@ -29,16 +29,19 @@ std::string source_line(const std::string& tool) {
 std::string Provenance::file_id() const {
   Hash hash;
   hash.update(program_version()).update(tool).update(config.dump());
+  if (!options.is_null()) hash.update("options").update(options.dump());
   for (const InputRecord& input : inputs) hash.update(input.role).update(input.file_id);
   return hash.hex();
 }
 
 nlohmann::json Provenance::as_step() const {
-  return {{"tool", tool},
-          {"version", program_version()},
-          {"file_id", file_id()},
-          {"config", config},
-          {"inputs", inputs_json(inputs)}};
+  nlohmann::json step = {{"tool", tool},
+                         {"version", program_version()},
+                         {"file_id", file_id()},
+                         {"config", config},
+                         {"inputs", inputs_json(inputs)}};
+  if (!options.is_null()) step["options"] = options;
+  return step;
 }
 
 void Provenance::add_input(const std::string& role, const std::string& id,

@@ -20,6 +20,8 @@ struct InputRecord {
 struct Provenance {
   std::string tool;
   nlohmann::json config = nullptr;  ///< the resolved configuration; paths in it are cut to the file's name
+  /// Command-line options that change what the file holds (--keep-misses); null where none does.
+  nlohmann::json options = nullptr;
   std::vector<InputRecord> inputs = {};
   /// The upstream steps, oldest first, each {"tool", "version", "file_id", "config", "inputs"}; a file
   /// reached by two ways stands once.
@@ -28,7 +30,7 @@ struct Provenance {
   /// file_id.
   nlohmann::json environment = nullptr;
 
-  /// A hash of program version, tool, resolved config and the inputs' ids: equal for equal runs.
+  /// A hash of program version, tool, resolved config, options and the inputs' ids: equal for equal runs.
   [[nodiscard]] std::string file_id() const;
   /// This step as an element of a downstream file's chain.
   [[nodiscard]] nlohmann::json as_step() const;

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <sstream>
+
 #include <string>
 #include <utility>
 
 #include "base/error.h"
+#include "base/number_text.h"
 
 namespace landfall {
 namespace {
@@ -78,11 +79,8 @@ Point<DemFrame> hermite(double u, const HermiteEnd& a, const HermiteEnd& b) {
 }
 
 [[noreturn]] void refuse_time(double t_s, double first_s, double last_s) {
-  std::ostringstream message;
-  message.precision(17);
-  message << "trajectory table: time " << t_s << " s lies outside the table, " << first_s << " .. " << last_s
-          << " s";
-  throw FormatError(message.str());
+  throw FormatError("trajectory table: time " + number_text(t_s) + " s lies outside the table, " +
+                    number_text(first_s) + " .. " + number_text(last_s) + " s");
 }
 
 }  // namespace

@@ -111,6 +111,9 @@ TEST(Provenance, IdDependsOnEveryPart) {
   b.inputs[0].file_id = "abd";
   EXPECT_NE(a.file_id(), b.file_id());
   b = a;
+  b.options = {{"keep_misses", true}};
+  EXPECT_NE(a.file_id(), b.file_id());
+  b = a;
   b.environment = {{"host", "x"}};
   EXPECT_EQ(a.file_id(), b.file_id());
 }

@@ -1,0 +1,52 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""--ranges-from: the errors of an earlier scan drawn anew (SPEC section 4)."""
+import unittest
+
+from chain import ChainTest, read_bytes
+
+
+class RangesFrom(ChainTest):
+    NO_LOSSES = ["--set", "noise.dead_pixel_frac=0", "--set", "noise.dropout_frac=0"]
+    OTHER_ERRORS = ["--seed", "11", "--set", "noise.range_sigma_m=0.02", "--set", "noise.dropout_frac=0.2",
+                    "--set", "navigation_error.velocity_mps=[0.1,0.2,0.3]"]
+
+    def scan(self, output, *options):
+        return self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "-O", "-o", self.path(output), *options)
+
+    def replay_arguments(self, source, output, *options):
+        return ["scan-sim", "-c", self.chain.config("scan-sim"), "--ranges-from", self.path(source), "-O", "-o",
+                self.path(output), *options]
+
+    def test_equals_a_traced_run_byte_for_byte(self):
+        for source_options in (self.NO_LOSSES, ["--keep-misses"]):
+            self.scan("source.h5", *source_options)
+            for options in (self.OTHER_ERRORS, [*self.OTHER_ERRORS, "--keep-misses"]):
+                self.scan("traced.h5", *options)
+                for threads in (1, 2):
+                    self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *options, "-t", threads))
+                    self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
+
+    def test_a_mismatch_names_the_key(self):
+        self.scan("source.h5", *self.NO_LOSSES)
+        for key, value in [("detector.subpixels", 2), ("laser.pulse_rate_hz", 1234), ("mount.position_m", "[0,0,1]"),
+                           ("scanner.pattern.columns", 7), ("trajectory.position_m", "[0,0,51]")]:
+            self.refuse(2, *self.replay_arguments("source.h5", "out.h5", "--set", f"{key}={value}"),
+                        words=["/" + key.replace(".", "/")], output=self.path("out.h5"))
+
+    def test_a_source_without_all_ranges_is_refused(self):
+        self.scan("lossy.h5", "--set", "noise.dropout_frac=0.1")
+        self.refuse(2, *self.replay_arguments("lossy.h5", "out.h5"), words=["--keep-misses"])
+        self.scan("single.h5", *self.NO_LOSSES, "--float32")
+        self.refuse(2, *self.replay_arguments("single.h5", "out.h5"), words=["single precision"])
+
+    def test_another_terrain_is_refused(self):
+        self.scan("source.h5", *self.NO_LOSSES)
+        self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "--set", "base.elevation_m=0.125", "-O",
+                     "-o", self.path("other.h5"))
+        self.refuse(2, *self.replay_arguments("source.h5", "out.h5", "--terrain", self.path("other.h5")),
+                    words=["terrain"])
+
+
+if __name__ == "__main__":
+    unittest.main()
