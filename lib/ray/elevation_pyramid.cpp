@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct Bounds {
+struct NodeBounds {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 };
@@ -23,11 +23,11 @@ float rounded_down(double value) {
 float rounded_up(double value) { return -rounded_down(-value); }
 
 /// Of the nodes of a block of level 0, those on its borders included.
-Bounds block_bounds(const Grid<double>& nodes, BinIndex block) {
+NodeBounds block_bounds(const Grid<double>& nodes, BinIndex block) {
   constexpr std::int64_t kCells = ElevationPyramid::kBlockCells;
   const BinIndex last{std::min((block.row + 1) * kCells, nodes.spec().rows - 1),
                       std::min((block.col + 1) * kCells, nodes.spec().cols - 1)};
-  Bounds bounds;
+  NodeBounds bounds;
   for (std::int64_t row = block.row * kCells; row <= last.row; ++row)
     for (std::int64_t col = block.col * kCells; col <= last.col; ++col) {
       const double z = nodes.at({row, col});
@@ -50,7 +50,7 @@ ElevationPyramid::Level finest_level(const Grid<double>& nodes) {
   ElevationPyramid::Level level = empty_level(blocks(nodes.spec().rows), blocks(nodes.spec().cols));
   for (std::int64_t row = 0; row < level.rows; ++row)
     for (std::int64_t col = 0; col < level.cols; ++col) {
-      const Bounds bounds = block_bounds(nodes, {row, col});
+      const NodeBounds bounds = block_bounds(nodes, {row, col});
       level.low[level.index({row, col})] = rounded_down(bounds.low);
       level.high[level.index({row, col})] = rounded_up(bounds.high);
     }
@@ -74,6 +74,30 @@ ElevationPyramid::Level next_level(const ElevationPyramid::Level& finer) {
 ElevationPyramid::ElevationPyramid(const Grid<double>& nodes) {
   levels_.push_back(finest_level(nodes));
   while (levels_.back().low.size() > 1) levels_.push_back(next_level(levels_.back()));
+}
+
+ElevationPyramid::Bounds ElevationPyramid::over(const CellBox& box) const {
+  constexpr double kMargin_cells = 0.0625;
+  const double width = std::max(box.high_x - box.low_x, box.high_y - box.low_y) + 2 * kMargin_cells;
+  int finest = 0;
+  while (finest + 1 < level_count() && static_cast<double>(kBlockCells << finest) < width) ++finest;
+  const Level& blocks = level(finest);
+  const double blocks_per_cell = 1 / static_cast<double>(kBlockCells << finest);
+  const auto block = [&](double cell, std::int64_t count) {
+    const double position = std::floor(cell * blocks_per_cell);
+    return static_cast<std::int64_t>(std::clamp(position, -1.0, static_cast<double>(count)));
+  };
+  const BinIndex first{std::max<std::int64_t>(block(box.low_y - kMargin_cells, blocks.rows), 0),
+                       std::max<std::int64_t>(block(box.low_x - kMargin_cells, blocks.cols), 0)};
+  const BinIndex last{std::min(block(box.high_y + kMargin_cells, blocks.rows), blocks.rows - 1),
+                      std::min(block(box.high_x + kMargin_cells, blocks.cols), blocks.cols - 1)};
+  Bounds bounds;
+  for (std::int64_t row = first.row; row <= last.row; ++row)
+    for (std::int64_t col = first.col; col <= last.col; ++col) {
+      bounds.low = std::min(bounds.low, blocks.low[blocks.index({row, col})]);
+      bounds.high = std::max(bounds.high, blocks.high[blocks.index({row, col})]);
+    }
+  return bounds;
 }
 
 }  // namespace landfall

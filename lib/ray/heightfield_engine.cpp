@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ray/heightfield_engine.h"
 
-#include <algorithm>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "ray/descent.h"
+#include "ray/packet_walk.h"
 
 namespace landfall {
 namespace {
@@ -17,7 +18,9 @@ class HeightfieldEngine final : public RayEngine {
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
     assert(rays.size() == ranges.size());
-    std::transform(rays.begin(), rays.end(), ranges.begin(), [&](const Ray& ray) { return first_hit(ray); });
+    walk_packets(field_, rays, ranges);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (ranges[i] == kUndecided) ranges[i] = first_hit(rays[i]);
   }
 
  private:

@@ -18,7 +18,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTolerance_m = 1e-9;
 
 struct EngineKind {
@@ -29,53 +28,6 @@ constexpr std::array<EngineKind, 3> kEngines = {{{"brute force", make_brute_forc
                                                  {"cgal", make_cgal_engine},
                                                  {"heightfield", make_heightfield_engine}}};
 constexpr std::span<const EngineKind> kFastEngines = std::span(kEngines).subspan(1);
-
-using Random = std::mt19937_64;
-
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
-}
-
-// Sums of sines with random phases, rougher as they get shorter.
-Terrain fractal_relief(Random& random) {
-  std::array<double, 24> phases{};
-  for (double& phase : phases) phase = uniform(random, 0, 6.3);
-  return terrain_of(GridSpec::centered(4, 0.5), [=](double x, double y) {
-    double z = 0;
-    for (std::size_t k = 0; k < phases.size(); k += 2) {
-      const double wave = std::pow(1.6, static_cast<double>(k) / 2);
-      z += std::pow(wave, -0.6) * std::sin(wave * x + phases[k]) * std::sin(wave * y + phases[k + 1]);
-    }
-    return z;
-  });
-}
-
-Terrain cliffs(Random& random) {
-  return terrain_of(GridSpec::centered(4, 0.5),
-                    [&](double, double) { return random() % 3 == 0 ? 5.0 : 0.0; });
-}
-
-Terrain relief_with_holes(Random& random) {
-  return terrain_of(GridSpec::centered(4, 0.5),
-                    [&](double, double) { return random() % 8 == 0 ? kNan : uniform(random, -0.3, 0.3); });
-}
-
-Terrain single_cell(Random& random) {
-  return terrain_of(GridSpec{1, 0, 0, 2, 2}, [&](double, double) { return uniform(random, -1, 1); });
-}
-
-Terrain strip(Random& random) {
-  return terrain_of(GridSpec{0.5, -1, -12, 2, 25}, [&](double, double) { return uniform(random, -1, 1); });
-}
-
-Terrain flat_ground(Random&) {
-  return terrain_of(GridSpec::centered(4, 0.5), [](double, double) { return 0.0; });
-}
-
-struct Scene {
-  const char* name;
-  Terrain (*make)(Random&);
-};
 
 class Agreement : public testing::TestWithParam<Scene> {
  protected:
@@ -121,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Agreement,
                          testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
                                          Scene{"relief_with_holes", relief_with_holes},
                                          Scene{"single_cell", single_cell}, Scene{"strip", strip},
-                                         Scene{"flat_ground", flat_ground}),
+                                         Scene{"flat_ground", flat_ground}, Scene{"cones", cones}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(Agreement, RandomRaysInAllDirections) {
@@ -135,6 +87,23 @@ TEST_P(Agreement, RaysFromAbove) {
   for (int i = 0; i < 4000; ++i)
     rays.push_back(ray_at(random_point(20) + Eigen::Vector3d(0, 0, 500), random_target()));
   expect_same_answers(rays);
+}
+
+// Origins around, inside and below the terrain. LANDFALL_TEST_RAYS sets their number.
+TEST_P(Agreement, HeightfieldAnswersAsCgalOnManyRays) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < test_rays(); ++i)
+    rays.push_back(i % 2 == 0 ? ray_at(random_point(7), random_target())
+                              : ray_from(random_target(), random_point(1)));
+  const std::vector<double> expected = ranges_of(*make_cgal_engine(terrain_), rays);
+  const std::vector<double> ranges = ranges_of(*make_heightfield_engine(terrain_), rays);
+  double largest_m = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(std::isnan(ranges[i]), std::isnan(expected[i])) << "ray " << i << ": " << expected[i];
+    if (!std::isnan(expected[i])) largest_m = std::max(largest_m, std::abs(ranges[i] - expected[i]));
+  }
+  std::cout << rays.size() << " rays, largest difference " << largest_m << " m\n";
+  EXPECT_LE(largest_m, kTolerance_m);
 }
 
 // Vertical and level rays through nodes and edges: their coordinates are exact, so the borders of the surface

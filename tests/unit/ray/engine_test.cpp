@@ -17,8 +17,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 struct EngineKind {
   const char* name;
   std::unique_ptr<RayEngine> (*make)(Terrain);

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -12,6 +17,8 @@
 #include "terrain/triangulated_grid.h"
 
 namespace landfall {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 using Terrain = std::shared_ptr<const TriangulatedGrid>;
 
@@ -44,5 +51,70 @@ inline std::uint64_t test_seed() {
   const char* given = std::getenv("LANDFALL_TEST_SEED");
   return given == nullptr ? 20261121U : std::stoull(given);
 }
+
+/// How many rays the tests with many rays take: LANDFALL_TEST_RAYS, or 10^5.
+inline std::size_t test_rays() {
+  const char* given = std::getenv("LANDFALL_TEST_RAYS");
+  return given == nullptr ? 100000U : std::stoull(given);
+}
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
+}
+
+// Sums of sines with random phases, rougher as they get shorter.
+inline Terrain fractal_relief(Random& random) {
+  std::array<double, 24> phases{};
+  for (double& phase : phases) phase = uniform(random, 0, 6.3);
+  return terrain_of(GridSpec::centered(4, 0.5), [=](double x, double y) {
+    double z = 0;
+    for (std::size_t k = 0; k < phases.size(); k += 2) {
+      const double wave = std::pow(1.6, static_cast<double>(k) / 2);
+      z += std::pow(wave, -0.6) * std::sin(wave * x + phases[k]) * std::sin(wave * y + phases[k + 1]);
+    }
+    return z;
+  });
+}
+
+inline Terrain cliffs(Random& random) {
+  return terrain_of(GridSpec::centered(4, 0.5),
+                    [&](double, double) { return random() % 3 == 0 ? 5.0 : 0.0; });
+}
+
+inline Terrain relief_with_holes(Random& random) {
+  return terrain_of(GridSpec::centered(4, 0.5),
+                    [&](double, double) { return random() % 8 == 0 ? kNan : uniform(random, -0.3, 0.3); });
+}
+
+inline Terrain single_cell(Random& random) {
+  return terrain_of(GridSpec{1, 0, 0, 2, 2}, [&](double, double) { return uniform(random, -1, 1); });
+}
+
+inline Terrain strip(Random& random) {
+  return terrain_of(GridSpec{0.5, -1, -12, 2, 25}, [&](double, double) { return uniform(random, -1, 1); });
+}
+
+inline Terrain flat_ground(Random&) {
+  return terrain_of(GridSpec::centered(4, 0.5), [](double, double) { return 0.0; });
+}
+
+// Ten cones on a plane, as in the paper's first example, on a coarse grid.
+inline Terrain cones(Random&) {
+  return terrain_of(GridSpec::centered(4, 0.25), [](double x, double y) {
+    double z = 0;
+    for (int i = 0; i < 10; ++i) {
+      const double azimuth = 0.2 * std::numbers::pi * i;
+      z = std::max(z, 2 - 4 * std::hypot(x - 2.5 * std::cos(azimuth), y - 2.5 * std::sin(azimuth)));
+    }
+    return z;
+  });
+}
+
+struct Scene {
+  const char* name;
+  Terrain (*make)(Random&);
+};
 
 }  // namespace landfall

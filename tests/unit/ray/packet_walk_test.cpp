@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The lanes answer what Descent answers, to the last bit, on every instruction set that the machine has.
+#include "ray/packet_walk.h"
+
+#include <gtest/gtest.h>
+
+#include <hwy/targets.h>
+#include <bit>
+#include <iostream>
+
+#include "scenes.h"
+
+namespace landfall {
+namespace {
+
+/// A pulse of 18 x 18 rays through a cone of half_angle_rad about `boresight`.
+std::vector<Ray> pulse(const Ray& boresight, double half_angle_rad) {
+  const Eigen::Vector3d right = boresight.direction.v.unitOrthogonal();
+  const Eigen::Vector3d down = boresight.direction.v.cross(right);
+  std::vector<Ray> rays;
+  for (int row = 0; row < 18; ++row)
+    for (int col = 0; col < 18; ++col)
+      rays.push_back(ray_from(
+          boresight.origin.v,
+          boresight.direction.v + half_angle_rad * ((col - 8.5) / 9 * right + (row - 8.5) / 9 * down)));
+  return rays;
+}
+
+class PacketWalk : public testing::TestWithParam<Scene> {
+ protected:
+  void SetUp() override {
+    std::cout << "LANDFALL_TEST_SEED=" << test_seed() << '\n';
+    terrain_ = GetParam().make(random_);
+  }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+
+  /// How many of the rays the lanes decide; each of those must be Descent's answer.
+  static std::size_t decided(const Heightfield& field, const std::vector<Ray>& rays) {
+    std::vector<double> ranges(rays.size());
+    walk_packets(field, rays, ranges);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (ranges[i] == kUndecided) continue;
+      ++count;
+      const double expected = Descent(field, rays[i]).first_hit();
+      const bool same = std::isnan(expected) ? std::isnan(ranges[i])
+                                             : std::bit_cast<std::uint64_t>(expected) ==
+                                                   std::bit_cast<std::uint64_t>(ranges[i]);
+      EXPECT_TRUE(same) << "ray " << i << ": " << ranges[i] << ", Descent " << expected;
+    }
+    return count;
+  }
+
+  /// Fails unless each instruction set answers as Descent and decides at least `share` of the rays.
+  void expect_descents_answers(const std::vector<Ray>& rays, double share) const {
+    const Heightfield field(*terrain_);
+    hwy::SetSupportedTargetsForTest(0);
+    for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+      const std::int64_t target = rest & -rest;
+      hwy::SetSupportedTargetsForTest(target);
+      SCOPED_TRACE(hwy::TargetName(target));
+      EXPECT_GE(static_cast<double>(decided(field, rays)), share * static_cast<double>(rays.size()));
+    }
+  }
+
+  /// A point within the terrain's borders, up to 1 m above or below 0.
+  [[nodiscard]] Eigen::Vector3d random_target() {
+    const GridSpec& spec = terrain_->nodes().spec();
+    return {uniform(random_, spec.x(0), spec.x(spec.cols - 1)),
+            uniform(random_, spec.y(0), spec.y(spec.rows - 1)), uniform(random_, -1, 1)};
+  }
+  [[nodiscard]] Eigen::Vector3d random_offset(double half_width_m) {
+    const auto draw = [&] { return uniform(random_, -half_width_m, half_width_m); };
+    return {draw(), draw(), draw()};
+  }
+
+  Random random_{test_seed()};
+  Terrain terrain_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, PacketWalk,
+                         testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
+                                         Scene{"relief_with_holes", relief_with_holes},
+                                         Scene{"single_cell", single_cell}, Scene{"strip", strip},
+                                         Scene{"flat_ground", flat_ground}, Scene{"cones", cones}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_P(PacketWalk, PulsesFromAfar) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Vector3d origin = Eigen::Vector3d(0, 0, 200) + random_offset(80);
+    const std::vector<Ray> more = pulse(ray_at(origin, random_target()), 1e-3);
+    rays.insert(rays.end(), more.begin(), more.end());
+  }
+  // Rays that enter from the side are left to Descent, and many of these scenes' rays start so.
+  expect_descents_answers(rays, terrain_->triangle_count() > 100 ? 0.6 : 0.3);
+}
+
+TEST_P(PacketWalk, RaysThatShareNothing) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 20000; ++i) rays.push_back(ray_at(random_target() + random_offset(4), random_target()));
+  expect_descents_answers(rays, 0.05);
+}
+
+TEST_P(PacketWalk, StraightDown) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 5000; ++i)
+    rays.push_back(ray_from(random_target() + Eigen::Vector3d(0, 0, 30), {0, 0, -1}));
+  expect_descents_answers(rays, 0.99);
+}
+
+TEST_P(PacketWalk, RaysThatDoNotGoDownAreLeftToDescent) {
+  const Heightfield field(*terrain_);
+  const std::vector<Ray> rays = {ray_from({0, 0, -9}, {0, 0, 1}), ray_from({-9, 0.1, 0}, {1, 0, 0})};
+  EXPECT_EQ(decided(field, rays), 0U);
+}
+
+}  // namespace
+}  // namespace landfall
