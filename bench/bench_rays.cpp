@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The ray engines on the same rays, one thread, in one run; the ratios of their rates come last.
+//   bench_rays [--benchmark_filter=relief ...]
+// Times move with whatever else the machine does: each engine's best of three repetitions counts.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "ray/cgal_engine.h"
+#include "ray/heightfield_engine.h"
+#ifdef LANDFALL_BENCH_EMBREE
+#include "embree_engine.h"
+#endif
+
+namespace landfall {
+namespace {
+
+using Terrain = std::shared_ptr<const TriangulatedGrid>;
+
+constexpr std::size_t kPulseRays = 18 * 18;
+
+template <class Height>
+Terrain terrain_of(Height height) {
+  const GridSpec spec = GridSpec::centered(60, 0.05);
+  Grid<double> nodes(spec);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col)
+      nodes.at({row, col}) = height(spec.x(col), spec.y(row));
+  return std::make_shared<const TriangulatedGrid>(std::move(nodes));
+}
+
+/// The paper's ten cones of 10 m on a plane.
+Terrain cones() {
+  return terrain_of([](double x, double y) {
+    double z = 0;
+    for (int i = 0; i < 10; ++i) {
+      const double azimuth = 0.199 + 0.2 * std::numbers::pi * i;
+      const double distance = std::hypot(x - 21.1 * std::cos(azimuth), y - 21.1 * std::sin(azimuth));
+      z = std::max(z, 10 * (1 - distance / 3));
+    }
+    return z;
+  });
+}
+
+/// Sums of sines from 100 m down to 0.2 m of wavelength: about 10 m of relief, rough at the size of a cell.
+Terrain relief() {
+  return terrain_of([](double x, double y) {
+    double z = 0;
+    for (int octave = 0; octave < 10; ++octave) {
+      const double wave = 2 * std::numbers::pi / 100 * std::exp2(octave);
+      z += 4 * std::exp2(-octave) * std::sin(wave * x + octave) * std::sin(wave * y - 2 * octave);
+    }
+    return z;
+  });
+}
+
+struct View {
+  Eigen::Vector3d origin_m;
+  Eigen::Vector3d target_m;
+};
+
+/// One pulse of the paper's detector, 18 x 18 rays in pixel order.
+void append_pulse(const View& view, std::vector<Ray>& rays) {
+  constexpr double kIfov_rad = 8.888888888888889e-5;
+  const Eigen::Vector3d boresight = (view.target_m - view.origin_m).normalized();
+  const Eigen::Vector3d down = boresight.cross(Eigen::Vector3d::UnitX()).normalized();
+  const Eigen::Vector3d right = down.cross(boresight);
+  for (int row = 0; row < 18; ++row)
+    for (int col = 0; col < 18; ++col) {
+      const double x = std::tan((col - 8.5) * kIfov_rad);
+      const double y = std::tan((row - 8.5) * kIfov_rad);
+      rays.push_back({{view.origin_m}, {(boresight + x * right + y * down).normalized()}});
+    }
+}
+
+/// A raster of pulses over 100 m x 100 m, seen from `origin`.
+std::vector<Ray> scan_from(const Eigen::Vector3d& origin_m) {
+  constexpr int kPulses = 56;
+  std::vector<Ray> rays;
+  for (int row = 0; row < kPulses; ++row)
+    for (int col = 0; col < kPulses; ++col)
+      append_pulse({origin_m, {100.0 * (col + 0.47) / kPulses - 50, 100.0 * (row + 0.31) / kPulses - 50, 0}},
+                   rays);
+  return rays;
+}
+
+struct Scene {
+  const char* name;
+  Terrain (*terrain)();
+  Eigen::Vector3d origin_m;
+};
+
+struct EngineKind {
+  const char* name;
+  std::unique_ptr<RayEngine> (*make)(Terrain);
+};
+
+const std::vector<Scene>& scenes() {
+  static const std::vector<Scene> all = {{"cones", cones, {0, 0, 500}},
+                                         {"relief", relief, {0, 0, 500}},
+                                         {"relief_45deg", relief, {-500, 3, 500}}};
+  return all;
+}
+
+const std::vector<EngineKind>& engine_kinds() {
+  static const std::vector<EngineKind> all = {
+      {"heightfield", make_heightfield_engine},
+#ifdef LANDFALL_BENCH_EMBREE
+      {"embree16", make_embree_engine},
+#endif
+      {"cgal", make_cgal_engine},
+  };
+  return all;
+}
+
+/// An engine over a scene, kept until another one is asked for: the library runs each benchmark many times.
+const RayEngine& engine_over(const Scene& scene, const EngineKind& kind) {
+  static const Scene* held_scene = nullptr;
+  static const EngineKind* held_kind = nullptr;
+  static Terrain terrain;
+  static std::unique_ptr<RayEngine> engine;
+  if (held_scene != &scene) terrain = scene.terrain();
+  if (held_scene != &scene || held_kind != &kind) {
+    engine.reset();
+    engine = kind.make(terrain);
+  }
+  held_scene = &scene;
+  held_kind = &kind;
+  return *engine;
+}
+
+void trace(benchmark::State& state, const Scene& scene, const EngineKind& kind) {
+  const RayEngine& engine = engine_over(scene, kind);
+  const std::vector<Ray> rays = scan_from(scene.origin_m);
+  std::vector<double> ranges(kPulseRays);
+  for (auto _ : state)
+    for (std::size_t begin = 0; begin < rays.size(); begin += kPulseRays) {
+      engine.first_hits(std::span(rays).subspan(begin, kPulseRays), ranges);
+      benchmark::DoNotOptimize(ranges.data());
+    }
+  state.SetItemsProcessed(static_cast<std::int64_t>(rays.size()) * state.iterations());
+}
+
+/// Keeps each benchmark's best rate beside what the console shows.
+class BestRates : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    ConsoleReporter::ReportRuns(runs);
+    for (const Run& run : runs) {
+      const auto rate = run.counters.find("items_per_second");
+      if (run.run_type != Run::RT_Iteration || rate == run.counters.end()) continue;
+      double& best = rates_[run.run_name.function_name];
+      best = std::max(best, static_cast<double>(rate->second));
+    }
+  }
+
+  void print_ratios() const {
+    for (const Scene& scene : scenes()) {
+      const auto own = rates_.find(std::string(scene.name) + "/heightfield");
+      if (own == rates_.end()) continue;
+      for (const EngineKind& kind : engine_kinds()) {
+        const auto other = rates_.find(std::string(scene.name) + "/" + kind.name);
+        if (other != rates_.end())
+          std::cout << other->first << ": " << other->second / 1e6 << " M rays/s, heightfield is "
+                    << own->second / other->second << " x\n";
+      }
+    }
+  }
+
+ private:
+  std::map<std::string, double> rates_;
+};
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  for (const Scene& scene : scenes())
+    for (const EngineKind& kind : engine_kinds())
+      benchmark::RegisterBenchmark((std::string(scene.name) + "/" + kind.name).c_str(),
+                                   [&](benchmark::State& state) { trace(state, scene, kind); })
+          ->Unit(benchmark::kMillisecond)
+          ->MinTime(0.2)
+          ->Repetitions(3)
+          ->DisplayAggregatesOnly(false);
+  BestRates rates;
+  benchmark::RunSpecifiedBenchmarks(&rates);
+  rates.print_ratios();
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "ray/engine.h"
+#include "terrain/triangulated_grid.h"
+
+namespace landfall {
+
+/// What the heightfield engine is compared with: Embree 3, coherent packets of 16 rays, the hit selected in
+/// single precision and its range refined in double. Not watertight against the stored surface, so it is no
+/// engine of the tools.
+[[nodiscard]] std::unique_ptr<RayEngine> make_embree_engine(std::shared_ptr<const TriangulatedGrid> terrain);
+
+}  // namespace landfall
