@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/error_tails.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace landfall {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The windows, of `count` centred on consecutive bins from `first`, that hold a bin: begin .. end - 1.
+struct WindowRange {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+struct WindowLine {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+  std::int64_t half_bins = 0;
+
+  [[nodiscard]] WindowRange windows_with(std::int64_t bin) const {
+    const std::int64_t begin = std::max<std::int64_t>(bin - half_bins - first, 0);
+    const std::int64_t end = std::min(bin + half_bins + 1 - first, count);
+    return {static_cast<std::size_t>(begin), static_cast<std::size_t>(end)};
+  }
+};
+
+/// Sets of one line of windows, drawn as changes from each window's set to the next one's and then summed.
+class SetDrawer {
+ public:
+  SetDrawer(std::vector<std::uint64_t>& sets, std::size_t words, const WindowLine& line)
+      : sets_(sets), words_(words), line_(line) {
+    sets_.assign((static_cast<std::size_t>(line.count) + 1) * words, 0);
+  }
+
+  void add_to_all(std::size_t place) { flip(0, place); }
+
+  void add(std::int64_t bin, std::size_t place) {
+    const WindowRange range = line_.windows_with(bin);
+    flip(range.begin, place);
+    flip(range.end, place);
+  }
+
+  void sum() {
+    for (std::size_t i = words_; i < sets_.size(); ++i) sets_[i] ^= sets_[i - words_];
+  }
+
+ private:
+  void flip(std::size_t window, std::size_t place) {
+    sets_[window * words_ + place / 64] ^= std::uint64_t{1} << (place % 64);
+  }
+
+  std::vector<std::uint64_t>& sets_;
+  std::size_t words_;
+  WindowLine line_;
+};
+
+}  // namespace
+
+Tile reach(const GridSpec& spec, const Tile& tile, std::int64_t half_bins) {
+  const std::int64_t first_row = std::max<std::int64_t>(tile.first_row - half_bins, 0);
+  const std::int64_t first_col = std::max<std::int64_t>(tile.first_col - half_bins, 0);
+  const std::int64_t end_row = std::min(tile.first_row + tile.rows + half_bins, spec.rows);
+  const std::int64_t end_col = std::min(tile.first_col + tile.cols + half_bins, spec.cols);
+  return {first_row, first_col, end_row - first_row, end_col - first_col};
+}
+
+void collect_tails(const Grid<double>& error, const Tile& reached, const TailBounds& bounds,
+                   ErrorTails& tails) {
+  // Every bin is written and only the kept ones advance: a branch would cost more than the store. The bin
+  // behind the last kept one may be written too.
+  const auto largest = static_cast<std::size_t>(reached.rows * reached.cols + 1);
+  tails.upper.bins.resize(largest);
+  tails.lower.bins.resize(largest);
+  ErrorTail::Bin* upper = tails.upper.bins.data();
+  ErrorTail::Bin* lower = tails.lower.bins.data();
+  for (std::int64_t row = reached.first_row; row < reached.first_row + reached.rows; ++row) {
+    const double* const errors = error.row(row).data();
+    for (std::int64_t col = reached.first_col; col < reached.first_col + reached.cols; ++col) {
+      const double e = errors[col];
+      *upper = {e, static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)};
+      *lower = {-e, static_cast<std::int32_t>(row), static_cast<std::int32_t>(col)};
+      upper += e >= bounds.upper ? 1 : 0;
+      lower += e <= bounds.lower ? 1 : 0;
+    }
+  }
+  tails.upper.bins.resize(static_cast<std::size_t>(upper - tails.upper.bins.data()));
+  tails.lower.bins.resize(static_cast<std::size_t>(lower - tails.lower.bins.data()));
+}
+
+void ErrorTail::build(const Tile& tile, std::int64_t half_bins) {
+  std::ranges::sort(bins, [](const Bin& a, const Bin& b) { return a.value > b.value; });
+  values_.assign(bins.size() + 2 * kPad, kInfinity);
+  std::fill_n(values_.end() - kPad, kPad, -kInfinity);
+  std::ranges::transform(bins, values_.begin() + kPad, &Bin::value);
+  words_ = values_.size() / 64 + 1;
+  draw_sets(tile, half_bins);
+}
+
+void ErrorTail::draw_sets(const Tile& tile, std::int64_t half_bins) {
+  SetDrawer rows(row_sets_, words_, {tile.first_row, tile.rows, half_bins});
+  SetDrawer cols(col_sets_, words_, {tile.first_col, tile.cols, half_bins});
+  for (const std::size_t padding : {kPad - 1, kPad + bins.size()}) {
+    rows.add_to_all(padding);
+    cols.add_to_all(padding);
+  }
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    rows.add(bins[i].row, kPad + i);
+    cols.add(bins[i].col, kPad + i);
+  }
+  rows.sum();
+  cols.sum();
+}
+
+}  // namespace landfall

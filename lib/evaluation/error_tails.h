@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// A rectangle of bins: the windows centred on them, or the bins that those windows reach.
+struct Tile {
+  std::int64_t first_row = 0;
+  std::int64_t first_col = 0;
+  std::int64_t rows = 0;
+  std::int64_t cols = 0;
+};
+
+/// The bins of the tile's windows of 2 half_bins + 1 bins, clipped at the grid's border.
+[[nodiscard]] Tile reach(const GridSpec& spec, const Tile& tile, std::int64_t half_bins);
+
+/// One side of the errors that a tile's windows reach: the bins of the largest sign * e, sorted, and for each
+/// row and each column of windows the set of those that lie in them. A window's members are the intersection
+/// of two sets of bits.
+///
+/// Places in the sorted list count from kPad. kPad places of +infinity stand before the first bin and kPad of
+/// -infinity behind the last; the two places next to the bins are members of every window, so that a search
+/// for a member always ends.
+class ErrorTail {
+ public:
+  static constexpr std::size_t kPad = 16;
+
+  /// A bin and sign * e.
+  struct Bin {
+    double value = 0;
+    std::int32_t row = 0;
+    std::int32_t col = 0;
+  };
+
+  /// To be filled before build().
+  std::vector<Bin> bins;
+
+  /// Sorts the bins and draws the sets of the tile's windows.
+  void build(const Tile& tile, std::int64_t half_bins);
+
+  [[nodiscard]] std::size_t size() const { return bins.size(); }
+  /// In descending order, with the padding.
+  [[nodiscard]] const double* values() const { return values_.data(); }
+  /// The sets of the tile's row or column, words() long; bit p is place p.
+  [[nodiscard]] const std::uint64_t* row_set(std::int64_t row) const { return set(row_sets_, row); }
+  [[nodiscard]] const std::uint64_t* col_set(std::int64_t col) const { return set(col_sets_, col); }
+  [[nodiscard]] std::size_t words() const { return words_; }
+
+ private:
+  using Sets = std::vector<std::uint64_t>;
+
+  [[nodiscard]] const std::uint64_t* set(const Sets& sets, std::int64_t index) const {
+    return sets.data() + static_cast<std::size_t>(index) * words_;
+  }
+  void draw_sets(const Tile& tile, std::int64_t half_bins);
+
+  std::vector<double> values_;
+  Sets row_sets_, col_sets_;
+  std::size_t words_ = 0;
+};
+
+/// The bins whose deviation from some window's mean may be large.
+struct ErrorTails {
+  ErrorTail upper;  ///< sign +1
+  ErrorTail lower;  ///< sign -1
+};
+
+/// Which bins are worth keeping: those outside the open interval.
+struct TailBounds {
+  double upper = 0;  ///< keeps e >= upper
+  double lower = 0;  ///< and e <= lower; a bin may be both
+};
+
+void collect_tails(const Grid<double>& error, const Tile& reached, const TailBounds& bounds,
+                   ErrorTails& tails);
+
+/// The members of one window in one tail. Places are padded places of the tail.
+class TailMembers {
+ public:
+  TailMembers(const ErrorTail& tail, std::int64_t row, std::int64_t col)
+      : row_(tail.row_set(row)), col_(tail.col_set(col)) {}
+
+  /// A padding place is one of them.
+  [[nodiscard]] std::size_t count_before(std::size_t place) const {
+    const std::size_t word = place / 64;
+    int count = std::popcount(in_word(word) & ~from(place));
+    for (std::size_t w = 0; w < word; ++w) count += std::popcount(in_word(w));
+    return static_cast<std::size_t>(count);
+  }
+
+  /// The first member at the place or behind it.
+  [[nodiscard]] std::size_t next(std::size_t place) const {
+    std::size_t word = place / 64;
+    std::uint64_t set = in_word(word) & from(place);
+    while (set == 0) set = in_word(++word);
+    return word * 64 + static_cast<std::size_t>(std::countr_zero(set));
+  }
+
+  /// The last member before the place.
+  [[nodiscard]] std::size_t previous(std::size_t place) const {
+    std::size_t word = place / 64;
+    std::uint64_t set = in_word(word) & ~from(place);
+    while (set == 0) set = in_word(--word);
+    return word * 64 + 63 - static_cast<std::size_t>(std::countl_zero(set));
+  }
+
+  struct Run {
+    std::size_t first = 0;
+    std::size_t last = 0;
+    std::size_t count = 0;
+  };
+
+  /// The members of one word of the set, from the given one on.
+  [[nodiscard]] Run rest_of_word(std::size_t member) const {
+    return run(member / 64, in_word(member / 64) & from(member));
+  }
+  /// The members of one word of the set, up to the given one.
+  [[nodiscard]] Run start_of_word(std::size_t member) const {
+    return run(member / 64, in_word(member / 64) & ~(from(member) << 1U));
+  }
+
+ private:
+  static Run run(std::size_t word, std::uint64_t set) {
+    return {word * 64 + static_cast<std::size_t>(std::countr_zero(set)),
+            word * 64 + 63 - static_cast<std::size_t>(std::countl_zero(set)),
+            static_cast<std::size_t>(std::popcount(set))};
+  }
+  [[nodiscard]] std::uint64_t in_word(std::size_t word) const { return row_[word] & col_[word]; }
+  /// The bits of the place's word from the place on.
+  static std::uint64_t from(std::size_t place) { return ~std::uint64_t{0} << (place % 64); }
+
+  const std::uint64_t* row_;
+  const std::uint64_t* col_;
+};
+
+}  // namespace landfall

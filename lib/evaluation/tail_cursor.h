@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "evaluation/error_tails.h"
+
+namespace landfall {
+
+/// One window in one tail: a place that parts the window's members in taken (before it) and left. Deviations
+/// are value - centre, rounded once; they do not increase along the tail. The padding deviates by infinity.
+class TailCursor {
+ public:
+  struct Window {
+    std::int64_t row = 0;  ///< in the tile
+    std::int64_t col = 0;
+    double centre = 0;  ///< the window's mean times the tail's sign
+  };
+
+  TailCursor(const ErrorTail& tail, const Window& window, std::size_t place)
+      : values_(tail.values()),
+        members_(tail, window.row, window.col),
+        centre_(window.centre),
+        place_(place) {}
+
+  [[nodiscard]] std::size_t count_taken() const { return members_.count_before(place_); }
+  /// Of the first member left.
+  [[nodiscard]] double next_deviation() const { return deviation(members_.next(place_)); }
+  /// Of the last member taken.
+  [[nodiscard]] double previous_deviation() const { return deviation(members_.previous(place_)); }
+
+  /// Takes members that are left, at least one, none of the padding: one, or as many as are at hand if there
+  /// are at most `most` of them and none deviates by less than `least`. Returns how many.
+  std::size_t take(std::size_t most, double least) {
+    const std::size_t first = members_.next(place_);
+    if (most > kFew) {
+      const TailMembers::Run run = members_.rest_of_word(first);
+      const double deviation_of_last = deviation(run.last);
+      if (run.count <= most && deviation_of_last >= least && std::isfinite(deviation_of_last)) {
+        place_ = run.last + 1;
+        return run.count;
+      }
+    }
+    place_ = first + 1;
+    return 1;
+  }
+
+  /// The reverse: gives back members that were taken, none of which deviates by more than `largest`.
+  std::size_t give_back(std::size_t most, double largest) {
+    const std::size_t last = members_.previous(place_);
+    if (most > kFew) {
+      const TailMembers::Run run = members_.start_of_word(last);
+      const double deviation_of_first = deviation(run.first);
+      if (run.count <= most && deviation_of_first <= largest && std::isfinite(deviation_of_first)) {
+        place_ = run.first;
+        return run.count;
+      }
+    }
+    place_ = last;
+    return 1;
+  }
+
+ private:
+  /// Up to so many members are moved over one at a time.
+  static constexpr std::size_t kFew = 8;
+
+  [[nodiscard]] double deviation(std::size_t place) const { return values_[place] - centre_; }
+
+  const double* values_;
+  TailMembers members_;
+  double centre_;
+  std::size_t place_;
+};
+
+}  // namespace landfall

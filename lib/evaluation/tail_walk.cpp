@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/tail_walk.h"
+
+#include <algorithm>
+
+namespace landfall {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Moves a place so that exactly the values before it deviate from the centre by more than the limit, which
+/// is finite. Both tails are parted by the rounded deviation itself: a sum like centre + limit has a rounding
+/// of its own, under which the tails would disagree about nearly equal deviations. Most moves are short: the
+/// sixteen values around the place are compared without a branch.
+std::size_t part(const ErrorTail& tail, std::size_t place, double centre, double limit) {
+  constexpr std::size_t kReach = 8;
+  static_assert(kReach <= ErrorTail::kPad / 2);
+  const double* const values = tail.values();
+  const double* const around = values + place - kReach;
+  std::size_t above = 0;
+  for (std::size_t i = 0; i < 2 * kReach; ++i) above += around[i] - centre > limit ? 1U : 0U;
+  if (above > 0 && above < 2 * kReach) return place - kReach + above;
+  const double* const end = values + tail.size() + 2 * ErrorTail::kPad;
+  const double* const parted =
+      std::partition_point(values, end, [&](double v) { return v - centre > limit; });
+  return static_cast<std::size_t>(parted - values);
+}
+
+}  // namespace
+
+WalkOutcome TailWalk::run(const ErrorTails& tails, const Tile& tile, double floor) {
+  floor_ = floor;
+  outcome_ = {};
+  places_ = {ErrorTail::kPad, ErrorTail::kPad};
+  above_.assign(static_cast<std::size_t>(tile.cols), floor);
+  for (std::int64_t row = 0; row < tile.rows; ++row) walk_row(tails, tile, row);
+  return outcome_;
+}
+
+void TailWalk::walk_row(const ErrorTails& tails, const Tile& tile, std::int64_t row) {
+  double left = above_[0];
+  double above_left = above_[0];
+  for (std::int64_t col = 0; col < tile.cols; ++col) {
+    const BinIndex bin{tile.first_row + row, tile.first_col + col};
+    double& above = above_[static_cast<std::size_t>(col)];
+    const double predicted = std::max(left + (above - above_left), 0.0);
+    above_left = above;
+    left = above;
+    if (!is_pending(input_, result_, bin)) continue;
+    look_up_rank(bin);
+    const double mean = input_.windows.mean.at(bin);
+    places_ = {part(tails.upper, places_.upper, mean, predicted),
+               part(tails.lower, places_.lower, -mean, predicted)};
+    left = settle(bin, find({tails.upper, {row, col, mean}, places_.upper},
+                            {tails.lower, {row, col, -mean}, places_.lower}));
+    above = left;
+  }
+}
+
+void TailWalk::look_up_rank(BinIndex bin) {
+  const std::int32_t count = input_.windows.count.at(bin);
+  if (count == rank_count_) return;
+  rank_count_ = count;
+  rank_ = quantile_rank(static_cast<std::size_t>(count), input_.quantile);
+}
+
+/// Everything above the lower order statistic is taken; the members at the border are the two.
+TailWalk::OrderStatistics TailWalk::find(TailCursor upper, TailCursor lower) const {
+  // One padding place in each tail is always taken.
+  const std::size_t target = static_cast<std::size_t>(rank_count_) - 1 - rank_.below + 2;
+  std::size_t taken = upper.count_taken() + lower.count_taken();
+  while (taken > target) {
+    const double u = upper.previous_deviation();
+    const double l = lower.previous_deviation();
+    taken -= u <= l ? upper.give_back(taken - target, l) : lower.give_back(taken - target, u);
+  }
+  while (taken < target) {
+    const double u = upper.next_deviation();
+    const double l = lower.next_deviation();
+    if (std::max(u, l) == -kInfinity) break;
+    taken += u >= l ? upper.take(target - taken, l) : lower.take(target - taken, u);
+  }
+  return {std::max(upper.next_deviation(), lower.next_deviation()),
+          std::min(upper.previous_deviation(), lower.previous_deviation())};
+}
+
+double TailWalk::settle(BinIndex bin, const OrderStatistics& found) {
+  if (!(found.below >= floor_)) {
+    ++outcome_.uncertified;
+    outcome_.lower_bound = std::min(outcome_.lower_bound, found.below);
+    return std::max(found.below, 0.0);
+  }
+  outcome_.smallest = std::min(outcome_.smallest, found.below);
+  result_.at(bin) = rank_.frac == 0 ? found.below : found.below + rank_.frac * (found.above - found.below);
+  return found.below;
+}
+
+}  // namespace landfall
