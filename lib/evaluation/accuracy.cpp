@@ -44,12 +44,12 @@ FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMas
                                          const FootprintShape& shape, const ProgressCallback& progress) {
   WindowMeans windows = window_means(error, shape.half_bins);
   FootprintStatistics result;
-  result.relative = window_quantile_naive({.error = error,
-                                           .windows = windows,
-                                           .region = region,
-                                           .half_bins = shape.half_bins,
-                                           .quantile = shape.quantile},
-                                          progress);
+  result.relative = window_quantile({.error = error,
+                                     .windows = windows,
+                                     .region = region,
+                                     .half_bins = shape.half_bins,
+                                     .quantile = shape.quantile},
+                                    progress);
   for (std::size_t i = 0; i < region.spec().size(); ++i)
     if (region.values()[i] == 0) windows.mean.values()[i] = std::numeric_limits<double>::quiet_NaN();
   result.mean = std::move(windows.mean);

@@ -267,7 +267,7 @@ TEST(Evaluate, ProgressRisesToOne) {
   std::vector<double> fractions;
   static_cast<void>(evaluate(perfect(5), small(), EvaluationOutput::metrics_only,
                              [&](double f) { fractions.push_back(f); }));
-  EXPECT_GT(fractions.size(), 6U);
+  EXPECT_GE(fractions.size(), 4U);
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
   EXPECT_GE(fractions.front(), 0);
   EXPECT_EQ(fractions.back(), 1);
