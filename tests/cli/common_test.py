@@ -132,7 +132,7 @@ class Check(ToolTest):
 
     def test_what_a_run_would_refuse_as_a_config_check_refuses(self):
         for name, assignment, words in [
-                ("terrain-gen", "grid.resolution_m=0.7", ["/grid", "half_width_m 60", "0.69"]),
+                ("terrain-gen", "grid.resolution_m=0.7", ["/grid", "half_width_m 60", "0.7"]),
                 ("scan-sim", "laser.scan_time_s=0.00001", ["config", "pulse_rate_hz x scan_time_s"]),
                 ("scan-sim", "laser.scan_time_s=1000000", ["config", "pulse_rate_hz x scan_time_s"]),
                 ("regrid", "resolution_m=0.07", ["half_width_m 50", "0.07"]),
