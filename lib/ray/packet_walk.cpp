@@ -21,12 +21,16 @@ namespace landfall {
 /// Rays that are prepared together.
 inline constexpr std::size_t kChunkRays = 64;
 
-/// GridRays component by component; the last one fills up the rest.
+/// GridRays component by component; the last one fills up the rest. A ray that goes down passes
+/// (foot + slope * elevation) in the horizontal; foot_x is NaN in others.
 struct RayChunk {
   alignas(64) double x[kChunkRays], y[kChunkRays], z[kChunkRays];
   alignas(64) double dx[kChunkRays], dy[kChunkRays], dz[kChunkRays];
   alignas(64) double position_error[kChunkRays], height_error[kChunkRays];
+  alignas(64) double foot_x[kChunkRays], foot_y[kChunkRays];
+  alignas(64) double slope_x[kChunkRays], slope_y[kChunkRays];
   alignas(64) double range[kChunkRays];
+  double greatest_slope;  ///< cells per metre, of the rays that go down
 };
 
 /// Elevations between which rays are looked at. That no ray of the group meets the surface above `high` is
@@ -96,6 +100,32 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, RayChunk& chun
   }
 }
 
+/// Where the rays that go down pass elevation after elevation.
+void FillFeet(double height_m, RayChunk& chunk) {
+  const D d;
+  const V nan = constant(std::numeric_limits<double>::quiet_NaN());
+  V greatest = constant(0);
+  for (std::size_t i = 0; i < kChunkRays; i += hn::Lanes(d)) {
+    const V z = load(chunk.z + i);
+    const V climb = hn::Div(constant(1), load(chunk.dz + i));
+    const V slope_x = hn::Mul(load(chunk.dx + i), climb);
+    const V slope_y = hn::Mul(load(chunk.dy + i), climb);
+    const V foot_x = hn::Sub(load(chunk.x + i), hn::Mul(slope_x, z));
+    const V foot_y = hn::Sub(load(chunk.y + i), hn::Mul(slope_y, z));
+    const V slope = hn::Add(hn::Abs(slope_x), hn::Abs(slope_y));
+    // Sums below 1e11 keep the rounding of a place far below the margin of ElevationPyramid::over.
+    const V reach = hn::Mul(slope, hn::Add(hn::Abs(z), constant(height_m)));
+    const V size = hn::Add(reach, hn::Add(hn::Abs(load(chunk.x + i)), hn::Abs(load(chunk.y + i))));
+    const M down = hn::And(hn::Lt(climb, constant(0)), hn::Lt(size, constant(1e11)));
+    greatest = hn::IfThenElse(down, hn::Max(greatest, slope), greatest);
+    hn::Store(hn::IfThenElse(down, foot_x, nan), d, chunk.foot_x + i);
+    hn::Store(foot_y, d, chunk.foot_y + i);
+    hn::Store(slope_x, d, chunk.slope_x + i);
+    hn::Store(slope_y, d, chunk.slope_y + i);
+  }
+  chunk.greatest_slope = hn::GetLane(hn::MaxOfLanes(d, greatest));
+}
+
 /// The rectangle that the downward rays of a group cross between two elevations; empty where none goes down.
 class CrossedBox {
  public:
@@ -105,16 +135,13 @@ class CrossedBox {
         low_y_(low_x_),
         high_y_(high_x_) {}
 
-  HWY_INLINE void add(const LaneRays& rays, const HeightSlab& slab) {
-    const V climb = hn::Div(constant(1), rays.dz);
-    const V slope_x = hn::Mul(rays.dx, climb);
-    const V slope_y = hn::Mul(rays.dy, climb);
-    const M down = hn::And(hn::Lt(rays.dz, constant(0)),
-                           hn::Lt(hn::Add(hn::Abs(slope_x), hn::Abs(slope_y)), constant(1e9)));
+  HWY_INLINE void add(const RayChunk& chunk, std::size_t i, const HeightSlab& slab) {
+    const V foot_x = load(chunk.foot_x + i);
+    const M down = hn::Eq(foot_x, foot_x);
     for (const double elevation : {slab.low, slab.high}) {
-      const V rise = hn::Sub(constant(elevation), rays.z);
-      extend(down, hn::Add(rays.x, hn::Mul(slope_x, rise)), low_x_, high_x_);
-      extend(down, hn::Add(rays.y, hn::Mul(slope_y, rise)), low_y_, high_y_);
+      extend(down, hn::Add(foot_x, hn::Mul(load(chunk.slope_x + i), constant(elevation))), low_x_, high_x_);
+      extend(down, hn::Add(load(chunk.foot_y + i), hn::Mul(load(chunk.slope_y + i), constant(elevation))),
+             low_y_, high_y_);
     }
   }
   [[nodiscard]] HWY_INLINE CellBox box() const {
@@ -135,15 +162,17 @@ class CrossedBox {
 /// Lowers the slab to the surface under rays [begin, end) of the chunk, as long as that pays.
 HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& chunk, std::size_t begin,
                               std::size_t end, HeightSlab slab) {
-  for (int step = 0; step < 6; ++step) {
+  constexpr double kShortWay_cells = 1;
+  double thickness = std::numeric_limits<double>::infinity();
+  while (slab.high - slab.low < 0.7 * thickness) {
+    thickness = slab.high - slab.low;
+    if (thickness * chunk.greatest_slope < kShortWay_cells) break;
     CrossedBox crossed;
-    for (std::size_t i = begin; i < end; i += hn::Lanes(D())) crossed.add(LaneRays(chunk, i), slab);
+    for (std::size_t i = begin; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
     const ElevationPyramid::Bounds bounds = pyramid.over(crossed.box());
-    const double thickness = slab.high - slab.low;
     // What lies between the old and the new `high` is inside the box, so the rays meet nothing there.
     slab.high = std::min(slab.high, std::max(double{bounds.high}, slab.low));
     slab.low = std::max(slab.low, std::min(double{bounds.low}, slab.high));
-    if (slab.high - slab.low > 0.7 * thickness || slab.high == slab.low) break;
   }
   return slab;
 }
@@ -185,21 +214,27 @@ class Walk {
  public:
   HWY_INLINE Walk(const Heightfield& field, const RayChunk& chunk, std::size_t begin, const HeightSlab& slab)
       : field_(field), rays_(chunk, begin) {
-    enter(slab);
+    const V foot_x = load(chunk.foot_x + begin);
+    enter(slab, hn::Eq(foot_x, foot_x));
   }
 
   /// Distances, NaN for a miss, kUndecided.
   HWY_INLINE V ranges() {
     int level = 0;
-    while (any(active_)) level = level == 0 ? visit_cells() : visit_blocks(level);
+    for (int visit = 0; visit < kMostVisits && any(active_); ++visit)
+      level = level == 0 ? visit_cells() : visit_blocks(level);
     return range_;
   }
 
  private:
   /// Skipping keeps this distance from the surface, in metres, and crossing times must be surer than it.
   static constexpr double kSlack_m = 1e-6;
+  /// Of blocks and cells, until the lanes that still walk are left to Descent: it crosses wide country
+  /// faster, and country above the ray much faster. A rough surface seen at 45 degrees takes some 17 visits.
+  static constexpr int kMostVisits = 64;
 
-  HWY_INLINE void enter(const HeightSlab& slab) {
+  /// `sure`: the rays that go down; the slab holds for no others.
+  HWY_INLINE void enter(const HeightSlab& slab, M sure) {
     const GridSpec& spec = field_.spec();
     const V one = constant(1);
     const V climb = hn::Div(one, rays_.dz);
@@ -211,7 +246,7 @@ class Walk {
     last_row_ = constant(static_cast<double>(spec.rows - 2));
     margin_ = hn::Add(rays_.position_error,
                       hn::Mul(rays_.horizontal_speed, hn::Abs(hn::Mul(rays_.height_error, climb))));
-    M sure = hn::And(hn::Lt(rays_.dz, constant(0)), hn::Lt(rays_.height_error, constant(kSlack_m / 4)));
+    sure = hn::And(sure, hn::Lt(rays_.height_error, constant(kSlack_m / 4)));
     sure = hn::And(sure, place(rays_.x, rays_.dx, start, col_));
     sure = hn::And(sure, place(rays_.y, rays_.dy, start, row_));
     sure = hn::And(sure, in_grid());
@@ -294,16 +329,21 @@ class Walk {
 
   HWY_INLINE int visit_cells() {
     const Square s = square(1);
-    const V range = range_in_cell();
-    const V infinity = constant(std::numeric_limits<double>::infinity());
-    const M missed = hn::And(active_, hn::Eq(range, infinity));
-    const M hit = hn::And(active_, hn::Lt(range, infinity));
-    range_ = hn::IfThenElse(hit, range, range_);
-    active_ = missed;
-    if (!any(active_)) return 0;
+    const Cell cell = cell_under();
+    // False where a node is a hole: the cell's other triangle may be whole.
+    const V low_z = hn::Sub(hn::Add(rays_.z, hn::Mul(rays_.dz, s.leave)), constant(4 * kSlack_m));
+    const M above = hn::And(hn::And(hn::Gt(low_z, cell.south_west), hn::Gt(low_z, cell.south_east)),
+                            hn::And(hn::Gt(low_z, cell.north_west), hn::Gt(low_z, cell.north_east)));
+    if (any(hn::AndNot(above, active_))) {
+      const V range = range_in(cell);
+      const V infinity = constant(std::numeric_limits<double>::infinity());
+      range_ = hn::IfThenElse(hn::And(active_, hn::Lt(range, infinity)), range, range_);
+      active_ = hn::And(active_, hn::Eq(range, infinity));
+      if (!any(active_)) return 0;
+    }
     const V col = block_of(col_);
     const V row = block_of(row_);
-    advance(missed, s);
+    advance(active_, s);
     const M same = hn::And(hn::Eq(col, block_of(col_)), hn::Eq(row, block_of(row_)));
     return any(hn::AndNot(same, active_)) ? 1 : 0;
   }
@@ -312,8 +352,12 @@ class Walk {
     return hn::Floor(hn::Mul(cell, constant(1.0 / static_cast<double>(ElevationPyramid::kBlockCells))));
   }
 
-  /// Distance in the lanes' cells; infinite for a miss, NaN where it is not certain.
-  HWY_INLINE V range_in_cell() const {
+  /// Elevations of the nodes around the lanes' cells.
+  struct Cell {
+    V south_west, south_east, north_west, north_east;
+  };
+
+  HWY_INLINE Cell cell_under() const {
     const D d;
     const hn::Rebind<std::int32_t, D> d32;
     const hn::Rebind<std::int64_t, D> d64;
@@ -321,16 +365,19 @@ class Walk {
     const V index = hn::Add(hn::Mul(row_, constant(static_cast<double>(cols))), col_);
     const auto node = hn::PromoteTo(d64, hn::DemoteTo(d32, hn::IfThenElseZero(active_, index)));
     const double* const nodes = field_.terrain.nodes().values().data();
-    const V south_west = hn::GatherIndex(d, nodes, node);
-    const V south_east = hn::GatherIndex(d, nodes + 1, node);
-    const V north_west = hn::GatherIndex(d, nodes + cols, node);
-    const V north_east = hn::GatherIndex(d, nodes + cols + 1, node);
+    return {hn::GatherIndex(d, nodes, node), hn::GatherIndex(d, nodes + 1, node),
+            hn::GatherIndex(d, nodes + cols, node), hn::GatherIndex(d, nodes + cols + 1, node)};
+  }
+
+  /// Distance in the lanes' cells; infinite for a miss, NaN where it is not certain.
+  HWY_INLINE V range_in(const Cell& cell) const {
     const V x = hn::Sub(rays_.x, col_);
     const V y = hn::Sub(rays_.y, row_);
     const V one = constant(1);
-    const V lower = CertainRange(rays_, {south_west, south_east, north_west, x, y, rays_.dx, rays_.dy});
-    const V upper = CertainRange(rays_, {north_east, north_west, south_east, hn::Sub(one, x), hn::Sub(one, y),
-                                         hn::Neg(rays_.dx), hn::Neg(rays_.dy)});
+    const V lower =
+        CertainRange(rays_, {cell.south_west, cell.south_east, cell.north_west, x, y, rays_.dx, rays_.dy});
+    const V upper = CertainRange(rays_, {cell.north_east, cell.north_west, cell.south_east, hn::Sub(one, x),
+                                         hn::Sub(one, y), hn::Neg(rays_.dx), hn::Neg(rays_.dy)});
     // Minima of NaN differ between instruction sets: choose by comparison, and let any NaN through.
     const V nearer = hn::IfThenElse(hn::Lt(lower, upper), lower, upper);
     return hn::IfThenElse(hn::Eq(lower, lower), nearer, lower);
@@ -376,6 +423,7 @@ class Walk {
 void WalkChunk(const Heightfield& field, std::span<const Ray> rays, std::span<double> ranges) {
   RayChunk chunk;
   FillChunk(field.frame, rays, chunk);
+  FillFeet(field.frame.height_m, chunk);
   const std::size_t lanes = hn::Lanes(D());
   const std::size_t end = (rays.size() + lanes - 1) / lanes * lanes;
   const ElevationPyramid& pyramid = field.pyramid;

@@ -102,6 +102,17 @@ TEST_P(PacketWalk, RaysThatShareNothing) {
   expect_descents_answers(rays, 0.05);
 }
 
+// What bounds the steep rays of a group says nothing about those too flat to bound.
+TEST_P(PacketWalk, FlatRaysAmongSteepOnes) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d target = random_target();
+    const double slope = i % 8 == 0 ? std::pow(10, uniform(random_, -18, -1)) : 1;
+    rays.push_back(ray_at(target + Eigen::Vector3d(3, 2, 4 * slope), target));
+  }
+  expect_descents_answers(rays, 0.1);
+}
+
 TEST_P(PacketWalk, StraightDown) {
   std::vector<Ray> rays;
   for (int i = 0; i < 5000; ++i)
