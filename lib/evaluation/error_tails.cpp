@@ -74,8 +74,8 @@ void collect_tails(const Grid<double>& error, const Tile& reached, const TailBou
   const auto largest = static_cast<std::size_t>(reached.rows * reached.cols + 1);
   tails.upper.bins.resize(largest);
   tails.lower.bins.resize(largest);
-  ErrorTail::Bin* upper = tails.upper.bins.data();
-  ErrorTail::Bin* lower = tails.lower.bins.data();
+  TailBin* upper = tails.upper.bins.data();
+  TailBin* lower = tails.lower.bins.data();
   for (std::int64_t row = reached.first_row; row < reached.first_row + reached.rows; ++row) {
     const double* const errors = error.row(row).data();
     for (std::int64_t col = reached.first_col; col < reached.first_col + reached.cols; ++col) {
@@ -91,10 +91,10 @@ void collect_tails(const Grid<double>& error, const Tile& reached, const TailBou
 }
 
 void ErrorTail::build(const Tile& tile, std::int64_t half_bins) {
-  std::ranges::sort(bins, [](const Bin& a, const Bin& b) { return a.value > b.value; });
+  sort_.sort(bins);
   values_.assign(bins.size() + 2 * kPad, kInfinity);
   std::fill_n(values_.end() - kPad, kPad, -kInfinity);
-  std::ranges::transform(bins, values_.begin() + kPad, &Bin::value);
+  std::ranges::transform(bins, values_.begin() + kPad, &TailBin::value);
   words_ = values_.size() / 64 + 1;
   draw_sets(tile, half_bins);
 }

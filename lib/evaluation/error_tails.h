@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "evaluation/bucket_sort.h"
 #include "raster/grid.h"
 
 namespace landfall {
@@ -32,15 +33,8 @@ class ErrorTail {
  public:
   static constexpr std::size_t kPad = 16;
 
-  /// A bin and sign * e.
-  struct Bin {
-    double value = 0;
-    std::int32_t row = 0;
-    std::int32_t col = 0;
-  };
-
-  /// To be filled before build().
-  std::vector<Bin> bins;
+  /// With sign * e; to be filled before build().
+  std::vector<TailBin> bins;
 
   /// Sorts the bins and draws the sets of the tile's windows.
   void build(const Tile& tile, std::int64_t half_bins);
@@ -62,6 +56,7 @@ class ErrorTail {
   void draw_sets(const Tile& tile, std::int64_t half_bins);
 
   std::vector<double> values_;
+  BucketSort sort_;
   Sets row_sets_, col_sets_;
   std::size_t words_ = 0;
 };
