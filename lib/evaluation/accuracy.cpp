@@ -91,11 +91,10 @@ HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double li
   return result;
 }
 
-Grid<double> horizontal_error(const Grid<double>& mean_x, const Grid<double>& mean_y) {
-  Grid<double> result(mean_x.spec());
-  std::ranges::transform(mean_x.values(), mean_y.values(), result.values().begin(),
+Grid<double> horizontal_error(Grid<double> mean_x, const Grid<double>& mean_y) {
+  std::ranges::transform(mean_x.values(), mean_y.values(), mean_x.values().begin(),
                          [](double x, double y) { return std::hypot(x, y); });
-  return result;
+  return mean_x;
 }
 
 }  // namespace landfall

@@ -38,7 +38,7 @@ struct FootprintShape {
 /// From hypot(mean_x, mean_y); within the limit means at most equal to it.
 [[nodiscard]] HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m);
 
-/// hypot(mean_x, mean_y) per bin; NaN where either is.
-[[nodiscard]] Grid<double> horizontal_error(const Grid<double>& mean_x, const Grid<double>& mean_y);
+/// hypot(mean_x, mean_y) per bin; NaN where either is. It takes the place of mean_x.
+[[nodiscard]] Grid<double> horizontal_error(Grid<double> mean_x, const Grid<double>& mean_y);
 
 }  // namespace landfall

@@ -116,9 +116,9 @@ class AccuracyPass {
     out.metrics.footprint_bins = 2 * shape_.half_bins + 1;
     out.metrics.quantile = shape_.quantile;
     judge_axis(kZ, out, third(progress, 0));
-    const Grid<double> mean_x = judge_axis(kX, out, third(progress, 1));
-    const Grid<double> mean_y = judge_axis(kY, out, third(progress, 2));
-    const Grid<double> horizontal = horizontal_error(mean_x, mean_y);
+    Grid<double> mean_x = judge_axis(kX, out, third(progress, 1));
+    const Grid<double> horizontal =
+        horizontal_error(std::move(mean_x), judge_axis(kY, out, third(progress, 2)));
     out.metrics.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
     flag_above(horizontal, limits_.absolute_horizontal_m, kFailAbsoluteHorizontal, out.fail);
   }
