@@ -76,6 +76,19 @@ struct TailBounds {
 void collect_tails(const Grid<double>& error, const Tile& reached, const TailBounds& bounds,
                    ErrorTails& tails);
 
+/// The bits that are set. Without a machine instruction for it, std::popcount is a call into the compiler's
+/// library, and a build for any x86-64 has none.
+[[nodiscard]] inline std::size_t count_bits(std::uint64_t set) {
+#ifdef __POPCNT__
+  return static_cast<std::size_t>(std::popcount(set));
+#else
+  set -= (set >> 1U) & 0x5555555555555555U;
+  set = (set & 0x3333333333333333U) + ((set >> 2U) & 0x3333333333333333U);
+  set = (set + (set >> 4U)) & 0x0f0f0f0f0f0f0f0fU;
+  return static_cast<std::size_t>((set * 0x0101010101010101U) >> 56U);
+#endif
+}
+
 /// The members of one window in one tail. Places are padded places of the tail.
 class TailMembers {
  public:
@@ -85,9 +98,9 @@ class TailMembers {
   /// A padding place is one of them.
   [[nodiscard]] std::size_t count_before(std::size_t place) const {
     const std::size_t word = place / 64;
-    int count = std::popcount(in_word(word) & ~from(place));
-    for (std::size_t w = 0; w < word; ++w) count += std::popcount(in_word(w));
-    return static_cast<std::size_t>(count);
+    std::size_t count = count_bits(in_word(word) & ~from(place));
+    for (std::size_t w = 0; w < word; ++w) count += count_bits(in_word(w));
+    return count;
   }
 
   /// The first member at the place or behind it.
@@ -124,8 +137,7 @@ class TailMembers {
  private:
   static Run run(std::size_t word, std::uint64_t set) {
     return {word * 64 + static_cast<std::size_t>(std::countr_zero(set)),
-            word * 64 + 63 - static_cast<std::size_t>(std::countl_zero(set)),
-            static_cast<std::size_t>(std::popcount(set))};
+            word * 64 + 63 - static_cast<std::size_t>(std::countl_zero(set)), count_bits(set)};
   }
   [[nodiscard]] std::uint64_t in_word(std::size_t word) const { return row_[word] & col_[word]; }
   /// The bits of the place's word from the place on.

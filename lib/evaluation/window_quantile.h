@@ -30,7 +30,7 @@ struct WindowQuantileInput {
 
 /// How many neighbouring windows share their work.
 struct QuantileTile {
-  std::int64_t rows = 16;
+  std::int64_t rows = 32;
   std::int64_t cols = 32;
 };
 
