@@ -196,11 +196,12 @@ def percent(fraction):
 # Output
 
 
-def check_outputs(paths, overwrite):
-    """Refuses, before any work, what could not be written at the end."""
+def check_outputs(paths, overwrite, makes_folder=False):
+    """Refuses, before any work, what could not be written at the end. With makes_folder, save() may make one folder."""
     for path in paths:
         folder = os.path.dirname(path) or "."
-        if not os.path.isdir(folder):
+        is_new = os.path.isdir(os.path.dirname(folder) or ".") and not os.path.exists(folder)
+        if not os.path.isdir(folder) and not (makes_folder and is_new):
             raise DataError(f"{path}: there is no folder {folder}")
         if os.path.isdir(path):
             raise UsageError(f"{path}: is a folder")
@@ -216,6 +217,7 @@ def save(figures, dpi):
     temporary = {path: f"{path}.{os.getpid()}.tmp" for path in figures}
     try:
         for path, figure in figures.items():
+            os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
             figure.savefig(temporary[path], format="png", dpi=dpi, metadata={"Software": None})
         for path in figures:
             os.replace(temporary[path], path)

@@ -22,7 +22,8 @@ def parse(arguments):
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
-                        help="an existing folder, or the beginning of the pictures' names (default: EVAL-)")
+                        help="a folder, made where the name ends with /, or the beginning of the pictures' names "
+                             "(default: EVAL-)")
     lp.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.evaluation)[0] + "-"
@@ -280,7 +281,8 @@ def main(arguments):
     evaluation = Evaluation(options.evaluation)
     chosen = pictures(evaluation)
     dem_picture = [options.output + "dem.png"] if options.dem else []
-    lp.check_outputs([options.output + name for name in chosen] + dem_picture, options.overwrite)
+    lp.check_outputs([options.output + name for name in chosen] + dem_picture, options.overwrite,
+                     makes_folder=options.output.endswith(os.sep))
     figures = {options.output + name: draw(evaluation) for name, draw in chosen.items()}
     if options.dem:
         figures[dem_picture[0]] = draw_dem(options, evaluation)

@@ -229,6 +229,12 @@ class PlotEvalTest(ScriptTest):
         self.assertEqual(sorted(written), sorted(self.path(f"{name}.png") for name in PICTURES))
         self.expect_pictures("", PICTURES)
 
+    def test_a_folder_that_does_not_exist_yet(self):
+        make_evaluation(self.path("eval.h5"))
+        self.expect_success("plot_eval.py", "eval.h5", "-o", self.path("new/"))
+        self.assertEqual(sorted(os.listdir(self.path("new"))), sorted(f"{name}.png" for name in PICTURES))
+        self.expect_failure(1, "no folder", "plot_eval.py", "eval.h5", "-o", self.path("a/b/"))
+
     def test_no_holes(self):
         make_evaluation(self.path("eval.h5"), empty_bins=())
         self.expect_success("plot_eval.py", "eval.h5")
