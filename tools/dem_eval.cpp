@@ -93,6 +93,19 @@ ExitCode verdict(const cli::Session& session, const Options& o, const Metrics& m
   return ExitCode::requirement_missed;
 }
 
+/// A refusal names both the configuration and the DEM that do not go together.
+Evaluation judge_dem(const cli::Session& session, const Options& o, const DemInput& dem,
+                     const EvaluationParameters& parameters, EvaluationOutput kept,
+                     const ProgressCallback& progress) {
+  try {
+    return evaluate(dem.layers, parameters, kept, progress);
+  } catch (const UsageError& error) {
+    throw UsageError(session.config_name() + ": /" + error.what() + " (" + o.dem + ")");
+  } catch (const FormatError& error) {
+    throw FormatError(o.dem + ": " + error.what());
+  }
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.table && session.options().json_summary) throw UsageError("--table and --json both want stdout");
@@ -107,7 +120,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
     const auto kept = o.metrics_only ? EvaluationOutput::metrics_only : EvaluationOutput::layers_and_metrics;
-    evaluation = evaluate(dem.layers, parameters, kept, progress);
+    evaluation = judge_dem(session, o, dem, parameters, kept, progress);
   });
   session.phase("write", [&](const ProgressCallback&) { outputs.write(dem, evaluation); });
   session.count("metrics", metrics_json(evaluation.metrics));

@@ -33,6 +33,15 @@ nlohmann::json parse_or_null(const std::optional<std::string>& text) {
   return value.is_discarded() ? nlohmann::json() : value;
 }
 
+/// A foreign file's history counts only where all of it can be understood.
+bool is_history(const nlohmann::json& chain) {
+  const auto is_step = [](const nlohmann::json& step) {
+    return step.is_object() && step.contains("tool") && step["tool"].is_string() &&
+           step.contains("file_id") && step["file_id"].is_string();
+  };
+  return chain.is_array() && std::all_of(chain.begin(), chain.end(), is_step);
+}
+
 }  // namespace
 
 LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
@@ -93,7 +102,7 @@ void LandfallFileReader::read_provenance() {
   if (!group) return;
   config_ = parse_or_null(h5::read_text(group.get(), "config_json"));
   nlohmann::json upstream = parse_or_null(h5::read_text(group.get(), "chain_json"));
-  if (upstream.is_array()) chain_ = std::move(upstream);
+  if (is_history(upstream)) chain_ = std::move(upstream);
   nlohmann::json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
                          {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
                          {"file_id", file_id_},

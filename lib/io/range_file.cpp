@@ -66,7 +66,10 @@ void RangeFile::require_match(const Provenance& provenance) const {
 
 void RangeFile::require_complete_ranges() const {
   const Json noise = file_.config().value("noise", Json::object());
-  const bool all_returned = noise.value("dropout_frac", 0.0) == 0 && noise.value("dead_pixel_frac", 0.0) == 0;
+  const auto is_zero = [&](const char* key) {
+    return noise.is_object() && noise.contains(key) && noise[key] == 0;
+  };
+  const bool all_returned = is_zero("dropout_frac") && is_zero("dead_pixel_frac");
   const bool misses_kept = h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
   if (!all_returned && !misses_kept)
     throw UsageError(

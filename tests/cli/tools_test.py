@@ -199,6 +199,13 @@ class Regrid(ChainTest):
         inside = (np.abs(np.floor(x / 0.1 + 0.5)) <= 10) & (np.abs(np.floor(y / 0.1 + 0.5)) <= 10)
         self.assertEqual((counts["inside_count"], counts["outside_count"]), (inside.sum(), (~inside).sum()))
 
+    def test_a_history_that_is_not_understood_is_left_out(self):
+        for text in ("[1, 2]", '{"tool": 1}', '[{"tool": 1, "file_id": "a"}]', "no JSON"):
+            def change(file, text=text):
+                file["provenance/chain_json"][()] = text
+            self.succeed("regrid", self.changed_scan(change), "--terrain", self.chain.terrain, "-O", "-o",
+                         self.path("d.h5"), "-c", self.chain.config("regrid"))
+
     def test_truth_at(self):
         self.refuse_dem(2, self.chain.scan, "--truth-at", "middle", words=["--truth-at", "middle"])
 
@@ -211,7 +218,7 @@ class DemEval(ChainTest):
 
     def test_region_that_does_not_fit(self):
         self.refuse(2, "dem-eval", *self.arguments("--set", "region_radius_m=50"), "-o", self.path("e.h5"),
-                    words=["region_radius_m", "50", "fit"], output=self.path("e.h5"))
+                    words=["/region_radius_m", "50", "fit", self.chain.dem], output=self.path("e.h5"))
 
     def test_require_pass_is_3_and_writes_the_evaluation(self):
         result = run("dem-eval", *self.arguments("--require-pass"), "-o", self.path("e.h5"))
