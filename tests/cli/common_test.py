@@ -3,7 +3,6 @@
 """What the four tools share (SPEC section 1): options, exit codes, messages, refusals."""
 import json
 import os
-import re
 import shutil
 import subprocess
 import time
@@ -11,13 +10,8 @@ import unittest
 
 import h5py
 import jsonschema
-from tools import CONFIGS, TOOLS, ChainTest, ToolTest, read_bytes, run, tool, with_values
+from tools import CONFIGS, INPUTS, TOOLS, ChainTest, ToolTest, read_bytes, run, tool
 
-# A key of each tool's configuration, a valid value of it and one out of range.
-KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),
-        "regrid": ("resolution_m", 0.2, 0), "dem-eval": ("limits.invalid_frac", 0.5, 1.5)}
-MISSPELT = {"terrain-gen": ("feature", "features"), "scan-sim": ("trajektory", "trajectory"),
-            "regrid": ("resolution", "resolution_m"), "dem-eval": ("region_radius", "region_radius_m")}
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
           "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
           "-h,--help", "--compression", "--record-environment"]
@@ -111,143 +105,6 @@ class Information(ToolTest):
                                             check=False)
                 self.assertEqual(result.returncode, 1, f"{name} {option}")
                 self.check_message(name, result.stderr, ["standard output"])
-
-
-class Check(ToolTest):
-    """--check validates the configuration and does nothing else."""
-
-    def test_a_valid_config_is_silent_and_writes_nothing(self):
-        for name in TOOLS:
-            result = self.succeed(name, "-c", self.config(CONFIGS[name]), "--check", "-o", self.path("out.h5"))
-            self.assertEqual((result.stdout, self.entries()), ("", ["config.json"]))
-
-    def test_it_opens_no_data(self):
-        inputs = {"terrain-gen": ["--set", 'base={"type":"dem","path":"/nowhere/dem.tif"}'],
-                  "scan-sim": ["--terrain", "/nowhere/terrain.h5", "--set",
-                               'trajectory={"type":"table","path":"/nowhere/table.csv"}'],
-                  "regrid": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"],
-                  "dem-eval": ["/nowhere/dem.h5"]}
-        for name in TOOLS:
-            self.succeed(name, "--check", *inputs[name])
-
-    def test_what_a_run_would_refuse_as_a_config_check_refuses(self):
-        for name, assignment, words in [
-                ("terrain-gen", "grid.resolution_m=0.7", ["/grid", "half_width_m 60", "0.7"]),
-                ("scan-sim", "laser.scan_time_s=0.00001", ["config", "pulse_rate_hz x scan_time_s"]),
-                ("scan-sim", "laser.scan_time_s=1000000", ["config", "pulse_rate_hz x scan_time_s"]),
-                ("regrid", "resolution_m=0.07", ["half_width_m 50", "0.07"]),
-                ("dem-eval", "quantile=1.01", ["/quantile", "1.01"])]:
-            self.refuse(2, name, "--check", "--set", assignment, words=words)
-
-
-class Config(ToolTest):
-    """A configuration that is wrong is exit 2, one line, no output; the line says what, where and the bound."""
-
-    def refuse_config(self, name, text, words):
-        output = self.path("out.h5")
-        self.refuse(2, name, "-c", self.config(text), "-o", output, *INPUTS[name], words=words, output=output)
-
-    def test_unknown_key(self):
-        for name in TOOLS:
-            word, meant = MISSPELT[name]
-            self.refuse_config(name, {word: 1}, ["config.json", f"/{word}", f'did you mean "{meant}"?'])
-        self.refuse_config("scan-sim", {"noise": {"dropout": 0.1}}, ["/noise/dropout", "dropout_frac"])
-
-    def test_value_out_of_range(self):
-        for name in TOOLS:
-            key, _, bad = KEYS[name]
-            config = with_values({"grid": {}, "noise": {}, "limits": {}}, **{key.replace(".", "__"): bad})
-            config = {k: v for k, v in config.items() if v != {}}
-            self.refuse_config(name, config, ["/" + key.replace(".", "/"), str(bad)])
-
-    def test_wrong_type(self):
-        for name in TOOLS:
-            key = KEYS[name][0]
-            config = with_values({"grid": {}, "noise": {}, "limits": {}}, **{key.replace(".", "__"): "much"})
-            config = {k: v for k, v in config.items() if v != {}}
-            self.refuse_config(name, config, ["/" + key.replace(".", "/"), '"much"', "number"])
-
-    def test_nan_infinity_and_overflow_are_no_json(self):
-        for name in TOOLS:
-            for value in ["NaN", "nan", "Infinity", "-Infinity", "1e999"]:
-                self.refuse_config(name, f'{{"seed": {value}}}', ["config.json", "not valid JSON"])
-
-    def test_duplicate_key(self):
-        for name in TOOLS:
-            self.refuse_config(name, '{"a": {"b": 1, "b": 2}}', ["config.json", '"b"', "twice"])
-
-    def test_text_that_is_no_json_object(self):
-        for name in TOOLS:
-            for text in ["", "{", "{}}", "nonsense", '{"a": 1,}', "\0\0\0\0", '{"a": "\udcff"}']:
-                with open(self.path("config.json"), "wb") as file:
-                    file.write(text.encode("utf-8", "surrogateescape"))
-                self.refuse(2, name, "-c", self.path("config.json"), "--check", words=["config.json"])
-            self.refuse_config(name, "[]", ["config.json", "object"])
-            self.refuse_config(name, "3", ["config.json", "object"])
-
-    def test_config_that_cannot_be_read(self):
-        for name in TOOLS:
-            self.refuse(2, name, "-c", self.path("none.json"), "--check", words=["none.json"])
-            self.refuse(2, name, "-c", self.folder, "--check", words=[self.folder])
-
-    def test_deep_nesting_is_refused_not_a_crash(self):
-        for name in TOOLS:
-            self.refuse_config(name, '{"a":' * 50000 + "1" + "}" * 50000, ["config.json"])
-
-
-# Inputs that need not exist: a wrong configuration is refused before any is opened.
-INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
-          "dem-eval": ["/nowhere/dem.h5"]}
-
-
-class Assignments(ToolTest):
-    """--set, the config file, standard input and --seed."""
-
-    def resolved(self, name, *arguments, **options):
-        return json.loads(self.succeed(name, "--print-config", *arguments, **options).stdout)
-
-    def test_set_wins_over_the_file_and_the_last_one_wins(self):
-        for name in TOOLS:
-            key, value, _ = KEYS[name]
-            folder, _, leaf = key.rpartition(".")
-            config = self.config(CONFIGS[name])
-            resolved = self.resolved(name, "-c", config, "--set", f"{key}=0.4", f"--set={key}={value}")
-            self.assertEqual((resolved[folder] if folder else resolved)[leaf], value)
-
-    def test_set_takes_arrays_objects_texts_and_indices(self):
-        scan = self.resolved("scan-sim", "--set", "mount.position_m=[1, 2, 3]", "--set", "mount.position_m.1=-4",
-                             "--set", 'scanner={"type": "flash"}', "--set", "detector.ifov_rad=[1e-3,2e-3]")
-        self.assertEqual(scan["mount"]["position_m"], [1, -4, 3])
-        self.assertEqual(scan["scanner"], {"type": "flash"})
-        self.assertEqual(scan["detector"]["ifov_rad"], [1e-3, 2e-3])
-        self.assertEqual(self.resolved("regrid", "--set", 'truth_at="centroid"')["truth_at"], "centroid")
-
-    def test_assignments_that_are_none(self):
-        for name in TOOLS:
-            for text in ["a", "=1", "a=", "a=nonsense", "a=NaN", "a..b=1", '{"a":1}']:
-                self.refuse(2, name, "--check", "--set", text, words=["--set", text])
-        self.refuse(2, "scan-sim", "--check", "--set", "seed=1", "--set", "seed.x=1", words=["--set seed.x=1"])
-        self.refuse(2, "scan-sim", "--check", "--set", 'noise={"range_bias_m":1,"range_bias_m":2}',
-                    words=["--set", "range_bias_m", "twice"])
-
-    def test_config_from_standard_input(self):
-        for name in TOOLS:
-            self.assertEqual(self.resolved(name, "-c", "-", stdin=json.dumps(CONFIGS[name])),
-                             self.resolved(name, "-c", self.config(CONFIGS[name])))
-            self.refuse(2, name, "-c", "-", "--check", stdin='{"nope": 1}', words=["standard input", "/nope"])
-            self.refuse(2, name, "-c", "-", "--check", stdin="", words=["standard input"])
-
-    def test_seed_option_wins_over_set_and_file(self):
-        for name in ["terrain-gen", "scan-sim"]:
-            config = self.config({"seed": 5})
-            self.assertEqual(self.resolved(name)["seed"], 1)
-            self.assertEqual(self.resolved(name, "-c", config)["seed"], 5)
-            self.assertEqual(self.resolved(name, "-c", config, "--set", "seed=6")["seed"], 6)
-            self.assertEqual(self.resolved(name, "-c", config, "--set", "seed=6", "--seed", "7")["seed"], 7)
-            self.assertEqual(self.resolved(name, "--seed", 2**53 - 1)["seed"], 2**53 - 1)
-            for bad in ["-1", "x", "1.5", str(2**53)]:
-                self.refuse(2, name, "--check", "--seed", bad, words=["--seed"])
-
 
 class Usage(ToolTest):
     def test_unknown_flag_and_surplus_argument(self):

@@ -37,6 +37,10 @@ EVAL = {"region_radius_m": 4, "footprint_m": 0.7, "quantile": 0.95,
                    "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1, "absolute_horizontal_frac": 0.95}}
 CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL}
 
+# Inputs that need not exist: a wrong flag or configuration is refused before any is opened.
+INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
+          "dem-eval": ["/nowhere/dem.h5"]}
+
 
 def tool(name):
     return os.path.join(BIN, name)
