@@ -44,8 +44,10 @@ void bind(CLI::App& app, Options& o) {
 class Outputs {
  public:
   Outputs(const cli::Session& session, const Options& o) {
-    if (!o.metrics_only || !session.options().output_path.empty()) layers_ = session.output();
+    if (!o.metrics_only || !session.options().output_path.empty()) layers_ = session.output({o.dem});
     if (o.metrics.empty()) return;
+    if (o.metrics == "-") throw UsageError("--metrics wants a file; --metrics-only alone prints the metrics");
+    if (same_file(o.metrics, o.dem)) throw UsageError("--metrics names the DEM itself, " + o.metrics);
     if (layers_ && same_file(layers_->path, o.metrics))
       throw UsageError("-o and --metrics name the same file, " + o.metrics);
     metrics_ = std::make_unique<OutputPath>(o.metrics, session.options().overwrite);
@@ -62,11 +64,6 @@ class Outputs {
   }
 
  private:
-  static bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-    std::error_code ignored;
-    return std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
-  }
-
   std::optional<OutputOptions> layers_;
   std::unique_ptr<LandfallFileWriter> file_;
   std::unique_ptr<OutputPath> metrics_;

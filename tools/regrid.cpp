@@ -27,6 +27,7 @@ constexpr std::size_t kBatchRows = 8 * kTableChunkRows;
 struct Options {
   std::vector<std::string> scans;
   std::string terrain;
+  std::string layers_text;
   std::vector<std::string> layers;
   std::string truth_at;
   bool other_terrain = false;
@@ -35,9 +36,9 @@ struct Options {
 void bind(CLI::App& app, Options& o) {
   app.add_option("scans", o.scans, "Scans to grid (scan.h5)")->type_name("FILE...");
   app.add_option("--terrain", o.terrain, "True terrain, for the layer z_true")->type_name("FILE");
-  app.add_option("--layers", o.layers, "Write only these layers, comma-separated")
-      ->delimiter(',')
-      ->type_name("NAME,...");
+  app.add_option("--layers", o.layers_text, "Write only these layers, comma-separated")
+      ->type_name("NAME,...")
+      ->each([&o](const std::string& text) { o.layers = CLI::detail::split(text, ','); });
   app.add_option("--truth-at", o.truth_at,
                  "Where z_true is taken: bin_center or centroid; wins over the config")
       ->check(CLI::IsMember({"bin_center", "centroid"}));
@@ -112,7 +113,9 @@ void grid_scans(const Inputs& inputs, BinAccumulator& bins, const ProgressCallba
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.scans.empty()) throw UsageError("a scan to grid is required");
   const RegridConfig config = regrid_config(config_of(session, o), session.config_name());
-  const OutputOptions output = session.output();
+  std::vector<std::string> inputs_named = o.scans;
+  inputs_named.push_back(o.terrain);
+  const OutputOptions output = session.output(inputs_named);
   Inputs inputs = open_inputs(session, o);
   const DemRequest request{o.layers, inputs.terrain ? inputs.terrain->surface.get() : nullptr,
                            config.truth_at};

@@ -138,7 +138,7 @@ std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Option
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");
   const ScanConfig config = scan_config(session.config(), session.config_name());
-  const OutputOptions output = session.output();
+  const OutputOptions output = session.output({o.terrain, o.ranges_from, session.options().config_path});
   Provenance provenance = session.provenance();
   provenance.options = options_json(o);
   std::unique_ptr<const Trajectory> trajectory = read_trajectory(config, provenance);

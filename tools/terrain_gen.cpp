@@ -17,12 +17,11 @@ constexpr const char* kExamples = R"(Examples:
   terrain-gen -o europa.h5 --set 'base={"type":"dem","path":"europa.tif"}' --set grid.resolution_m=0.1
 Configuration: docs/terrain-gen.md and --print-schema.)";
 
-Provenance provenance_of(const cli::Session& session, const TerrainModel& model) {
-  Provenance provenance = session.provenance();
+std::vector<std::string> raster_paths(const TerrainModel& model) {
+  std::vector<std::string> paths;
   for (const Base& base : model.bases)
-    if (const auto* const dem = std::get_if<DemBase>(&base))
-      provenance.add_input("raster", raster_content_id(dem->path), nlohmann::json::array());
-  return provenance;
+    if (const auto* const dem = std::get_if<DemBase>(&base)) paths.push_back(dem->path);
+  return paths;
 }
 
 void count_holes(cli::Session& session, const Grid<double>& nodes) {
@@ -34,12 +33,18 @@ void count_holes(cli::Session& session, const Grid<double>& nodes) {
 
 ExitCode run(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
-  const OutputOptions output = session.output();
-  LandfallFileWriter file(output, "terrain", provenance_of(session, config.model));
+  const OutputOptions output = session.output(raster_paths(config.model));
+  Provenance provenance = session.provenance();
+  const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
+    DemRaster raster = load_dem(dem, site);
+    provenance.add_input("raster", raster_id(raster), nlohmann::json::array());
+    return raster;
+  };
   GeneratedTerrain terrain;
   session.phase("terrain", [&](const ProgressCallback& progress) {
-    terrain = generate_terrain(config.model, config.grid, load_dem, progress);
+    terrain = generate_terrain(config.model, config.grid, load, progress);
   });
+  LandfallFileWriter file(output, "terrain", provenance);
   session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
   count_holes(session, terrain.nodes);
   return ExitCode::done;

@@ -5,14 +5,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <ctime>
 #include <iostream>
 #include <memory>
 #include <new>
 
+#include "base/number_text.h"
 #include "base/parallel.h"
 #include "cli/progress_bar.h"
 #include "config/json_source.h"
+#include "config/scan_config.h"
 #include "config/schema.h"
 #include "io/temporary_files.h"
 
@@ -144,11 +147,16 @@ void Session::resolve_config() {
   if (options_.seed) source.value["seed"] = *options_.seed;
   config_name_ = source.name;
   config_ = landfall::resolve_config(source, embedded_schema(schema_));
+  if (schema_ == "scan") complete_scan_config(config_);
 }
 
-OutputOptions Session::output() const {
+OutputOptions Session::output(const std::vector<std::string>& inputs) const {
   if (options_.output_path.empty()) throw UsageError("-o/--output is required");
   require_usable_output(options_.output_path, options_.overwrite);
+  for (const std::string& input : inputs)
+    if (same_file(options_.output_path, input))
+      throw UsageError("output " + options_.output_path + " is an input of this run; name another file");
+  log("writes " + options_.output_path);
   return {options_.output_path, options_.overwrite, options_.compression};
 }
 
@@ -173,6 +181,7 @@ void Session::phase(const std::string& name, const std::function<void(const Prog
     work({});
   }
   phases_[name] = {{"wall_s", wall_seconds() - wall}, {"cpu_s", cpu_seconds() - cpu}};
+  log(name + " took " + number_text(std::round(1e3 * (wall_seconds() - wall)) / 1e3) + " s");
 }
 
 void Session::log(const std::string& line) const {

@@ -47,8 +47,9 @@ class Session {
   /// The resolved configuration, and its name for messages.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   [[nodiscard]] const std::string& config_name() const { return config_name_; }
-  /// Throws UsageError without -o, or where the output exists or cannot be: call it before the work.
-  [[nodiscard]] OutputOptions output() const;
+  /// Throws UsageError without -o, or where the output exists, cannot be, or is one of the run's own inputs:
+  /// call it before the work.
+  [[nodiscard]] OutputOptions output(const std::vector<std::string>& inputs = {}) const;
   /// The provenance of this run, its inputs still to be added.
   [[nodiscard]] Provenance provenance() const;
 

@@ -92,6 +92,12 @@ std::unique_ptr<const Trajectory> make_trajectory(const ScanConfig& config) {
 
 }  // namespace
 
+void complete_scan_config(Json& resolved) {
+  Json& detector = resolved.at("detector");
+  if (!detector.contains("ifov_rad") && !detector.contains("fov_deg"))
+    detector["ifov_rad"] = PixelFieldOfView{}.x_rad;
+}
+
 ScanConfig scan_config(const Json& resolved, const std::string& name) {
   ScanConfig config;
   config.detector = detector_of(resolved.at("detector"), name);

@@ -38,6 +38,10 @@ struct ScanConfig {
   std::uint64_t seed = 1;
 };
 
+/// Adds the default that the schema cannot state: the pitch of the pixels, where neither ifov_rad nor fov_deg
+/// is given.
+void complete_scan_config(nlohmann::json& resolved);
+
 /// `resolved` comes from resolve_config(). Throws UsageError begun by `name` where values do not go together
 /// (both ifov_rad and fov_deg).
 [[nodiscard]] ScanConfig scan_config(const nlohmann::json& resolved, const std::string& name);

@@ -2,6 +2,7 @@
 #include "config/schema.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -66,6 +67,7 @@ class Resolver {
       resolve(alternative(schema, value, pointer), value, pointer);
       return;
     }
+    if (schema.value("type", "") == "integer") make_integer(value);
     check_type(schema, value, pointer);
     check_choice(schema, value, pointer);
     if (value.is_number()) check_bounds(schema, value, pointer);
@@ -119,6 +121,13 @@ class Resolver {
     const std::string near = value.is_string() ? nearest_word(value.get<std::string>(), words) : "";
     fail(pointer, shown(value) + " is not one of " + listed(choices) +
                       (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+  }
+
+  /// 18.0 is an integer (draft-07), and what some writers make of one.
+  static void make_integer(Json& value) {
+    if (!value.is_number_float()) return;
+    const double number = value.get<double>();
+    if (std::abs(number) <= 0x1p53 && number == std::floor(number)) value = static_cast<std::int64_t>(number);
   }
 
   void check_type(const Json& schema, const Json& value, const std::string& pointer) const {

@@ -19,8 +19,8 @@ void write_coverage(GridLayerWriter& out, const EvaluationLayers& layers) {
   out.write("distance_to_valid", layers.distance_to_valid,
             {"1", "distance to the nearest valid bin, in bins"});
   GridLayerWriter::LayerText fail{"1", "missed requirements of the bin or of the footprint centred on it"};
-  fail.flag_values = {kFailRelativeX,          kFailRelativeY, kFailRelativeZ,
-                      kFailAbsoluteHorizontal, kFailHoleSize,  kFailDistance};
+  fail.flag_masks = {kFailRelativeX,          kFailRelativeY, kFailRelativeZ,
+                     kFailAbsoluteHorizontal, kFailHoleSize,  kFailDistance};
   fail.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
   out.write("fail", layers.fail, fail);
 }

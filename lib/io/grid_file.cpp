@@ -36,7 +36,8 @@ std::vector<T> tile_values(const Grid<T>& layer, BinIndex first, BinIndex tile) 
   return values;
 }
 
-h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values) {
+h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values,
+                      const std::string& place) {
   const std::string axis = name;
   h5::Handle dataset =
       h5::create_dataset(root, axis, h5::Type::float64, {.size = {values.size()}, .chunk = {}});
@@ -44,7 +45,7 @@ h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& v
     throw IoError("writing /" + axis + " failed: " + h5::failure_reason());
   H5DSset_scale(dataset.get(), name);
   h5::write_attribute(dataset.get(), "units", std::string("m"));
-  h5::write_attribute(dataset.get(), "long_name", axis + " in the DEM frame, bin centre");
+  h5::write_attribute(dataset.get(), "long_name", axis + " in the DEM frame, " + place);
   h5::write_attribute(dataset.get(), "standard_name", "projection_" + axis + "_coordinate");
   h5::write_attribute(dataset.get(), "axis", std::string(axis == "x" ? "X" : "Y"));
   return dataset;
@@ -111,15 +112,15 @@ GridSpec read_spec(const LandfallFileReader& file) {
 }  // namespace
 
 GridLayerWriter::GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec,
-                                 const std::string& crs_wkt)
+                                 const std::string& crs_wkt, const std::string& place)
     : root_(file.root()), compression_(file.compression()), spec_(spec) {
   std::vector<double> x(static_cast<std::size_t>(spec.cols));
   std::vector<double> y(static_cast<std::size_t>(spec.rows));
   for (std::int64_t c = 0; c < spec.cols; ++c) x[static_cast<std::size_t>(c)] = spec.x(c);
   for (std::int64_t r = 0; r < spec.rows; ++r) y[static_cast<std::size_t>(r)] = spec.y(r);
   h5::write_attribute(root_, "resolution_m", spec.resolution_m);
-  x_ = write_axis(root_, "x", x);
-  y_ = write_axis(root_, "y", y);
+  x_ = write_axis(root_, "x", x, place);
+  y_ = write_axis(root_, "y", y, place);
   write_crs(root_, crs_wkt);
 }
 
@@ -143,10 +144,9 @@ void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const
   h5::write_attribute(dataset.get(), "units", text.units);
   h5::write_attribute(dataset.get(), "long_name", text.long_name);
   h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
-  if (!text.flag_values.empty()) {
-    h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
-    h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
-  }
+  if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
+  if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
+  if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
   const auto tiles_across = static_cast<std::size_t>((spec_.cols + tile.col - 1) / tile.col);
   std::vector<std::vector<std::byte>> encoded(tiles_across);
   for (std::int64_t row = 0; row < spec_.rows; row += tile.row) {

@@ -14,14 +14,16 @@ namespace landfall {
 /// rules), so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
 class GridLayerWriter {
  public:
-  /// Writes /x, /y and /crs. `crs_wkt` is the site frame.
-  GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt);
+  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `place` says what the coordinates are of.
+  GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
+                  const std::string& place = "bin centre");
 
   struct LayerText {
     std::string units;
     std::string long_name;
     std::vector<std::int8_t> flag_values = {};
     std::string flag_meanings = {};
+    std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>

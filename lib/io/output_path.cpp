@@ -104,4 +104,9 @@ void write_text(const OutputPath& output, const std::string& text) {
     throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
 }
 
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
 }  // namespace landfall

@@ -34,6 +34,9 @@ class OutputPath {
   bool committed_ = false;
 };
 
+/// Whether two names lead to one file, which need not exist.
+[[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
 /// What OutputPath refuses, without claiming the name: for a refusal before the inputs are read. Throws
 /// UsageError.
 void require_usable_output(const std::filesystem::path& path, bool overwrite);

@@ -64,15 +64,4 @@ std::string content_id(const std::filesystem::path& path) {
   return hash.hex();
 }
 
-std::string raster_content_id(const std::string& name) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(name, error)) return content_id(name);
-  const std::size_t open = name.find('"');
-  const std::size_t close = name.rfind('"');
-  if (open == std::string::npos || close <= open) return Hash().update(name).hex();
-  const std::string file = name.substr(open + 1, close - open - 1);
-  if (!std::filesystem::is_regular_file(file, error)) return Hash().update(name).hex();
-  return Hash().update(name.substr(0, open)).update(content_id(file)).update(name.substr(close + 1)).hex();
-}
-
 }  // namespace landfall

@@ -41,10 +41,6 @@ struct Provenance {
 /// The hash of a foreign file's bytes. Throws FormatError if it cannot be read.
 [[nodiscard]] std::string content_id(const std::filesystem::path& path);
 
-/// The same for whatever GDAL opens: a file, or a name such as NETCDF:"file.h5":z, of which the file's bytes
-/// and what stands around it count. A name that holds no file on this disk counts as itself.
-[[nodiscard]] std::string raster_content_id(const std::string& name);
-
 /// "0.1.0", and "landfall scan-sim 0.1.0 (git 0123abc)".
 [[nodiscard]] std::string program_version();
 [[nodiscard]] std::string source_line(const std::string& tool);

@@ -3,15 +3,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
+#include "base/hash.h"
 #include "io/grid_file.h"
 
 namespace landfall {
 
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
-  GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt);
+  GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
   layers.write("z", terrain.nodes, {"m", "true elevation at the grid node"});
   file.commit();
+}
+
+std::string raster_id(const DemRaster& raster) {
+  Hash hash;
+  hash.update(raster.crs_wkt).update(std::as_bytes(std::span(raster.samples.values)));
+  std::vector<double> place = {static_cast<double>(raster.samples.size.cols)};
+  for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{1, 0}, SitePoint{0, 1}}) {
+    const PixelPosition pixel = raster.mapping.pixel(point);
+    place.insert(place.end(), {pixel.col, pixel.row});
+  }
+  return hash.update(std::as_bytes(std::span(place))).hex();
 }
 
 TerrainInput read_terrain(const std::filesystem::path& path) {

@@ -13,6 +13,10 @@ namespace landfall {
 /// Writes terrain.h5: /x /y /z (float64) and the site frame (SPEC section 8).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
+/// The id of an imported raster: a hash of what was read of it, samples, place and frame. Files beside the
+/// named one (a world file, the parts of a VRT) count through what they change; the file's name does not.
+[[nodiscard]] std::string raster_id(const DemRaster& raster);
+
 /// A terrain as other tools use it.
 struct TerrainInput {
   std::shared_ptr<const TriangulatedGrid> surface;

@@ -65,7 +65,9 @@ class CsvReader {
     return false;
   }
 
-  void read_header(const std::string& line) {
+  void read_header(std::string_view line) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some spreadsheets begin UTF-8 with it
+    if (line.substr(0, 3) == kByteOrderMark) line.remove_prefix(3);
     const auto names = cells_of(line);
     for (std::size_t i = 0; i < kColumns.size(); ++i) {
       const auto found = std::find(names.begin(), names.end(), kColumns[i]);

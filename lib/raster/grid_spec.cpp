@@ -19,6 +19,10 @@ GridSpec GridSpec::centered(double half_width_m, double resolution_m, const char
     refuse("half_width_m " + number_text(half_width_m) +
            " is not a whole multiple (1 to 2^30) of resolution_m " + number_text(resolution_m));
   const auto n = static_cast<std::int64_t>(half);
+  if ((2 * n + 1) * (2 * n + 1) > (std::int64_t{1} << 30U))
+    refuse("half_width_m " + number_text(half_width_m) + " at resolution_m " + number_text(resolution_m) +
+           " makes " + std::to_string(2 * n + 1) + " x " + std::to_string(2 * n + 1) +
+           " values, more than 2^30");
   return {resolution_m, -n, -n, 2 * n + 1, 2 * n + 1};
 }
 

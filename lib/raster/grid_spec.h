@@ -25,8 +25,8 @@ struct GridSpec {
   std::int64_t cols = 0;
 
   /// Centres from -half_width_m to +half_width_m inclusive. Throws UsageError unless the resolution is finite
-  /// and positive, and half_width_m / resolution_m is a whole number >= 1 within 1e-9. `what` begins the
-  /// message: "terrain.json: /grid".
+  /// and positive, and half_width_m / resolution_m is a whole number >= 1 within 1e-9, and the grid has at
+  /// most 2^30 values. `what` begins the message: "terrain.json: /grid".
   static GridSpec centered(double half_width_m, double resolution_m, const char* what = "grid");
 
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(rows * cols); }

@@ -80,7 +80,8 @@ class Information(ToolTest):
         self.assertEqual((terrain["grid"], terrain["features"], terrain["patterns"], terrain["seed"]),
                          ({"half_width_m": 60, "resolution_m": 0.05}, [], [], 1))
         scan = resolved("scan-sim")
-        self.assertEqual(scan["detector"], {"rows": 18, "columns": 18, "subpixels": 1, "roll_deg": 0})
+        self.assertEqual(scan["detector"], {"rows": 18, "columns": 18, "subpixels": 1, "roll_deg": 0,
+                                            "ifov_rad": 1.6e-3 / 18})
         self.assertEqual(scan["laser"], {"pulse_rate_hz": 20000, "scan_time_s": 2})
         self.assertEqual(scan["trajectory"], {
             "type": "constant_velocity", "position_m": [0, 0, 500], "velocity_mps": [0, 0, -23],
@@ -334,6 +335,10 @@ class Summary(ChainTest):
 
     def test_verbose_speaks_on_stderr_and_quiet_wins(self):
         for name in TOOLS:
+            result = run(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", "-v")
+            self.assertEqual((result.returncode, result.stdout), (0, ""))
+            self.assertRegex(result.stderr, rf"(?m)^{name}: writes .*out\.h5$")
+            self.assertRegex(result.stderr, rf"(?m)^{name}: \w+ took [0-9.]+ s$")
             for flags in (["-q"], ["-q", "-v"], ["-q", "--progress"], ["--no-progress"]):
                 result = self.succeed(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", *flags)
                 self.assertEqual(result.stdout, "")

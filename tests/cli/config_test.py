@@ -40,6 +40,21 @@ class Check(ToolTest):
             self.refuse(2, name, "--check", "--set", assignment, words=words)
 
 
+class Resolved(ToolTest):
+    """What --print-config adds to what was given."""
+
+    def resolved(self, *values):
+        return json.loads(self.succeed("scan-sim", "--print-config", *values).stdout)
+
+    def test_the_pitch_of_the_pixels_is_always_stated(self):
+        self.assertAlmostEqual(self.resolved()["detector"]["ifov_rad"], 1.6e-3 / 18, delta=1e-18)
+        self.assertNotIn("ifov_rad", self.resolved("--set", "detector.fov_deg=1")["detector"])
+
+    def test_a_whole_number_is_an_integer_however_it_is_written(self):
+        self.assertEqual(self.resolved("--set", "detector.rows=3.0")["detector"]["rows"], 3)
+        self.refuse(2, "scan-sim", "--print-config", "--set", "detector.rows=3.5", words=["/detector/rows", "3.5"])
+
+
 class Config(ToolTest):
     """A configuration that is wrong is exit 2, one line, no output; the line says what, where and the bound."""
 

@@ -162,6 +162,29 @@ class Regrid(ChainTest):
             change(file)
         return self.path("s.h5")
 
+    def test_layers_may_stand_before_or_behind_the_scans(self):
+        for arguments in (["--layers", "z_est,count", self.chain.scan], [self.chain.scan, "--layers", "z_est,count"]):
+            self.succeed("regrid", *arguments, "-c", self.chain.config("regrid"), "-O", "-o", self.path("d.h5"))
+            with h5py.File(self.path("d.h5")) as file:
+                layers = {name for name, item in file.items() if len(getattr(item, "shape", ())) == 2}
+            self.assertEqual(layers, {"z_est", "count"})
+
+    def test_an_output_that_is_an_input_is_refused(self):
+        shutil.copy(self.chain.scan, self.path("s.h5"))
+        before = read_bytes(self.path("s.h5"))
+        self.refuse(2, "regrid", self.path("s.h5"), "-O", "-o", self.path("s.h5"), words=["s.h5", "input"])
+        self.assertEqual(read_bytes(self.path("s.h5")), before)
+        shutil.copy(self.chain.dem, self.path("d.h5"))
+        for output in (["-o", self.path("d.h5")], ["-o", self.path("e.h5"), "--metrics", self.path("d.h5")]):
+            self.refuse(2, "dem-eval", self.path("d.h5"), "-c", self.chain.config("dem-eval"), "-O", *output,
+                        words=["d.h5"])
+        self.assertEqual(read_bytes(self.path("d.h5")), read_bytes(self.chain.dem))
+
+    def test_a_grid_too_large_is_refused_by_check_too(self):
+        for name, values in (("regrid", ["half_width_m=600000"]), ("terrain-gen", ["grid.half_width_m=60000"])):
+            self.refuse(2, name, "--check", *[word for value in values for word in ("--set", value)],
+                        words=["half_width_m", "2^30"])
+
     def test_layers(self):
         self.refuse_dem(2, self.chain.scan, "--layers", "z_est,zest", words=["--layers", "'zest'", "z_est"])
         self.refuse_dem(2, self.chain.scan, "--layers", "z_true", words=["z_true", "--terrain"])

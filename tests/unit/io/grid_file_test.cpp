@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "io/terrain_file.h"
 #include "temporary_folder.h"
 
 namespace landfall {
@@ -127,19 +128,19 @@ TEST(Provenance, AStepReachedTwiceStandsOnce) {
   EXPECT_EQ(p.inputs.size(), 3U);
 }
 
-// A subdataset's id follows the file's bytes, not its folder.
-TEST(Provenance, RasterIdIsOfTheBytes) {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "a.nc") << "same";
-  std::ofstream(folder / "b.nc") << "same";
-  const auto subdataset = [&](const char* file, const char* layer) {
-    return raster_content_id("NETCDF:\"" + (folder / file).string() + "\":" + layer);
+// What was read counts, not the file's name: a raster may consist of several files.
+TEST(Provenance, RasterIdIsOfWhatWasRead) {
+  const auto raster = [](double sample, double cell) {
+    return DemRaster{{{2, 2}, {1, 2, 3, sample}},
+                     SiteMapping(GeoTransform({0, cell, 0, 0, 0, -cell}), {1, 1}, 1),
+                     "frame",
+                     {"a.tif", "GTiff", {2, 2}, 1}};
   };
-  EXPECT_EQ(raster_content_id((folder / "a.nc").string()), raster_content_id((folder / "b.nc").string()));
-  EXPECT_EQ(subdataset("a.nc", "z"), subdataset("b.nc", "z"));
-  EXPECT_NE(subdataset("a.nc", "z"), subdataset("a.nc", "y"));
-  std::ofstream(folder / "b.nc") << "other";
-  EXPECT_NE(subdataset("a.nc", "z"), subdataset("b.nc", "z"));
+  DemRaster renamed = raster(4, 1);
+  renamed.source.path = "b.tif";
+  EXPECT_EQ(raster_id(raster(4, 1)), raster_id(renamed));
+  EXPECT_NE(raster_id(raster(4, 1)), raster_id(raster(5, 1)));
+  EXPECT_NE(raster_id(raster(4, 1)), raster_id(raster(4, 2)));
 }
 
 }  // namespace
