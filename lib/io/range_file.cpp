@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/range_file.h"
 
+#include <array>
 #include <limits>
 
 #include "base/error.h"
@@ -35,7 +36,9 @@ std::string first_difference(const Json& a, const Json& b, const std::string& po
 }  // namespace
 
 RangeFile::RangeFile(const std::filesystem::path& path)
-    : file_(path, {"scan"}), points_(file_.root(), "points", file_.name()) {
+    : file_(path, {"scan"}),
+      points_(file_.root(), "points", file_.name()),
+      range_and_pixel_(points_, {"range_true", "pixel"}) {
   const TableReader pulses(file_.root(), "pulses", file_.name());
   begin_ = read_column<std::int64_t>(pulses, "point_begin");
   count_ = read_column<std::int32_t>(pulses, "point_count");
@@ -90,7 +93,7 @@ TerrainInput RangeFile::terrain() const {
   return terrain;
 }
 
-std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_count) const {
+std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_count) {
   const auto first = static_cast<std::size_t>(pulses.first);
   const auto end = first + static_cast<std::size_t>(pulses.count);
   if (end > begin_.size()) file_.fail("has " + std::to_string(begin_.size()) + " pulses, this scan more");
@@ -101,8 +104,8 @@ std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_cou
     file_.fail("/pulses/point_begin does not fit /points");
   std::vector<double> range(static_cast<std::size_t>(row_count));
   std::vector<std::int32_t> pixel(range.size());
-  points_.read("range_true", static_cast<std::size_t>(first_row), std::span(range));
-  points_.read("pixel", static_cast<std::size_t>(first_row), std::span(pixel));
+  const std::array<ColumnTarget, 2> targets = {std::span(range), std::span(pixel)};
+  range_and_pixel_.read(static_cast<std::size_t>(first_row), targets);
   std::vector<double> result(static_cast<std::size_t>(most), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t pulse = first; pulse < end; ++pulse)
     for (std::int64_t i = 0; i < count_[pulse]; ++i) {

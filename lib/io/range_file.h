@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/column_reader.h"
 #include "io/landfall_file.h"
 #include "io/provenance.h"
 #include "io/table.h"
@@ -30,15 +31,16 @@ class RangeFile {
   /// The terrain that was scanned, by name only: no surface.
   [[nodiscard]] TerrainInput terrain() const;
 
-  /// The true ranges, one per pixel and pulse, NaN for a miss. Throws FormatError where the file's rows do
-  /// not fit.
-  [[nodiscard]] std::vector<double> ranges_m(PulseRange pulses, std::size_t pixel_count) const;
+  /// The true ranges, one per pixel and pulse, NaN for a miss; fastest in order. Throws FormatError where the
+  /// file's rows do not fit.
+  [[nodiscard]] std::vector<double> ranges_m(PulseRange pulses, std::size_t pixel_count);
 
  private:
   void require_complete_ranges() const;
 
   LandfallFileReader file_;
   TableReader points_;
+  ColumnReader range_and_pixel_;
   std::vector<std::int64_t> begin_;  ///< first row of each pulse in /points
   std::vector<std::int32_t> count_;
 };

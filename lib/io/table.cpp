@@ -2,11 +2,13 @@
 #include "io/table.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "io/chunk_codec.h"
+#include "io/column_reader.h"
 
 namespace landfall {
 namespace {
@@ -123,7 +125,7 @@ bool TableReader::has(const std::string& column) const { return h5::exists(group
 h5::Handle TableReader::open(const std::string& column) const {
   h5::Handle dataset;
   if (has(column)) dataset = h5::Handle(H5Dopen2(group_.get(), column.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!dataset) throw FormatError(file_ + ": no column " + name_ + "/" + column);
+  if (!dataset) throw FormatError(file_ + ": no column " + path_of(column));
   return dataset;
 }
 
@@ -131,7 +133,7 @@ std::size_t TableReader::row_count(const std::string& column) const {
   const h5::Handle dataset = open(column);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   if (H5Sget_simple_extent_ndims(space.get()) != 1)
-    throw FormatError(file_ + ": column " + name_ + "/" + column + " is not one-dimensional");
+    throw FormatError(file_ + ": column " + path_of(column) + " is not one-dimensional");
   return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get()));
 }
 
@@ -143,17 +145,8 @@ std::size_t TableReader::element_size(const std::string& column) const {
 
 template <class T>
 void TableReader::read(const std::string& column, std::size_t begin, std::span<T> out) const {
-  if (out.empty()) return;
-  const h5::Handle dataset = open(column);
-  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  const hsize_t offset = begin;
-  const hsize_t count = out.size();
-  const h5::Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const bool selected =
-      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &offset, nullptr, &count, nullptr) >= 0;
-  if (!selected || H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), memory.get(), space.get(),
-                           H5P_DEFAULT, out.data()) < 0)
-    throw FormatError(file_ + ": reading " + name_ + "/" + column + " failed: " + h5::failure_reason());
+  const std::array<ColumnTarget, 1> target = {out};
+  ColumnReader(*this, {column}).read(begin, target);
 }
 
 template void TableReader::read(const std::string&, std::size_t, std::span<double>) const;

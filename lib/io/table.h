@@ -74,14 +74,18 @@ class TableReader {
   [[nodiscard]] std::size_t row_count(const std::string& column) const;
   /// Bytes of one value as stored.
   [[nodiscard]] std::size_t element_size(const std::string& column) const;
-  /// Reads rows [begin, begin + out.size()) converted to T. Throws FormatError where HDF5 fails.
+  /// Reads rows [begin, begin + out.size()) converted to T, as ColumnReader does; for many pieces of a column
+  /// use that one.
   template <class T>
   void read(const std::string& column, std::size_t begin, std::span<T> out) const;
+  /// The column's dataset. Throws FormatError where it is missing.
+  [[nodiscard]] h5::Handle open(const std::string& column) const;
   [[nodiscard]] hid_t group() const { return group_.get(); }
+  [[nodiscard]] const std::string& file() const { return file_; }
+  /// "/group/column", for messages.
+  [[nodiscard]] std::string path_of(const std::string& column) const { return name_ + "/" + column; }
 
  private:
-  [[nodiscard]] h5::Handle open(const std::string& column) const;
-
   std::string file_;
   std::string name_;
   h5::Handle group_;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/chunk_source.h"
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+#include <numeric>
+
+namespace landfall {
+namespace {
+
+std::optional<h5::Type> stored_type(hid_t dataset) {
+  if constexpr (std::endian::native != std::endian::little) return std::nullopt;
+  const h5::Handle type(H5Dget_type(dataset), H5Tclose);
+  using enum h5::Type;
+  for (const h5::Type candidate : {float64, float32, int64, int32, int8})
+    if (H5Tequal(type.get(), h5::native(candidate)) > 0) return candidate;
+  return std::nullopt;
+}
+
+bool has_chunks(hid_t properties, std::span<const hsize_t> chunk) {
+  if (H5Pget_layout(properties) != H5D_CHUNKED) return false;
+  std::vector<hsize_t> found(H5S_MAX_RANK, 0);
+  const int rank = H5Pget_chunk(properties, H5S_MAX_RANK, found.data());
+  return rank == static_cast<int>(chunk.size()) && std::equal(chunk.begin(), chunk.end(), found.begin());
+}
+
+H5Z_filter_t filter_id(hid_t properties, unsigned index) {
+  std::size_t value_count = 0;
+  unsigned flags = 0;
+  return H5Pget_filter2(properties, index, &flags, &value_count, nullptr, 0, nullptr, nullptr);
+}
+
+bool has_our_filters(hid_t properties) {
+  return H5Pget_nfilters(properties) == 2 && filter_id(properties, 0) == H5Z_FILTER_SHUFFLE &&
+         filter_id(properties, 1) == H5Z_FILTER_DEFLATE;
+}
+
+}  // namespace
+
+std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk) {
+  const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  if (!has_chunks(properties.get(), chunk)) return std::nullopt;
+  const bool filtered = has_our_filters(properties.get());
+  if (!filtered && H5Pget_nfilters(properties.get()) != 0) return std::nullopt;
+  const std::optional<h5::Type> type = stored_type(dataset);
+  if (!type) return std::nullopt;
+  const auto count = std::accumulate(chunk.begin(), chunk.end(), hsize_t{1}, std::multiplies<>());
+  return DecodableChunks{*type, {h5::size_of(*type), static_cast<std::size_t>(count), filtered}};
+}
+
+bool load_chunk(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chunk) {
+  hsize_t size = 0;
+  if (H5Dget_chunk_storage_size(dataset, offset.data(), &size) < 0 || size == 0) return false;
+  chunk.bytes.resize(size);
+  return H5Dread_chunk(dataset, H5P_DEFAULT, offset.data(), &chunk.filter_mask, chunk.bytes.data()) >= 0;
+}
+
+}  // namespace landfall
