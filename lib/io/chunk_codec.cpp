@@ -3,12 +3,19 @@
 
 #include <libdeflate.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <string_view>
 
 #include "base/error.h"
+#include "io/byte_shuffle.h"
 
 namespace landfall {
 namespace {
+
+using Bytes = std::span<const std::byte>;
 
 struct Compressor {
   int level = 0;
@@ -27,13 +34,79 @@ libdeflate_compressor* compressor_for(int level) {
   return compressor.codec.get();
 }
 
-std::vector<std::byte> shuffled(std::span<const std::byte> raw, std::size_t element_size) {
-  const std::size_t count = raw.size() / element_size;
-  std::vector<std::byte> result(raw.size());
-  for (std::size_t byte = 0; byte < element_size; ++byte) {
-    std::byte* const target = result.data() + byte * count;
-    for (std::size_t i = 0; i < count; ++i) target[i] = raw[i * element_size + byte];
+/// True where a sample from the middle does not shrink by a sixteenth.
+bool looks_like_noise(Bytes plane, libdeflate_compressor* codec) {
+  constexpr std::size_t kSample = 4096;
+  std::array<std::byte, kSample> target;
+  const Bytes sample = plane.subspan((plane.size() - kSample) / 2, kSample);
+  return libdeflate_deflate_compress(codec, sample.data(), sample.size(), target.data(),
+                                     kSample - kSample / 16) == 0;
+}
+
+/// True where pieces of the plane are found once more as far back as deflate reaches: noise that comes again,
+/// as in pulses that all see the same.
+bool repeats(Bytes plane) {
+  constexpr std::size_t kPieces = 4;
+  constexpr std::size_t kPieceBytes = 8;
+  constexpr std::size_t kReach = 32768;
+  const std::string_view text(reinterpret_cast<const char*>(plane.data()), plane.size());
+  for (std::size_t i = 1; i <= kPieces; ++i) {
+    const std::size_t at = plane.size() * i / kPieces - kPieceBytes;
+    const std::size_t begin = at - std::min(at, kReach);
+    if (text.substr(begin, at - begin).find(text.substr(at, kPieceBytes)) != std::string_view::npos)
+      return true;
   }
+  return false;
+}
+
+/// How many of the leading bytes to store as they are: whole planes of noise.
+std::size_t noise_bytes(Bytes planes, std::size_t element_size, int level, libdeflate_compressor* codec) {
+  constexpr int kThoroughLevel = 6;
+  constexpr std::size_t kShortPlane = 8192;
+  const std::size_t plane_bytes = planes.size() / element_size;
+  if (level >= kThoroughLevel || element_size == 1 || plane_bytes < kShortPlane) return 0;
+  std::size_t count = 0;
+  while (count + 1 < element_size &&
+         looks_like_noise(planes.subspan(count * plane_bytes, plane_bytes), codec))
+    ++count;
+  return count > 0 && repeats(planes.first(plane_bytes)) ? 0 : count * plane_bytes;
+}
+
+/// Deflate's stored blocks (RFC 1951, 3.2.4), none of them the last. They end at a byte.
+std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
+  constexpr std::size_t kLongest = 65535;
+  while (!bytes.empty()) {
+    const std::size_t size = std::min(bytes.size(), kLongest);
+    *out++ = std::byte{0};
+    for (const std::size_t field : {size, ~size}) {
+      *out++ = static_cast<std::byte>(field & 0xffU);
+      *out++ = static_cast<std::byte>(field >> 8U & 0xffU);
+    }
+    out = std::copy_n(bytes.begin(), size, out);
+    bytes = bytes.subspan(size);
+  }
+  return out;
+}
+
+/// A zlib stream (RFC 1950): the first `stored` bytes as they are, the others compressed.
+std::vector<std::byte> zlib_stream(Bytes bytes, std::size_t stored, libdeflate_compressor* codec) {
+  constexpr std::size_t kHeaderAndChecksum = 2 + 4;
+  constexpr std::size_t kBlockHeader = 5;
+  const Bytes compressed = bytes.subspan(stored);
+  std::vector<std::byte> result(kHeaderAndChecksum + stored + kBlockHeader * (stored / 65535 + 1) +
+                                libdeflate_deflate_compress_bound(codec, compressed.size()));
+  std::byte* out = result.data();
+  *out++ = std::byte{0x78};
+  *out++ = std::byte{0x01};
+  out = put_stored_blocks(bytes.first(stored), out);
+  const std::size_t room = result.size() - static_cast<std::size_t>(out - result.data()) - 4;
+  const std::size_t size =
+      libdeflate_deflate_compress(codec, compressed.data(), compressed.size(), out, room);
+  if (size == 0) throw IoError("compressing a chunk failed");
+  out += size;
+  const std::uint32_t checksum = libdeflate_adler32(1, bytes.data(), bytes.size());
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
+  result.resize(static_cast<std::size_t>(out - result.data()));
   return result;
 }
 
@@ -41,14 +114,10 @@ std::vector<std::byte> shuffled(std::span<const std::byte> raw, std::size_t elem
 
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size, int level) {
   if (level == 0) return {raw.begin(), raw.end()};
-  const std::vector<std::byte> bytes = shuffled(raw, element_size);
+  std::vector<std::byte> planes(raw.size());
+  shuffle_bytes(raw, element_size, planes);
   libdeflate_compressor* const codec = compressor_for(level);
-  std::vector<std::byte> result(libdeflate_zlib_compress_bound(codec, bytes.size()));
-  const std::size_t size =
-      libdeflate_zlib_compress(codec, bytes.data(), bytes.size(), result.data(), result.size());
-  if (size == 0) throw IoError("compressing a chunk failed");
-  result.resize(size);
-  return result;
+  return zlib_stream(planes, noise_bytes(planes, element_size, level, codec), codec);
 }
 
 }  // namespace landfall
