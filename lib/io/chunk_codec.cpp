@@ -88,36 +88,45 @@ std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
   return out;
 }
 
-/// A zlib stream (RFC 1950): the first `stored` bytes as they are, the others compressed.
-std::vector<std::byte> zlib_stream(Bytes bytes, std::size_t stored, libdeflate_compressor* codec) {
-  constexpr std::size_t kHeaderAndChecksum = 2 + 4;
+/// A zlib stream (RFC 1950) in the first bytes of `room`: the first `stored` bytes as they are, the others
+/// compressed.
+std::span<const std::byte> put_zlib_stream(Bytes bytes, std::size_t stored, libdeflate_compressor* codec,
+                                           std::vector<std::byte>& room) {
+  constexpr std::size_t kHeader = 2;
+  constexpr std::size_t kChecksum = 4;
   constexpr std::size_t kBlockHeader = 5;
   const Bytes compressed = bytes.subspan(stored);
-  std::vector<std::byte> result(kHeaderAndChecksum + stored + kBlockHeader * (stored / 65535 + 1) +
-                                libdeflate_deflate_compress_bound(codec, compressed.size()));
-  std::byte* out = result.data();
+  const std::size_t most = kHeader + stored + kBlockHeader * (stored / 65535 + 1) +
+                           libdeflate_deflate_compress_bound(codec, compressed.size()) + kChecksum;
+  if (room.size() < most) room.resize(most);
+  std::byte* out = room.data();
   *out++ = std::byte{0x78};
   *out++ = std::byte{0x01};
   out = put_stored_blocks(bytes.first(stored), out);
-  const std::size_t room = result.size() - static_cast<std::size_t>(out - result.data()) - 4;
+  const std::size_t left = room.size() - static_cast<std::size_t>(out - room.data()) - kChecksum;
   const std::size_t size =
-      libdeflate_deflate_compress(codec, compressed.data(), compressed.size(), out, room);
+      libdeflate_deflate_compress(codec, compressed.data(), compressed.size(), out, left);
   if (size == 0) throw IoError("compressing a chunk failed");
   out += size;
   const std::uint32_t checksum = libdeflate_adler32(1, bytes.data(), bytes.size());
   for (const unsigned shift : {24U, 16U, 8U, 0U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
-  result.resize(static_cast<std::size_t>(out - result.data()));
-  return result;
+  return {room.data(), out};
 }
 
 }  // namespace
 
+std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) {
+  if (level_ == 0) return raw;
+  if (planes_.size() != raw.size()) planes_.resize(raw.size());
+  shuffle_bytes(raw, element_size_, planes_);
+  libdeflate_compressor* const codec = compressor_for(level_);
+  return put_zlib_stream(planes_, noise_bytes(planes_, element_size_, level_, codec), codec, stream_);
+}
+
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size, int level) {
-  if (level == 0) return {raw.begin(), raw.end()};
-  std::vector<std::byte> planes(raw.size());
-  shuffle_bytes(raw, element_size, planes);
-  libdeflate_compressor* const codec = compressor_for(level);
-  return zlib_stream(planes, noise_bytes(planes, element_size, level, codec), codec);
+  ChunkEncoder encoder(element_size, level);
+  const auto encoded = encoder.encode(raw);
+  return {encoded.begin(), encoded.end()};
 }
 
 }  // namespace landfall

@@ -8,13 +8,31 @@
 namespace landfall {
 
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
-/// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 copies
-/// the bytes unshuffled, which is what a dataset without filters holds. Throws IoError if libdeflate refuses
-/// (out of memory).
+/// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
+/// the bytes as they are, unshuffled, which is what a dataset without filters holds.
 ///
 /// Below level 6 the low bytes of numbers are stored as they are where a trial finds noise in them: searching
 /// it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples, so a chunk
 /// may miss some of its compression, at most what those low bytes could have saved.
+///
+/// An encoder keeps its memory, about twice the chunk's, from one chunk to the next. One thread at a time.
+class ChunkEncoder {
+ public:
+  /// `level` in 0..9.
+  ChunkEncoder(std::size_t element_size, int level) : element_size_(element_size), level_(level) {}
+
+  /// Valid until the next call, at level 0 as long as `raw`. Throws IoError if libdeflate refuses (out of
+  /// memory).
+  [[nodiscard]] std::span<const std::byte> encode(std::span<const std::byte> raw);
+
+ private:
+  std::size_t element_size_;
+  int level_;
+  std::vector<std::byte> planes_;
+  std::vector<std::byte> stream_;
+};
+
+/// The same, once.
 [[nodiscard]] std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size,
                                                   int level);
 

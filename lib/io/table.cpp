@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "io/chunk_codec.h"
 #include "io/column_reader.h"
 
 namespace landfall {
@@ -32,7 +31,7 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
   std::memcpy(to, from.data(), from.size_bytes());
 }
 
-void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, const std::vector<std::byte>& bytes,
+void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<const std::byte> bytes,
                  const std::string& name) {
   const hsize_t size = end;
   const hsize_t offset = begin;
@@ -60,7 +59,8 @@ TableWriter::TableWriter(hid_t parent, const std::string& group, std::vector<Col
                            {.size = {0}, .chunk = {kTableChunkRows}, .growing = true, .level = compression_});
     describe(dataset.get(), spec);
     std::vector<std::byte> buffer(kTableChunkRows * h5::size_of(spec.type));
-    columns_.push_back({std::move(spec), std::move(dataset), std::move(buffer)});
+    const ChunkEncoder encoder(h5::size_of(spec.type), compression_);
+    columns_.push_back({std::move(spec), std::move(dataset), std::move(buffer), encoder});
   }
 }
 
@@ -86,10 +86,9 @@ void TableWriter::buffer_rows(std::span<const ColumnRows> rows, std::size_t begi
 }
 
 void TableWriter::flush() {
-  std::vector<std::vector<std::byte>> encoded(columns_.size());
+  std::vector<std::span<const std::byte>> encoded(columns_.size());
   parallel_for(columns_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      encoded[c] = encode_chunk(columns_[c].buffer, h5::size_of(columns_[c].spec.type), compression_);
+    for (std::size_t c = begin; c < end; ++c) encoded[c] = columns_[c].encoder.encode(columns_[c].buffer);
   });
   for (std::size_t c = 0; c < columns_.size(); ++c)
     write_chunk(columns_[c].dataset.get(), written_rows_, written_rows_ + buffered_rows_, encoded[c],

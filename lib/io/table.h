@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "io/chunk_codec.h"
 #include "io/h5.h"
 
 namespace landfall {
@@ -47,6 +48,7 @@ class TableWriter {
     ColumnSpec spec;
     h5::Handle dataset;
     std::vector<std::byte> buffer;
+    ChunkEncoder encoder;
   };
   void buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
   void flush();

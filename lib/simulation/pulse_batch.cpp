@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/pulse_batch.h"
 
+#include <algorithm>
+
 namespace landfall {
 namespace {
 
@@ -23,6 +25,7 @@ std::array<std::int64_t, kPointStatusCount> PulseBatch::status_counts() const {
 }
 
 void PulseBatch::keep_returns() {
+  if (std::all_of(points.status.begin(), points.status.end(), is_return)) return;
   std::vector<std::size_t> kept;
   kept.reserve(points.size());
   std::size_t row = 0;

@@ -20,6 +20,27 @@ struct Task {
 using TaskPtr = std::shared_ptr<Task>;
 using BatchPtr = std::shared_ptr<PulseBatch>;
 
+/// Batches that are not in use: their memory is touched for the first time only once.
+class BatchPool {
+ public:
+  BatchPtr take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return std::make_shared<PulseBatch>();
+    BatchPtr batch = std::move(free_.back());
+    free_.pop_back();
+    return batch;
+  }
+
+  void give_back(BatchPtr batch) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(batch));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<BatchPtr> free_;
+};
+
 /// The three stages, and what they share.
 class ScanPipeline {
  public:
@@ -38,8 +59,8 @@ class ScanPipeline {
     return std::make_shared<Task>(Task{pulses, ranges_(pulses)});
   }
 
-  BatchPtr simulate(const Task& task) const {
-    auto batch = std::make_shared<PulseBatch>();
+  BatchPtr simulate(const Task& task) {
+    BatchPtr batch = pool_.take();
     if (ranges_) {
       simulation_.replay(task.pulses, task.ranges_true_m, *batch);
     } else {
@@ -48,10 +69,11 @@ class ScanPipeline {
     return batch;
   }
 
-  void give_to_sink(PulseBatch& batch, const ProgressCallback& progress) {
-    pulses_done_ += static_cast<std::int64_t>(batch.pulses.size());
+  void give_to_sink(BatchPtr batch, const ProgressCallback& progress) {
+    pulses_done_ += static_cast<std::int64_t>(batch->pulses.size());
     const std::lock_guard lock(sink_and_source_);
-    sink_(batch);
+    sink_(*batch);
+    pool_.give_back(std::move(batch));
     report(progress, static_cast<double>(pulses_done_) / static_cast<double>(simulation_.pulse_count()));
   }
 
@@ -59,6 +81,7 @@ class ScanPipeline {
   const Simulation& simulation_;
   const RangeSource& ranges_;
   const BatchSink& sink_;
+  BatchPool pool_;
   std::mutex sink_and_source_;
   std::int64_t next_pulse_ = 0;
   std::int64_t pulses_done_ = 0;
@@ -79,7 +102,7 @@ void run_scan(const Simulation& simulation, const RangeSource& ranges, const Bat
       }) & tbb::make_filter<TaskPtr, BatchPtr>(filter_mode::parallel, [&](const TaskPtr& task) {
         return pipeline.simulate(*task);
       }) & tbb::make_filter<BatchPtr, void>(filter_mode::serial_in_order, [&](const BatchPtr& batch) {
-        pipeline.give_to_sink(*batch, progress);
+        pipeline.give_to_sink(batch, progress);
       }));
 }
 
