@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/h5.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -122,6 +124,16 @@ Handle create_file(const std::filesystem::path& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose, path.string());
+}
+
+void start_writeback(hid_t object) {
+#ifdef SYNC_FILE_RANGE_WRITE
+  const Handle file(H5Iget_file_id(object), H5Fclose);
+  const Handle access(H5Fget_access_plist(file.get()), H5Pclose);
+  void* descriptor = nullptr;  // of the default driver, H5FD_SEC2
+  if (H5Fget_vfd_handle(file.get(), access.get(), &descriptor) < 0 || descriptor == nullptr) return;
+  static_cast<void>(::sync_file_range(*static_cast<int*>(descriptor), 0, 0, SYNC_FILE_RANGE_WRITE));
+#endif
 }
 
 Handle create_group(hid_t parent, const std::string& name) {

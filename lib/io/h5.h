@@ -75,6 +75,10 @@ struct TypeOf<std::int8_t> {
   static constexpr Type value = Type::int8;
 };
 
+/// Has the system begin to write what it still holds of the file, without waiting for it: a long run's output
+/// is then nearly on the disk when it is complete. Does nothing where the system has no such call.
+void start_writeback(hid_t object);
+
 /// Every creation below leaves out object times, so that equal content gives equal bytes. Each throws IoError
 /// naming `object` when HDF5 refuses.
 /// Closing the file closes every object in it; handles that remain are void.

@@ -93,6 +93,7 @@ void TableWriter::flush() {
   for (std::size_t c = 0; c < columns_.size(); ++c)
     write_chunk(columns_[c].dataset.get(), written_rows_, written_rows_ + buffered_rows_, encoded[c],
                 columns_[c].spec.name);
+  h5::start_writeback(group_.get());
   written_rows_ += buffered_rows_;
   buffered_rows_ = 0;
 }
