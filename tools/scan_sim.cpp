@@ -25,13 +25,11 @@ constexpr const char* kExamples = R"(Examples:
   scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2 --set noise.range_sigma_m=0.02
 Configuration: docs/scan-sim.md and --print-schema.)";
 
-/// Points of a batch. Memory grows with it, results do not depend on it.
-constexpr std::int64_t kPointsPerBatch = 65536;
-
 struct Options {
   std::string terrain;
   std::string ranges_from;
   std::string engine = "auto";
+  std::int64_t batch_points = 65536;
   bool keep_misses = false;
   bool float32 = false;
 };
@@ -48,6 +46,11 @@ void bind(CLI::App& app, Options& o) {
                  "Take the true ranges of an earlier scan and draw only the errors anew; --terrain is not "
                  "needed then")
       ->type_name("FILE");
+  app.add_option("--batch-points", o.batch_points,
+                 "Points that one thread works on at a time: more take more memory, the result is the same")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "A row per pixel and pulse, not only per return");
   app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
 }
@@ -81,10 +84,17 @@ std::unique_ptr<const RayEngine> make_engine(const std::string& name,
   return name == "cgal" ? make_cgal_engine(std::move(surface)) : make_heightfield_engine(std::move(surface));
 }
 
-void count_points(cli::Session& session, const Simulation& simulation, const ScanWriter& writer) {
+/// `trace_s`: how long tracing took; none where the ranges came from a file.
+void count_rays(cli::Session& session, const Simulation& simulation, std::optional<double> trace_s) {
+  const std::int64_t rays =
+      simulation.pulse_count() * static_cast<std::int64_t>(simulation.detector().samples().size());
   session.count("pulse_count", simulation.pulse_count());
-  session.count("ray_count",
-                simulation.pulse_count() * static_cast<std::int64_t>(simulation.detector().samples().size()));
+  session.count("ray_count", rays);
+  if (trace_s) session.count("rays_per_s", static_cast<double>(rays) / *trace_s);
+  session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
+}
+
+void count_points(cli::Session& session, const ScanWriter& writer) {
   session.count("return_count", writer.count(PointStatus::returned));
   session.count("miss_count", writer.count(PointStatus::miss));
   session.count("dropout_count", writer.count(PointStatus::dropout));
@@ -155,14 +165,15 @@ ExitCode run(cli::Session& session, const Options& o) {
   RangeSource source;
   if (ranges) source = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
-  session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
+  const double scan_s = session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
     run_scan(
-        simulation, source, [&](PulseBatch& batch) { writer.append(batch); }, kPointsPerBatch, progress);
+        simulation, source, [&](PulseBatch& batch) { writer.append(batch); }, o.batch_points, progress);
   });
   session.phase("finish", [&](const ProgressCallback&) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });
-  count_points(session, simulation, writer);
+  count_rays(session, simulation, ranges ? std::nullopt : std::optional(scan_s));
+  count_points(session, writer);
   return ExitCode::done;
 }
 

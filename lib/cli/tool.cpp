@@ -169,7 +169,7 @@ Provenance Session::provenance() const {
   return provenance;
 }
 
-void Session::phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work) {
+double Session::phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work) {
   const double wall = wall_seconds();
   const double cpu = cpu_seconds();
   const bool shown = !options_.quiet && options_.progress.value_or(isatty(STDERR_FILENO) != 0);
@@ -180,9 +180,13 @@ void Session::phase(const std::string& name, const std::function<void(const Prog
   } else {
     work({});
   }
-  phases_[name] = {{"wall_s", wall_seconds() - wall}, {"cpu_s", cpu_seconds() - cpu}};
-  log(name + " took " + number_text(std::round(1e3 * (wall_seconds() - wall)) / 1e3) + " s");
+  const double wall_s = wall_seconds() - wall;
+  phases_[name] = {{"wall_s", wall_s}, {"cpu_s", cpu_seconds() - cpu}};
+  log(name + " took " + number_text(std::round(1e3 * wall_s) / 1e3) + " s");
+  return wall_s;
 }
+
+double Session::elapsed_s() const { return wall_seconds() - start_s_; }
 
 void Session::log(const std::string& line) const {
   if (options_.verbose && !options_.quiet) std::cerr << tool_ << ": " << line << '\n';
@@ -191,7 +195,7 @@ void Session::log(const std::string& line) const {
 Json Session::summary() const {
   Json result = {{"tool", tool_},
                  {"phases", phases_},
-                 {"wall_s", wall_seconds() - start_s_},
+                 {"wall_s", elapsed_s()},
                  {"cpu_s", cpu_seconds()},
                  {"peak_memory_bytes", peak_memory_bytes()},
                  {"threads", thread_count()}};

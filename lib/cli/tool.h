@@ -54,9 +54,12 @@ class Session {
   [[nodiscard]] Provenance provenance() const;
 
   /// Runs one phase of the work: shows its progress on a terminal, records its wall and CPU time for --json.
-  void phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
+  /// Returns its wall time, seconds.
+  double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
   /// Adds a count to the --json summary.
   void count(const std::string& name, nlohmann::json value) { counts_[name] = std::move(value); }
+  /// Wall time since the start, seconds.
+  [[nodiscard]] double elapsed_s() const;
   /// A line on stderr, only with --verbose.
   void log(const std::string& line) const;
 

@@ -41,6 +41,8 @@ class Simulation {
   Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
+  /// Pulses over pulse rate, seconds.
+  [[nodiscard]] double duration_s() const { return static_cast<double>(pulse_count_) / pulse_rate_hz_; }
   [[nodiscard]] std::size_t pixel_count() const { return simulator_.lidar().detector.pixel_count(); }
   [[nodiscard]] const Detector& detector() const { return simulator_.lidar().detector; }
   /// See PulseSimulator.

@@ -298,7 +298,7 @@ class Summary(ChainTest):
 
     PHASES = {"terrain-gen": ["terrain", "write"], "scan-sim": ["trace"], "regrid": ["grid", "write"],
               "dem-eval": ["evaluate", "write"]}
-    COUNTS = {"terrain-gen": ["node_count"], "scan-sim": ["pulse_count", "ray_count", "return_count"],
+    COUNTS = {"terrain-gen": ["node_count"], "scan-sim": ["pulse_count", "ray_count", "rays_per_s", "real_time_factor", "return_count"],
               "regrid": ["inside_count", "outside_count"], "dem-eval": ["metrics"]}
 
     def test_keys(self):
@@ -327,6 +327,10 @@ class Summary(ChainTest):
             for key in ["return_count", "miss_count", "dropout_count", "dead_count"]:
                 self.assertEqual(scan[key], file["points"].attrs[key])
         self.assertEqual(scan["ray_count"], 400 * 64)
+        self.assertAlmostEqual(scan["rays_per_s"] * scan["phases"]["trace"]["wall_s"], 400 * 64, places=3)
+        # 0.2 s of scan over the time until the counts were made, a little less than wall_s.
+        self.assertGreaterEqual(scan["real_time_factor"] * scan["wall_s"], 0.2)
+        self.assertLess(scan["real_time_factor"] * scan["wall_s"], 0.4)
         regrid = json.loads(self.succeed("regrid", *self.chain.inputs("regrid"), "-o", output, "-O",
                                          "--json").stdout)
         with h5py.File(output) as file:

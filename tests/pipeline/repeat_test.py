@@ -8,9 +8,9 @@ from chain import TOOLS, ChainTest, columns, read_bytes
 
 
 class Repeat(ChainTest):
-    def test_the_same_bytes_again_and_with_1_2_and_3_threads(self):
+    def test_the_same_bytes_again_and_with_1_2_and_7_threads(self):
         for name in TOOLS:
-            for threads in (0, 1, 2, 3):
+            for threads in (0, 1, 2, 7):
                 output, metrics = self.path("out.h5"), self.path("metrics.json")
                 extra = ["--metrics", metrics] if name == "dem-eval" else []
                 self.succeed(name, *self.chain.inputs(name), "-o", output, "-O", "-t", threads, *extra)
@@ -18,15 +18,15 @@ class Repeat(ChainTest):
                 if extra:
                     self.assertEqual(read_bytes(metrics), read_bytes(self.chain.metrics))
 
-    def test_a_scan_of_many_batches_at_1_and_2_threads(self):
-        values = ["--set", "laser.pulse_rate_hz=10000", "--set", "laser.scan_time_s=0.3"]  # 3 batches of 1024
-        for options in ([], ["--keep-misses"], ["--float32"]):
-            files = []
-            for threads in (1, 2):
-                files.append(self.path(f"{threads}.h5"))
-                self.succeed("scan-sim", *self.chain.inputs("scan-sim"), *values, *options, "-o", files[-1], "-O",
-                             "-t", threads)
-            self.assertEqual(read_bytes(files[0]), read_bytes(files[1]), options)
+    def test_a_scan_in_batches_of_any_size_at_1_2_and_7_threads(self):
+        values = ["--set", "laser.pulse_rate_hz=10000", "--set", "laser.scan_time_s=0.3"]  # 192,000 points
+        for options in ([], ["--keep-misses"], ["--float32"], ["--compression", "0"], ["--compression", "6"]):
+            outputs = set()
+            for threads, points in ((1, 65536), (2, 65536), (7, 65536), (7, 1), (2, 100), (1, 70000), (2, 1 << 24)):
+                self.succeed("scan-sim", *self.chain.inputs("scan-sim"), *values, *options, "-o", self.path("s.h5"),
+                             "-O", "-t", threads, "--batch-points", points)
+                outputs.add(read_bytes(self.path("s.h5")))
+            self.assertEqual(len(outputs), 1, options)
 
     def test_the_seed_changes_the_noise_and_nothing_else(self):
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--seed", "8", "-o", self.path("other.h5"),
