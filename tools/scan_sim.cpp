@@ -29,7 +29,7 @@ struct Options {
   std::string terrain;
   std::string ranges_from;
   std::string engine = "auto";
-  std::int64_t batch_points = 65536;
+  std::int64_t batch_points = 16384;
   bool keep_misses = false;
   bool float32 = false;
 };

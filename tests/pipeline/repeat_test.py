@@ -22,7 +22,7 @@ class Repeat(ChainTest):
         values = ["--set", "laser.pulse_rate_hz=10000", "--set", "laser.scan_time_s=0.3"]  # 192,000 points
         for options in ([], ["--keep-misses"], ["--float32"], ["--compression", "0"], ["--compression", "6"]):
             outputs = set()
-            for threads, points in ((1, 65536), (2, 65536), (7, 65536), (7, 1), (2, 100), (1, 70000), (2, 1 << 24)):
+            for threads, points in ((1, 16384), (2, 16384), (7, 16384), (7, 1), (2, 100), (1, 70000), (2, 1 << 24)):
                 self.succeed("scan-sim", *self.chain.inputs("scan-sim"), *values, *options, "-o", self.path("s.h5"),
                              "-O", "-t", threads, "--batch-points", points)
                 outputs.add(read_bytes(self.path("s.h5")))
