@@ -165,6 +165,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   RangeSource source;
   if (ranges) source = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
+  if (ranges && ranges->has_rows_of(session.config(), o.keep_misses)) writer.copy_truth(ranges->points());
   const double scan_s = session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
     run_scan(
         simulation, source, [&](PulseBatch& batch) { writer.append(batch); }, o.batch_points, progress);

@@ -98,6 +98,7 @@ void ColumnReader::read(std::size_t begin, std::span<const ColumnTarget> targets
   // What is kept goes first: another piece may replace it.
   std::erase_if(todo, [&](const Piece& piece) { return copy_kept(piece, target_of(piece)); });
   parallel_for(todo.size(), 1, [&](std::size_t i, std::size_t) { read_piece(todo[i], target_of(todo[i])); });
+  const std::lock_guard lock(h5::library_lock());
   for (std::size_t c = 0; c < columns_.size(); ++c)
     if (!can_decode(columns_[c].chunks, targets[c])) read_plainly(columns_[c], begin, targets[c]);
 }
@@ -134,7 +135,7 @@ void ColumnReader::read_piece(const Piece& piece, const ColumnTarget& target) {
   thread_local StoredChunk stored;
   const std::array<hsize_t, 1> offset = {piece.chunk * kTableChunkRows};
   {
-    const std::lock_guard lock(hdf5_);
+    const std::lock_guard lock(h5::library_lock());
     if (!load_chunk(column.dataset.get(), offset, stored))
       return read_plainly(column, piece.chunk * kTableChunkRows + piece.first, target);
   }

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,8 +34,8 @@ class ColumnReader {
 
   /// Reads rows [begin, begin + length) of every column, converted to the type of its target; `targets` in
   /// the order of the columns, all of one length. Throws FormatError, naming file and column, for rows beyond
-  /// the end, for a chunk that is corrupt or not of its size, and where HDF5 fails. Uses HDF5 (from several
-  /// threads, one at a time): nothing else may meanwhile.
+  /// the end, for a chunk that is corrupt or not of its size, and where HDF5 fails. Uses HDF5 under
+  /// h5::library_lock(), from several threads.
   void read(std::size_t begin, std::span<const ColumnTarget> targets);
 
  private:
@@ -66,7 +65,6 @@ class ColumnReader {
 
   std::string file_;
   std::vector<Column> columns_;
-  std::mutex hdf5_;
 };
 
 }  // namespace landfall

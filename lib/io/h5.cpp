@@ -82,6 +82,11 @@ void initialise() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+std::mutex& library_lock() {
+  static std::mutex lock;
+  return lock;
+}
+
 std::string failure_reason() {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -44,6 +45,9 @@ class Handle {
 /// Silences HDF5's own printing; call once before any other use. Reasons reach the user through
 /// failure_reason().
 void initialise();
+/// HDF5 is not reentrant. Where threads may meet in it (the readers and writers of a pipeline), each call is
+/// made under this lock, and nothing long is done meanwhile.
+[[nodiscard]] std::mutex& library_lock();
 /// The innermost reason on HDF5's error stack ("No space left on device"), empty where there is none.
 [[nodiscard]] std::string failure_reason();
 

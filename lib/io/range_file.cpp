@@ -33,6 +33,15 @@ std::string first_difference(const Json& a, const Json& b, const std::string& po
   return pointer;
 }
 
+/// True where the configuration drops no pixel that hit.
+bool loses_nothing(const Json& config) {
+  const Json noise = config.value("noise", Json::object());
+  const auto is_zero = [&](const char* key) {
+    return noise.is_object() && noise.contains(key) && noise[key] == 0;
+  };
+  return is_zero("dropout_frac") && is_zero("dead_pixel_frac");
+}
+
 }  // namespace
 
 RangeFile::RangeFile(const std::filesystem::path& path)
@@ -68,19 +77,22 @@ void RangeFile::require_match(const Provenance& provenance) const {
 }
 
 void RangeFile::require_complete_ranges() const {
-  const Json noise = file_.config().value("noise", Json::object());
-  const auto is_zero = [&](const char* key) {
-    return noise.is_object() && noise.contains(key) && noise[key] == 0;
-  };
-  const bool all_returned = is_zero("dropout_frac") && is_zero("dead_pixel_frac");
-  const bool misses_kept = h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
-  if (!all_returned && !misses_kept)
+  if (!loses_nothing(file_.config()) && !misses_kept())
     throw UsageError(
         "--ranges-from " + file_.name() +
         ": the ranges of its dropped and dead pixels are missing; make it with --keep-misses, or with "
         "/noise/dropout_frac and /noise/dead_pixel_frac 0");
   if (points_.element_size("range_true") != sizeof(double))
     throw UsageError("--ranges-from " + file_.name() + ": its ranges are in single precision (--float32)");
+}
+
+bool RangeFile::misses_kept() const {
+  return h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
+}
+
+bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
+  if (keep_misses != misses_kept()) return false;
+  return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
 }
 
 TerrainInput RangeFile::terrain() const {

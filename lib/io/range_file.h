@@ -28,6 +28,11 @@ class RangeFile {
   /// nor dead pixels.
   void require_match(const Provenance& provenance) const;
 
+  /// True where a scan with these errors has a row for the same pixels and pulses: both scans keep their
+  /// misses, or neither loses a pixel that hit.
+  [[nodiscard]] bool has_rows_of(const nlohmann::json& config, bool keep_misses) const;
+  [[nodiscard]] const TableReader& points() const { return points_; }
+
   /// The terrain that was scanned, by name only: no surface.
   [[nodiscard]] TerrainInput terrain() const;
 
@@ -37,6 +42,7 @@ class RangeFile {
 
  private:
   void require_complete_ranges() const;
+  [[nodiscard]] bool misses_kept() const;
 
   LandfallFileReader file_;
   TableReader points_;

@@ -100,6 +100,11 @@ ScanWriter::ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options,
   write_crs(file.root(), crs_wkt);
 }
 
+void ScanWriter::copy_truth(const TableReader& source) {
+  constexpr std::array kUnchanged = {"x_true", "y_true", "z_true", "range_true", "pulse", "pixel"};
+  points_.copy_columns(source, kUnchanged);
+}
+
 void ScanWriter::append(PulseBatch& batch) {
   const auto counts = batch.status_counts();
   for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] += counts[i];

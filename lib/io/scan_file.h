@@ -25,6 +25,9 @@ class ScanWriter {
   /// `crs_wkt` is the site frame, from the terrain.
   ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options, const std::string& crs_wkt);
 
+  /// Before the first append: takes the columns that errors do not change, the truth and where it belongs,
+  /// from `source`, the points of a scan with the same rows.
+  void copy_truth(const TableReader& source);
   /// Appends the next pulses. The batch's points are cut to the returns unless misses are kept.
   void append(PulseBatch& batch);
   /// Writes /detector and the counts, and commits. Throws FormatError for a scan without a single return.

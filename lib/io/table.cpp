@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "io/chunk_source.h"
 #include "io/column_reader.h"
 
 namespace landfall {
@@ -29,6 +31,27 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
   }
   if (h5::TypeOf<T>::value != to_type) throw std::logic_error("a column's rows are not of its type");
   std::memcpy(to, from.data(), from.size_bytes());
+}
+
+/// The level of a dataset whose chunks are as TableWriter's: 0 for plain ones.
+std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chunks) {
+  if (!chunks.format.filtered) return 0;
+  const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  unsigned level = 0;
+  unsigned flags = 0;
+  std::size_t value_count = 1;
+  if (H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &value_count, &level, 0, nullptr,
+                           nullptr) < 0)
+    return std::nullopt;
+  return level;
+}
+
+/// True where two datasets store equal values as equal chunks.
+bool stored_alike(hid_t a, hid_t b) {
+  constexpr std::array<hsize_t, 1> kChunk = {kTableChunkRows};
+  const std::optional<DecodableChunks> in_a = decodable_chunks(a, kChunk);
+  const std::optional<DecodableChunks> in_b = decodable_chunks(b, kChunk);
+  return in_a && in_b && in_a->type == in_b->type && deflate_level(a, *in_a) == deflate_level(b, *in_b);
 }
 
 void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<const std::byte> bytes,
@@ -64,6 +87,15 @@ TableWriter::TableWriter(hid_t parent, const std::string& group, std::vector<Col
   }
 }
 
+void TableWriter::copy_columns(const TableReader& source, std::span<const char* const> names) {
+  source_ = &source;
+  for (Column& column : columns_) {
+    if (std::find(names.begin(), names.end(), column.spec.name) == names.end()) continue;
+    h5::Handle theirs = source.open(column.spec.name);
+    if (stored_alike(theirs.get(), column.dataset.get())) column.copied_from = std::move(theirs);
+  }
+}
+
 void TableWriter::append(std::span<const ColumnRows> rows) {
   if (rows.size() != columns_.size()) throw std::logic_error("a table row needs every column");
   const std::size_t count = length(rows.front());
@@ -79,6 +111,7 @@ void TableWriter::append(std::span<const ColumnRows> rows) {
 void TableWriter::buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count) {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     Column& column = columns_[c];
+    if (column.copied_from) continue;
     std::byte* const target = column.buffer.data() + buffered_rows_ * h5::size_of(column.spec.type);
     std::visit([&](auto span) { copy_rows(span.subspan(begin, count), column.spec.type, target); }, rows[c]);
   }
@@ -88,8 +121,12 @@ void TableWriter::buffer_rows(std::span<const ColumnRows> rows, std::size_t begi
 void TableWriter::flush() {
   std::vector<std::span<const std::byte>> encoded(columns_.size());
   parallel_for(columns_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) encoded[c] = columns_[c].encoder.encode(columns_[c].buffer);
+    for (std::size_t c = begin; c < end; ++c)
+      if (!columns_[c].copied_from) encoded[c] = columns_[c].encoder.encode(columns_[c].buffer);
   });
+  const std::lock_guard lock(h5::library_lock());
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    if (columns_[c].copied_from) encoded[c] = copied_chunk(columns_[c]);
   for (std::size_t c = 0; c < columns_.size(); ++c)
     write_chunk(columns_[c].dataset.get(), written_rows_, written_rows_ + buffered_rows_, encoded[c],
                 columns_[c].spec.name);
@@ -98,9 +135,31 @@ void TableWriter::flush() {
   buffered_rows_ = 0;
 }
 
+std::span<const std::byte> TableWriter::copied_chunk(Column& column) {
+  const std::array<hsize_t, 1> offset = {written_rows_};
+  if (written_rows_ >= source_->row_count(column.spec.name))
+    source_->fail_reading(column.spec.name, "it ends after " + std::to_string(written_rows_) + " rows");
+  StoredChunk& chunk = column.copied;
+  if (!load_chunk(column.copied_from.get(), offset, chunk) || chunk.filter_mask != 0)
+    source_->fail_reading(column.spec.name);
+  return chunk.bytes;
+}
+
+void TableWriter::require_whole_copies() const {
+  for (const Column& column : columns_) {
+    if (!column.copied_from) continue;
+    const std::size_t rows = source_->row_count(column.spec.name);
+    if (rows != row_count())
+      source_->fail_reading(column.spec.name, "it has " + std::to_string(rows) + " rows where " +
+                                                  std::to_string(row_count()) + " are needed");
+  }
+}
+
 void TableWriter::finish() {
+  require_whole_copies();
   if (buffered_rows_ == 0) return;
   for (Column& column : columns_) {  // the unused end of the last chunk: zeros, never old rows
+    if (column.copied_from) continue;
     const std::size_t used = buffered_rows_ * h5::size_of(column.spec.type);
     std::fill(column.buffer.begin() + static_cast<std::ptrdiff_t>(used), column.buffer.end(), std::byte{0});
   }
@@ -147,6 +206,11 @@ template <class T>
 void TableReader::read(const std::string& column, std::size_t begin, std::span<T> out) const {
   const std::array<ColumnTarget, 1> target = {out};
   ColumnReader(*this, {column}).read(begin, target);
+}
+
+void TableReader::fail_reading(const std::string& column, std::string why) const {
+  if (why.empty()) why = h5::failure_reason();
+  throw FormatError(file_ + ": reading " + path_of(column) + " failed" + (why.empty() ? "" : ": " + why));
 }
 
 template void TableReader::read(const std::string&, std::size_t, std::span<double>) const;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/chunk_codec.h"
+#include "io/chunk_source.h"
 #include "io/h5.h"
 
 namespace landfall {
@@ -29,13 +30,22 @@ struct ColumnSpec {
 using ColumnRows = std::variant<std::span<const double>, std::span<const std::int64_t>,
                                 std::span<const std::int32_t>, std::span<const std::int8_t>>;
 
+class TableReader;
+
 /// A group of 1-D columns of equal length that grows row by row in bounded memory. Full chunks are compressed
 /// in parallel and written in order; the bytes do not depend on how the rows were batched.
 class TableWriter {
  public:
   TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
 
-  /// Adds rows; `rows` in the order of the columns, all of one length. Throws IoError when the disk refuses.
+  /// From now on the columns named are copied chunk by chunk, as `source` stores them, and append() leaves
+  /// their rows aside: for columns that are known to come out the same as in an earlier file. Call before the
+  /// first append; `source` must live until finish(), which throws FormatError unless it has as many rows. A
+  /// column that is stored otherwise there, in type, chunks or filters, is written as before.
+  void copy_columns(const TableReader& source, std::span<const char* const> names);
+
+  /// Adds rows; `rows` in the order of the columns, all of one length. Throws IoError when the disk refuses,
+  /// FormatError where a column to copy cannot be read. Uses HDF5 under h5::library_lock().
   void append(std::span<const ColumnRows> rows);
   /// Writes what is buffered. Call once, after the last append.
   void finish();
@@ -49,13 +59,18 @@ class TableWriter {
     h5::Handle dataset;
     std::vector<std::byte> buffer;
     ChunkEncoder encoder;
+    h5::Handle copied_from{};  ///< the dataset whose chunks this column takes
+    StoredChunk copied{};
   };
+  [[nodiscard]] std::span<const std::byte> copied_chunk(Column& column);
+  void require_whole_copies() const;
   void buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
   void flush();
 
   int compression_;
   h5::Handle group_;
   std::vector<Column> columns_;
+  const TableReader* source_ = nullptr;  ///< of copied columns
   std::size_t buffered_rows_ = 0;
   std::size_t written_rows_ = 0;
 };
@@ -86,6 +101,8 @@ class TableReader {
   [[nodiscard]] const std::string& file() const { return file_; }
   /// "/group/column", for messages.
   [[nodiscard]] std::string path_of(const std::string& column) const { return name_ + "/" + column; }
+  /// "file: reading /group/column failed: why"; by default why is HDF5's own reason.
+  [[noreturn]] void fail_reading(const std::string& column, std::string why = {}) const;
 
  private:
   std::string file_;

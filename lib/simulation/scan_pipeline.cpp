@@ -55,7 +55,6 @@ class ScanPipeline {
     const PulseRange pulses{next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
     next_pulse_ += pulses.count;
     if (!ranges_) return std::make_shared<Task>(Task{pulses, {}});
-    const std::lock_guard lock(sink_and_source_);
     return std::make_shared<Task>(Task{pulses, ranges_(pulses)});
   }
 
@@ -71,7 +70,6 @@ class ScanPipeline {
 
   void give_to_sink(BatchPtr batch, const ProgressCallback& progress) {
     pulses_done_ += static_cast<std::int64_t>(batch->pulses.size());
-    const std::lock_guard lock(sink_and_source_);
     sink_(*batch);
     pool_.give_back(std::move(batch));
     report(progress, static_cast<double>(pulses_done_) / static_cast<double>(simulation_.pulse_count()));
@@ -82,7 +80,6 @@ class ScanPipeline {
   const RangeSource& ranges_;
   const BatchSink& sink_;
   BatchPool pool_;
-  std::mutex sink_and_source_;
   std::int64_t next_pulse_ = 0;
   std::int64_t pulses_done_ = 0;
 };

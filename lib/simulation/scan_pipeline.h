@@ -17,8 +17,8 @@ using RangeSource = std::function<std::vector<double>(PulseRange pulses)>;
 using BatchSink = std::function<void(PulseBatch& batch)>;
 
 /// Simulates all pulses of a scan on all threads, batch by batch, and gives the batches to `sink` in order.
-/// With `ranges` nothing is traced: the true ranges come from it, asked for in order. `sink` and `ranges`
-/// never run at the same time, so that both may use a library that is not reentrant (HDF5).
+/// With `ranges` nothing is traced: the true ranges come from it, asked for in order. Each of the two is
+/// called by one thread at a time, but `sink` and `ranges` may run at the same time.
 ///
 /// Only a few batches per thread exist at a time: memory does not depend on the number of pulses. The result
 /// depends on neither threads nor points_per_batch.

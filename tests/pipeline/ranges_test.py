@@ -3,6 +3,7 @@
 """--ranges-from: the errors of an earlier scan drawn anew (SPEC section 4)."""
 import unittest
 
+import h5py
 from chain import ChainTest, read_bytes
 
 
@@ -19,13 +20,36 @@ class RangesFrom(ChainTest):
                 self.path(output), *options]
 
     def test_equals_a_traced_run_byte_for_byte(self):
-        for source_options in (self.NO_LOSSES, ["--keep-misses"]):
+        """Where the rows are those of the source, its true columns are copied; the bytes do not tell."""
+        no_losses = [*self.OTHER_ERRORS, *self.NO_LOSSES]
+        for source_options in (self.NO_LOSSES, ["--keep-misses"], [*self.NO_LOSSES, "--keep-misses"],
+                               [*self.NO_LOSSES, "--compression", "0"]):
             self.scan("source.h5", *source_options)
-            for options in (self.OTHER_ERRORS, [*self.OTHER_ERRORS, "--keep-misses"]):
+            for options in (self.OTHER_ERRORS, [*self.OTHER_ERRORS, "--keep-misses"], no_losses,
+                            [*no_losses, "--keep-misses"], [*no_losses, "--float32"],
+                            [*no_losses, "--compression", "3"]):
                 self.scan("traced.h5", *options)
                 for threads in (1, 2):
                     self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *options, "-t", threads))
                     self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
+
+    def test_several_chunks_are_copied(self):
+        more = ["--set", "laser.pulse_rate_hz=10000", "--set", "laser.scan_time_s=0.3", *self.NO_LOSSES]
+        self.scan("source.h5", *more)
+        self.scan("traced.h5", *more, "--seed", "3")
+        self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *more, "--seed", "3"))
+        self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
+
+    def test_a_source_whose_columns_do_not_fit_is_refused(self):
+        self.scan("source.h5", *self.NO_LOSSES)
+        with h5py.File(self.path("source.h5")) as file:
+            rows = file["points/x_true"].shape[0]
+        for length in (rows - 1, 0, rows + 1):
+            with h5py.File(self.path("source.h5"), "r+") as file:
+                file["points/x_true"].resize((length,))
+            self.refuse(1, *self.replay_arguments("source.h5", "out.h5", *self.NO_LOSSES),
+                        words=["source.h5", "/points/x_true", f"{length} rows where {rows}"],
+                        output=self.path("out.h5"))
 
     def test_a_mismatch_names_the_key(self):
         self.scan("source.h5", *self.NO_LOSSES)
