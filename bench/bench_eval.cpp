@@ -91,7 +91,13 @@ std::vector<Scene> scenes_of(const DemLayers& dem) {
   if (!dem.truth || !(dem.z_est.spec() == paper_grid())) return {};
   std::vector<Scene> scenes;
   for (const auto& [name, axis] : {std::pair{"x", Axis::x}, std::pair{"y", Axis::y}, std::pair{"z", Axis::z}})
-    scenes.push_back({name, [&dem, a = axis] { return error_of(a, dem, *dem.truth); }});
+    scenes.push_back({name, [&dem, a = axis] {
+                        return error_of(a,
+                                        a == Axis::x   ? dem.truth->x
+                                        : a == Axis::y ? dem.truth->y
+                                                       : dem.truth->z,
+                                        dem.z_est);
+                      }});
   return scenes;
 }
 

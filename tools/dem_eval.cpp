@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
@@ -53,19 +54,25 @@ class Outputs {
     metrics_ = std::make_unique<OutputPath>(o.metrics, session.options().overwrite);
   }
 
-  void open(const Provenance& provenance) {
-    if (layers_) file_ = std::make_unique<LandfallFileWriter>(*layers_, "evaluation", provenance);
+  void open(const Provenance& provenance, const DemInput& dem) {
+    if (!layers_) return;
+    file_ = std::make_unique<LandfallFileWriter>(*layers_, "evaluation", provenance);
+    writer_.emplace(*file_, dem.layers.z_est.spec(), dem.crs_wkt);
   }
 
-  void write(const DemInput& dem, const Evaluation& evaluation) {
+  /// Takes the layers; null where there is no file to write.
+  LayerSink* sink() { return writer_ ? &*writer_ : nullptr; }
+
+  void finish(const Evaluation& evaluation) {
     if (metrics_) write_text(*metrics_, metrics_json(evaluation.metrics).dump(2) + "\n");
-    if (file_) write_evaluation(*file_, dem.layers.z_est.spec(), dem.crs_wkt, evaluation);
+    if (writer_) writer_->finish(evaluation);
     if (metrics_) metrics_->commit();
   }
 
  private:
   std::optional<OutputOptions> layers_;
   std::unique_ptr<LandfallFileWriter> file_;
+  std::optional<EvaluationWriter> writer_;
   std::unique_ptr<OutputPath> metrics_;
 };
 
@@ -91,11 +98,11 @@ ExitCode verdict(const cli::Session& session, const Options& o, const Metrics& m
 }
 
 /// A refusal names both the configuration and the DEM that do not go together.
-Evaluation judge_dem(const cli::Session& session, const Options& o, const DemInput& dem,
-                     const EvaluationParameters& parameters, EvaluationOutput kept,
+Evaluation judge_dem(const cli::Session& session, const Options& o, DemLayers dem,
+                     const EvaluationParameters& parameters, LayerSink* sink,
                      const ProgressCallback& progress) {
   try {
-    return evaluate(dem.layers, parameters, kept, progress);
+    return evaluate(std::move(dem), parameters, sink, progress);
   } catch (const UsageError& error) {
     throw UsageError(session.config_name() + ": /" + error.what() + " (" + o.dem + ")");
   } catch (const FormatError& error) {
@@ -113,13 +120,13 @@ ExitCode run(cli::Session& session, const Options& o) {
   Provenance provenance = session.provenance();
   if (o.metrics_only) provenance.options = {{"metrics_only", true}};
   provenance.add_input("dem", dem.file_id, dem.chain);
-  outputs.open(provenance);
+  outputs.open(provenance, dem);
+  LayerSink* const sink = o.metrics_only ? nullptr : outputs.sink();
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
-    const auto kept = o.metrics_only ? EvaluationOutput::metrics_only : EvaluationOutput::layers_and_metrics;
-    evaluation = judge_dem(session, o, dem, parameters, kept, progress);
+    evaluation = judge_dem(session, o, std::move(dem.layers), parameters, sink, progress);
   });
-  session.phase("write", [&](const ProgressCallback&) { outputs.write(dem, evaluation); });
+  session.phase("write", [&](const ProgressCallback&) { outputs.finish(evaluation); });
   session.count("metrics", metrics_json(evaluation.metrics));
   print_result(session, o, evaluation, parameters);
   return verdict(session, o, evaluation.metrics);

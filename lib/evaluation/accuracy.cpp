@@ -1,43 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "evaluation/accuracy.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
-#include "evaluation/quantile.h"
+#include "base/parallel.h"
+#include "evaluation/order_statistics.h"
+#include "evaluation/piecewise.h"
 
 namespace landfall {
 namespace {
 
 /// Of the summaries over footprints; it does not follow EvaluationParameters::quantile.
 constexpr double kSummaryQuantile = 0.95;
+constexpr std::size_t kRowsPerPiece = 64;
 
-std::vector<double> values_of(const Grid<double>& grid) {
-  const auto has_value = [](double v) { return !std::isnan(v); };
-  std::vector<double> values(static_cast<std::size_t>(std::ranges::count_if(grid.values(), has_value)));
-  std::ranges::copy_if(grid.values(), values.begin(), has_value);
-  return values;
+auto values_of(const Grid<double>& grid) {
+  return [values = grid.values()](std::size_t i) { return values[i]; };
 }
 
-std::int64_t count_above(const std::vector<double>& values, double limit) {
-  return std::ranges::count_if(values, [&](double v) { return v > limit; });
+auto magnitudes_of(const Grid<double>& grid) {
+  return [values = grid.values()](std::size_t i) { return std::abs(values[i]); };
 }
 
 }  // namespace
 
-Grid<double> error_of(Axis axis, const DemLayers& dem, const TrueLayers& truth) {
-  const GridSpec& spec = dem.z_est.spec();
-  Grid<double> error = axis == Axis::x ? truth.x : axis == Axis::y ? truth.y : truth.z;
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const BinIndex bin{row, col};
-      error.at(bin) -= axis == Axis::x ? spec.x(col) : axis == Axis::y ? spec.y(row) : dem.z_est.at(bin);
-    }
-  }
-  return error;
+Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est) {
+  const GridSpec& spec = truth.spec();
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col)
+        truth.at({row, col}) -= axis == Axis::x   ? spec.x(col)
+                                : axis == Axis::y ? spec.y(row)
+                                                  : z_est.at({row, col});
+  });
+  return truth;
 }
 
 FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMask& region,
@@ -50,51 +48,45 @@ FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMas
                                      .half_bins = shape.half_bins,
                                      .quantile = shape.quantile},
                                     progress);
-  for (std::size_t i = 0; i < region.spec().size(); ++i)
+  for_each_index(region.spec().size(), [&](std::size_t i) {
     if (region.values()[i] == 0) windows.mean.values()[i] = std::numeric_limits<double>::quiet_NaN();
+  });
   result.mean = std::move(windows.mean);
   return result;
 }
 
 AbsoluteMetrics summarise_absolute(const Grid<double>& mean) {
-  std::vector<double> values = values_of(mean);
-  if (values.empty()) return {};
-  double sum = 0;
-  for (double& value : values) {
-    sum += value;
-    value = std::abs(value);
-  }
-  AbsoluteMetrics result;
-  result.mean_m = sum / static_cast<double>(values.size());
-  result.max_m = *std::ranges::max_element(values);
-  result.p95_m = quantile_in_place(values, kSummaryQuantile);
-  return result;
+  const std::size_t bins = mean.spec().size();
+  const CountedSum sum = counted_sum(bins, values_of(mean));
+  if (sum.count == 0) return {};
+  return {.p95_m = quantile_of(bins, magnitudes_of(mean), kSummaryQuantile),
+          .mean_m = sum.mean(),
+          .max_m = largest_of(bins, magnitudes_of(mean))};
 }
 
 RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m) {
-  std::vector<double> values = values_of(relative);
-  if (values.empty()) return {};
-  RelativeMetrics result;
-  result.max_m = *std::ranges::max_element(values);
-  result.violation_count = count_above(values, limit_m);
-  result.p95_m = quantile_in_place(values, kSummaryQuantile);
-  return result;
+  const std::size_t bins = relative.spec().size();
+  const std::optional<double> p95_m = quantile_of(bins, values_of(relative), kSummaryQuantile);
+  if (!p95_m) return {};
+  return {.p95_m = p95_m,
+          .max_m = largest_of(bins, values_of(relative)),
+          .violation_count = count_above(bins, values_of(relative), limit_m)};
 }
 
 HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m) {
-  std::vector<double> values = values_of(horizontal);
-  if (values.empty()) return {};
-  const auto n = static_cast<double>(values.size());
-  HorizontalMetrics result;
-  result.within_limit_frac = (n - static_cast<double>(count_above(values, limit_m))) / n;
-  result.p95_m = quantile_in_place(values, kSummaryQuantile);
-  return result;
+  const std::size_t bins = horizontal.spec().size();
+  const CountedSum sum = counted_sum(bins, values_of(horizontal));
+  if (sum.count == 0) return {};
+  const auto count = static_cast<double>(sum.count);
+  const auto above = static_cast<double>(count_above(bins, values_of(horizontal), limit_m));
+  return {.p95_m = quantile_of(bins, values_of(horizontal), kSummaryQuantile),
+          .within_limit_frac = (count - above) / count};
 }
 
-Grid<double> horizontal_error(Grid<double> mean_x, const Grid<double>& mean_y) {
-  std::ranges::transform(mean_x.values(), mean_y.values(), mean_x.values().begin(),
-                         [](double x, double y) { return std::hypot(x, y); });
-  return mean_x;
+Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y) {
+  const std::span<double> values = x.values();
+  for_each_index(values.size(), [&](std::size_t i) { values[i] = std::hypot(values[i], y.values()[i]); });
+  return x;
 }
 
 }  // namespace landfall

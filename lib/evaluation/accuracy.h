@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <span>
-
 #include "base/progress.h"
-#include "evaluation/dem_layers.h"
 #include "evaluation/metrics.h"
 #include "evaluation/window_quantile.h"
 
@@ -13,8 +10,8 @@ namespace landfall {
 enum class Axis { x, y, z };
 
 /// e = true - estimate of one axis (Eq. 10), every bin of the DEM: x_true - X, y_true - Y, z_true - z_est,
-/// (X, Y) the bin's centre. NaN where either is NaN.
-[[nodiscard]] Grid<double> error_of(Axis axis, const DemLayers& dem, const TrueLayers& truth);
+/// (X, Y) the bin's centre. NaN where either is NaN. It takes the place of the axis' true layer.
+[[nodiscard]] Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est);
 
 /// Eqs. 11 and 12 of one axis, for the footprints centred on the region's bins; NaN elsewhere and where a
 /// footprint has no valid bin.
@@ -32,13 +29,13 @@ struct FootprintShape {
                                                        const FootprintShape& shape,
                                                        const ProgressCallback& progress = {});
 
-/// The summaries skip NaN and take values in row-major order, so the mean is the same on every machine.
+/// The summaries skip NaN and add values in a fixed order, so the mean is the same on every machine.
 [[nodiscard]] AbsoluteMetrics summarise_absolute(const Grid<double>& mean);
 [[nodiscard]] RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m);
 /// From hypot(mean_x, mean_y); within the limit means at most equal to it.
 [[nodiscard]] HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m);
 
-/// hypot(mean_x, mean_y) per bin; NaN where either is. It takes the place of mean_x.
-[[nodiscard]] Grid<double> horizontal_error(Grid<double> mean_x, const Grid<double>& mean_y);
+/// hypot(x, y) per bin; NaN where either is. It takes the place of x.
+[[nodiscard]] Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y);
 
 }  // namespace landfall

@@ -3,24 +3,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/coverage.h"
 #include "evaluation/distance_transform.h"
+#include "evaluation/piecewise.h"
 
 namespace landfall {
 namespace {
 
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
 void check_layer(const char* name, const Grid<double>& layer, const GridSpec& spec) {
   if (layer.spec() != spec) throw FormatError(std::string(name) + ": its grid differs from that of z_est");
-  const auto found = std::ranges::find_if(layer.values(), [](double v) { return std::isinf(v); });
-  if (found == layer.values().end()) return;
-  const std::int64_t index = found - layer.values().begin();
-  throw FormatError(std::string(name) + ": the value in row " + std::to_string(index / spec.cols) +
-                    ", column " + std::to_string(index % spec.cols) + " is infinite");
+  const auto first_infinite = [&](std::size_t begin, std::size_t end) {
+    const auto values = layer.values().subspan(begin, end - begin);
+    const auto found = std::ranges::find_if(values, [](double v) { return std::isinf(v); });
+    return found == values.end() ? kNone : begin + static_cast<std::size_t>(found - values.begin());
+  };
+  const std::vector<std::size_t> pieces = by_piece(spec.size(), first_infinite);
+  const std::size_t index = *std::ranges::min_element(pieces);
+  if (index == kNone) return;
+  const auto cols = static_cast<std::size_t>(spec.cols);
+  throw FormatError(std::string(name) + ": the value in row " + std::to_string(index / cols) + ", column " +
+                    std::to_string(index % cols) + " is infinite");
 }
 
 void check_layers(const DemLayers& dem) {
@@ -34,15 +45,16 @@ void check_layers(const DemLayers& dem) {
 
 Grid<float> to_float(const Grid<double>& grid) {
   Grid<float> result(grid.spec());
-  std::ranges::transform(grid.values(), result.values().begin(),
-                         [](double v) { return static_cast<float>(v); });
+  for_each_index(grid.values().size(),
+                 [&](std::size_t i) { result.values()[i] = static_cast<float>(grid.values()[i]); });
   return result;
 }
 
 Grid<float> distance_layer(const Grid<std::int64_t>& squared) {
   Grid<float> result(squared.spec());
-  std::ranges::transform(squared.values(), result.values().begin(),
-                         [](std::int64_t d) { return static_cast<float>(distance_bins(d)); });
+  for_each_index(squared.values().size(), [&](std::size_t i) {
+    result.values()[i] = static_cast<float>(distance_bins(squared.values()[i]));
+  });
   return result;
 }
 
@@ -50,8 +62,9 @@ void set_flag(std::int8_t& flags, FailFlag flag) { flags = static_cast<std::int8
 
 /// NaN, a footprint without a value, is above no limit.
 void flag_above(const Grid<double>& values, double limit, FailFlag flag, Grid<std::int8_t>& fail) {
-  for (std::size_t i = 0; i < fail.spec().size(); ++i)
+  for_each_index(fail.values().size(), [&](std::size_t i) {
     if (values.values()[i] > limit) set_flag(fail.values()[i], flag);
+  });
 }
 
 void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
@@ -66,76 +79,74 @@ void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Gri
   }
 }
 
-/// Where an axis' limit, results and layers are.
+/// Where an axis' truth, limit and results are.
 struct AxisFields {
   Axis axis;
   FailFlag flag;
+  Grid<double> TrueLayers::*truth;
   double EvaluationLimits::*limit_m;
   AbsoluteMetrics AccuracyMetrics::Absolute::*absolute;
   RelativeMetrics AccuracyMetrics::Relative::*relative;
-  AxisLayers AccuracyLayers::*layers;
 };
 
 constexpr AxisFields kX{Axis::x,
                         kFailRelativeX,
+                        &TrueLayers::x,
                         &EvaluationLimits::relative_horizontal_m,
                         &AccuracyMetrics::Absolute::x,
-                        &AccuracyMetrics::Relative::x,
-                        &AccuracyLayers::x};
+                        &AccuracyMetrics::Relative::x};
 constexpr AxisFields kY{Axis::y,
                         kFailRelativeY,
+                        &TrueLayers::y,
                         &EvaluationLimits::relative_horizontal_m,
                         &AccuracyMetrics::Absolute::y,
-                        &AccuracyMetrics::Relative::y,
-                        &AccuracyLayers::y};
+                        &AccuracyMetrics::Relative::y};
 constexpr AxisFields kZ{Axis::z,
                         kFailRelativeZ,
+                        &TrueLayers::z,
                         &EvaluationLimits::relative_elevation_m,
                         &AccuracyMetrics::Absolute::z,
-                        &AccuracyMetrics::Relative::z,
-                        &AccuracyLayers::z};
+                        &AccuracyMetrics::Relative::z};
 
 /// The accuracy requirements, axis after axis, so that few grids of double live at a time.
 class AccuracyPass {
  public:
-  AccuracyPass(const DemLayers& dem, const EvaluationParameters& parameters, const BinMask& region)
-      : dem_(dem),
-        limits_(parameters.limits),
-        region_(region),
-        shape_{footprint_half_bins(parameters.footprint_m, dem.z_est.spec().resolution_m),
-               parameters.quantile} {}
-
   struct Output {
     AccuracyMetrics& metrics;
-    AccuracyLayers* layers;  ///< null for metrics only
+    LayerSink* sink;  ///< may be null
     Grid<std::int8_t>& fail;
   };
 
-  /// The DEM must have truth.
-  void run(const Output& out, const ProgressCallback& progress) const {
-    out.metrics.footprint_bins = 2 * shape_.half_bins + 1;
-    out.metrics.quantile = shape_.quantile;
-    judge_axis(kZ, out, third(progress, 0));
-    Grid<double> mean_x = judge_axis(kX, out, third(progress, 1));
+  AccuracyPass(const EvaluationParameters& parameters, const BinMask& region, const Output& out)
+      : limits_(parameters.limits),
+        region_(region),
+        shape_{footprint_half_bins(parameters.footprint_m, region.spec().resolution_m), parameters.quantile},
+        out_(out) {}
+
+  /// The DEM must have truth, which is used up.
+  void run(DemLayers& dem, const ProgressCallback& progress) const {
+    out_.metrics.footprint_bins = 2 * shape_.half_bins + 1;
+    out_.metrics.quantile = shape_.quantile;
+    judge_axis(kZ, dem, third(progress, 0));
+    Grid<double> mean_x = judge_axis(kX, dem, third(progress, 1));
     const Grid<double> horizontal =
-        horizontal_error(std::move(mean_x), judge_axis(kY, out, third(progress, 2)));
-    out.metrics.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
-    flag_above(horizontal, limits_.absolute_horizontal_m, kFailAbsoluteHorizontal, out.fail);
+        horizontal_error(std::move(mean_x), judge_axis(kY, dem, third(progress, 2)));
+    out_.metrics.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
+    flag_above(horizontal, limits_.absolute_horizontal_m, kFailAbsoluteHorizontal, out_.fail);
   }
 
  private:
   /// The footprints' means.
-  Grid<double> judge_axis(const AxisFields& fields, const Output& out,
-                          const ProgressCallback& progress) const {
+  Grid<double> judge_axis(const AxisFields& fields, DemLayers& dem, const ProgressCallback& progress) const {
     const double limit_m = limits_.*fields.limit_m;
-    Grid<double> error = error_of(fields.axis, dem_, *dem_.truth);
+    Grid<double> error = error_of(fields.axis, std::move((*dem.truth).*fields.truth), dem.z_est);
     FootprintStatistics statistics = footprint_statistics(error, region_, shape_, progress);
-    out.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
-    out.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
-    flag_above(statistics.relative, limit_m, fields.flag, out.fail);
-    if (out.layers)
-      out.layers->*fields.layers = {std::move(error), to_float(statistics.mean),
-                                    to_float(statistics.relative)};
+    out_.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
+    out_.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
+    flag_above(statistics.relative, limit_m, fields.flag, out_.fail);
+    if (out_.sink != nullptr)
+      out_.sink->take(fields.axis,
+                      {std::move(error), to_float(statistics.mean), to_float(statistics.relative)});
     return std::move(statistics.mean);
   }
 
@@ -145,48 +156,44 @@ class AccuracyPass {
     return [&progress, index](double fraction) { progress(0.33 * (index + fraction)); };
   }
 
-  const DemLayers& dem_;
   const EvaluationLimits& limits_;
   const BinMask& region_;
   FootprintShape shape_;
+  Output out_;
 };
+
+/// Judges coverage and gives its layers to the sink. The region comes back.
+BinMask judge_coverage(const Grid<double>& z_est, BinMask region, const EvaluationLimits& limits,
+                       LayerSink* sink, Evaluation& result, Grid<std::int8_t>& fail) {
+  Coverage coverage = assess_coverage(z_est, region, limits);
+  flag_coverage(coverage, limits, fail);
+  result.holes = std::move(coverage.holes);
+  result.metrics.coverage = std::move(coverage.metrics);
+  if (sink == nullptr) return region;
+  CoverageLayers layers{std::move(region), std::move(coverage.invalid), std::move(coverage.hole_id),
+                        distance_layer(coverage.squared_distance)};
+  coverage.squared_distance = {};
+  sink->take(layers);
+  return std::move(layers.in_region);
+}
 
 }  // namespace
 
-Evaluation evaluate(const DemLayers& dem, const EvaluationParameters& parameters, EvaluationOutput output,
+Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, LayerSink* sink,
                     const ProgressCallback& progress) {
   check(parameters);
   check_layers(dem);
-  BinMask region = circular_region(dem.z_est.spec(), parameters.region_radius_m);
-  const AccuracyPass accuracy(dem, parameters, region);
-  Coverage coverage = assess_coverage(dem.z_est, region, parameters.limits);
-  Grid<std::int8_t> fail(dem.z_est.spec());
-  flag_coverage(coverage, parameters.limits, fail);
-
   Evaluation result;
-  result.holes = std::move(coverage.holes);
-  if (output == EvaluationOutput::layers_and_metrics) {
-    result.layers.emplace();
-    result.layers->invalid = std::move(coverage.invalid);
-    result.layers->hole_id = std::move(coverage.hole_id);
-    result.layers->distance_to_valid = distance_layer(coverage.squared_distance);
-    if (dem.truth) result.layers->accuracy.emplace();
-  }
   Metrics& metrics = result.metrics;
+  Grid<std::int8_t> fail(dem.z_est.spec());
+  BinMask region = circular_region(dem.z_est.spec(), parameters.region_radius_m);
   metrics.region = {parameters.region_radius_m, count_set(region)};
-  metrics.coverage = std::move(coverage.metrics);
-  coverage = {};  // its grids are as large as those of an axis
-
-  if (dem.truth) {
-    AccuracyLayers* const layers = result.layers ? &*result.layers->accuracy : nullptr;
-    accuracy.run({metrics.accuracy.emplace(), layers, fail}, progress);
-  }
+  region = judge_coverage(dem.z_est, std::move(region), parameters.limits, sink, result, fail);
+  if (dem.truth)
+    AccuracyPass(parameters, region, {metrics.accuracy.emplace(), sink, fail}).run(dem, progress);
+  if (sink != nullptr) sink->take(fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);
-  if (result.layers) {
-    result.layers->in_region = std::move(region);
-    result.layers->fail = std::move(fail);
-  }
   report(progress, 1);
   return result;
 }

@@ -13,13 +13,16 @@ QuantileRank quantile_rank(std::size_t n, double q) {
   return {static_cast<std::size_t>(below), h - below};
 }
 
-double quantile_in_place(std::span<double> values, double q) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const QuantileRank rank = quantile_rank(values.size(), q);
+double value_at_rank(std::span<double> values, const QuantileRank& rank) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank.below);
   std::nth_element(values.begin(), at, values.end());
   if (rank.frac == 0) return *at;
   return *at + rank.frac * (*std::min_element(at + 1, values.end()) - *at);
+}
+
+double quantile_in_place(std::span<double> values, double q) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return value_at_rank(values, quantile_rank(values.size(), q));
 }
 
 }  // namespace landfall

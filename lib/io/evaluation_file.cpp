@@ -2,35 +2,16 @@
 #include "io/evaluation_file.h"
 
 #include <array>
+#include <utility>
 #include <vector>
 
-#include "io/grid_file.h"
 #include "io/metrics_json.h"
 #include "io/table.h"
 
 namespace landfall {
 namespace {
 
-void write_coverage(GridLayerWriter& out, const EvaluationLayers& layers) {
-  out.write("in_region", layers.in_region, {"1", "bin lies in the judged region", {0, 1}, "outside inside"});
-  out.write("invalid", layers.invalid,
-            {"1", "bin of the region without an elevation", {0, 1}, "valid invalid"});
-  out.write("hole_id", layers.hole_id, {"1", "number of the 8-connected hole, 0 for none"});
-  out.write("distance_to_valid", layers.distance_to_valid,
-            {"1", "distance to the nearest valid bin, in bins"});
-  GridLayerWriter::LayerText fail{"1", "missed requirements of the bin or of the footprint centred on it"};
-  fail.flag_masks = {kFailRelativeX,          kFailRelativeY, kFailRelativeZ,
-                     kFailAbsoluteHorizontal, kFailHoleSize,  kFailDistance};
-  fail.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
-  out.write("fail", layers.fail, fail);
-}
-
-void write_axis_layers(GridLayerWriter& out, const std::string& axis, const AxisLayers& layers) {
-  out.write("e_" + axis, layers.error, {"m", "true minus estimated " + axis});
-  out.write("abs_" + axis, layers.absolute, {"m", "mean of e_" + axis + " over the footprint"});
-  out.write("rel_" + axis, layers.relative,
-            {"m", "quantile of the deviation of e_" + axis + " from its mean over the footprint"});
-}
+const char* name_of(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
 
 void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std::vector<Hole>& holes) {
   std::vector<std::int32_t> id;
@@ -84,21 +65,46 @@ DemInput read_dem(const std::filesystem::path& path) {
   return dem;
 }
 
-void write_evaluation(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
-                      const Evaluation& evaluation) {
-  if (evaluation.layers) {
-    GridLayerWriter out(file, spec, crs_wkt);
-    if (evaluation.layers->accuracy) {
-      write_axis_layers(out, "x", evaluation.layers->accuracy->x);
-      write_axis_layers(out, "y", evaluation.layers->accuracy->y);
-      write_axis_layers(out, "z", evaluation.layers->accuracy->z);
-    }
-    write_coverage(out, *evaluation.layers);
-  }
-  write_holes(file, spec, evaluation.holes);
-  h5::write_text(file.root(), {"metrics_json", "metrics and verdicts"},
+EvaluationWriter::EvaluationWriter(LandfallFileWriter& file, const GridSpec& spec, std::string crs_wkt)
+    : file_(file), spec_(spec), crs_wkt_(std::move(crs_wkt)) {}
+
+GridLayerWriter& EvaluationWriter::grid() {
+  if (!grid_) grid_.emplace(file_, spec_, crs_wkt_);
+  return *grid_;
+}
+
+void EvaluationWriter::take(const CoverageLayers& layers) {
+  grid().write("in_region", layers.in_region,
+               {"1", "bin lies in the judged region", {0, 1}, "outside inside"});
+  grid().write("invalid", layers.invalid,
+               {"1", "bin of the region without an elevation", {0, 1}, "valid invalid"});
+  grid().write("hole_id", layers.hole_id, {"1", "number of the 8-connected hole, 0 for none"});
+  grid().write("distance_to_valid", layers.distance_to_valid,
+               {"1", "distance to the nearest valid bin, in bins"});
+}
+
+void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
+  const std::string name = name_of(axis);
+  grid().write("e_" + name, layers.error, {"m", "true minus estimated " + name});
+  grid().write("abs_" + name, layers.absolute, {"m", "mean of e_" + name + " over the footprint"});
+  grid().write("rel_" + name, layers.relative,
+               {"m", "quantile of the deviation of e_" + name + " from its mean over the footprint"});
+}
+
+void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
+  GridLayerWriter::LayerText text{"1", "missed requirements of the bin or of the footprint centred on it"};
+  text.flag_masks = {kFailRelativeX,          kFailRelativeY, kFailRelativeZ,
+                     kFailAbsoluteHorizontal, kFailHoleSize,  kFailDistance};
+  text.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
+  grid().write("fail", fail, text);
+}
+
+void EvaluationWriter::finish(const Evaluation& evaluation) {
+  write_holes(file_, spec_, evaluation.holes);
+  h5::write_text(file_.root(), {"metrics_json", "metrics and verdicts"},
                  metrics_json(evaluation.metrics).dump(2));
-  file.commit();
+  grid_.reset();
+  file_.commit();
 }
 
 }  // namespace landfall

@@ -2,6 +2,7 @@
 #include "io/grid_file.h"
 
 #include <hdf5_hl.h>
+#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +35,42 @@ std::vector<T> tile_values(const Grid<T>& layer, BinIndex first, BinIndex tile) 
     std::memcpy(values.data() + r * tile.col, &layer.at({first.row + r, first.col}),
                 static_cast<std::size_t>(cols) * sizeof(T));
   return values;
+}
+
+struct EncodedTile {
+  BinIndex first;
+  std::vector<std::byte> bytes;
+};
+
+/// Compresses tiles on all threads while one of them writes those before, in their order: HDF5 is not
+/// reentrant.
+template <class T>
+void write_tiles(hid_t dataset, const Grid<T>& layer, BinIndex tile, int compression,
+                 const std::string& name) {
+  const GridSpec& spec = layer.spec();
+  BinIndex next;
+  const auto next_tile = [&](tbb::flow_control& control) {
+    const BinIndex first = next;
+    if (first.row >= spec.rows) control.stop();
+    next.col += tile.col;
+    if (next.col >= spec.cols) next = {next.row + tile.row, 0};
+    return first;
+  };
+  const auto encode = [&](BinIndex first) {
+    const std::vector<T> values = tile_values(layer, first, tile);
+    return EncodedTile{first, encode_chunk(std::as_bytes(std::span(values)), sizeof(T), compression)};
+  };
+  const auto write = [&](const EncodedTile& encoded) {
+    const hsize_t offset[2] = {static_cast<hsize_t>(encoded.first.row),
+                               static_cast<hsize_t>(encoded.first.col)};
+    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset, encoded.bytes.size(), encoded.bytes.data()) < 0)
+      throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
+  };
+  using tbb::filter_mode;
+  tbb::parallel_pipeline(4 * thread_count(),
+                         tbb::make_filter<void, BinIndex>(filter_mode::serial_in_order, next_tile) &
+                             tbb::make_filter<BinIndex, EncodedTile>(filter_mode::parallel, encode) &
+                             tbb::make_filter<EncodedTile, void>(filter_mode::serial_in_order, write));
 }
 
 h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values,
@@ -147,22 +184,7 @@ void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
-  const auto tiles_across = static_cast<std::size_t>((spec_.cols + tile.col - 1) / tile.col);
-  std::vector<std::vector<std::byte>> encoded(tiles_across);
-  for (std::int64_t row = 0; row < spec_.rows; row += tile.row) {
-    parallel_for(tiles_across, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) {
-        const std::vector<T> values =
-            tile_values(layer, {row, static_cast<std::int64_t>(t) * tile.col}, tile);
-        encoded[t] = encode_chunk(std::as_bytes(std::span(values)), sizeof(T), compression_);
-      }
-    });
-    for (std::size_t t = 0; t < tiles_across; ++t) {
-      const hsize_t offset[2] = {static_cast<hsize_t>(row), static_cast<hsize_t>(tile.col) * t};
-      if (H5Dwrite_chunk(dataset.get(), H5P_DEFAULT, 0, offset, encoded[t].size(), encoded[t].data()) < 0)
-        throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
-    }
-  }
+  write_tiles(dataset.get(), layer, tile, compression_, name);
 }
 
 template void GridLayerWriter::write(const std::string&, const Grid<double>&, const LayerText&);

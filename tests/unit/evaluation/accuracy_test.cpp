@@ -21,16 +21,15 @@ Grid<double> row_of(std::initializer_list<double> values) {
 
 // Bins at x = -0.5, 0, 0.5 and y = 1.
 TEST(ErrorOf, TruthMinusEstimate) {
-  const TrueLayers truth{row_of({-0.25, 0, kNan}), row_of({1.5, 0.75, 1}), row_of({10, 20, 30})};
-  const DemLayers dem{row_of({11, kNan, 29.5}), truth};
-  const Grid<double> x = error_of(Axis::x, dem, truth);
+  const Grid<double> z_est = row_of({11, kNan, 29.5});
+  const Grid<double> x = error_of(Axis::x, row_of({-0.25, 0, kNan}), z_est);
   EXPECT_EQ(x.at({0, 0}), 0.25);
   EXPECT_EQ(x.at({0, 1}), 0);
   EXPECT_TRUE(std::isnan(x.at({0, 2})));
-  const Grid<double> y = error_of(Axis::y, dem, truth);
+  const Grid<double> y = error_of(Axis::y, row_of({1.5, 0.75, 1}), z_est);
   EXPECT_EQ(y.at({0, 0}), 0.5);
   EXPECT_EQ(y.at({0, 1}), -0.25);
-  const Grid<double> z = error_of(Axis::z, dem, truth);
+  const Grid<double> z = error_of(Axis::z, row_of({10, 20, 30}), z_est);
   EXPECT_EQ(z.at({0, 0}), -1);
   EXPECT_TRUE(std::isnan(z.at({0, 1})));
   EXPECT_EQ(z.at({0, 2}), 0.5);

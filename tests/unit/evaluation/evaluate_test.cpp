@@ -15,9 +15,14 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "collected_layers.h"
 
 namespace landfall {
 namespace {
+
+using testing_layers::Collected;
+using testing_layers::collected;
+using testing_layers::Layers;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -76,7 +81,7 @@ bool same_bits(const AxisLayers& a, const AxisLayers& b) {
 }
 
 TEST(Evaluate, PerfectDemPasses) {
-  const Evaluation evaluation = evaluate(perfect(5), small());
+  const Collected evaluation = collected(perfect(5), small());
   EXPECT_EQ(evaluation.metrics.pass, true);
   EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{4, 45}));
   ASSERT_TRUE(evaluation.metrics.accuracy);
@@ -84,7 +89,7 @@ TEST(Evaluate, PerfectDemPasses) {
   EXPECT_EQ(evaluation.metrics.accuracy->quantile, 0.95);
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.z, (AbsoluteMetrics{0.0, 0.0, 0.0}));
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.horizontal, (HorizontalMetrics{0.0, 1.0}));
-  EXPECT_TRUE(std::ranges::all_of(evaluation.layers->fail.values(), [](std::int8_t f) { return f == 0; }));
+  EXPECT_TRUE(std::ranges::all_of(evaluation.layers.fail.values(), [](std::int8_t f) { return f == 0; }));
 }
 
 // One bin of e_z = 0.9 in footprints of 9: mean 0.1, deviations eight of 0.1 and one of 0.8; h = 7.6, so
@@ -92,7 +97,7 @@ TEST(Evaluate, PerfectDemPasses) {
 TEST(Evaluate, OneWrongElevation) {
   DemLayers dem = perfect(5);
   dem.truth->z.at({5, 5}) += 0.9;
-  const Evaluation evaluation = evaluate(dem, small());
+  const Collected evaluation = collected(dem, small());
   EXPECT_EQ(evaluation.metrics.requirements.relative_elevation, (Requirement{9.0, 0, false}));
   EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.pass, true);
   EXPECT_EQ(evaluation.metrics.pass, false);
@@ -100,22 +105,22 @@ TEST(Evaluate, OneWrongElevation) {
   EXPECT_NEAR(accuracy.absolute.z.mean_m.value(), 0.1 * 9 / 45, 1e-14);
   EXPECT_NEAR(accuracy.absolute.z.max_m.value(), 0.1, 1e-14);
   EXPECT_NEAR(accuracy.relative.z.max_m.value(), 0.52, 1e-14);
-  const EvaluationLayers& layers = *evaluation.layers;
+  const Layers& layers = evaluation.layers;
   EXPECT_EQ(layers.fail.at({4, 6}), kFailRelativeZ);
   EXPECT_EQ(layers.fail.at({4, 7}), 0);
-  EXPECT_EQ(layers.accuracy->z.error.at({5, 5}), 7.9 - 7);
-  EXPECT_NEAR(layers.accuracy->z.absolute.at({6, 6}), 0.1, 1e-7);
-  EXPECT_NEAR(layers.accuracy->z.relative.at({6, 6}), 0.52, 1e-7);
+  EXPECT_EQ(layers.z->error.at({5, 5}), 7.9 - 7);
+  EXPECT_NEAR(layers.z->absolute.at({6, 6}), 0.1, 1e-7);
+  EXPECT_NEAR(layers.z->relative.at({6, 6}), 0.52, 1e-7);
 }
 
 TEST(Evaluate, AxesHaveTheirOwnFlags) {
   DemLayers dem = perfect(5);
   dem.truth->x.at({5, 5}) -= 0.9;
   dem.truth->y.at({5, 7}) += 0.9;
-  const Evaluation evaluation = evaluate(dem, small());
-  EXPECT_EQ(evaluation.layers->fail.at({5, 4}), kFailRelativeX);
-  EXPECT_EQ(evaluation.layers->fail.at({5, 6}), kFailRelativeX | kFailRelativeY);
-  EXPECT_EQ(evaluation.layers->fail.at({5, 8}), kFailRelativeY);
+  const Collected evaluation = collected(dem, small());
+  EXPECT_EQ(evaluation.layers.fail.at({5, 4}), kFailRelativeX);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 6}), kFailRelativeX | kFailRelativeY);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 8}), kFailRelativeY);
   EXPECT_NEAR(evaluation.metrics.accuracy->absolute.x.mean_m.value(), -0.1 * 9 / 45, 1e-14);
   // Both blocks of 3 x 3 footprints lie in the region: its corner (4, 8) has 3^2 + 1 < 16.
   EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, 18);
@@ -127,15 +132,15 @@ TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
   for (double& y : dem.truth->y.values()) y -= 4;
   EvaluationParameters parameters = small();
   parameters.limits.absolute_horizontal_m = 5;
-  Evaluation evaluation = evaluate(dem, parameters);
+  Collected evaluation = collected(dem, parameters);
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.horizontal, (HorizontalMetrics{5.0, 1.0}));
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.y, (AbsoluteMetrics{4.0, -4.0, 4.0}));
   EXPECT_EQ(evaluation.metrics.pass, true);
   parameters.limits.absolute_horizontal_m = std::nextafter(5, 0);
-  evaluation = evaluate(dem, parameters);
+  evaluation = collected(dem, parameters);
   EXPECT_EQ(evaluation.metrics.requirements.absolute_horizontal, (Requirement{0.0, 0.95, false}));
-  EXPECT_EQ(evaluation.layers->fail.at({5, 5}), kFailAbsoluteHorizontal);
-  EXPECT_EQ(evaluation.layers->fail.at({0, 0}), 0);  // outside the region
+  EXPECT_EQ(evaluation.layers.fail.at({5, 5}), kFailAbsoluteHorizontal);
+  EXPECT_EQ(evaluation.layers.fail.at({0, 0}), 0);  // outside the region
 }
 
 // As floats, 0.05 is above 0.05 and a little more than 0.05 is equal to it.
@@ -145,9 +150,9 @@ TEST(Evaluate, ViolationsAreJudgedInDouble) {
   EvaluationParameters parameters = small();
   const double largest = evaluate(dem, parameters).metrics.accuracy->relative.z.max_m.value();
   parameters.limits.relative_elevation_m = largest;
-  const Evaluation at_limit = evaluate(dem, parameters);
+  const Collected at_limit = collected(dem, parameters);
   EXPECT_EQ(at_limit.metrics.requirements.relative_elevation.value, 0);
-  EXPECT_EQ(std::ranges::count(at_limit.layers->fail.values(), 0), 11 * 11);
+  EXPECT_EQ(std::ranges::count(at_limit.layers.fail.values(), 0), 11 * 11);
   parameters.limits.relative_elevation_m = std::nextafter(largest, 0);
   ASSERT_EQ(static_cast<float>(largest), static_cast<float>(parameters.limits.relative_elevation_m));
   EXPECT_GT(evaluate(dem, parameters).metrics.requirements.relative_elevation.value, 0);
@@ -159,37 +164,37 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
     for (std::int64_t col = 4; col <= 6; ++col) dem.z_est.at({row, col}) = kNan;
   EvaluationParameters parameters = small();
   parameters.limits.hole_bins = 8;
-  const Evaluation evaluation = evaluate(dem, parameters);
-  const EvaluationLayers& layers = *evaluation.layers;
+  const Collected evaluation = collected(dem, parameters);
+  const Layers& layers = evaluation.layers;
   EXPECT_EQ(layers.fail.at({4, 4}), kFailHoleSize);
   EXPECT_EQ(layers.fail.at({5, 5}), kFailHoleSize | kFailDistance);
-  EXPECT_EQ(layers.hole_id.at({5, 5}), 1);
-  EXPECT_EQ(layers.distance_to_valid.at({5, 5}), 2);
-  EXPECT_EQ(layers.distance_to_valid.at({3, 5}), 0);
+  EXPECT_EQ(layers.coverage.hole_id.at({5, 5}), 1);
+  EXPECT_EQ(layers.coverage.distance_to_valid.at({5, 5}), 2);
+  EXPECT_EQ(layers.coverage.distance_to_valid.at({3, 5}), 0);
   ASSERT_EQ(evaluation.holes.size(), 1U);
   EXPECT_EQ(evaluation.holes[0].centroid_x_m, 0);
   EXPECT_EQ(evaluation.metrics.coverage.invalid_frac, 9.0 / 45);
   // The footprint of (5, 5) has no valid e_z: no value, and no violation.
-  EXPECT_TRUE(std::isnan(layers.accuracy->z.absolute.at({5, 5})));
+  EXPECT_TRUE(std::isnan(layers.z->absolute.at({5, 5})));
   EXPECT_EQ(evaluation.metrics.accuracy->relative.z.violation_count, 0);
   EXPECT_EQ(evaluation.metrics.requirements.hole_size, (Requirement{9.0, 8, false}));
   EXPECT_EQ(evaluation.metrics.requirements.hole_distance, (Requirement{2.0, 1, false}));
   parameters.limits.hole_bins = 9;
-  EXPECT_EQ(evaluate(dem, parameters).layers->fail.at({4, 4}), 0);
+  EXPECT_EQ(collected(dem, parameters).layers.fail.at({4, 4}), 0);
 }
 
 TEST(Evaluate, LayersOutsideTheRegion) {
   DemLayers dem = perfect(5);
   dem.z_est.at({0, 0}) = kNan;
-  const EvaluationLayers layers = *evaluate(dem, small()).layers;
-  EXPECT_EQ(layers.in_region.at({0, 0}), 0);
-  EXPECT_EQ(layers.in_region.at({5, 5}), 1);
-  EXPECT_EQ(layers.invalid.at({0, 0}), 0);
-  EXPECT_EQ(layers.hole_id.at({0, 0}), 0);
-  EXPECT_EQ(layers.distance_to_valid.at({0, 0}), 1);
-  EXPECT_TRUE(std::isnan(layers.accuracy->x.absolute.at({0, 1})));
-  EXPECT_TRUE(std::isnan(layers.accuracy->x.relative.at({0, 1})));
-  EXPECT_EQ(layers.accuracy->x.error.at({0, 1}), 0);
+  const Layers layers = collected(dem, small()).layers;
+  EXPECT_EQ(layers.coverage.in_region.at({0, 0}), 0);
+  EXPECT_EQ(layers.coverage.in_region.at({5, 5}), 1);
+  EXPECT_EQ(layers.coverage.invalid.at({0, 0}), 0);
+  EXPECT_EQ(layers.coverage.hole_id.at({0, 0}), 0);
+  EXPECT_EQ(layers.coverage.distance_to_valid.at({0, 0}), 1);
+  EXPECT_TRUE(std::isnan(layers.x->absolute.at({0, 1})));
+  EXPECT_TRUE(std::isnan(layers.x->relative.at({0, 1})));
+  EXPECT_EQ(layers.x->error.at({0, 1}), 0);
 }
 
 // The region touches the DEM's border (R/s = 6 bins, 5 on each side of the origin): footprints there are
@@ -199,32 +204,32 @@ TEST(Evaluate, FootprintClippedAtTheDemBorder) {
   dem.truth->z.at({0, 5}) += 0.6;
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 6;
-  const Evaluation evaluation = evaluate(dem, parameters);
-  EXPECT_NEAR(evaluation.layers->accuracy->z.absolute.at({0, 5}), 0.1, 1e-7);
-  EXPECT_NEAR(evaluation.layers->accuracy->z.absolute.at({1, 5}), 0.6 / 9, 1e-7);
+  const Collected evaluation = collected(dem, parameters);
+  EXPECT_NEAR(evaluation.layers.z->absolute.at({0, 5}), 0.1, 1e-7);
+  EXPECT_NEAR(evaluation.layers.z->absolute.at({1, 5}), 0.6 / 9, 1e-7);
 }
 
 TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
   DemLayers dem = perfect(5);
   dem.truth.reset();
-  const Evaluation evaluation = evaluate(dem, small());
+  const Collected evaluation = collected(dem, small());
   EXPECT_EQ(evaluation.metrics.pass, std::nullopt);
   EXPECT_EQ(evaluation.metrics.accuracy, std::nullopt);
   EXPECT_EQ(evaluation.metrics.requirements.coverage.pass, true);
   EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.pass, std::nullopt);
-  EXPECT_FALSE(evaluation.layers->accuracy);
+  EXPECT_FALSE(evaluation.layers.z);
 }
 
 TEST(Evaluate, DemWithoutAValidBinFails) {
   DemLayers dem = perfect(5);
   for (Grid<double>* layer : {&dem.z_est, &dem.truth->x, &dem.truth->y, &dem.truth->z})
     std::ranges::fill(layer->values(), kNan);
-  const Evaluation evaluation = evaluate(dem, small());
+  const Collected evaluation = collected(dem, small());
   EXPECT_EQ(evaluation.metrics.pass, false);
   EXPECT_EQ(evaluation.metrics.coverage.max_distance_bins, std::numeric_limits<double>::infinity());
   EXPECT_EQ(evaluation.metrics.accuracy->absolute.z, AbsoluteMetrics{});
   EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, std::nullopt);
-  EXPECT_EQ(evaluation.layers->distance_to_valid.at({5, 5}), std::numeric_limits<float>::infinity());
+  EXPECT_EQ(evaluation.layers.coverage.distance_to_valid.at({5, 5}), std::numeric_limits<float>::infinity());
 }
 
 TEST(Evaluate, QuantileChangesRelativeOnly) {
@@ -238,35 +243,33 @@ TEST(Evaluate, QuantileChangesRelativeOnly) {
   EXPECT_LT(at_50.accuracy->relative.z.max_m, at_95.accuracy->relative.z.max_m);
 }
 
-TEST(Evaluate, SameAtAnyThreadCountAndInBothModes) {
+TEST(Evaluate, SameAtAnyThreadCountAndWithoutLayers) {
   const DemLayers dem = noisy(60);
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 50;
   parameters.footprint_m = 9;
-  const auto with_threads = [&](std::size_t threads, EvaluationOutput output) {
+  const auto with_threads = [&](std::size_t threads) {
     const ThreadLimit limit(threads);
-    return evaluate(dem, parameters, output);
+    return collected(dem, parameters);
   };
-  const Evaluation one = with_threads(1, EvaluationOutput::layers_and_metrics);
-  const Evaluation two = with_threads(2, EvaluationOutput::layers_and_metrics);
-  const Evaluation metrics_only = with_threads(2, EvaluationOutput::metrics_only);
+  const Collected one = with_threads(1);
+  const Collected two = with_threads(2);
+  const Evaluation without_layers = evaluate(dem, parameters);
   EXPECT_EQ(one.metrics, two.metrics);
-  EXPECT_EQ(one.metrics, metrics_only.metrics);
+  EXPECT_EQ(one.metrics, without_layers.metrics);
   EXPECT_EQ(one.holes, two.holes);
-  EXPECT_EQ(one.holes, metrics_only.holes);
-  EXPECT_FALSE(metrics_only.layers);
-  EXPECT_TRUE(same_bits(one.layers->fail, two.layers->fail));
-  EXPECT_TRUE(same_bits(one.layers->hole_id, two.layers->hole_id));
-  EXPECT_TRUE(same_bits(one.layers->distance_to_valid, two.layers->distance_to_valid));
-  EXPECT_TRUE(same_bits(one.layers->accuracy->x, two.layers->accuracy->x));
-  EXPECT_TRUE(same_bits(one.layers->accuracy->y, two.layers->accuracy->y));
-  EXPECT_TRUE(same_bits(one.layers->accuracy->z, two.layers->accuracy->z));
+  EXPECT_EQ(one.holes, without_layers.holes);
+  EXPECT_TRUE(same_bits(one.layers.fail, two.layers.fail));
+  EXPECT_TRUE(same_bits(one.layers.coverage.hole_id, two.layers.coverage.hole_id));
+  EXPECT_TRUE(same_bits(one.layers.coverage.distance_to_valid, two.layers.coverage.distance_to_valid));
+  EXPECT_TRUE(same_bits(*one.layers.x, *two.layers.x));
+  EXPECT_TRUE(same_bits(*one.layers.y, *two.layers.y));
+  EXPECT_TRUE(same_bits(*one.layers.z, *two.layers.z));
 }
 
 TEST(Evaluate, ProgressRisesToOne) {
   std::vector<double> fractions;
-  static_cast<void>(evaluate(perfect(5), small(), EvaluationOutput::metrics_only,
-                             [&](double f) { fractions.push_back(f); }));
+  static_cast<void>(evaluate(perfect(5), small(), nullptr, [&](double f) { fractions.push_back(f); }));
   EXPECT_GE(fractions.size(), 4U);
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
   EXPECT_GE(fractions.front(), 0);

@@ -60,8 +60,7 @@ TEST(EvaluationParameters, FractionsLieBetween0And1) {
 
 TEST(EvaluationParameters, LimitsAreNotNegative) {
   EXPECT_EQ(refusal([](auto& p) { p.limits = {0, 0, 0, 0, 0, 0, 0}; }), "accepted");
-  EXPECT_EQ(refusal([](auto& p) { p.limits.hole_bins = -1; }),
-            "limits/hole_bins: -1 is not finite and >= 0");
+  EXPECT_EQ(refusal([](auto& p) { p.limits.hole_bins = -1; }), "limits/hole_bins: -1 is not finite and >= 0");
   for (const double bad : {-1.0, kNan, kInf}) {
     EXPECT_NE(refusal([&](auto& p) { p.limits.distance_bins = bad; }), "accepted");
     EXPECT_NE(refusal([&](auto& p) { p.limits.relative_elevation_m = bad; }), "accepted");

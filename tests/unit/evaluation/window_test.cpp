@@ -195,6 +195,7 @@ TEST_P(WindowOracle, EqualToTheLastBit) {
 INSTANTIATE_TEST_SUITE_P(
     Random, WindowOracle,
     testing::Values(RandomCase{{1, 0, 0, 70, 61}, 0.04, 17, 0.95}, RandomCase{{1, 0, 0, 45, 50}, 0, 3, 0.95},
+                    RandomCase{{1, 0, 0, 270, 20}, 0.1, 150, 0.95},
                     RandomCase{{1, 0, 0, 40, 33}, 0.9, 2, 0.8}, RandomCase{{1, 0, 0, 30, 31}, 1, 4, 0.95},
                     RandomCase{{1, 0, 0, 1, 90}, 0.3, 6, 0.33}, RandomCase{{1, 0, 0, 90, 1}, 0.3, 6, 1},
                     RandomCase{{1, 0, 0, 20, 20}, 0.2, 0, 0.5}, RandomCase{{1, 0, 0, 12, 15}, 0.2, 40, 0}));

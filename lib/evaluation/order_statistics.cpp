@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/order_statistics.h"
+
+#include <numeric>
+
+namespace landfall {
+namespace {
+
+using Counts = std::vector<std::uint32_t>;
+
+std::vector<std::size_t> counts_of_all(const std::vector<Counts>& pieces) {
+  std::vector<std::size_t> all(ValueBucket::kCount);
+  for (const Counts& piece : pieces)
+    for (std::size_t bucket = 0; bucket < all.size(); ++bucket) all[bucket] += piece[bucket];
+  return all;
+}
+
+}  // namespace
+
+std::optional<BucketRange> find_buckets(const std::vector<Counts>& counts_by_piece, double q) {
+  const std::vector<std::size_t> counts = counts_of_all(counts_by_piece);
+  const std::size_t size = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  if (size == 0) return std::nullopt;
+  BucketRange result{.rank = quantile_rank(size, q)};
+  const std::size_t above = result.rank.below + (result.rank.frac > 0 ? 1 : 0);
+  std::size_t before = 0;
+  for (; before + counts[result.first] <= result.rank.below; ++result.first) before += counts[result.first];
+  std::size_t with = before + counts[result.first];
+  for (result.last = result.first; with <= above;) with += counts[++result.last];
+  result.rank.below -= before;
+  return result;
+}
+
+double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank) {
+  std::vector<double> values;
+  for (const std::vector<double>& piece : pieces) values.insert(values.end(), piece.begin(), piece.end());
+  return value_at_rank(std::span(values), rank) + 0.0;
+}
+
+}  // namespace landfall

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace landfall {
+
+/// Sums and quantiles of as many values as a map has bins, in parallel and the same for any number of
+/// threads.
+///
+/// The i-th value; NaN for one that does not count. Called more than once for each i, from any thread.
+template <class F>
+concept ValueAt = std::is_invocable_r_v<double, const F&, std::size_t>;
+
+/// Values are taken in pieces that do not depend on the number of threads.
+inline constexpr std::size_t kValuesPerPiece = std::size_t{1} << 18U;
+
+/// Calls work(i) for each i of [0, count).
+template <class Work>
+void for_each_index(std::size_t count, const Work& work) {
+  parallel_for(count, kValuesPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) work(i);
+  });
+}
+
+/// Calls work(begin, end) for each piece of [0, count); the results by piece.
+template <class Work>
+[[nodiscard]] auto by_piece(std::size_t count, const Work& work) {
+  std::vector<decltype(work(count, count))> results((count + kValuesPerPiece - 1) / kValuesPerPiece);
+  parallel_for(count, kValuesPerPiece, [&](std::size_t begin, std::size_t end) {
+    results[begin / kValuesPerPiece] = work(begin, end);
+  });
+  return results;
+}
+
+/// The values that count, and their sum: each piece from its first value on, then the pieces in order.
+struct CountedSum {
+  std::int64_t count = 0;
+  double sum = 0;
+  /// NaN without a value.
+  [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
+};
+
+template <ValueAt F>
+[[nodiscard]] CountedSum counted_sum(std::size_t count, const F& value_at) {
+  const auto pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    CountedSum piece;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double value = value_at(i);
+      const bool counts = !std::isnan(value);
+      piece.count += counts ? 1 : 0;
+      piece.sum += counts ? value : 0.0;
+    }
+    return piece;
+  });
+  CountedSum result;
+  for (const CountedSum& piece : pieces) {
+    result.count += piece.count;
+    result.sum += piece.sum;
+  }
+  return result;
+}
+
+/// The largest value; -infinity without one.
+template <ValueAt F>
+[[nodiscard]] double largest_of(std::size_t count, const F& value_at) {
+  const auto pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    double largest = -HUGE_VAL;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double value = value_at(i);
+      largest = value > largest ? value : largest;
+    }
+    return largest;
+  });
+  double result = -HUGE_VAL;
+  for (const double largest : pieces) result = largest > result ? largest : result;
+  return result;
+}
+
+/// How many values exceed the limit.
+template <ValueAt F>
+[[nodiscard]] std::int64_t count_above(std::size_t count, const F& value_at, double limit) {
+  const auto pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    std::int64_t above = 0;
+    for (std::size_t i = begin; i < end; ++i) above += value_at(i) > limit ? 1 : 0;
+    return above;
+  });
+  std::int64_t result = 0;
+  for (const std::int64_t above : pieces) result += above;
+  return result;
+}
+
+}  // namespace landfall
