@@ -26,7 +26,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kHalfBins = 17;
+const Footprint kFootprint = Footprint::square(17);
 constexpr std::int64_t kRowsPerSelection = 60;  // one row in so many
 
 GridSpec paper_grid() { return {0.05, -1000, -1000, 2001, 2001}; }
@@ -114,12 +114,12 @@ constexpr Method kMethods[] = {
 void measure(benchmark::State& state, const Scene& scene, const Method& method) {
   const ThreadLimit one_thread(1);
   const Grid<double> error = scene.error();
-  const WindowMeans windows = window_means(error, kHalfBins);
+  const WindowMeans windows = window_means(error, kFootprint);
   BinMask region = circular_region(error.spec(), 50);
   for (std::int64_t row = 0; row < error.spec().rows; ++row)
     if (row % method.row_step != 0) std::ranges::fill(region.row(row), std::int8_t{0});
   const WindowQuantileInput input{
-      .error = error, .windows = windows, .region = region, .half_bins = kHalfBins, .quantile = 0.95};
+      .error = error, .windows = windows, .footprint = kFootprint, .region = region, .quantile = 0.95};
   for (auto _ : state) benchmark::DoNotOptimize(method.run(input).values().data());
   state.SetItemsProcessed(count_set(region) * state.iterations());
 }

@@ -17,6 +17,8 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
   EvaluationParameters parameters;
   parameters.region_radius_m = resolved.at("region_radius_m").get<double>();
   parameters.footprint_m = resolved.at("footprint_m").get<double>();
+  parameters.footprint_shape =
+      resolved.at("footprint_shape") == "disc" ? FootprintShape::disc : FootprintShape::square;
   parameters.quantile = resolved.at("quantile").get<double>();
   const nlohmann::json& limits = resolved.at("limits");
   parameters.limits.invalid_frac = limits.at("invalid_frac").get<double>();

@@ -39,14 +39,14 @@ Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est) 
 }
 
 FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMask& region,
-                                         const FootprintShape& shape, const ProgressCallback& progress) {
-  WindowMeans windows = window_means(error, shape.half_bins);
+                                         const FootprintRule& rule, const ProgressCallback& progress) {
+  WindowMeans windows = window_means(error, rule.footprint);
   FootprintStatistics result;
   result.relative = window_quantile({.error = error,
                                      .windows = windows,
+                                     .footprint = rule.footprint,
                                      .region = region,
-                                     .half_bins = shape.half_bins,
-                                     .quantile = shape.quantile},
+                                     .quantile = rule.quantile},
                                     progress);
   for_each_index(region.spec().size(), [&](std::size_t i) {
     if (region.values()[i] == 0) windows.mean.values()[i] = std::numeric_limits<double>::quiet_NaN();

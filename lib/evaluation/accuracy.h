@@ -20,13 +20,13 @@ struct FootprintStatistics {
   Grid<double> relative;  ///< quantile of |e - mean|
 };
 
-struct FootprintShape {
-  std::int64_t half_bins = 0;
+struct FootprintRule {
+  Footprint footprint;
   double quantile = 0.95;
 };
 
 [[nodiscard]] FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMask& region,
-                                                       const FootprintShape& shape,
+                                                       const FootprintRule& rule,
                                                        const ProgressCallback& progress = {});
 
 /// The summaries skip NaN and add values in a fixed order, so the mean is the same on every machine.

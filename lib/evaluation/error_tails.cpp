@@ -2,6 +2,7 @@
 #include "evaluation/error_tails.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 
 namespace landfall {
@@ -18,9 +19,8 @@ struct WindowRange {
 struct WindowLine {
   std::int64_t first = 0;
   std::int64_t count = 0;
-  std::int64_t half_bins = 0;
 
-  [[nodiscard]] WindowRange windows_with(std::int64_t bin) const {
+  [[nodiscard]] WindowRange windows_with(std::int64_t bin, std::int64_t half_bins) const {
     const std::int64_t begin = std::max<std::int64_t>(bin - half_bins - first, 0);
     const std::int64_t end = std::min(bin + half_bins + 1 - first, count);
     return {static_cast<std::size_t>(begin), static_cast<std::size_t>(end)};
@@ -37,10 +37,17 @@ class SetDrawer {
 
   void add_to_all(std::size_t place) { flip(0, place); }
 
-  void add(std::int64_t bin, std::size_t place) {
-    const WindowRange range = line_.windows_with(bin);
+  /// To the windows that reach half_bins to either side.
+  void add(std::int64_t bin, std::int64_t half_bins, std::size_t place) {
+    const WindowRange range = line_.windows_with(bin, half_bins);
     flip(range.begin, place);
     flip(range.end, place);
+  }
+
+  /// The same where perhaps no window does.
+  void add_if_reached(std::int64_t bin, std::int64_t half_bins, std::size_t place) {
+    if (bin + half_bins >= line_.first && bin - half_bins < line_.first + line_.count)
+      add(bin, half_bins, place);
   }
 
   void sum() {
@@ -90,27 +97,52 @@ void collect_tails(const Grid<double>& error, const Tile& reached, const TailBou
   tails.lower.bins.resize(static_cast<std::size_t>(lower - tails.lower.bins.data()));
 }
 
-void ErrorTail::build(const Tile& tile, std::int64_t half_bins) {
+void ErrorTail::build(const Tile& tile, const Footprint& footprint) {
   sort_.sort(bins);
   values_.assign(bins.size() + 2 * kPad, kInfinity);
   std::fill_n(values_.end() - kPad, kPad, -kInfinity);
   std::ranges::transform(bins, values_.begin() + kPad, &TailBin::value);
   words_ = values_.size() / 64 + 1;
-  draw_sets(tile, half_bins);
+  tile_ = tile;
+  footprint_ = &footprint;
+  entered_set_ = 0;
+  if (footprint.is_square())
+    draw_square_sets();
+  else
+    row_sets_.assign(words_, ~std::uint64_t{0});
 }
 
-void ErrorTail::draw_sets(const Tile& tile, std::int64_t half_bins) {
-  SetDrawer rows(row_sets_, words_, {tile.first_row, tile.rows, half_bins});
-  SetDrawer cols(col_sets_, words_, {tile.first_col, tile.cols, half_bins});
+void ErrorTail::enter_row(std::int64_t row) {
+  if (footprint_->is_square())
+    entered_set_ = row;
+  else
+    draw_spans(row);
+}
+
+void ErrorTail::draw_square_sets() {
+  const std::int64_t half_bins = footprint_->half_bins();
+  SetDrawer rows(row_sets_, words_, {tile_.first_row, tile_.rows});
+  SetDrawer cols(col_sets_, words_, {tile_.first_col, tile_.cols});
   for (const std::size_t padding : {kPad - 1, kPad + bins.size()}) {
     rows.add_to_all(padding);
     cols.add_to_all(padding);
   }
   for (std::size_t i = 0; i < bins.size(); ++i) {
-    rows.add(bins[i].row, kPad + i);
-    cols.add(bins[i].col, kPad + i);
+    rows.add(bins[i].row, half_bins, kPad + i);
+    cols.add(bins[i].col, half_bins, kPad + i);
   }
   rows.sum();
+  cols.sum();
+}
+
+void ErrorTail::draw_spans(std::int64_t row) {
+  SetDrawer cols(col_sets_, words_, {tile_.first_col, tile_.cols});
+  for (const std::size_t padding : {kPad - 1, kPad + bins.size()}) cols.add_to_all(padding);
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const std::int64_t offset = bins[i].row - tile_.first_row - row;
+    if (std::abs(offset) > footprint_->half_bins()) continue;
+    cols.add_if_reached(bins[i].col, footprint_->half_width(offset), kPad + i);
+  }
   cols.sum();
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluation/bucket_sort.h"
+#include "evaluation/footprint.h"
 #include "raster/grid.h"
 
 namespace landfall {
@@ -19,12 +20,13 @@ struct Tile {
   std::int64_t cols = 0;
 };
 
-/// The bins of the tile's windows of 2 half_bins + 1 bins, clipped at the grid's border.
+/// The bins of the tile's windows of 2 half_bins + 1 bins square, clipped at the grid's border.
 [[nodiscard]] Tile reach(const GridSpec& spec, const Tile& tile, std::int64_t half_bins);
 
-/// One side of the errors that a tile's windows reach: the bins of the largest sign * e, sorted, and for each
-/// row and each column of windows the set of those that lie in them. A window's members are the intersection
-/// of two sets of bits.
+/// One side of the errors that a tile's windows reach: the bins of the largest sign * e, sorted, and which of
+/// them lie in each window. A window's members are the intersection of two sets of bits, its row's and its
+/// column's: for a square, the bins that lie in the rows and in the columns of the window; for another
+/// footprint the row's set holds all bins, and the columns' sets are drawn anew for each row of windows.
 ///
 /// Places in the sorted list count from kPad. kPad places of +infinity stand before the first bin and kPad of
 /// -infinity behind the last; the two places next to the bins are members of every window, so that a search
@@ -36,14 +38,16 @@ class ErrorTail {
   /// With sign * e; to be filled before build().
   std::vector<TailBin> bins;
 
-  /// Sorts the bins and draws the sets of the tile's windows.
-  void build(const Tile& tile, std::int64_t half_bins);
+  /// Sorts the bins. The footprint must outlive the tail's use.
+  void build(const Tile& tile, const Footprint& footprint);
+  /// Makes the sets of a row of the tile's windows ready.
+  void enter_row(std::int64_t row);
 
   [[nodiscard]] std::size_t size() const { return bins.size(); }
   /// In descending order, with the padding.
   [[nodiscard]] const double* values() const { return values_.data(); }
-  /// The sets of the tile's row or column, words() long; bit p is place p.
-  [[nodiscard]] const std::uint64_t* row_set(std::int64_t row) const { return set(row_sets_, row); }
+  /// The sets of the row that was entered, or of a column, words() long; bit p is place p.
+  [[nodiscard]] const std::uint64_t* row_set() const { return set(row_sets_, entered_set_); }
   [[nodiscard]] const std::uint64_t* col_set(std::int64_t col) const { return set(col_sets_, col); }
   [[nodiscard]] std::size_t words() const { return words_; }
 
@@ -53,11 +57,15 @@ class ErrorTail {
   [[nodiscard]] const std::uint64_t* set(const Sets& sets, std::int64_t index) const {
     return sets.data() + static_cast<std::size_t>(index) * words_;
   }
-  void draw_sets(const Tile& tile, std::int64_t half_bins);
+  void draw_square_sets();
+  void draw_spans(std::int64_t row);
 
   std::vector<double> values_;
   BucketSort sort_;
   Sets row_sets_, col_sets_;
+  Tile tile_;
+  const Footprint* footprint_ = nullptr;
+  std::int64_t entered_set_ = 0;
   std::size_t words_ = 0;
 };
 
@@ -92,8 +100,8 @@ void collect_tails(const Grid<double>& error, const Tile& reached, const TailBou
 /// The members of one window in one tail. Places are padded places of the tail.
 class TailMembers {
  public:
-  TailMembers(const ErrorTail& tail, std::int64_t row, std::int64_t col)
-      : row_(tail.row_set(row)), col_(tail.col_set(col)) {}
+  /// In the tail's entered row.
+  TailMembers(const ErrorTail& tail, std::int64_t col) : row_(tail.row_set()), col_(tail.col_set(col)) {}
 
   /// A padding place is one of them.
   [[nodiscard]] std::size_t count_before(std::size_t place) const {

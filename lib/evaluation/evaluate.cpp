@@ -120,13 +120,13 @@ class AccuracyPass {
   AccuracyPass(const EvaluationParameters& parameters, const BinMask& region, const Output& out)
       : limits_(parameters.limits),
         region_(region),
-        shape_{footprint_half_bins(parameters.footprint_m, region.spec().resolution_m), parameters.quantile},
+        rule_{footprint_of(parameters, region.spec().resolution_m), parameters.quantile},
         out_(out) {}
 
   /// The DEM must have truth, which is used up.
   void run(DemLayers& dem, const ProgressCallback& progress) const {
-    out_.metrics.footprint_bins = 2 * shape_.half_bins + 1;
-    out_.metrics.quantile = shape_.quantile;
+    out_.metrics.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
+    out_.metrics.quantile = rule_.quantile;
     judge_axis(kZ, dem, third(progress, 0));
     Grid<double> mean_x = judge_axis(kX, dem, third(progress, 1));
     const Grid<double> horizontal =
@@ -140,7 +140,7 @@ class AccuracyPass {
   Grid<double> judge_axis(const AxisFields& fields, DemLayers& dem, const ProgressCallback& progress) const {
     const double limit_m = limits_.*fields.limit_m;
     Grid<double> error = error_of(fields.axis, std::move((*dem.truth).*fields.truth), dem.z_est);
-    FootprintStatistics statistics = footprint_statistics(error, region_, shape_, progress);
+    FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
     out_.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
     out_.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
     flag_above(statistics.relative, limit_m, fields.flag, out_.fail);
@@ -158,7 +158,7 @@ class AccuracyPass {
 
   const EvaluationLimits& limits_;
   const BinMask& region_;
-  FootprintShape shape_;
+  FootprintRule rule_;
   Output out_;
 };
 

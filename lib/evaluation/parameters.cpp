@@ -20,11 +20,13 @@ void check(const EvaluationParameters& parameters) {
   require_fraction({"limits", "absolute_horizontal_frac"}, limits.absolute_horizontal_frac);
 }
 
-std::int64_t footprint_half_bins(double footprint_m, double resolution_m) {
-  const double half = std::floor(footprint_m / (2 * resolution_m) + 1e-9);
-  require(half >= 0 && half <= 0x1p20, {"", "footprint_m"}, footprint_m,
+Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m) {
+  const double half = parameters.footprint_m / (2 * resolution_m) + 1e-9;
+  require(half >= 0 && half < 0x1p20 + 1, {"", "footprint_m"}, parameters.footprint_m,
           "between 0 and 2^21 bins of the DEM");
-  return static_cast<std::int64_t>(half);
+  return parameters.footprint_shape == FootprintShape::square
+             ? Footprint::square(static_cast<std::int64_t>(half))
+             : Footprint::disc(static_cast<std::int64_t>(half * half));
 }
 
 }  // namespace landfall

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "raster/grid_spec.h"
+#include "evaluation/footprint.h"
 
 namespace landfall {
 
@@ -19,10 +19,13 @@ struct EvaluationLimits {
   friend bool operator==(const EvaluationLimits&, const EvaluationLimits&) = default;
 };
 
+enum class FootprintShape { square, disc };
+
 struct EvaluationParameters {
   double region_radius_m = 50;  ///< about the origin, the intended landing site
-  double footprint_m = 1.7;     ///< edge of the square that the lander stands on
-  double quantile = 0.95;       ///< of |e - mean| in a footprint (Eq. 12)
+  double footprint_m = 1.7;     ///< edge of the square, or diameter of the disc, that the lander stands on
+  FootprintShape footprint_shape = FootprintShape::square;
+  double quantile = 0.95;  ///< of |e - mean| in a footprint (Eq. 12)
   EvaluationLimits limits;
   friend bool operator==(const EvaluationParameters&, const EvaluationParameters&) = default;
 };
@@ -31,9 +34,9 @@ struct EvaluationParameters {
 /// in [0, 1], and the other limits are finite and not negative.
 void check(const EvaluationParameters& parameters);
 
-/// h of the footprint of 2 h + 1 bins edge: bins whose centre lies within footprint_m / 2, inclusive, so h =
-/// floor(footprint_m / (2 resolution_m) + 1e-9). The slack of 1e-9 bins absorbs the division's rounding.
-/// Throws UsageError when h exceeds 2^20.
-[[nodiscard]] std::int64_t footprint_half_bins(double footprint_m, double resolution_m);
+/// The bins whose centre lies within footprint_m / 2 of the centre bin's, inclusive: along either axis for
+/// the square, h = floor(R) bins for R = footprint_m / (2 resolution_m) + 1e-9; i^2 + j^2 <= R^2 for the
+/// disc. The slack of 1e-9 bins absorbs the division's rounding. Throws UsageError when h exceeds 2^20.
+[[nodiscard]] Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m);
 
 }  // namespace landfall

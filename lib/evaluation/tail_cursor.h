@@ -13,16 +13,12 @@ namespace landfall {
 class TailCursor {
  public:
   struct Window {
-    std::int64_t row = 0;  ///< in the tile
-    std::int64_t col = 0;
-    double centre = 0;  ///< the window's mean times the tail's sign
+    std::int64_t col = 0;  ///< in the row of the tile that the tail has entered
+    double centre = 0;     ///< the window's mean times the tail's sign
   };
 
   TailCursor(const ErrorTail& tail, const Window& window, std::size_t place)
-      : values_(tail.values()),
-        members_(tail, window.row, window.col),
-        centre_(window.centre),
-        place_(place) {}
+      : values_(tail.values()), members_(tail, window.col), centre_(window.centre), place_(place) {}
 
   [[nodiscard]] std::size_t count_taken() const { return members_.count_before(place_); }
   /// Of the first member left.

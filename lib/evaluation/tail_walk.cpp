@@ -28,7 +28,7 @@ std::size_t part(const ErrorTail& tail, std::size_t place, double centre, double
 
 }  // namespace
 
-WalkOutcome TailWalk::run(const ErrorTails& tails, const Tile& tile, double floor) {
+WalkOutcome TailWalk::run(ErrorTails& tails, const Tile& tile, double floor) {
   floor_ = floor;
   outcome_ = {};
   places_ = {ErrorTail::kPad, ErrorTail::kPad};
@@ -37,7 +37,9 @@ WalkOutcome TailWalk::run(const ErrorTails& tails, const Tile& tile, double floo
   return outcome_;
 }
 
-void TailWalk::walk_row(const ErrorTails& tails, const Tile& tile, std::int64_t row) {
+void TailWalk::walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row) {
+  tails.upper.enter_row(row);
+  tails.lower.enter_row(row);
   double left = above_[0];
   double above_left = above_[0];
   for (std::int64_t col = 0; col < tile.cols; ++col) {
@@ -51,8 +53,8 @@ void TailWalk::walk_row(const ErrorTails& tails, const Tile& tile, std::int64_t 
     const double mean = input_.windows.mean.at(bin);
     places_ = {part(tails.upper, places_.upper, mean, predicted),
                part(tails.lower, places_.lower, -mean, predicted)};
-    left = settle(bin, find({tails.upper, {row, col, mean}, places_.upper},
-                            {tails.lower, {row, col, -mean}, places_.lower}));
+    left = settle(
+        bin, find({tails.upper, {col, mean}, places_.upper}, {tails.lower, {col, -mean}, places_.lower}));
     above = left;
   }
 }

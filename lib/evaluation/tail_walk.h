@@ -32,7 +32,7 @@ class TailWalk {
   /// `tails` holds every bin that deviates by more than `floor` from the mean of any pending window; then an
   /// order statistic found in them is exact if it is at least `floor`: a bin left out could not replace it,
   /// or only by an equal value.
-  [[nodiscard]] WalkOutcome run(const ErrorTails& tails, const Tile& tile, double floor);
+  [[nodiscard]] WalkOutcome run(ErrorTails& tails, const Tile& tile, double floor);
 
  private:
   struct OrderStatistics {
@@ -44,7 +44,7 @@ class TailWalk {
     std::size_t lower = 0;
   };
 
-  void walk_row(const ErrorTails& tails, const Tile& tile, std::int64_t row);
+  void walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row);
   [[nodiscard]] double settle(BinIndex bin, const OrderStatistics& found);
   [[nodiscard]] OrderStatistics find(TailCursor upper, TailCursor lower) const;
   void look_up_rank(BinIndex bin);

@@ -62,7 +62,7 @@ void TileQuantile::compute(const Tile& tile) {
 }
 
 bool TileQuantile::fill_uniform(const Tile& tile) {
-  const Tile reached = reach(input_.error.spec(), tile, input_.half_bins);
+  const Tile reached = reach(input_.error.spec(), tile, input_.footprint.half_bins());
   std::optional<double> only;
   for (std::int64_t row = reached.first_row; row < reached.first_row + reached.rows; ++row)
     for (std::int64_t col = reached.first_col; col < reached.first_col + reached.cols; ++col) {
@@ -110,13 +110,13 @@ bool TileQuantile::walk_above(const Tile& tile, double floor, WalkOutcome& outco
   });
   const TailBounds bounds =
       floor > 0 ? TailBounds{means.lowest + floor, means.highest - floor} : TailBounds{-kInfinity, kInfinity};
-  const Tile reached = reach(input_.error.spec(), tile, input_.half_bins);
+  const Tile reached = reach(input_.error.spec(), tile, input_.footprint.half_bins());
   collect_tails(input_.error, reached, bounds, tails_);
   const auto needed = (1 - input_.quantile) * static_cast<double>(reached.rows * reached.cols);
   const auto found = static_cast<double>(tails_.upper.size() + tails_.lower.size());
   if (!is_small(tile) && found > kCrowded * needed + 64) return false;
-  tails_.upper.build(tile, input_.half_bins);
-  tails_.lower.build(tile, input_.half_bins);
+  tails_.upper.build(tile, input_.footprint);
+  tails_.lower.build(tile, input_.footprint);
   outcome = walk_.run(tails_, tile, floor);
   smallest_ = std::min(smallest_, outcome.smallest);
   return true;

@@ -2,6 +2,7 @@
 #include "evaluation/window_mean.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -12,86 +13,195 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 128;
+constexpr std::size_t kRowsPerPiece = 64;
 
-/// One row as the sums want it.
-struct Row {
-  explicit Row(std::size_t cols) : values(cols), valid(cols), sums(cols), counts(cols) {}
-  std::vector<double> values;       ///< NaN as +0
-  std::vector<std::int32_t> valid;  ///< 1, NaN as 0
-  std::vector<double> sums;
-  std::vector<std::int32_t> counts;
-};
-
-void read_row(std::span<const double> in, Row& row) {
-  for (std::size_t c = 0; c < in.size(); ++c) {
-    row.valid[c] = std::isnan(in[c]) ? 0 : 1;
-    row.values[c] = std::isnan(in[c]) ? 0.0 : in[c];
-  }
-}
-
-/// sums[c] = the values of columns c - half .. c + half, added left to right. The offset is the outer loop:
-/// each sum keeps its order and the inner loop runs over neighbours.
-template <class T>
-void sum_along_row(std::span<const T> values, std::int64_t half, std::span<T> sums) {
-  const std::int64_t cols = std::ssize(values);
-  const std::int64_t reach = std::min(half, cols - 1);
-  std::ranges::fill(sums, T{});
-  for (std::int64_t offset = -reach; offset <= reach; ++offset) {
-    const std::int64_t begin = std::max<std::int64_t>(0, -offset);
-    const std::int64_t end = std::min(cols, cols - offset);
-    const T* const shifted = values.data() + offset;
-    for (std::int64_t c = begin; c < end; ++c) sums.data()[c] += shifted[c];
-  }
-}
+/// Columns that are summed at a time, in registers.
+constexpr std::int64_t kLanes = 16;
 
 template <class T>
-void add_to(std::span<const T> values, std::span<T> sums) {
-  T* const target = sums.data();
-  for (std::size_t c = 0; c < values.size(); ++c) target[c] += values[c];
+using Lanes = std::array<T, kLanes>;
+
+template <class T>
+void add(Lanes<T>& sums, const T* values) {
+  for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += values[lane];
 }
 
-struct RowRange {
-  std::int64_t begin = 0;
-  std::int64_t end = 0;
+std::int64_t whole_lanes(std::int64_t cols) { return (cols + kLanes - 1) / kLanes * kLanes; }
+
+/// Some rows of one width, one behind the other.
+template <class T>
+class RowBuffer {
+ public:
+  RowBuffer(std::int64_t rows, std::int64_t width)
+      : width_(width), values_(static_cast<std::size_t>(rows * width)) {}
+  [[nodiscard]] T* row(std::int64_t row) { return values_.data() + row * width_; }
+  [[nodiscard]] const T* row(std::int64_t row) const { return values_.data() + row * width_; }
+
+ private:
+  std::int64_t width_;
+  std::vector<T> values_;
 };
 
-/// The windows centred on some rows. Each row that they reach is summed once and added to the windows that
-/// hold it, from the lowest row up.
-void sum_windows(const Grid<double>& values, std::int64_t half, const RowRange& centres,
-                 WindowMeans& result) {
-  Row row(static_cast<std::size_t>(values.spec().cols));
-  const std::int64_t last = std::min(centres.end - 1 + half, values.spec().rows - 1);
-  for (std::int64_t r = std::max<std::int64_t>(centres.begin - half, 0); r <= last; ++r) {
-    read_row(values.row(r), row);
-    sum_along_row<double>(row.values, half, row.sums);
-    sum_along_row<std::int32_t>(row.valid, half, row.counts);
-    const RowRange holding{std::max(r - half, centres.begin), std::min(r + half + 1, centres.end)};
-    for (std::int64_t centre = holding.begin; centre < holding.end; ++centre) {
-      add_to<double>(row.sums, result.mean.row(centre));
-      add_to<std::int32_t>(row.counts, result.count.row(centre));
+/// The windows centred on the rows begin .. end - 1, and the rows first .. last - 1 that they reach.
+struct Band {
+  std::int64_t begin, end;
+  std::int64_t first, last;
+};
+
+/// The means of one band of windows.
+class BandMeans {
+ public:
+  BandMeans(const Grid<double>& values, const Footprint& footprint, const Band& band)
+      : values_(values),
+        footprint_(footprint),
+        band_(band),
+        reach_(std::min(footprint.half_bins(), values.spec().cols - 1)),
+        width_(whole_lanes(values.spec().cols)) {}
+
+  void write(WindowMeans& result) const {
+    write_counts(result.count);
+    if (footprint_.is_square())
+      write_square_sums(result.mean);
+    else
+      write_sums(result.mean);
+    for (std::int64_t row = band_.begin; row < band_.end; ++row)
+      divide(result.mean.row(row), result.count.row(row));
+  }
+
+ private:
+  /// NaN as +0, reach_ zeros before and behind the row.
+  void read_row(std::int64_t row, std::vector<double>& padded) const {
+    const std::span<const double> in = values_.row(row);
+    double* const out = padded.data() + reach_;
+    for (std::size_t c = 0; c < in.size(); ++c) out[c] = std::isnan(in[c]) ? 0.0 : in[c];
+  }
+  [[nodiscard]] std::vector<double> padded_row() const {
+    return std::vector<double>(static_cast<std::size_t>(width_ + 2 * reach_));
+  }
+
+  /// Of all rows that the band reaches, at column c + reach_: the valid bins before column c.
+  [[nodiscard]] RowBuffer<std::int32_t> counts_before() const {
+    RowBuffer<std::int32_t> result(band_.last - band_.first, width_ + 2 * reach_ + 1);
+    for (std::int64_t row = band_.first; row < band_.last; ++row) {
+      const std::span<const double> in = values_.row(row);
+      std::int32_t* const before = result.row(row - band_.first) + reach_;
+      std::int32_t count = 0;
+      for (std::size_t c = 0; c < in.size(); ++c) before[c + 1] = count += std::isnan(in[c]) ? 0 : 1;
+      std::fill(before + in.size(), before + width_ + reach_ + 1, count);
+    }
+    return result;
+  }
+
+  void write_counts(Grid<std::int32_t>& result) const {
+    const RowBuffer<std::int32_t> before = counts_before();
+    for_each_block([&](std::int64_t row, std::int64_t col) {
+      Lanes<std::int32_t> counts{};
+      for_each_row(row, [&](std::int64_t r) {
+        const std::int64_t span = half_width(r - row);
+        const std::int32_t* const at = before.row(r - band_.first) + reach_ + col;
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+          counts[lane] += (at + span + 1)[lane] - (at - span)[lane];
+      });
+      store(counts, result, {row, col});
+    });
+  }
+
+  void write_square_sums(Grid<double>& result) const {
+    RowBuffer<double> row_sums(band_.last - band_.first, width_);
+    std::vector<double> padded = padded_row();
+    for (std::int64_t row = band_.first; row < band_.last; ++row) {
+      read_row(row, padded);
+      for (std::int64_t col = 0; col < width_; col += kLanes) {
+        Lanes<double> sums{};
+        for (std::int64_t c = col; c <= col + 2 * reach_; ++c) add(sums, padded.data() + c);
+        std::ranges::copy(sums, row_sums.row(row - band_.first) + col);
+      }
+    }
+    for_each_block([&](std::int64_t row, std::int64_t col) {
+      Lanes<double> sums{};
+      for_each_row(row, [&](std::int64_t r) { add(sums, row_sums.row(r - band_.first) + col); });
+      store(sums, result, {row, col});
+    });
+  }
+
+  /// Each row that the band reaches is summed outwards once; each of its spans is added to the windows that
+  /// hold the row in that width, from the lowest row up.
+  void write_sums(Grid<double>& result) const {
+    std::vector<double> padded = padded_row();
+    std::vector<double> sums(static_cast<std::size_t>(values_.spec().cols));
+    for (std::int64_t row = band_.first; row < band_.last; ++row) {
+      read_row(row, padded);
+      // Of the windows that hold the row in the width that is summed up.
+      std::int64_t offset = std::min(footprint_.half_bins(), values_.spec().rows - 1);
+      for (std::int64_t width = 0; width <= reach_; ++width) {
+        widen(padded, width, sums);
+        for (; offset >= 0 && half_width(offset) == width; --offset) {
+          add_to_row(sums, row - offset, result);
+          if (offset > 0) add_to_row(sums, row + offset, result);
+        }
+      }
     }
   }
-}
 
-void divide(const RowRange& centres, WindowMeans& result) {
-  for (std::int64_t row = centres.begin; row < centres.end; ++row) {
-    const std::span<double> mean = result.mean.row(row);
-    const std::span<std::int32_t> count = result.count.row(row);
-    for (std::size_t c = 0; c < mean.size(); ++c)
-      mean[c] = count[c] == 0 ? std::numeric_limits<double>::quiet_NaN() : mean[c] / count[c];
+  /// From the sums of the next smaller width.
+  void widen(const std::vector<double>& padded, std::int64_t width, std::span<double> sums) const {
+    const double* const left = padded.data() + reach_ - width;
+    const double* const right = padded.data() + reach_ + width;
+    for (std::size_t c = 0; c < sums.size(); ++c)
+      sums[c] = width == 0 ? 0.0 + left[c] : (sums[c] + left[c]) + right[c];
   }
-}
+
+  [[nodiscard]] std::int64_t half_width(std::int64_t offset) const {
+    return std::min(footprint_.half_width(offset), reach_);
+  }
+
+  void add_to_row(std::span<const double> sums, std::int64_t centre, Grid<double>& result) const {
+    if (centre < band_.begin || centre >= band_.end) return;
+    double* const target = result.row(centre).data();
+    for (std::size_t c = 0; c < sums.size(); ++c) target[c] += sums[c];
+  }
+
+  template <class Work>
+  void for_each_block(const Work& work) const {
+    for (std::int64_t col = 0; col < width_; col += kLanes)
+      for (std::int64_t row = band_.begin; row < band_.end; ++row) work(row, col);
+  }
+
+  /// The rows of the grid that windows centred on `row` reach, from the lowest up.
+  template <class Work>
+  void for_each_row(std::int64_t row, const Work& work) const {
+    const std::int64_t last = std::min(row + footprint_.half_bins(), band_.last - 1);
+    for (std::int64_t r = std::max(row - footprint_.half_bins(), band_.first); r <= last; ++r) work(r);
+  }
+
+  template <class T>
+  static void store(const Lanes<T>& lanes, Grid<T>& grid, BinIndex first) {
+    const std::span<T> row = grid.row(first.row).subspan(static_cast<std::size_t>(first.col));
+    std::copy_n(lanes.begin(), std::min(lanes.size(), row.size()), row.begin());
+  }
+
+  static void divide(std::span<double> sums, std::span<const std::int32_t> counts) {
+    for (std::size_t c = 0; c < sums.size(); ++c)
+      sums[c] = counts[c] == 0 ? std::numeric_limits<double>::quiet_NaN() : sums[c] / counts[c];
+  }
+
+  const Grid<double>& values_;
+  const Footprint& footprint_;
+  Band band_;
+  std::int64_t reach_;  ///< columns on either side that a window holds at most
+  std::int64_t width_;  ///< columns, filled up to whole lanes
+};
 
 }  // namespace
 
-WindowMeans window_means(const Grid<double>& values, std::int64_t half_bins) {
+WindowMeans window_means(const Grid<double>& values, const Footprint& footprint) {
   const GridSpec& spec = values.spec();
   WindowMeans result{Grid<double>(spec), Grid<std::int32_t>(spec)};
   parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    const RowRange centres{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end)};
-    sum_windows(values, half_bins, centres, result);
-    divide(centres, result);
+    Band band{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), 0, 0};
+    band.first = std::max<std::int64_t>(band.begin - footprint.half_bins(), 0);
+    band.last = std::min(band.end + footprint.half_bins(), spec.rows);
+    BandMeans(values, footprint, band).write(result);
   });
   return result;
 }

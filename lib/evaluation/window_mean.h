@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "evaluation/footprint.h"
 #include "raster/grid.h"
 
 namespace landfall {
@@ -14,15 +15,18 @@ struct WindowMeans {
   Grid<std::int32_t> count;
 };
 
-/// The window of a bin is the square of 2 half_bins + 1 bins about it, clipped at the grid's border (Eq. 11).
-/// Values are finite or NaN; NaN is ignored.
+/// The window of a bin is the footprint about it, clipped at the grid's border (Eq. 11). Values are finite or
+/// NaN; NaN is ignored.
 ///
-/// The sum is a fixed tree, so that any faster version can be, and must be, equal to the last bit:
-///   S(r, c) = ((0 + v(r, c - h)) + v(r, c - h + 1)) + .. + v(r, c + h)    left to right, NaN as +0;
-///   sum(r, c) = ((0 + S(r - h, c)) + S(r - h + 1, c)) + .. + S(r + h, c)  from the lowest row up;
+/// The sum is a fixed tree, so that any faster version can be, and must be, equal to the last bit. For a span
+/// of half width w, v being the values with NaN as +0,
+///   S(r, c, w) = ((0 + v(r, c - w)) + v(r, c - w + 1)) + .. + v(r, c + w)  in a square: left to right;
+///   S(r, c, w) = (S(r, c, w - 1) + v(r, c - w)) + v(r, c + w), S(r, c, 0) = 0 + v(r, c)
+///                                                  in another footprint: outwards, one sum for all widths;
+///   sum(r, c) = ((0 + S(r - h, c, w(h))) + S(r - h + 1, c, w(h - 1))) + ..  from the lowest row up;
 ///   mean = sum / count.
-/// Bins outside the grid are left out; adding +0 for them would give the same bits, for a sum that begins at
-/// +0 is never -0. Direct sums of both passes, no sliding update: O(half_bins) per bin, parallel by rows.
-[[nodiscard]] WindowMeans window_means(const Grid<double>& values, std::int64_t half_bins);
+/// Bins outside the grid count as +0, which changes no bit: a sum that begins at +0 is never -0. No sliding
+/// update of a sum: O(half_bins) per bin, parallel by rows.
+[[nodiscard]] WindowMeans window_means(const Grid<double>& values, const Footprint& footprint);
 
 }  // namespace landfall

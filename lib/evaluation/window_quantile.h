@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/progress.h"
+#include "evaluation/footprint.h"
 #include "evaluation/region.h"
 #include "evaluation/window_mean.h"
 
@@ -13,9 +14,9 @@ namespace landfall {
 /// What Eq. 12 is computed from. The grids share one spec; the caller keeps them alive.
 struct WindowQuantileInput {
   const Grid<double>& error;   ///< finite or NaN, metres
-  const WindowMeans& windows;  ///< window_means(error, half_bins)
+  const WindowMeans& windows;  ///< window_means(error, footprint)
+  const Footprint& footprint;  ///< the window, clipped at the border
   const BinMask& region;       ///< windows are computed where it is set
-  std::int64_t half_bins = 0;  ///< the window is 2 half_bins + 1 bins square, clipped at the border
   double quantile = 0.95;      ///< in [0, 1]
 };
 

@@ -10,7 +10,8 @@
 namespace landfall {
 namespace {
 
-/// Bins of the largest window, and one more: a NaN is written behind the last value before it is dropped.
+/// Bins of the largest window at most, and one more: a NaN is written behind the last value before it is
+/// dropped.
 std::size_t buffer_size(const GridSpec& spec, std::int64_t half) {
   const std::int64_t edge = 2 * half + 1;
   return static_cast<std::size_t>(std::min(edge, spec.rows) * std::min(edge, spec.cols) + 1);
@@ -21,13 +22,14 @@ std::size_t buffer_size(const GridSpec& spec, std::int64_t half) {
 std::size_t gather_deviations(const WindowQuantileInput& input, BinIndex bin, double* deviations) {
   const GridSpec& spec = input.error.spec();
   const double mean = input.windows.mean.at(bin);
-  const std::int64_t first_col = std::max<std::int64_t>(bin.col - input.half_bins, 0);
-  const std::int64_t last_col = std::min(bin.col + input.half_bins, spec.cols - 1);
-  const std::int64_t last_row = std::min(bin.row + input.half_bins, spec.rows - 1);
+  const std::int64_t half = input.footprint.half_bins();
+  const std::int64_t last_row = std::min(bin.row + half, spec.rows - 1);
   std::size_t n = 0;
-  for (std::int64_t row = std::max<std::int64_t>(bin.row - input.half_bins, 0); row <= last_row; ++row) {
+  for (std::int64_t row = std::max<std::int64_t>(bin.row - half, 0); row <= last_row; ++row) {
     const double* const errors = input.error.row(row).data();
-    for (std::int64_t col = first_col; col <= last_col; ++col) {
+    const std::int64_t half_width = input.footprint.half_width(row - bin.row);
+    const std::int64_t last_col = std::min(bin.col + half_width, spec.cols - 1);
+    for (std::int64_t col = std::max<std::int64_t>(bin.col - half_width, 0); col <= last_col; ++col) {
       const double deviation = std::abs(errors[col] - mean);
       deviations[n] = deviation;
       n += std::isnan(deviation) ? 0U : 1U;
@@ -39,7 +41,7 @@ std::size_t gather_deviations(const WindowQuantileInput& input, BinIndex bin, do
 }  // namespace
 
 WindowSelection::WindowSelection(const WindowQuantileInput& input)
-    : input_(input), deviations_(buffer_size(input.error.spec(), input.half_bins)) {}
+    : input_(input), deviations_(buffer_size(input.error.spec(), input.footprint.half_bins())) {}
 
 double WindowSelection::at(BinIndex bin) {
   const std::size_t n = gather_deviations(input_, bin, deviations_.data());

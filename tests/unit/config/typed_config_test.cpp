@@ -143,12 +143,15 @@ TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {
 
 TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
   EXPECT_EQ(evaluation_config(resolved("eval", "{}"), "c.json"), EvaluationParameters{});
-  const EvaluationParameters expected{1, 2, 0.5, {0.1, 3, 4, 5, 6, 7, 0.8}};
-  EXPECT_EQ(evaluation_config(resolved("eval", R"({"region_radius_m": 1, "footprint_m": 2, "quantile": 0.5,
+  const EvaluationParameters expected{1, 2, FootprintShape::disc, 0.5, {0.1, 3, 4, 5, 6, 7, 0.8}};
+  EXPECT_EQ(
+      evaluation_config(
+          resolved("eval",
+                   R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc", "quantile": 0.5,
       "limits": {"invalid_frac": 0.1, "hole_bins": 3, "distance_bins": 4, "relative_elevation_m": 5,
                  "relative_horizontal_m": 6, "absolute_horizontal_m": 7, "absolute_horizontal_frac": 0.8}})"),
-                              "c.json"),
-            expected);
+          "c.json"),
+      expected);
 }
 
 }  // namespace

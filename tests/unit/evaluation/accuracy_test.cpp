@@ -40,7 +40,7 @@ TEST(FootprintStatistics, CentredInTheRegion) {
   const Grid<double> error = row_of({3, 6, 0, 9});
   BinMask region(error.spec());
   region.at({0, 1}) = 1;
-  const FootprintStatistics statistics = footprint_statistics(error, region, {1, 0.5});
+  const FootprintStatistics statistics = footprint_statistics(error, region, {Footprint::square(1), 0.5});
   EXPECT_EQ(statistics.mean.at({0, 1}), 3);
   EXPECT_EQ(statistics.relative.at({0, 1}), 3);  // deviations 0 3 3
   for (const std::int64_t outside : {0, 2, 3}) {

@@ -69,18 +69,41 @@ TEST(EvaluationParameters, LimitsAreNotNegative) {
   }
 }
 
-TEST(FootprintHalfBins, CentresWithinHalfTheEdgeInclusive) {
-  EXPECT_EQ(footprint_half_bins(1.7, 0.05), 17);  // 35 bins; 1.7 / 0.1 = 16.999999999999996
-  EXPECT_EQ(footprint_half_bins(1.7, 0.1), 8);    // 8.5 bins each way
-  EXPECT_EQ(footprint_half_bins(1.69, 0.05), 16);
-  EXPECT_EQ(footprint_half_bins(0.6, 0.1), 3);  // 0.6 / 0.2 = 2.9999999999999996
-  EXPECT_EQ(footprint_half_bins(0.01, 1), 0);   // one bin
+EvaluationParameters with_footprint(double footprint_m, FootprintShape shape = FootprintShape::square) {
+  EvaluationParameters parameters;
+  parameters.footprint_m = footprint_m;
+  parameters.footprint_shape = shape;
+  return parameters;
 }
 
-TEST(FootprintHalfBins, RefusesAFootprintBeyondCounting) {
-  EXPECT_EQ(footprint_half_bins(0x1p21, 1), 0x1p20);
-  EXPECT_THROW(static_cast<void>(footprint_half_bins(0x1p22, 1)), UsageError);
-  EXPECT_THROW(static_cast<void>(footprint_half_bins(1e300, 1e-300)), UsageError);
+std::int64_t half_bins(double footprint_m, double resolution_m) {
+  return footprint_of(with_footprint(footprint_m), resolution_m).half_bins();
+}
+
+TEST(FootprintOf, CentresWithinHalfTheEdgeInclusive) {
+  EXPECT_EQ(half_bins(1.7, 0.05), 17);  // 35 bins; 1.7 / 0.1 = 16.999999999999996
+  EXPECT_EQ(half_bins(1.7, 0.1), 8);    // 8.5 bins each way
+  EXPECT_EQ(half_bins(1.69, 0.05), 16);
+  EXPECT_EQ(half_bins(0.6, 0.1), 3);  // 0.6 / 0.2 = 2.9999999999999996
+  EXPECT_EQ(half_bins(0.01, 1), 0);   // one bin
+  EXPECT_TRUE(footprint_of(with_footprint(1.7), 0.05).is_square());
+}
+
+TEST(FootprintOf, DiscOfThatDiameterInclusive) {
+  const Footprint disc = footprint_of(with_footprint(0.5, FootprintShape::disc), 0.05);
+  EXPECT_FALSE(disc.is_square());
+  EXPECT_EQ(disc.half_bins(), 5);
+  EXPECT_EQ(disc.half_width(3), 4);  // on the circle
+  // Radius 2.5 bins: 2^2 + 2^2 is outside, 2^2 + 1 inside.
+  const Footprint between = footprint_of(with_footprint(5, FootprintShape::disc), 1);
+  EXPECT_EQ(between.half_bins(), 2);
+  EXPECT_EQ(between.half_width(2), 1);
+}
+
+TEST(FootprintOf, RefusesAFootprintBeyondCounting) {
+  EXPECT_EQ(half_bins(0x1p21, 1), 0x1p20);
+  EXPECT_THROW(static_cast<void>(half_bins(0x1p22, 1)), UsageError);
+  EXPECT_THROW(static_cast<void>(half_bins(1e300, 1e-300)), UsageError);
 }
 
 }  // namespace

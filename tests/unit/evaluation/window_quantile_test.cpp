@@ -28,21 +28,26 @@ std::size_t different_bits(const Grid<double>& a, const Grid<double>& b) {
   return count;
 }
 
-/// Every block size of one to four windows' edges, one and two threads.
-void expect_exact(const Grid<double>& error, const BinMask& region, std::int64_t half, double q) {
-  const WindowMeans windows = window_means(error, half);
+/// Blocks of every size with one and two threads.
+void expect_exact(const Grid<double>& error, const BinMask& region, const Footprint& footprint, double q) {
+  const WindowMeans windows = window_means(error, footprint);
   const WindowQuantileInput input{
-      .error = error, .windows = windows, .region = region, .half_bins = half, .quantile = q};
+      .error = error, .windows = windows, .footprint = footprint, .region = region, .quantile = q};
   const Grid<double> naive = window_quantile_naive(input);
   for (const std::int64_t edge : {4, 16, 32, 64}) {
-    EXPECT_EQ(different_bits(window_quantile(input, {}, {edge, edge}), naive), 0U)
-        << "tiles of " << edge << ", half " << half << ", quantile " << q;
+    for (const std::size_t threads : {1U, 2U}) {
+      const ThreadLimit limit(threads);
+      EXPECT_EQ(different_bits(window_quantile(input, {}, {edge, edge}), naive), 0U)
+          << (footprint.is_square() ? "square" : "disc") << ", half " << footprint.half_bins()
+          << ", quantile " << q << ", tiles of " << edge << ", " << threads << " threads";
+    }
   }
-  for (const std::size_t threads : {1U, 2U}) {
-    const ThreadLimit limit(threads);
-    EXPECT_EQ(different_bits(window_quantile(input), naive), 0U)
-        << threads << " threads, half " << half << ", quantile " << q;
-  }
+}
+
+/// The square of 2 half + 1 bins, and the disc of that diameter.
+void expect_exact(const Grid<double>& error, const BinMask& region, std::int64_t half, double q) {
+  expect_exact(error, region, Footprint::square(half), q);
+  expect_exact(error, region, Footprint::disc(half * half + half / 2), q);
 }
 
 void expect_exact(const Grid<double>& error, std::int64_t half = 8, double q = 0.95) {
@@ -201,11 +206,12 @@ TEST(WindowQuantileExact, RandomFootprintsAndQuantiles) {
 
 TEST(WindowQuantileExact, ProgressRisesToOne) {
   const Grid<double> error = noise({1, 0, 0, 40, 5}, 0);
-  const WindowMeans windows = window_means(error, 1);
+  const Footprint footprint = Footprint::square(1);
+  const WindowMeans windows = window_means(error, footprint);
   const BinMask everywhere(error.spec(), 1);
   std::vector<double> fractions;
   static_cast<void>(window_quantile(
-      {.error = error, .windows = windows, .region = everywhere, .half_bins = 1, .quantile = 0.5},
+      {.error = error, .windows = windows, .footprint = footprint, .region = everywhere, .quantile = 0.5},
       [&](double f) { fractions.push_back(f); }));
   EXPECT_EQ(fractions.size(), 2U);
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
