@@ -2,76 +2,17 @@
 #include "io/grid_file.h"
 
 #include <hdf5_hl.h>
-#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "base/error.h"
-#include "base/parallel.h"
-#include "io/chunk_codec.h"
 #include "io/crs.h"
+#include "io/grid_tiles.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::int64_t kTile = 256;
-
-template <class T>
-constexpr T fill_of() {
-  if constexpr (std::numeric_limits<T>::has_quiet_NaN) return std::numeric_limits<T>::quiet_NaN();
-  return T{0};
-}
-
-/// The tile at (tile_row, tile_col), padded with the fill value to a full chunk.
-template <class T>
-std::vector<T> tile_values(const Grid<T>& layer, BinIndex first, BinIndex tile) {
-  std::vector<T> values(static_cast<std::size_t>(tile.row * tile.col), fill_of<T>());
-  const std::int64_t rows = std::min(tile.row, layer.spec().rows - first.row);
-  const std::int64_t cols = std::min(tile.col, layer.spec().cols - first.col);
-  for (std::int64_t r = 0; r < rows; ++r)
-    std::memcpy(values.data() + r * tile.col, &layer.at({first.row + r, first.col}),
-                static_cast<std::size_t>(cols) * sizeof(T));
-  return values;
-}
-
-struct EncodedTile {
-  BinIndex first;
-  std::vector<std::byte> bytes;
-};
-
-/// Compresses tiles on all threads while one of them writes those before, in their order: HDF5 is not
-/// reentrant.
-template <class T>
-void write_tiles(hid_t dataset, const Grid<T>& layer, BinIndex tile, int compression,
-                 const std::string& name) {
-  const GridSpec& spec = layer.spec();
-  BinIndex next;
-  const auto next_tile = [&](tbb::flow_control& control) {
-    const BinIndex first = next;
-    if (first.row >= spec.rows) control.stop();
-    next.col += tile.col;
-    if (next.col >= spec.cols) next = {next.row + tile.row, 0};
-    return first;
-  };
-  const auto encode = [&](BinIndex first) {
-    const std::vector<T> values = tile_values(layer, first, tile);
-    return EncodedTile{first, encode_chunk(std::as_bytes(std::span(values)), sizeof(T), compression)};
-  };
-  const auto write = [&](const EncodedTile& encoded) {
-    const hsize_t offset[2] = {static_cast<hsize_t>(encoded.first.row),
-                               static_cast<hsize_t>(encoded.first.col)};
-    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset, encoded.bytes.size(), encoded.bytes.data()) < 0)
-      throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
-  };
-  using tbb::filter_mode;
-  tbb::parallel_pipeline(4 * thread_count(),
-                         tbb::make_filter<void, BinIndex>(filter_mode::serial_in_order, next_tile) &
-                             tbb::make_filter<BinIndex, EncodedTile>(filter_mode::parallel, encode) &
-                             tbb::make_filter<EncodedTile, void>(filter_mode::serial_in_order, write));
-}
 
 h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values,
                       const std::string& place) {
@@ -169,7 +110,7 @@ void GridLayerWriter::attach_scales(hid_t dataset) const {
 template <class T>
 void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
   constexpr h5::Type kType = h5::TypeOf<T>::value;
-  const BinIndex tile{std::min(kTile, spec_.rows), std::min(kTile, spec_.cols)};
+  const BinIndex tile = tile_of(spec_);
   const h5::Handle dataset =
       h5::create_dataset(root_, name, kType,
                          {.size = {static_cast<hsize_t>(spec_.rows), static_cast<hsize_t>(spec_.cols)},
@@ -184,7 +125,7 @@ void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
-  write_tiles(dataset.get(), layer, tile, compression_, name);
+  write_tiles(dataset.get(), layer, compression_, name);
 }
 
 template void GridLayerWriter::write(const std::string&, const Grid<double>&, const LayerText&);
@@ -210,6 +151,7 @@ Grid<T> GridLayerReader::read(const std::string& name) const {
     file_.fail("layer /" + name + " is not of the shape (y, x) = (" + std::to_string(spec_.rows) + ", " +
                std::to_string(spec_.cols) + ")");
   Grid<T> layer(spec_);
+  if (read_tiles(dataset.get(), layer)) return layer;
   if (H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
               layer.values().data()) < 0)
     file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "io/h5.h"
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// A layer's chunks: 256 x 256 bins, fewer in a smaller grid.
+[[nodiscard]] BinIndex tile_of(const GridSpec& spec);
+
+/// Writes all tiles of a layer to its dataset, which has chunks of tile_of() with shuffle and deflate at the
+/// level `compression`, or without filters at 0. They are compressed on all threads and written in row-major
+/// order. Throws IoError naming the layer.
+template <class T>
+void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std::string& name);
+
+/// Reads all tiles of a layer of that kind, decoding them on all threads. False, with `layer` unspecified,
+/// for any other dataset of this shape and where a tile is missing or damaged: H5Dread knows what to do.
+template <class T>
+[[nodiscard]] bool read_tiles(hid_t dataset, Grid<T>& layer);
+
+}  // namespace landfall
