@@ -2,10 +2,13 @@
 #include "io/scan_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "io/crs.h"
 
 namespace landfall {
@@ -90,6 +93,43 @@ std::vector<double> read_pulse_times(const LandfallFileReader& file) {
 
 constexpr std::array<const char*, 6> kCoordinates = {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true"};
 
+using Coordinates = std::array<std::vector<double>*, 6>;
+
+Coordinates coordinates(ScanPoints& p) {
+  return {&p.x_est, &p.y_est, &p.z_est, &p.x_true, &p.y_true, &p.z_true};
+}
+
+std::array<std::span<const double>, 6> coordinates(const ScanPoints& p) {
+  return {p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true};
+}
+
+bool is_return(std::int8_t status) {
+  return status == static_cast<std::int8_t>(PointStatus::returned) ||
+         status == static_cast<std::int8_t>(PointStatus::false_return);
+}
+
+bool is_finite(double value) { return std::abs(value) <= std::numeric_limits<double>::max(); }
+
+void move_rows(std::vector<double>& column, std::size_t from, std::size_t count, std::size_t to) {
+  const auto first = column.begin() + static_cast<std::ptrdiff_t>(from);
+  std::copy(first, first + static_cast<std::ptrdiff_t>(count),
+            column.begin() + static_cast<std::ptrdiff_t>(to));
+}
+
+/// Moves the first kept[i] rows of piece i up against those before it, and cuts what is left over.
+void close_gaps(ScanPoints& points, std::size_t rows_per_piece, std::span<const std::size_t> kept) {
+  std::vector<std::vector<double>*> columns = {&points.t};
+  for (std::vector<double>* const column : coordinates(points)) columns.push_back(column);
+  parallel_for(columns.size(), 1, [&](std::size_t c, std::size_t) {
+    std::size_t end = 0;
+    for (std::size_t piece = 0; piece < kept.size(); ++piece) {
+      if (end != piece * rows_per_piece) move_rows(*columns[c], piece * rows_per_piece, kept[piece], end);
+      end += kept[piece];
+    }
+    columns[c]->resize(end);
+  });
+}
+
 }  // namespace
 
 ScanWriter::ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options, const std::string& crs_wkt)
@@ -161,6 +201,7 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
 ScanReader::ScanReader(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
+      columns_(points_, {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true", "pulse", "status"}),
       pulse_times_s_(read_pulse_times(file_)),
       crs_wkt_(read_crs(file_.root())),
       row_count_(points_.row_count("pulse")) {
@@ -171,45 +212,72 @@ ScanReader::ScanReader(const std::filesystem::path& path)
     file_.fail("columns /points/pulse and /points/status differ in length");
 }
 
-bool ScanReader::is_return(std::int8_t status) const {
-  const auto what = static_cast<PointStatus>(status);
-  return what == PointStatus::returned || what == PointStatus::false_return;
+bool ScanReader::is_valid(const ScanPoints& points, std::size_t i) const {
+  if (!is_return(status_[i])) return true;
+  return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size() &&
+         std::ranges::all_of(coordinates(points), [i](auto column) { return is_finite(column[i]); });
 }
 
-double ScanReader::pulse_time_s(std::int32_t pulse, std::size_t row) const {
-  if (pulse < 0 || static_cast<std::size_t>(pulse) >= pulse_times_s_.size())
-    file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse) +
+bool ScanReader::all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const {
+  bool valid = true;  // no early exit: the loops then run as fast as memory
+  for (std::size_t i = first; i < end; ++i) valid &= is_return(status_[i]);
+  for (std::size_t i = first; i < end; ++i)
+    valid &= pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
+  for (const std::span<const double> column : coordinates(points))
+    for (std::size_t i = first; i < end; ++i) valid &= is_finite(column[i]);
+  if (valid) return true;
+  for (std::size_t i = first; i < end; ++i)
+    if (!is_valid(points, i)) return false;
+  return true;
+}
+
+void ScanReader::fail_at_row(const ScanPoints& points, std::size_t i, std::size_t row) const {
+  if (pulse_[i] < 0 || static_cast<std::size_t>(pulse_[i]) >= pulse_times_s_.size())
+    file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse_[i]) +
                " is no row of /pulses (" + std::to_string(pulse_times_s_.size()) + ")");
-  return pulse_times_s_[static_cast<std::size_t>(pulse)];
+  std::size_t c = 0;
+  while (is_finite(coordinates(points)[c][i])) ++c;
+  file_.fail("/points/" + std::string(kCoordinates[c]) + "[" + std::to_string(row) +
+             "] of a return is not finite");
 }
 
-void ScanReader::read(std::size_t begin, std::size_t count, ScanPoints& points) const {
-  const std::array<std::vector<double>*, 6> columns = {&points.x_est,  &points.y_est,  &points.z_est,
-                                                       &points.x_true, &points.y_true, &points.z_true};
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    columns[c]->resize(count);
-    points_.read(kCoordinates[c], begin, std::span(*columns[c]));
+/// Packs the returns among [first, end) at `first`; returns their number.
+std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std::size_t end) const {
+  std::size_t next = first;
+  for (std::size_t i = first; i < end; ++i) {
+    if (!is_return(status_[i])) continue;
+    points.t[next] = pulse_times_s_[static_cast<std::size_t>(pulse_[i])];
+    if (next != i)
+      for (std::vector<double>* const column : coordinates(points)) (*column)[next] = (*column)[i];
+    ++next;
   }
-  std::vector<std::int32_t> pulse(count);
-  std::vector<std::int8_t> status(count);
-  points_.read("pulse", begin, std::span(pulse));
-  points_.read("status", begin, std::span(status));
+  return next - first;
+}
+
+void ScanReader::read(std::size_t begin, std::size_t count, ScanPoints& points) {
+  constexpr std::size_t kRowsPerPiece = 1U << 14U;
+  std::vector<ColumnTarget> targets;
+  for (std::vector<double>* const column : coordinates(points)) {
+    column->resize(count);
+    targets.emplace_back(std::span(*column));
+  }
   points.t.resize(count);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!is_return(status[i])) continue;
-    points.t[kept] = pulse_time_s(pulse[i], begin + i);
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const double value = (*columns[c])[i];
-      if (!std::isfinite(value))
-        file_.fail("/points/" + std::string(kCoordinates[c]) + "[" + std::to_string(begin + i) +
-                   "] of a return is not finite");
-      (*columns[c])[kept] = value;
-    }
-    ++kept;
-  }
-  for (std::vector<double>* const column : columns) column->resize(kept);
-  points.t.resize(kept);
+  pulse_.resize(count);
+  status_.resize(count);
+  targets.emplace_back(std::span(pulse_));
+  targets.emplace_back(std::span(status_));
+  columns_.read(begin, targets);
+  std::vector<std::size_t> kept((count + kRowsPerPiece - 1) / kRowsPerPiece);
+  std::vector<char> valid(kept.size());
+  parallel_for(count, kRowsPerPiece, [&](std::size_t first, std::size_t end) {
+    const std::size_t piece = first / kRowsPerPiece;
+    valid[piece] = all_valid(points, first, end) ? 1 : 0;
+    if (valid[piece] != 0) kept[piece] = keep_returns(points, first, end);
+  });
+  const auto bad_piece = static_cast<std::size_t>(std::ranges::find(valid, 0) - valid.begin());
+  for (std::size_t i = bad_piece * kRowsPerPiece; i < count; ++i)
+    if (!is_valid(points, i)) fail_at_row(points, i, begin + i);
+  close_gaps(points, kRowsPerPiece, kept);
 }
 
 }  // namespace landfall

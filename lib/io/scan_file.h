@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "io/column_reader.h"
 #include "io/landfall_file.h"
 #include "io/table.h"
 #include "simulation/simulation.h"
@@ -54,7 +55,7 @@ struct ScanPoints {
   [[nodiscard]] std::size_t size() const { return x_est.size(); }
 };
 
-/// Reads a scan.h5 in pieces, in bounded memory.
+/// Reads a scan.h5 in pieces, on all threads, in bounded memory.
 class ScanReader {
  public:
   /// Throws FormatError unless the columns that a DEM needs are there, of one length.
@@ -64,18 +65,24 @@ class ScanReader {
   [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
   /// The returns (and false returns) among rows [begin, begin + count). Throws FormatError, naming the row,
-  /// for a return with a coordinate that is not finite or a pulse number that /pulses does not have.
-  void read(std::size_t begin, std::size_t count, ScanPoints& points) const;
+  /// for a return with a coordinate that is not finite or a pulse number that /pulses does not have. Fastest
+  /// in order and by whole chunks (kTableChunkRows). Uses HDF5: nothing else may meanwhile.
+  void read(std::size_t begin, std::size_t count, ScanPoints& points);
 
  private:
-  [[nodiscard]] bool is_return(std::int8_t status) const;
-  [[nodiscard]] double pulse_time_s(std::int32_t pulse, std::size_t row) const;
+  [[nodiscard]] bool is_valid(const ScanPoints& points, std::size_t i) const;
+  [[nodiscard]] bool all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const;
+  [[noreturn]] void fail_at_row(const ScanPoints& points, std::size_t i, std::size_t row) const;
+  std::size_t keep_returns(ScanPoints& points, std::size_t first, std::size_t end) const;
 
   LandfallFileReader file_;
   TableReader points_;
+  ColumnReader columns_;
   std::vector<double> pulse_times_s_;
   std::string crs_wkt_;
   std::size_t row_count_ = 0;
+  std::vector<std::int32_t> pulse_;  ///< of the rows being read
+  std::vector<std::int8_t> status_;
 };
 
 }  // namespace landfall
