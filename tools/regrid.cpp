@@ -2,9 +2,11 @@
 // regrid: gathers the returns of one or more scans into a DEM.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 
+#include "base/parallel.h"
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "gridding/bin_accumulator.h"
@@ -21,8 +23,8 @@ constexpr const char* kExamples = R"(Examples:
   regrid scan.h5 -o dem.h5 --set resolution_m=0.1 --layers z_est,count
 Without --terrain there is no z_true. Configuration: docs/regrid.md and --print-schema.)";
 
-/// Rows read at a time: 8 chunks of the file, 34 MB.
-constexpr std::size_t kBatchRows = 8 * kTableChunkRows;
+/// Rows read at a time: 4 chunks of the file, 15 MB.
+constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
 
 struct Options {
   std::vector<std::string> scans;
@@ -86,28 +88,33 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
   return inputs;
 }
 
-void grid_scan(const ScanReader& scan, BinAccumulator& bins,
-               const std::function<void(std::size_t)>& rows_done) {
-  ScanPoints points;
-  for (std::size_t begin = 0; begin < scan.row_count(); begin += kBatchRows) {
-    const std::size_t count = std::min(kBatchRows, scan.row_count() - begin);
-    scan.read(begin, count, points);
-    bins.add(
-        {points.x_est, points.y_est, points.z_est, points.x_true, points.y_true, points.z_true, points.t},
-        static_cast<std::int64_t>(begin));
-    rows_done(count);
-  }
+struct Batch {
+  ScanReader* scan;
+  std::size_t begin;
+  std::size_t count;
+};
+
+std::vector<Batch> batches(const Inputs& inputs) {
+  std::vector<Batch> result;
+  for (const auto& scan : inputs.scans)
+    for (std::size_t begin = 0; begin < scan->row_count(); begin += kBatchRows)
+      result.push_back({scan.get(), begin, std::min(kBatchRows, scan->row_count() - begin)});
+  return result;
 }
 
+/// Bins a batch while the next one is read.
 void grid_scans(const Inputs& inputs, BinAccumulator& bins, const ProgressCallback& progress) {
-  std::size_t total = 0;
-  for (const auto& scan : inputs.scans) total += scan->row_count();
-  std::size_t done = 0;
-  for (const auto& scan : inputs.scans)
-    grid_scan(*scan, bins, [&](std::size_t rows) {
-      done += rows;
-      report(progress, static_cast<double>(done) / static_cast<double>(total));
-    });
+  const std::vector<Batch> todo = batches(inputs);
+  std::array<ScanPoints, 2> slots;
+  read_ahead(
+      todo.size(), slots.size(),
+      [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
+      [&](std::size_t i, std::size_t slot) {
+        const ScanPoints& p = slots[slot];
+        bins.add({p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t},
+                 static_cast<std::int64_t>(todo[i].begin));
+        report(progress, static_cast<double>(i + 1) / static_cast<double>(todo.size()));
+      });
 }
 
 ExitCode run(cli::Session& session, const Options& o) {

@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -45,6 +46,26 @@ void parallel_for(std::size_t count, std::size_t grain,
   tbb::this_task_arena::isolate(
       [&] { tbb::parallel_for(std::size_t{0}, pieces, run_piece, tbb::simple_partitioner{}); });
   if (pieces == 0) report(progress, 1.0);
+}
+
+void read_ahead(std::size_t count, std::size_t slots,
+                const std::function<void(std::size_t, std::size_t)>& produce,
+                const std::function<void(std::size_t, std::size_t)>& consume) {
+  std::size_t next = 0;
+  const auto first_stage = [&](tbb::flow_control& control) {
+    const std::size_t item = next++;
+    if (item >= count) {
+      control.stop();
+    } else {
+      produce(item, item % slots);
+    }
+    return item;
+  };
+  tbb::parallel_pipeline(
+      std::max<std::size_t>(slots, 1),
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, first_stage) &
+          tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order,
+                                              [&](std::size_t item) { consume(item, item % slots); }));
 }
 
 }  // namespace landfall

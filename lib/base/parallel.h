@@ -32,4 +32,12 @@ void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& work,
                   const ProgressCallback& progress = {});
 
+/// Calls produce(item, slot), then consume(item, slot) for every item of [0, count), each of the two in order
+/// and never with itself at the same time, while later items are produced as earlier ones are consumed. At
+/// most `slots` (>= 1) items exist at a time, and slot = item % slots: memory for `slots` items is enough. An
+/// exception thrown by either is rethrown here.
+void read_ahead(std::size_t count, std::size_t slots,
+                const std::function<void(std::size_t item, std::size_t slot)>& produce,
+                const std::function<void(std::size_t item, std::size_t slot)>& consume);
+
 }  // namespace landfall

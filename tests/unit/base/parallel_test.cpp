@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <stdexcept>
 #include <vector>
 
@@ -37,6 +38,38 @@ TEST(ParallelFor, NoItemsIsDone) {
 TEST(ParallelFor, RethrowsTheWorkersError) {
   const auto fail = [](std::size_t, std::size_t) { throw std::runtime_error("worker"); };
   EXPECT_THROW(parallel_for(5, 1, fail), std::runtime_error);
+}
+
+TEST(ReadAhead, ConsumesInOrderWhatTheSlotsHold) {
+  for (const std::size_t threads : {1U, 2U, 7U})
+    for (const std::size_t slots : {1U, 2U, 3U}) {
+      const ThreadLimit limit(threads);
+      std::vector<std::size_t> slot_values(slots);
+      std::vector<std::size_t> consumed;
+      std::atomic<int> alive = 0;
+      read_ahead(
+          50, slots,
+          [&](std::size_t item, std::size_t slot) {
+            EXPECT_LE(static_cast<std::size_t>(++alive), slots);
+            slot_values[slot] = 10 * item;
+          },
+          [&](std::size_t, std::size_t slot) {
+            consumed.push_back(slot_values[slot]);
+            --alive;
+          });
+      ASSERT_EQ(consumed.size(), 50U);
+      for (std::size_t i = 0; i < 50; ++i) EXPECT_EQ(consumed[i], 10 * i);
+    }
+}
+
+TEST(ReadAhead, RethrowsTheErrorOfEitherSide) {
+  const auto nothing = [](std::size_t, std::size_t) {};
+  const auto fail = [](std::size_t item, std::size_t) {
+    if (item == 3) throw std::runtime_error("item 3");
+  };
+  EXPECT_THROW(read_ahead(5, 2, fail, nothing), std::runtime_error);
+  EXPECT_THROW(read_ahead(5, 2, nothing, fail), std::runtime_error);
+  EXPECT_NO_THROW(read_ahead(0, 2, fail, fail));
 }
 
 TEST(ThreadLimit, HoldsWhileItLives) {
