@@ -6,7 +6,6 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -30,14 +29,6 @@ const GridSpec& checked(const GridSpec& spec) {
     throw UsageError("grid: " + std::to_string(spec.rows) + " x " + std::to_string(spec.cols) +
                      " bins; at least 1 x 1 are needed");
   return spec;
-}
-
-/// calloc, because large zeroed memory costs nothing until it is touched: a std::vector would write it all,
-/// from one thread. Zero bytes are valid BinSums, which begin their life here.
-BinSums* zeroed_bins(std::size_t count) {
-  void* memory = std::calloc(count, sizeof(BinSums));
-  if (memory == nullptr) throw std::bad_alloc();
-  return static_cast<BinSums*>(memory);
 }
 
 struct Column {
@@ -83,7 +74,7 @@ void require_finite(const GridPoints& points, std::int64_t first_row_number) {
 }  // namespace
 
 BinAccumulator::BinAccumulator(const GridSpec& spec)
-    : spec_(checked(spec)), bins_(zeroed_bins(spec.size())), partition_(spec) {}
+    : spec_(checked(spec)), bins_(spec.size()), partition_(spec) {}
 
 void BinAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
   for ([[maybe_unused]] const Column& column : columns(points)) assert(column.values.size() == points.size());

@@ -3,10 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
 #include <span>
 
+#include "base/zeroed_memory.h"
 #include "gridding/grid_points.h"
 #include "gridding/row_partition.h"
 #include "raster/grid_spec.h"
@@ -52,21 +51,17 @@ class BinAccumulator {
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// Row-major, y ascending.
-  [[nodiscard]] std::span<const BinSums> bins() const { return {bins_.get(), spec_.size()}; }
+  [[nodiscard]] std::span<const BinSums> bins() const { return bins_.values(); }
   /// Returns in bins, and returns in none.
   [[nodiscard]] std::int64_t inside_count() const { return inside_count_; }
   [[nodiscard]] std::int64_t outside_count() const { return outside_count_; }
 
  private:
-  struct Free {
-    void operator()(BinSums* bins) const { std::free(bins); }
-  };
-
   void add_piece(const GridPoints& points);
   void add_point(const GridPoints& points, std::size_t i);
 
   GridSpec spec_;
-  std::unique_ptr<BinSums[], Free> bins_;
+  ZeroedArray<BinSums> bins_;
   RowPartition partition_;
   std::int64_t inside_count_ = 0;
   std::int64_t outside_count_ = 0;
