@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdlib>
+#include <memory>
+#include <span>
+
+#include "gridding/bin_accumulator.h"
+
+namespace landfall {
+
+/// What the uncertainty map needs of a bin's returns beside BinSums. dx and dy are from the bin's centre, dz
+/// from its z_first, so that single precision is enough: sums of n returns are good to about n 6e-8 of
+/// themselves.
+struct BinMoments {
+  float w_w;  ///< sum w^2
+  float w_dx_dx;
+  float w_dx_dy;
+  float w_dy_dy;
+  float w_dx_dz;
+  float w_dy_dz;
+};
+
+/// Second moments per bin, beside a BinAccumulator of the same grid and with its weights. In the same order
+/// at any number of threads: the same bits. 24 bytes per bin, untouched until a return falls on it.
+class MomentAccumulator {
+ public:
+  explicit MomentAccumulator(const GridSpec& spec);
+
+  /// Adds returns that `bins` already holds: call it with each batch after bins.add(), which refuses what is
+  /// not finite and fixes z_first.
+  void add(const GridPoints& points, const BinAccumulator& bins);
+
+  [[nodiscard]] const GridSpec& spec() const { return spec_; }
+  /// Row-major, y ascending.
+  [[nodiscard]] std::span<const BinMoments> bins() const { return {moments_.get(), spec_.size()}; }
+
+ private:
+  struct Free {
+    void operator()(BinMoments* moments) const { std::free(moments); }
+  };
+
+  void add_point(const GridPoints& points, std::size_t i, const BinAccumulator& bins);
+
+  GridSpec spec_;
+  std::unique_ptr<BinMoments[], Free> moments_;
+  RowPartition partition_;
+};
+
+}  // namespace landfall
