@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/slope.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::int64_t kLargestRadius = 3;
+constexpr int kEnoughBins = 6;
+constexpr int kFewestBins = 3;
+constexpr double kSmallestScatter = 0.1;  // in s^2
+
+/// Weighted sums over the centroids of a window, in units of s, relative to the middle bin: x, y in bins.
+struct PlaneSums {
+  int bins = 0;
+  double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+
+  void add(double weight, double dx, double dy, double dz) {
+    ++bins;
+    w += weight;
+    x += weight * dx;
+    y += weight * dy;
+    z += weight * dz;
+    xx += weight * dx * dx;
+    xy += weight * dx * dy;
+    yy += weight * dy * dy;
+    xz += weight * dx * dz;
+    yz += weight * dy * dz;
+  }
+};
+
+PlaneSums window_sums(const BinAccumulator& bins, BinIndex middle, std::int64_t radius) {
+  const GridSpec& spec = bins.spec();
+  const BinSums& origin = bins.bins()[spec.index(middle)];
+  const double z_origin = origin.z_first + origin.w_dz / origin.weight;
+  PlaneSums sums;
+  for (std::int64_t row = std::max<std::int64_t>(0, middle.row - radius);
+       row <= std::min(spec.rows - 1, middle.row + radius); ++row)
+    for (std::int64_t col = std::max<std::int64_t>(0, middle.col - radius);
+         col <= std::min(spec.cols - 1, middle.col + radius); ++col) {
+      const BinSums& bin = bins.bins()[spec.index({row, col})];
+      if (bin.count == 0) continue;
+      sums.add(bin.weight, (bin.w_x_est / bin.weight - spec.x(middle.col)) / spec.resolution_m,
+               (bin.w_y_est / bin.weight - spec.y(middle.row)) / spec.resolution_m,
+               bin.z_first + bin.w_dz / bin.weight - z_origin);
+    }
+  return sums;
+}
+
+/// The plane's slope, in metres per bin edge, and how far the centroids scatter across their main direction.
+struct PlaneFit {
+  double x;
+  double y;
+  double smallest_scatter;
+};
+
+PlaneFit fit(const PlaneSums& s) {
+  const double xx = s.xx / s.w - s.x * s.x / (s.w * s.w);
+  const double xy = s.xy / s.w - s.x * s.y / (s.w * s.w);
+  const double yy = s.yy / s.w - s.y * s.y / (s.w * s.w);
+  const double xz = s.xz / s.w - s.x * s.z / (s.w * s.w);
+  const double yz = s.yz / s.w - s.y * s.z / (s.w * s.w);
+  const double determinant = xx * yy - xy * xy;
+  return {(yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant,
+          (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy)};
+}
+
+Slope slope_at(const BinAccumulator& bins, BinIndex bin) {
+  for (std::int64_t radius = 1; radius <= kLargestRadius; ++radius) {
+    const PlaneSums sums = window_sums(bins, bin, radius);
+    if (sums.bins < (radius == kLargestRadius ? kFewestBins : kEnoughBins)) continue;
+    const PlaneFit plane = fit(sums);
+    if (plane.smallest_scatter < kSmallestScatter) continue;
+    return {static_cast<float>(plane.x / bins.spec().resolution_m),
+            static_cast<float>(plane.y / bins.spec().resolution_m)};
+  }
+  return {};
+}
+
+/// set(bin, sums) for each bin that holds a return.
+template <class Set>
+void for_each_filled_bin(const BinAccumulator& bins, Set set, const ProgressCallback& progress = {}) {
+  const GridSpec& spec = bins.spec();
+  const auto visit = [&](std::size_t begin, std::size_t end) {
+    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const BinSums& sums = bins.bins()[spec.index({row, col})];
+        if (sums.count > 0) set(BinIndex{row, col}, sums);
+      }
+  };
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, visit, progress);
+}
+
+}  // namespace
+
+Grid<Slope> slope_layer(const BinAccumulator& bins, const ProgressCallback& progress) {
+  Grid<Slope> slopes(bins.spec());
+  for_each_filled_bin(
+      bins, [&](BinIndex bin, const BinSums&) { slopes.at(bin) = slope_at(bins, bin); }, progress);
+  return slopes;
+}
+
+Grid<float> z_corrected_layer(const BinAccumulator& bins, const Grid<Slope>& slopes) {
+  const GridSpec& spec = bins.spec();
+  Grid<float> corrected(spec, std::numeric_limits<float>::quiet_NaN());
+  for_each_filled_bin(bins, [&](BinIndex bin, const BinSums& sums) {
+    const Slope g = slopes.at(bin);
+    const double x_offset = sums.w_x_est / sums.weight - spec.x(bin.col);
+    const double y_offset = sums.w_y_est / sums.weight - spec.y(bin.row);
+    corrected.at(bin) = static_cast<float>(sums.z_first + sums.w_dz / sums.weight -
+                                           (double{g.x} * x_offset + double{g.y} * y_offset));
+  });
+  return corrected;
+}
+
+}  // namespace landfall
