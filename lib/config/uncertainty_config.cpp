@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/uncertainty_config.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+#include "base/error.h"
+#include "base/number_text.h"
+#include "config/json_values.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::array<const char*, 4> kNavigationKeys = {"position_m", "velocity_mps", "rpy_rad",
+                                                        "rpy_rate_radps"};
+
+double sigma_of(const std::string& text, const std::string& assignment) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw UsageError("--navigation-sigma " + assignment + ": '" + text +
+                     "' is no number; wanted KEY=SIGMA or KEY=X,Y,Z");
+  return value;
+}
+
+std::vector<double> sigmas_of(const std::string& text, const std::string& assignment) {
+  std::vector<double> sigmas;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    sigmas.push_back(sigma_of(text.substr(begin, comma - begin), assignment));
+    begin = comma + 1;
+  }
+  if (sigmas.size() == 1) sigmas.assign(3, sigmas.front());
+  if (sigmas.size() != 3)
+    throw UsageError("--navigation-sigma " + assignment + ": " + std::to_string(sigmas.size()) +
+                     " numbers; wanted 1 or 3");
+  return sigmas;
+}
+
+/// The number at a path such as /noise/range_sigma_m; none where the scan does not say.
+std::optional<double> number_at(const Json& config, const Json::json_pointer& where) {
+  if (!config.is_object() || !config.contains(where) || !config.at(where).is_number()) return std::nullopt;
+  return config.at(where).get<double>();
+}
+
+double range_sigma_m(const std::vector<ScanOrigin>& scans) {
+  static const Json::json_pointer kWhere("/noise/range_sigma_m");
+  const std::string remedy = "; give --range-sigma METRES or /uncertainty/range_sigma_m";
+  std::optional<double> common;
+  for (const ScanOrigin& scan : scans) {
+    const std::optional<double> sigma = number_at(scan.config, kWhere);
+    if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not tell its range noise" + remedy);
+    if (common && *common != *sigma)
+      throw UsageError("--uncertainty: range noise " + number_text(*common) + " m in " + scans.front().name +
+                       ", " + number_text(*sigma) + " m in " + scan.name + remedy);
+    common = sigma;
+  }
+  return common.value_or(0);
+}
+
+bool has_no_navigation_error(const Json& config) {
+  if (!config.is_object() || !config.contains("navigation_error")) return false;
+  const Json none = {0, 0, 0};
+  for (const char* const key : kNavigationKeys)
+    if (config["navigation_error"].value(key, Json()) != none) return false;
+  return true;
+}
+
+void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
+  for (const ScanOrigin& scan : scans)
+    if (!has_no_navigation_error(scan.config))
+      throw UsageError(
+          "--uncertainty: " + scan.name +
+          " holds a navigation error or does not tell, and no scan tells its sigma; give "
+          "--navigation-sigma position_m=METRES (or velocity_mps=, rpy_rad=, rpy_rate_radps=; 0 for "
+          "none) or /uncertainty/navigation_sigma");
+}
+
+NavigationSigma navigation_sigma(const Json& sigma) {
+  return {.position_m = {vector3(sigma.at("position_m"))},
+          .velocity_mps = {vector3(sigma.at("velocity_mps"))},
+          .rpy_rad = roll_pitch_yaw(sigma.at("rpy_rad"), 1),
+          .rpy_rate_radps = roll_pitch_yaw(sigma.at("rpy_rate_radps"), 1)};
+}
+
+Json as_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json as_json(const RollPitchYaw& rpy) { return {rpy.roll_rad, rpy.pitch_rad, rpy.yaw_rad}; }
+
+}  // namespace
+
+void add_navigation_sigma(Json& config, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  const std::string key = assignment.substr(0, equals);
+  if (equals == std::string::npos ||
+      std::find(kNavigationKeys.begin(), kNavigationKeys.end(), key) == kNavigationKeys.end())
+    throw UsageError(
+        "--navigation-sigma " + assignment +
+        ": wanted KEY=SIGMA or KEY=X,Y,Z; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps");
+  Json& sigmas = config["uncertainty"]["navigation_sigma"];
+  for (const char* const other : kNavigationKeys)
+    if (!sigmas.contains(other)) sigmas[other] = {0, 0, 0};
+  sigmas[key] = sigmas_of(assignment.substr(equals + 1), assignment);
+}
+
+UncertaintyParameters uncertainty_parameters(const Json& config, const std::string& name,
+                                             const std::vector<ScanOrigin>& scans) {
+  const Json given = config.value("uncertainty", Json::object());
+  UncertaintyParameters parameters;
+  parameters.range_sigma_m =
+      given.contains("range_sigma_m") ? given["range_sigma_m"].get<double>() : range_sigma_m(scans);
+  if (given.contains("navigation_sigma"))
+    parameters.navigation = navigation_sigma(given["navigation_sigma"]);
+  else
+    require_no_navigation_error(scans);
+  try {
+    check(parameters);
+  } catch (const UsageError& error) {
+    throw UsageError(name + ": /" + error.what());
+  }
+  return parameters;
+}
+
+Json uncertainty_json(const UncertaintyParameters& parameters) {
+  const NavigationSigma& navigation = parameters.navigation;
+  return {{"range_sigma_m", parameters.range_sigma_m},
+          {"navigation_sigma",
+           {{"position_m", as_json(navigation.position_m.v)},
+            {"velocity_mps", as_json(navigation.velocity_mps.v)},
+            {"rpy_rad", as_json(navigation.rpy_rad)},
+            {"rpy_rate_radps", as_json(navigation.rpy_rate_radps)}}}};
+}
+
+}  // namespace landfall

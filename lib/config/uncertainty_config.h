@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "gridding/uncertainty.h"
+
+namespace landfall {
+
+/// A scan that goes into a DEM, and the configuration that made it (null where it does not say).
+struct ScanOrigin {
+  std::string name;
+  nlohmann::json config;
+};
+
+/// Adds "KEY=SIGMA" (all three axes) or "KEY=X,Y,Z" to /uncertainty/navigation_sigma of a regrid
+/// configuration; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps. Keys not yet there become 0.
+/// Throws UsageError.
+void add_navigation_sigma(nlohmann::json& config, const std::string& assignment);
+
+/// The sigmas of regrid.json's /uncertainty, and what it leaves out from the scans: range_sigma_m is theirs
+/// where they agree, and navigation_sigma is 0 where they were made without navigation errors. Throws
+/// UsageError, saying what to give, where neither tells: a navigation error in a scan is one draw, not its
+/// sigma.
+[[nodiscard]] UncertaintyParameters uncertainty_parameters(const nlohmann::json& config,
+                                                           const std::string& name,
+                                                           const std::vector<ScanOrigin>& scans);
+
+/// The same as /uncertainty of a configuration.
+[[nodiscard]] nlohmann::json uncertainty_json(const UncertaintyParameters& parameters);
+
+}  // namespace landfall

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/uncertainty_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "config/schema.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+Json resolved(const std::string& text) {
+  return resolve_config({"c.json", Json::parse(text)}, embedded_schema("regrid"));
+}
+
+ScanOrigin scan(const std::string& name, double range_sigma_m, double velocity_error_mps = 0) {
+  return {name, resolve_config(
+                    {"s.json", Json{{"noise", {{"range_sigma_m", range_sigma_m}}},
+                                    {"navigation_error", {{"velocity_mps", {0, velocity_error_mps, 0}}}}}},
+                    embedded_schema("scan"))};
+}
+
+template <class Work>
+std::string refusal(const Work& work) {
+  try {
+    work();
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string refusal_of(const std::string& config, const std::vector<ScanOrigin>& scans) {
+  return refusal([&] { static_cast<void>(uncertainty_parameters(resolved(config), "c.json", scans)); });
+}
+
+TEST(UncertaintyConfig, TakesFromTheScansWhatIsNotGiven) {
+  const UncertaintyParameters parameters =
+      uncertainty_parameters(resolved("{}"), "c.json", {scan("a.h5", 0.02), scan("b.h5", 0.02)});
+  EXPECT_EQ(parameters.range_sigma_m, 0.02);
+  EXPECT_EQ(parameters.navigation.position_m.v, Eigen::Vector3d::Zero());
+  EXPECT_EQ(parameters.navigation.rpy_rate_radps, RollPitchYaw{});
+}
+
+TEST(UncertaintyConfig, WhatIsGivenWinsOverTheScans) {
+  const UncertaintyParameters parameters = uncertainty_parameters(
+      resolved(R"({"uncertainty": {"range_sigma_m": 0.5, "navigation_sigma": {"position_m": [1, 2, 3],
+                  "velocity_mps": [4, 5, 6], "rpy_rad": [7, 8, 9], "rpy_rate_radps": [10, 11, 12]}}})"),
+      "c.json", {scan("a.h5", 0.02, 0.3), scan("b.h5", 0.03), {"c.h5", nullptr}});
+  EXPECT_EQ(parameters.range_sigma_m, 0.5);
+  EXPECT_EQ(parameters.navigation.position_m.v, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(parameters.navigation.velocity_mps.v, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(parameters.navigation.rpy_rad, (RollPitchYaw{7, 8, 9}));
+  EXPECT_EQ(parameters.navigation.rpy_rate_radps, (RollPitchYaw{10, 11, 12}));
+  EXPECT_EQ(uncertainty_json(parameters),
+            resolved(R"({"uncertainty": {"range_sigma_m": 0.5, "navigation_sigma":
+      {"position_m": [1, 2, 3], "velocity_mps": [4, 5, 6], "rpy_rad": [7, 8, 9],
+       "rpy_rate_radps": [10, 11, 12]}}})")["uncertainty"]);
+}
+
+TEST(UncertaintyConfig, NavigationKeysLeftOutAre0) {
+  const UncertaintyParameters parameters = uncertainty_parameters(
+      resolved(R"({"uncertainty": {"navigation_sigma": {"velocity_mps": [1, 1, 1]}}})"), "c.json",
+      {scan("a.h5", 0.02, 0.3)});
+  EXPECT_EQ(parameters.range_sigma_m, 0.02);
+  EXPECT_EQ(parameters.navigation.velocity_mps.v, Eigen::Vector3d::Ones());
+  EXPECT_EQ(parameters.navigation.position_m.v, Eigen::Vector3d::Zero());
+}
+
+TEST(UncertaintyConfig, RefusesRangeNoiseThatNobodyTells) {
+  EXPECT_THAT(refusal_of("{}", {{"a.h5", nullptr}}), AllOf(HasSubstr("a.h5"), HasSubstr("--range-sigma")));
+  EXPECT_THAT(refusal_of("{}", {scan("a.h5", 0.02), scan("b.h5", 0.03)}),
+              AllOf(HasSubstr("0.02"), HasSubstr("0.03 m in b.h5"), HasSubstr("--range-sigma")));
+}
+
+TEST(UncertaintyConfig, RefusesANavigationErrorWithoutItsSigma) {
+  EXPECT_THAT(refusal_of("{}", {scan("a.h5", 0.02), scan("b.h5", 0.02, 0.3)}),
+              AllOf(HasSubstr("b.h5"), HasSubstr("--navigation-sigma")));
+  EXPECT_THAT(refusal_of(R"({"uncertainty": {"range_sigma_m": 0.1}})", {{"a.h5", nullptr}}),
+              AllOf(HasSubstr("a.h5"), HasSubstr("--navigation-sigma")));
+}
+
+TEST(UncertaintyConfig, TheSchemaRefusesNegativeSigmas) {
+  EXPECT_THAT(refusal([] { resolved(R"({"uncertainty": {"range_sigma_m": -1}})"); }),
+              HasSubstr("/uncertainty/range_sigma_m"));
+  EXPECT_THAT(refusal([] { resolved(R"({"uncertainty": {"navigation_sigma": {"rpy_rad": [0, -1, 0]}}})"); }),
+              HasSubstr("/uncertainty/navigation_sigma/rpy_rad/1"));
+  EXPECT_THAT(refusal([] { resolved(R"({"uncertainty": {"navigation_sigma": {"rpy_deg": [0, 1, 0]}}})"); }),
+              HasSubstr("rpy_rad"));
+}
+
+// What an option brings has not been through the schema.
+TEST(UncertaintyConfig, NegativeSigmasOfOptionsAreRefusedByName) {
+  Json config = resolved("{}");
+  add_navigation_sigma(config, "velocity_mps=1,-2,3");
+  EXPECT_THAT(
+      refusal([&] { static_cast<void>(uncertainty_parameters(config, "c.json", {scan("a.h5", 0.02)})); }),
+      HasSubstr("c.json: /uncertainty/navigation_sigma/velocity_mps: -2"));
+}
+
+TEST(NavigationSigmaOption, OneNumberOrThree) {
+  Json config = resolved(R"({"uncertainty": {"navigation_sigma": {"rpy_rad": [7, 8, 9]}}})");
+  add_navigation_sigma(config, "position_m=0.5");
+  add_navigation_sigma(config, "velocity_mps=1,2e-3,0");
+  const Json& sigmas = config["uncertainty"]["navigation_sigma"];
+  EXPECT_EQ(sigmas["position_m"], Json({0.5, 0.5, 0.5}));
+  EXPECT_EQ(sigmas["velocity_mps"], Json({1.0, 2e-3, 0.0}));
+  EXPECT_EQ(sigmas["rpy_rad"], Json({7, 8, 9}));
+  EXPECT_EQ(sigmas["rpy_rate_radps"], Json({0, 0, 0}));
+}
+
+TEST(NavigationSigmaOption, RefusesWhatItCannotRead) {
+  const auto refused = [](const std::string& text) {
+    return refusal([&] {
+      Json config = Json::object();
+      add_navigation_sigma(config, text);
+    });
+  };
+  EXPECT_THAT(refused("0.5"), HasSubstr("wanted KEY=SIGMA"));
+  EXPECT_THAT(refused("position=0.5"), HasSubstr("KEY is position_m"));
+  EXPECT_THAT(refused("position_m=0.5x"), HasSubstr("'0.5x' is no number"));
+  EXPECT_THAT(refused("position_m="), HasSubstr("'' is no number"));
+  EXPECT_THAT(refused("position_m=1,2"), HasSubstr("2 numbers; wanted 1 or 3"));
+  EXPECT_THAT(refused("position_m=1,2,3,4"), HasSubstr("4 numbers"));
+}
+
+}  // namespace
+}  // namespace landfall
