@@ -9,9 +9,12 @@
 #include "base/parallel.h"
 #include "cli/tool.h"
 #include "config/dem_config.h"
+#include "config/uncertainty_config.h"
 #include "gridding/bin_accumulator.h"
+#include "gridding/uncertainty.h"
 #include "io/dem_file.h"
 #include "io/scan_file.h"
+#include "io/scan_poses.h"
 #include "io/terrain_file.h"
 
 namespace landfall {
@@ -21,6 +24,7 @@ constexpr const char* kExamples = R"(Examples:
   regrid scan.h5 --terrain terrain.h5 -o dem.h5
   regrid first.h5 second.h5 -c regrid.json --terrain terrain.h5 -o merged.h5
   regrid scan.h5 -o dem.h5 --set resolution_m=0.1 --layers z_est,count
+  regrid scan.h5 --terrain terrain.h5 -o dem.h5 --uncertainty --navigation-sigma velocity_mps=0.3,0.3,0.7
 Without --terrain there is no z_true. Configuration: docs/regrid.md and --print-schema.)";
 
 /// Rows read at a time: 4 chunks of the file, 15 MB.
@@ -33,6 +37,10 @@ struct Options {
   std::vector<std::string> layers;
   std::string truth_at;
   bool other_terrain = false;
+  bool corrected = false;
+  bool uncertainty = false;
+  std::optional<double> range_sigma_m;
+  std::vector<std::string> navigation_sigmas;
 };
 
 void bind(CLI::App& app, Options& o) {
@@ -45,13 +53,39 @@ void bind(CLI::App& app, Options& o) {
                  "Where z_true is taken: bin_center or centroid; wins over the config")
       ->check(CLI::IsMember({"bin_center", "centroid"}));
   app.add_flag("--other-terrain", o.other_terrain, "Allow a --terrain that is not the one that was scanned");
+  app.add_flag("--corrected", o.corrected,
+               "Also write z_corrected: z_est carried along the local slope to the bin's centre");
+  app.add_flag("--uncertainty", o.uncertainty,
+               "Also write the 1-sigma map: z_sigma_abs, z_sigma_rel, xy_sigma, z_true_map");
+  app.add_option("--range-sigma", o.range_sigma_m, "Range noise for --uncertainty; default: the scans' own")
+      ->type_name("METRES")
+      ->needs("--uncertainty");
+  app.add_option(
+         "--navigation-sigma", o.navigation_sigmas,
+         "Navigation error for --uncertainty; KEY: position_m, velocity_mps, rpy_rad, rpy_rate_radps; "
+         "one number or x,y,z; may be repeated")
+      ->type_name("KEY=SIGMA")
+      ->needs("--uncertainty")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-/// The configuration with --truth-at in it, so that the file's provenance tells what was done.
+/// The configuration with the options that say the same in it, so that the file's provenance tells what was
+/// done.
 nlohmann::json config_of(const cli::Session& session, const Options& o) {
   nlohmann::json config = session.config();
   if (!o.truth_at.empty()) config["truth_at"] = o.truth_at;
+  if (o.range_sigma_m) config["uncertainty"]["range_sigma_m"] = *o.range_sigma_m;
+  for (const std::string& sigma : o.navigation_sigmas) add_navigation_sigma(config, sigma);
   return config;
+}
+
+nlohmann::json content_options(const Options& o) {
+  nlohmann::json options;
+  if (!o.layers.empty()) options["layers"] = o.layers;
+  if (o.corrected) options["corrected"] = true;
+  if (o.uncertainty) options["uncertainty"] = true;
+  return options;
 }
 
 /// True where the scan's history names a terrain, and it is another one.
@@ -65,19 +99,34 @@ bool saw_other_terrain(const nlohmann::json& scan_chain, const std::string& terr
 struct Inputs {
   std::vector<std::unique_ptr<ScanReader>> scans;
   std::optional<TerrainInput> terrain;
+  std::optional<UncertaintyParameters> uncertainty;
+  std::optional<PoseTrack> poses;
   Provenance provenance;
 };
+
+void open_uncertainty(const cli::Session& session, Inputs& inputs) {
+  std::vector<ScanOrigin> origins;
+  std::vector<ScanPoses> poses;
+  for (const auto& scan : inputs.scans) {
+    origins.push_back({scan->file().name(), scan->file().config()});
+    poses.push_back(read_scan_poses(scan->file()));
+  }
+  inputs.uncertainty = uncertainty_parameters(inputs.provenance.config, session.config_name(), origins);
+  inputs.poses.emplace(std::move(poses));
+  inputs.provenance.config["uncertainty"] = uncertainty_json(*inputs.uncertainty);
+}
 
 Inputs open_inputs(cli::Session& session, const Options& o) {
   Inputs inputs;
   inputs.provenance = session.provenance();
   inputs.provenance.config = config_of(session, o);
-  if (!o.layers.empty()) inputs.provenance.options = {{"layers", o.layers}};
+  inputs.provenance.options = content_options(o);
   for (const std::string& path : o.scans) {
     inputs.scans.push_back(std::make_unique<ScanReader>(path));
     const LandfallFileReader& file = inputs.scans.back()->file();
     inputs.provenance.add_input("scan", file.file_id(), file.chain());
   }
+  if (o.uncertainty) open_uncertainty(session, inputs);
   if (o.terrain.empty()) return inputs;
   session.phase("terrain", [&](const ProgressCallback&) { inputs.terrain = read_terrain(o.terrain); });
   inputs.provenance.add_input("terrain", inputs.terrain->file_id, inputs.terrain->chain);
@@ -102,8 +151,14 @@ std::vector<Batch> batches(const Inputs& inputs) {
   return result;
 }
 
+/// The sums of every bin; the moments only for --uncertainty.
+struct Sums {
+  BinAccumulator bins;
+  std::optional<MomentAccumulator> moments;
+};
+
 /// Bins a batch while the next one is read.
-void grid_scans(const Inputs& inputs, BinAccumulator& bins, const ProgressCallback& progress) {
+void grid_scans(const Inputs& inputs, Sums& sums, const ProgressCallback& progress) {
   const std::vector<Batch> todo = batches(inputs);
   std::array<ScanPoints, 2> slots;
   read_ahead(
@@ -111,10 +166,29 @@ void grid_scans(const Inputs& inputs, BinAccumulator& bins, const ProgressCallba
       [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
       [&](std::size_t i, std::size_t slot) {
         const ScanPoints& p = slots[slot];
-        bins.add({p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t},
-                 static_cast<std::int64_t>(todo[i].begin));
+        const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
+        sums.bins.add(points, static_cast<std::int64_t>(todo[i].begin));
+        if (sums.moments) sums.moments->add(points, sums.bins);
         report(progress, static_cast<double>(i + 1) / static_cast<double>(todo.size()));
       });
+}
+
+/// What the layers of --corrected and --uncertainty are made from.
+struct ErrorMaps {
+  Grid<Slope> slopes;
+  std::optional<UncertaintyMap> uncertainty;  ///< refers to the slopes
+};
+
+void make_error_maps(cli::Session& session, const Options& o, const Inputs& inputs, const Sums& sums,
+                     ErrorMaps& maps) {
+  if (!o.uncertainty && !o.corrected) return;
+  session.phase("slope",
+                [&](const ProgressCallback& progress) { maps.slopes = slope_layer(sums.bins, progress); });
+  if (!o.uncertainty) return;
+  session.phase("uncertainty", [&](const ProgressCallback& progress) {
+    maps.uncertainty.emplace(sums.bins, *sums.moments, maps.slopes, *inputs.poses, *inputs.uncertainty,
+                             progress);
+  });
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
@@ -124,17 +198,22 @@ ExitCode run(cli::Session& session, const Options& o) {
   inputs_named.push_back(o.terrain);
   const OutputOptions output = session.output(inputs_named);
   Inputs inputs = open_inputs(session, o);
-  const DemRequest request{o.layers, inputs.terrain ? inputs.terrain->surface.get() : nullptr,
-                           config.truth_at};
+  DemRequest request{o.layers, inputs.terrain ? inputs.terrain->surface.get() : nullptr, config.truth_at,
+                     o.uncertainty, o.corrected};
   check_layers(request);
   LandfallFileWriter file(output, "dem", inputs.provenance);
-  BinAccumulator bins(config.grid);
-  session.phase("grid", [&](const ProgressCallback& progress) { grid_scans(inputs, bins, progress); });
+  Sums sums{BinAccumulator(config.grid), {}};
+  if (o.uncertainty) sums.moments.emplace(config.grid);
+  session.phase("grid", [&](const ProgressCallback& progress) { grid_scans(inputs, sums, progress); });
+  ErrorMaps maps;
+  make_error_maps(session, o, inputs, sums, maps);
+  request.slopes = &maps.slopes;
+  request.uncertainty_map = maps.uncertainty ? &*maps.uncertainty : nullptr;
   session.phase("write", [&](const ProgressCallback& progress) {
-    write_dem(file, bins, request, inputs.scans.front()->crs_wkt(), progress);
+    write_dem(file, sums.bins, request, inputs.scans.front()->crs_wkt(), progress);
   });
-  session.count("inside_count", bins.inside_count());
-  session.count("outside_count", bins.outside_count());
+  session.count("inside_count", sums.bins.inside_count());
+  session.count("outside_count", sums.bins.outside_count());
   return ExitCode::done;
 }
 

@@ -64,6 +64,12 @@ Grid<double> z_true_layer(const BinAccumulator& bins, const ElevationFunction& e
   return truth_at == TruthAt::bin_center ? layer(bins, kEmpty, at_center) : layer(bins, kEmpty, at_centroid);
 }
 
+Grid<float> z_true_map_layer(const BinAccumulator& bins, const ElevationFunction& elevation) {
+  const GridSpec& spec = bins.spec();
+  return layer(bins, std::numeric_limits<float>::quiet_NaN(),
+               [&](const BinSums&, BinIndex bin) { return elevation(spec.x(bin.col), spec.y(bin.row)); });
+}
+
 Grid<double> weight_sum_layer(const BinAccumulator& bins) {
   return layer(bins, std::numeric_limits<double>::quiet_NaN(),
                [](const BinSums& sums, BinIndex) { return sums.weight; });

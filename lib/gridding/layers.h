@@ -30,6 +30,8 @@ using ElevationFunction = std::function<double(double x_m, double y_m)>;
 /// centroid: H(x_true, y_true). Also NaN off the terrain.
 [[nodiscard]] Grid<double> z_true_layer(const BinAccumulator& bins, const ElevationFunction& elevation,
                                         TruthAt truth_at);
+/// H(X, Y), the terrain under the bin's centre as the map has it; NaN off the terrain.
+[[nodiscard]] Grid<float> z_true_map_layer(const BinAccumulator& bins, const ElevationFunction& elevation);
 /// sum w.
 [[nodiscard]] Grid<double> weight_sum_layer(const BinAccumulator& bins);
 /// Returns in the bin; 0 where empty.

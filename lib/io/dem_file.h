@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "gridding/bin_accumulator.h"
 #include "gridding/layers.h"
+#include "gridding/uncertainty.h"
 #include "io/landfall_file.h"
 #include "terrain/triangulated_grid.h"
 
@@ -14,15 +15,21 @@ namespace landfall {
 
 /// Which layers of a DEM to write, and from what.
 struct DemRequest {
-  std::vector<std::string> layers;          ///< names; empty: all
-  const TriangulatedGrid* truth = nullptr;  ///< the terrain; without it z_true is left out
+  std::vector<std::string> layers;          ///< names; empty: all that can be made
+  const TriangulatedGrid* truth = nullptr;  ///< the terrain; without it z_true, z_true_map are left out
   TruthAt truth_at = TruthAt::bin_center;
+  bool uncertainty = false;  ///< also z_true_map and the sigmas
+  bool corrected = false;    ///< also z_corrected
+  // What these are made from; needed by write_dem only.
+  const Grid<Slope>* slopes = nullptr;
+  const UncertaintyMap* uncertainty_map = nullptr;
 };
 
 /// The names that a DEM may have, in the order of the file.
 [[nodiscard]] const std::vector<std::string>& dem_layer_names();
 
-/// Throws UsageError for a name that is no layer, or for z_true without a terrain.
+/// Throws UsageError for a name that is no layer, or for one that the request cannot make: truth without a
+/// terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
 void check_layers(const DemRequest& request);
 
 /// Writes dem.h5 (SPEC sections 5 and 8), one layer in memory at a time, and commits.
