@@ -128,7 +128,9 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
   }
   if (o.uncertainty) open_uncertainty(session, inputs);
   if (o.terrain.empty()) return inputs;
-  session.phase("terrain", [&](const ProgressCallback&) { inputs.terrain = read_terrain(o.terrain); });
+  session.phase("terrain", [&](const ProgressCallback& progress) {
+    inputs.terrain = read_terrain(o.terrain, progress);
+  });
   inputs.provenance.add_input("terrain", inputs.terrain->file_id, inputs.terrain->chain);
   for (const auto& scan : inputs.scans)
     if (!o.other_terrain && saw_other_terrain(scan->file().chain(), inputs.terrain->file_id))

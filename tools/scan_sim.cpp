@@ -127,7 +127,8 @@ TerrainInput open_terrain(cli::Session& session, const Options& o, const std::op
     terrain.file_id = named.file_id();
     terrain.chain = named.chain();
   } else {
-    session.phase("terrain", [&](const ProgressCallback&) { terrain = read_terrain(o.terrain); });
+    session.phase("terrain",
+                  [&](const ProgressCallback& progress) { terrain = read_terrain(o.terrain, progress); });
   }
   return terrain;
 }

@@ -139,7 +139,7 @@ GridLayerReader::GridLayerReader(const LandfallFileReader& file)
 bool GridLayerReader::has(const std::string& name) const { return h5::exists(file_.root(), name); }
 
 template <class T>
-Grid<T> GridLayerReader::read(const std::string& name) const {
+Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& progress) const {
   h5::Handle dataset;
   if (has(name)) dataset = h5::Handle(H5Dopen2(file_.root(), name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset) file_.fail("no layer /" + name);
@@ -151,16 +151,17 @@ Grid<T> GridLayerReader::read(const std::string& name) const {
     file_.fail("layer /" + name + " is not of the shape (y, x) = (" + std::to_string(spec_.rows) + ", " +
                std::to_string(spec_.cols) + ")");
   Grid<T> layer(spec_);
-  if (read_tiles(dataset.get(), layer)) return layer;
-  if (H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+  if (!read_tiles(dataset.get(), layer, progress) &&
+      H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
               layer.values().data()) < 0)
     file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());
+  report(progress, 1);
   return layer;
 }
 
-template Grid<double> GridLayerReader::read(const std::string&) const;
-template Grid<float> GridLayerReader::read(const std::string&) const;
-template Grid<std::int32_t> GridLayerReader::read(const std::string&) const;
-template Grid<std::int8_t> GridLayerReader::read(const std::string&) const;
+template Grid<double> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
+template Grid<float> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
+template Grid<std::int32_t> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
+template Grid<std::int8_t> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 
 }  // namespace landfall

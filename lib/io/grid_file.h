@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/progress.h"
 #include "io/landfall_file.h"
 #include "raster/grid.h"
 
@@ -51,7 +52,7 @@ class GridLayerReader {
   [[nodiscard]] bool has(const std::string& name) const;
   /// Throws FormatError where the layer is missing, has another shape than (y, x), or cannot be read.
   template <class T>
-  [[nodiscard]] Grid<T> read(const std::string& name) const;
+  [[nodiscard]] Grid<T> read(const std::string& name, const ProgressCallback& progress = {}) const;
 
  private:
   const LandfallFileReader& file_;

@@ -36,6 +36,11 @@ class TileSequence {
 
   [[nodiscard]] bool at_end() const { return next_.row >= spec_.rows; }
 
+  /// The part of the layer's rows that have been given out.
+  [[nodiscard]] double fraction() const {
+    return static_cast<double>(std::min(next_.row, spec_.rows)) / static_cast<double>(spec_.rows);
+  }
+
   /// The first bin of the next tile; not at the end.
   BinIndex next() {
     const BinIndex first = next_;
@@ -125,7 +130,7 @@ void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std
 }
 
 template <class T>
-bool read_tiles(hid_t dataset, Grid<T>& layer) {
+bool read_tiles(hid_t dataset, Grid<T>& layer, const ProgressCallback& progress) {
   const auto chunks = decodable_chunks(dataset, offset_of(tile_of(layer.spec())));
   if (!chunks || chunks->type != h5::TypeOf<T>::value) return false;
   TileSequence tiles(layer.spec());
@@ -136,6 +141,7 @@ bool read_tiles(hid_t dataset, Grid<T>& layer) {
       control.stop();
       return loaded;
     }
+    report(progress, tiles.fraction());
     loaded.first = tiles.next();
     // A tile that is not there is like one that cannot be decoded.
     if (!load_chunk(dataset, offset_of(loaded.first), loaded.chunk)) good = false;
@@ -154,9 +160,9 @@ template void write_tiles(hid_t, const Grid<double>&, int, const std::string&);
 template void write_tiles(hid_t, const Grid<float>&, int, const std::string&);
 template void write_tiles(hid_t, const Grid<std::int32_t>&, int, const std::string&);
 template void write_tiles(hid_t, const Grid<std::int8_t>&, int, const std::string&);
-template bool read_tiles(hid_t, Grid<double>&);
-template bool read_tiles(hid_t, Grid<float>&);
-template bool read_tiles(hid_t, Grid<std::int32_t>&);
-template bool read_tiles(hid_t, Grid<std::int8_t>&);
+template bool read_tiles(hid_t, Grid<double>&, const ProgressCallback&);
+template bool read_tiles(hid_t, Grid<float>&, const ProgressCallback&);
+template bool read_tiles(hid_t, Grid<std::int32_t>&, const ProgressCallback&);
+template bool read_tiles(hid_t, Grid<std::int8_t>&, const ProgressCallback&);
 
 }  // namespace landfall

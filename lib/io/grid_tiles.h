@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/progress.h"
 #include "io/h5.h"
 #include "raster/grid.h"
 
@@ -18,8 +19,9 @@ template <class T>
 void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std::string& name);
 
 /// Reads all tiles of a layer of that kind, decoding them on all threads. False, with `layer` unspecified,
-/// for any other dataset of this shape and where a tile is missing or damaged: H5Dread knows what to do.
+/// for any other dataset of this shape and where a tile is missing or damaged: H5Dread knows what to do. The
+/// progress tells the part of the rows that were loaded before; it stays below 1.
 template <class T>
-[[nodiscard]] bool read_tiles(hid_t dataset, Grid<T>& layer);
+[[nodiscard]] bool read_tiles(hid_t dataset, Grid<T>& layer, const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -28,12 +28,12 @@ std::string raster_id(const DemRaster& raster) {
   return hash.update(std::as_bytes(std::span(place))).hex();
 }
 
-TerrainInput read_terrain(const std::filesystem::path& path) {
+TerrainInput read_terrain(const std::filesystem::path& path, const ProgressCallback& progress) {
   const LandfallFileReader file(path, {"terrain"});
   if (!h5::exists(file.root(), "z") && h5::exists(file.root(), "mesh"))
     file.fail("is a mesh terrain; this version reads gridded terrain (/x /y /z)");
   const GridLayerReader layers(file);
-  Grid<double> nodes = layers.read<double>("z");
+  Grid<double> nodes = layers.read<double>("z", progress);
   const auto values = nodes.values();
   if (std::any_of(values.begin(), values.end(), [](double z) { return std::isinf(z); }))
     file.fail("/z holds an infinite elevation");

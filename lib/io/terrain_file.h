@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/progress.h"
 #include "io/landfall_file.h"
 #include "terrain/terrain_generator.h"
 #include "terrain/triangulated_grid.h"
@@ -27,6 +28,7 @@ struct TerrainInput {
 
 /// Throws FormatError unless the file is a complete gridded terrain with at least one finite node and no
 /// infinite one.
-[[nodiscard]] TerrainInput read_terrain(const std::filesystem::path& path);
+[[nodiscard]] TerrainInput read_terrain(const std::filesystem::path& path,
+                                        const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -41,6 +42,19 @@ std::string reading_fails(const std::filesystem::path& path) {
     return error.what();
   }
   return "accepted";
+}
+
+TEST(GridFile, ReadingTellsHowFarItIs) {
+  const TemporaryFolder folder;
+  write(folder / "a.h5", {1, 0, 0, 700, 300}, provenance());
+  const LandfallFileReader file(folder / "a.h5", {"dem"});
+  std::vector<double> fractions;
+  static_cast<void>(
+      GridLayerReader(file).read<double>("z", [&](double fraction) { fractions.push_back(fraction); }));
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  EXPECT_GE(fractions.size(), 6U);
+  EXPECT_EQ(fractions.front(), 0);
+  EXPECT_EQ(fractions.back(), 1);
 }
 
 // Larger than one tile in one direction, smaller in the other; not square, not centred.
