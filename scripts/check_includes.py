@@ -25,6 +25,7 @@ ONLY_IN = {
     r"(gdal|ogr|cpl_|vrt)": {"terrain"},
     r"(hdf5|H5)": {"io"},
     r"libdeflate": {"io"},
+    r"zlib": {"io"},
     r"nlohmann/": {"config", "io", "cli"},
     r"valijson/": {"config"},
     r"CLI/": {"cli"},

@@ -2,6 +2,7 @@
 #include "io/chunk_codec.h"
 
 #include <libdeflate.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -59,18 +60,58 @@ bool repeats(Bytes plane) {
   return false;
 }
 
-/// How many of the leading bytes to store as they are: whole planes of noise.
-std::size_t noise_bytes(Bytes planes, std::size_t element_size, int level, libdeflate_compressor* codec) {
+/// The bytes of neighbouring planes that hold noise.
+struct NoiseRun {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+/// The first such planes. The last plane, of signs and exponents, counts as none.
+NoiseRun noise_run(Bytes planes, std::size_t element_size, int level, libdeflate_compressor* codec) {
   constexpr int kThoroughLevel = 6;
   constexpr std::size_t kShortPlane = 8192;
-  const std::size_t plane_bytes = planes.size() / element_size;
-  if (level >= kThoroughLevel || element_size == 1 || plane_bytes < kShortPlane) return 0;
-  std::size_t count = 0;
-  while (count + 1 < element_size &&
-         looks_like_noise(planes.subspan(count * plane_bytes, plane_bytes), codec))
-    ++count;
-  return count > 0 && repeats(planes.first(plane_bytes)) ? 0 : count * plane_bytes;
+  const std::size_t size = planes.size() / element_size;
+  if (level >= kThoroughLevel || size < kShortPlane) return {};
+  const auto is_noise = [&](std::size_t i) {
+    return looks_like_noise(planes.subspan(i * size, size), codec);
+  };
+  std::size_t begin = 0;
+  while (begin + 1 < element_size && !is_noise(begin)) ++begin;
+  if (begin + 1 == element_size || repeats(planes.subspan(begin * size, size))) return {};
+  std::size_t end = begin + 1;
+  while (end + 1 < element_size && is_noise(end)) ++end;
+  return {begin * size, end * size};
 }
+
+/// zlib's compressor, made once per thread. Unlike libdeflate's it can end at a byte within a stream.
+class FlushingCompressor {
+ public:
+  FlushingCompressor() {
+    // Runs and letter frequencies only: below noise lie zeros, or few values of a rounded number.
+    if (deflateInit2(&stream_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK)
+      throw IoError("no memory for a compressor");
+  }
+  ~FlushingCompressor() { deflateEnd(&stream_); }
+  FlushingCompressor(const FlushingCompressor&) = delete;
+  FlushingCompressor& operator=(const FlushingCompressor&) = delete;
+
+  /// Deflate blocks, none of them the last, that end at a byte.
+  std::byte* put(Bytes bytes, std::byte* out, std::size_t room) {
+    deflateReset(&stream_);
+    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // only read
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(out);
+    stream_.avail_out = static_cast<uInt>(room);
+    if (deflate(&stream_, Z_FULL_FLUSH) != Z_OK || stream_.avail_in > 0 || stream_.avail_out == 0)
+      throw IoError("compressing a chunk failed");
+    return out + stream_.total_out;
+  }
+
+  static std::size_t bound(std::size_t size) { return compressBound(size) + 64; }
+
+ private:
+  z_stream stream_{};
+};
 
 /// Deflate's stored blocks (RFC 1951, 3.2.4), none of them the last. They end at a byte.
 std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
@@ -88,24 +129,30 @@ std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
   return out;
 }
 
-/// A zlib stream (RFC 1950) in the first bytes of `room`: the first `stored` bytes as they are, the others
+/// A zlib stream (RFC 1950) in the first bytes of `room`: the noise as it is, what lies before and behind it
 /// compressed.
-std::span<const std::byte> put_zlib_stream(Bytes bytes, std::size_t stored, libdeflate_compressor* codec,
+std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, libdeflate_compressor* codec,
                                            std::vector<std::byte>& room) {
   constexpr std::size_t kHeader = 2;
   constexpr std::size_t kChecksum = 4;
   constexpr std::size_t kBlockHeader = 5;
-  const Bytes compressed = bytes.subspan(stored);
-  const std::size_t most = kHeader + stored + kBlockHeader * (stored / 65535 + 1) +
-                           libdeflate_deflate_compress_bound(codec, compressed.size()) + kChecksum;
+  const Bytes stored = bytes.subspan(noise.begin, noise.end - noise.begin);
+  const Bytes behind = bytes.subspan(noise.end);
+  const std::size_t before_bound = noise.begin > 0 ? FlushingCompressor::bound(noise.begin) : 0;
+  const std::size_t most = kHeader + before_bound + stored.size() +
+                           kBlockHeader * (stored.size() / 65535 + 1) +
+                           libdeflate_deflate_compress_bound(codec, behind.size()) + kChecksum;
   if (room.size() < most) room.resize(most);
   std::byte* out = room.data();
   *out++ = std::byte{0x78};
   *out++ = std::byte{0x01};
-  out = put_stored_blocks(bytes.first(stored), out);
+  if (noise.begin > 0) {
+    thread_local FlushingCompressor flushing;
+    out = flushing.put(bytes.first(noise.begin), out, before_bound);
+  }
+  out = put_stored_blocks(stored, out);
   const std::size_t left = room.size() - static_cast<std::size_t>(out - room.data()) - kChecksum;
-  const std::size_t size =
-      libdeflate_deflate_compress(codec, compressed.data(), compressed.size(), out, left);
+  const std::size_t size = libdeflate_deflate_compress(codec, behind.data(), behind.size(), out, left);
   if (size == 0) throw IoError("compressing a chunk failed");
   out += size;
   const std::uint32_t checksum = libdeflate_adler32(1, bytes.data(), bytes.size());
@@ -120,7 +167,7 @@ std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) 
   if (planes_.size() != raw.size()) planes_.resize(raw.size());
   shuffle_bytes(raw, element_size_, planes_);
   libdeflate_compressor* const codec = compressor_for(level_);
-  return put_zlib_stream(planes_, noise_bytes(planes_, element_size_, level_, codec), codec, stream_);
+  return put_zlib_stream(planes_, noise_run(planes_, element_size_, level_, codec), codec, stream_);
 }
 
 std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size, int level) {

@@ -11,9 +11,9 @@ namespace landfall {
 /// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
 /// the bytes as they are, unshuffled, which is what a dataset without filters holds.
 ///
-/// Below level 6 the low bytes of numbers are stored as they are where a trial finds noise in them: searching
-/// it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples, so a chunk
-/// may miss some of its compression, at most what those low bytes could have saved.
+/// Below level 6 neighbouring bytes of numbers are stored as they are where a trial finds noise in them:
+/// searching it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples, so
+/// a chunk may miss some of its compression, at most what those bytes could have saved.
 ///
 /// An encoder keeps its memory, about twice the chunk's, from one chunk to the next. One thread at a time.
 class ChunkEncoder {

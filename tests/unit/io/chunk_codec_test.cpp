@@ -64,6 +64,22 @@ TEST(ChunkCodec, StoringNoiseCostsAlmostNothing) {
   EXPECT_LT(encoded_size(values, 1), searched + searched / 50);
 }
 
+// Elevations near zero, as differences of ranges: their lowest bits are zeros, then comes the noise.
+std::vector<double> small_differences(std::size_t count) {
+  std::vector<double> values = noisy(count);
+  for (double& value : values) value -= 500;
+  return values;
+}
+
+TEST(ChunkCodec, NoiseBetweenQuietBytesIsStored) {
+  const std::vector<double> values = small_differences(kTableChunkRows);
+  EXPECT_EQ(through_hdf5(values, 1), values);
+  EXPECT_LT(encoded_size(values, 1), values.size() * 6);
+  EXPECT_LT(encoded_size(values, 1), encoded_size(values, 6) + values.size() / 4);
+  for (const std::size_t count : {8191UL, 8192UL, 20001UL})
+    EXPECT_EQ(through_hdf5(small_differences(count), 1), small_differences(count));
+}
+
 // The low bytes are noise to any sample, yet each pulse is a copy of the one before.
 TEST(ChunkCodec, NoiseThatRepeatsIsFound) {
   for (const std::size_t period : {324U, 5000U, 16384U}) {
