@@ -12,13 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-template <class T>
-std::vector<T> read_column(const TableReader& table, const std::string& name) {
-  std::vector<T> values(table.row_count(name));
-  table.read(name, 0, std::span(values));
-  return values;
-}
-
 /// The path of the first difference, "/detector/rows"; empty where there is none.
 std::string first_difference(const Json& a, const Json& b, const std::string& pointer) {
   if (a == b) return {};
@@ -47,11 +40,11 @@ bool loses_nothing(const Json& config) {
 RangeFile::RangeFile(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
-      range_and_pixel_(points_, {"range_true", "pixel"}) {
-  const TableReader pulses(file_.root(), "pulses", file_.name());
-  begin_ = read_column<std::int64_t>(pulses, "point_begin");
-  count_ = read_column<std::int32_t>(pulses, "point_count");
-  if (begin_.size() != count_.size())
+      pulses_(file_.root(), "pulses", file_.name()),
+      range_and_pixel_(points_, {"range_true", "pixel"}),
+      begin_and_count_(pulses_, {"point_begin", "point_count"}),
+      pulse_count_(pulses_.row_count("point_begin")) {
+  if (pulse_count_ != pulses_.row_count("point_count"))
     file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
   if (points_.row_count("range_true") != points_.row_count("pixel"))
     file_.fail("/points/range_true and /points/pixel differ in length");
@@ -105,29 +98,37 @@ TerrainInput RangeFile::terrain() const {
   return terrain;
 }
 
-std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_count) {
+RangeFile::PulseRows RangeFile::rows_of(PulseRange pulses, std::int64_t most) {
   const auto first = static_cast<std::size_t>(pulses.first);
-  const auto end = first + static_cast<std::size_t>(pulses.count);
-  if (end > begin_.size()) file_.fail("has " + std::to_string(begin_.size()) + " pulses, this scan more");
-  const std::int64_t first_row = begin_[first];
-  const std::int64_t row_count = begin_[end - 1] + count_[end - 1] - first_row;
-  const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
-  if (first_row < 0 || row_count < 0 || row_count > most)
+  const auto count = static_cast<std::size_t>(pulses.count);
+  if (first + count > pulse_count_)
+    file_.fail("has " + std::to_string(pulse_count_) + " pulses, this scan more");
+  PulseRows rows{std::vector<std::int64_t>(count), std::vector<std::int32_t>(count)};
+  const std::array<ColumnTarget, 2> targets = {std::span(rows.begin), std::span(rows.count)};
+  begin_and_count_.read(first, targets);
+  rows.total = rows.begin.back() + rows.count.back() - rows.begin.front();
+  if (rows.begin.front() < 0 || rows.total < 0 || rows.total > most)
     file_.fail("/pulses/point_begin does not fit /points");
-  std::vector<double> range(static_cast<std::size_t>(row_count));
+  return rows;
+}
+
+std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_count) {
+  const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
+  const PulseRows rows = rows_of(pulses, most);
+  const std::int64_t first_row = rows.begin.front();
+  std::vector<double> range(static_cast<std::size_t>(rows.total));
   std::vector<std::int32_t> pixel(range.size());
   const std::array<ColumnTarget, 2> targets = {std::span(range), std::span(pixel)};
   range_and_pixel_.read(static_cast<std::size_t>(first_row), targets);
   std::vector<double> result(static_cast<std::size_t>(most), std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t pulse = first; pulse < end; ++pulse)
-    for (std::int64_t i = 0; i < count_[pulse]; ++i) {
-      const std::int64_t row = begin_[pulse] + i - first_row;
-      if (row < 0 || row >= row_count) file_.fail("/pulses/point_begin does not fit /points");
+  for (std::size_t pulse = 0; pulse < rows.count.size(); ++pulse)
+    for (std::int64_t i = 0; i < rows.count[pulse]; ++i) {
+      const std::int64_t row = rows.begin[pulse] + i - first_row;
+      if (row < 0 || row >= rows.total) file_.fail("/pulses/point_begin does not fit /points");
       const std::int32_t where = pixel[static_cast<std::size_t>(row)];
       if (where < 0 || static_cast<std::size_t>(where) >= pixel_count)
         file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is no pixel of the detector");
-      result[(pulse - first) * pixel_count + static_cast<std::size_t>(where)] =
-          range[static_cast<std::size_t>(row)];
+      result[pulse * pixel_count + static_cast<std::size_t>(where)] = range[static_cast<std::size_t>(row)];
     }
   return result;
 }

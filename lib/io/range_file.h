@@ -41,14 +41,23 @@ class RangeFile {
   [[nodiscard]] std::vector<double> ranges_m(PulseRange pulses, std::size_t pixel_count);
 
  private:
+  /// Where the points of some pulses lie.
+  struct PulseRows {
+    std::vector<std::int64_t> begin;  ///< first row of each pulse in /points
+    std::vector<std::int32_t> count;  ///< its rows
+    std::int64_t total = 0;
+  };
+
   void require_complete_ranges() const;
+  [[nodiscard]] PulseRows rows_of(PulseRange pulses, std::int64_t most);
   [[nodiscard]] bool misses_kept() const;
 
   LandfallFileReader file_;
   TableReader points_;
+  TableReader pulses_;
   ColumnReader range_and_pixel_;
-  std::vector<std::int64_t> begin_;  ///< first row of each pulse in /points
-  std::vector<std::int32_t> count_;
+  ColumnReader begin_and_count_;
+  std::size_t pulse_count_;
 };
 
 }  // namespace landfall

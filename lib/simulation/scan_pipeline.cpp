@@ -4,6 +4,7 @@
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 #include <mutex>
 
@@ -19,6 +20,13 @@ struct Task {
 
 using TaskPtr = std::shared_ptr<Task>;
 using BatchPtr = std::shared_ptr<PulseBatch>;
+
+/// A batch, or why there is none. Thrown only in its turn, so that the first pulse that fails is the one
+/// named, on any number of threads.
+struct Simulated {
+  BatchPtr batch;
+  std::exception_ptr failure;
+};
 
 /// Batches that are not in use: their memory is touched for the first time only once.
 class BatchPool {
@@ -58,17 +66,23 @@ class ScanPipeline {
     return std::make_shared<Task>(Task{pulses, ranges_(pulses)});
   }
 
-  BatchPtr simulate(const Task& task) {
-    BatchPtr batch = pool_.take();
-    if (ranges_) {
-      simulation_.replay(task.pulses, task.ranges_true_m, *batch);
-    } else {
-      simulation_.simulate(task.pulses, *batch);
+  Simulated simulate(const Task& task) {
+    Simulated result{pool_.take(), nullptr};
+    try {
+      if (ranges_) {
+        simulation_.replay(task.pulses, task.ranges_true_m, *result.batch);
+      } else {
+        simulation_.simulate(task.pulses, *result.batch);
+      }
+    } catch (...) {
+      result.failure = std::current_exception();
     }
-    return batch;
+    return result;
   }
 
-  void give_to_sink(BatchPtr batch, const ProgressCallback& progress) {
+  void give_to_sink(const Simulated& simulated, const ProgressCallback& progress) {
+    if (simulated.failure) std::rethrow_exception(simulated.failure);
+    BatchPtr batch = simulated.batch;
     pulses_done_ += static_cast<std::int64_t>(batch->pulses.size());
     sink_(*batch);
     pool_.give_back(std::move(batch));
@@ -96,10 +110,10 @@ void run_scan(const Simulation& simulation, const RangeSource& ranges, const Bat
       2 * thread_count(),
       tbb::make_filter<void, TaskPtr>(filter_mode::serial_in_order, [&](tbb::flow_control& control) {
         return pipeline.next_task(pulses_per_batch, control);
-      }) & tbb::make_filter<TaskPtr, BatchPtr>(filter_mode::parallel, [&](const TaskPtr& task) {
+      }) & tbb::make_filter<TaskPtr, Simulated>(filter_mode::parallel, [&](const TaskPtr& task) {
         return pipeline.simulate(*task);
-      }) & tbb::make_filter<BatchPtr, void>(filter_mode::serial_in_order, [&](const BatchPtr& batch) {
-        pipeline.give_to_sink(batch, progress);
+      }) & tbb::make_filter<Simulated, void>(filter_mode::serial_in_order, [&](const Simulated& simulated) {
+        pipeline.give_to_sink(simulated, progress);
       }));
 }
 

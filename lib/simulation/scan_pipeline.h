@@ -20,7 +20,8 @@ using BatchSink = std::function<void(PulseBatch& batch)>;
 /// With `ranges` nothing is traced: the true ranges come from it, asked for in order. Each of the two is
 /// called by one thread at a time, but `sink` and `ranges` may run at the same time.
 ///
-/// Only a few batches per thread exist at a time: memory does not depend on the number of pulses. The result
+/// Throws what simulating, `ranges` or `sink` throws; where several pulses fail, for the first of them. Only
+/// a few batches per thread exist at a time: memory does not depend on the number of pulses. The result
 /// depends on neither threads nor points_per_batch.
 void run_scan(const Simulation& simulation, const RangeSource& ranges, const BatchSink& sink,
               std::int64_t points_per_batch, const ProgressCallback& progress = {});
