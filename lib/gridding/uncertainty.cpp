@@ -123,16 +123,18 @@ double UncertaintyMap::scatter_about_slope(BinIndex bin) const {
   return zz - 2 * along + plane;
 }
 
-/// N returns of one bin scatter by (1 - sum w_k^2) of what single returns do, range noise (J . n) sigma_r
-/// included: summed over the window, what the scatter has in excess is the variance of the relief.
+/// The returns of one bin scatter by (1 - sum w_k^2) of the variance of a single one, range noise (J . n)^2
+/// sigma_r^2 included. What they have in excess, pooled over the window with weights N_eff, is the variance
+/// of the relief.
 Grid<float> UncertaintyMap::roughness(const ProgressCallback& progress) const {
   const auto excess_of = [&](BinIndex bin) {
     const Slope g = slopes_.at(bin);
     const double noise = parameters_.range_sigma_m * Eigen::Vector3d(-g.x, -g.y, 1).dot(sight(bin).beam.v);
-    return scatter_about_slope(bin) - noise * noise * (1 - sum_of_squared_weights(bin));
+    const double w_w = sum_of_squared_weights(bin);
+    return (scatter_about_slope(bin) - noise * noise * (1 - w_w)) / w_w;
   };
   const auto freedom_of = [&](BinIndex bin) {
-    return std::isnan(slopes_.at(bin).x) ? kNan : 1 - sum_of_squared_weights(bin);
+    return std::isnan(slopes_.at(bin).x) ? kNan : 1 / sum_of_squared_weights(bin) - 1;
   };
   const Grid<float> excess = filled_bins(bins_, excess_of, [&](double done) { report(progress, done / 2); });
   const Grid<float> freedom = filled_bins(bins_, freedom_of);

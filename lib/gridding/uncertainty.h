@@ -43,13 +43,19 @@ struct BinVariances {
 /// With the slope g, J = (-g_x, -g_y, 1), the normalised weights w_k of the bin's N returns, the mean time t
 /// since the scan began, r the bin (X, Y, z_est) seen from the BODY's estimated origin at that time (attitude
 /// errors turn the map about it, and the arm of the lidar's mount is part of r), R the estimated attitude,
-/// and n = r / |r| the direction of the beam (the mount's arm, metres of hundreds, is left out there):
-///   range       sigma_r^2 (J . n)^2 sum w_k^2
-///   quant       |g|^2 s^2 k(N) / N: the centroid of the returns is not the bin's centre; k(N) = 0.06145 +
-///   0.02188 / N rough       rho^2 sum w_k^2, rho^2 = max(0, what the returns scatter about the slope in the
-///   7 x 7 bins around,
-///               beyond range noise): relief finer than a bin
-///   navigation  J (Sigma_p + t^2 Sigma_v) J^T + a^T (Sigma_th + t^2 Sigma_w) a, a = R^T (r x J)
+/// and n = r / |r| the direction of the beam (the mount's arm, metres of hundreds, is left out there), the
+/// variances are:
+///
+/// range = sigma_r^2 (J . n)^2 sum w_k^2.
+///
+/// quant = |g|^2 s^2 k(N) / N: the centroid of the returns is not the bin's centre.
+///
+/// rough = rho^2 sum w_k^2, for relief finer than a bin. Over the 7 x 7 bins around,
+/// rho^2 = max(0, sum N_eff (S - sigma_r^2 (J . n)^2 (1 - sum w_k^2)) / sum (N_eff - 1)), N_eff = 1 / sum
+/// w_k^2, S = sum w_k (z_k - plane)^2 about a bin's own slope through its centroid.
+///
+/// navigation = J (Sigma_p + t^2 Sigma_v) J^T + a^T (Sigma_th + t^2 Sigma_w) a, a = R^T (r x J).
+///
 /// Every part is NaN where the bin is empty or has no slope.
 class UncertaintyMap {
  public:

@@ -82,7 +82,7 @@ class Bins:
         b["w2"] = (b["w"] ** 2).sum()
         residual = (b["p"] - b["mean"]) @ b["J"]
         b["noise"] = self.sigma_r ** 2 * (b["J"] @ b["beam"]) ** 2
-        b["excess"] = b["w"] @ residual ** 2 - b["noise"] * (1 - b["w2"])
+        b["excess"] = (b["w"] @ residual ** 2 - b["noise"] * (1 - b["w2"])) / b["w2"]
 
     def navigation(self, b, J):
         position, velocity, angle, rate = (np.square(SIGMAS[key]) for key in SIGMAS)
@@ -92,7 +92,7 @@ class Bins:
     def expected(self, cell):
         b = self.cells[cell]
         around = [other for other, _, _ in self.window(cell, 3) if np.isfinite(other["excess"])]
-        freedom = sum(1 - other["w2"] for other in around)
+        freedom = sum(1 / other["w2"] - 1 for other in around)
         rough = max(0, sum(other["excess"] for other in around) / freedom) if freedom > 1e-12 else 0
         count = len(b["w"])
         k = (0.0614540466 + (1 / 12 - 0.0614540466) / count) * self.s ** 2 / count
