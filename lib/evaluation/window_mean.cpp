@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 64;
+constexpr std::size_t kRowsPerPiece = 128;
 
 /// Columns that are summed at a time, in registers.
 constexpr std::int64_t kLanes = 16;
@@ -92,18 +92,36 @@ class BandMeans {
     return result;
   }
 
+  /// Counts are exact in any order: those of a square slide from row to row.
   void write_counts(Grid<std::int32_t>& result) const {
     const RowBuffer<std::int32_t> before = counts_before();
-    for_each_block([&](std::int64_t row, std::int64_t col) {
+    for (std::int64_t col = 0; col < width_; col += kLanes) {
       Lanes<std::int32_t> counts{};
-      for_each_row(row, [&](std::int64_t r) {
-        const std::int64_t span = half_width(r - row);
-        const std::int32_t* const at = before.row(r - band_.first) + reach_ + col;
-        for (std::size_t lane = 0; lane < kLanes; ++lane)
-          counts[lane] += (at + span + 1)[lane] - (at - span)[lane];
-      });
-      store(counts, result, {row, col});
-    });
+      for (std::int64_t row = band_.begin; row < band_.end; ++row) {
+        const auto count_row = [&](std::int64_t r, std::int32_t sign) {
+          const std::int64_t span = footprint_.is_square() ? reach_ : half_width(r - row);
+          const std::int32_t* const at = before.row(r - band_.first) + reach_ + col;
+          for (std::size_t lane = 0; lane < kLanes; ++lane)
+            counts[lane] += sign * ((at + span + 1)[lane] - (at - span)[lane]);
+        };
+        if (footprint_.is_square() && row > band_.begin) {
+          slide(row, count_row);
+        } else {
+          counts = {};
+          for_each_row(row, [&](std::int64_t r) { count_row(r, 1); });
+        }
+        store(counts, result, {row, col});
+      }
+    }
+  }
+
+  /// The row that the windows centred on `row` reach and those before did not, and the reverse.
+  template <class CountRow>
+  void slide(std::int64_t row, const CountRow& count_row) const {
+    const std::int64_t entering = row + footprint_.half_bins();
+    const std::int64_t leaving = row - footprint_.half_bins() - 1;
+    if (entering < band_.last) count_row(entering, 1);
+    if (leaving >= band_.first) count_row(leaving, -1);
   }
 
   void write_square_sums(Grid<double>& result) const {
