@@ -110,6 +110,17 @@ Evaluation judge_dem(const cli::Session& session, const Options& o, DemLayers de
   }
 }
 
+/// Nothing for a DEM without 1-sigma maps.
+std::optional<UncertaintyMetrics> judge_uncertainty(const Options& o, const EvaluationParameters& parameters,
+                                                    std::optional<BinMask> region_mask) {
+  std::optional<UncertaintyLayers> layers = read_uncertainty(o.dem);
+  if (!layers) return std::nullopt;
+  const GridSpec spec = layers->error.spec();
+  const BinMask region = judged_region(
+      {.z_est = Grid<double>(spec), .truth = {}, .region_mask = std::move(region_mask)}, parameters);
+  return assess_uncertainty(*layers, region, footprint_of(parameters, spec.resolution_m));
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.table && session.options().json_summary) throw UsageError("--table and --json both want stdout");
@@ -120,11 +131,20 @@ ExitCode run(cli::Session& session, const Options& o) {
   Provenance provenance = session.provenance();
   if (o.metrics_only) provenance.options = {{"metrics_only", true}};
   provenance.add_input("dem", dem.file_id, dem.chain);
+  if (const auto source = region_mask_source(session.config())) {
+    RegionMask region = read_region_mask(source->path, source->layer, dem.layers.z_est.spec());
+    provenance.add_input("region", region.file_id, nlohmann::json::array());
+    dem.layers.region_mask = std::move(region.mask);
+  }
   outputs.open(provenance, dem);
   LayerSink* const sink = o.metrics_only ? nullptr : outputs.sink();
+  std::optional<BinMask> region_mask = dem.layers.region_mask;
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
     evaluation = judge_dem(session, o, std::move(dem.layers), parameters, sink, progress);
+  });
+  session.phase("uncertainty", [&](const ProgressCallback&) {
+    evaluation.metrics.uncertainty = judge_uncertainty(o, parameters, std::move(region_mask));
   });
   session.phase("write", [&](const ProgressCallback&) { outputs.finish(evaluation); });
   session.count("metrics", metrics_json(evaluation.metrics));

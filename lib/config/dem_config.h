@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "evaluation/parameters.h"
@@ -18,7 +19,17 @@ struct RegridConfig {
 
 [[nodiscard]] RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name);
 
-/// eval.json (SPEC section 6).
+/// The layer of an HDF5 file that says which bins are judged.
+struct RegionMaskSource {
+  std::string path;
+  std::string layer;
+};
+
+/// Nothing for the other shapes of region.
+[[nodiscard]] std::optional<RegionMaskSource> region_mask_source(const nlohmann::json& resolved);
+
+/// eval.json (SPEC section 6). Throws UsageError also for a region without the keys of its shape, or with
+/// those of another.
 [[nodiscard]] EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std::string& name);
 
 }  // namespace landfall

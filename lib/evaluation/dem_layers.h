@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "evaluation/region.h"
 #include "raster/grid.h"
 
 namespace landfall {
@@ -19,6 +20,10 @@ struct TrueLayers {
 struct DemLayers {
   Grid<double> z_est;
   std::optional<TrueLayers> truth;
+  /// Another estimate of the elevation, corrected by the local slope: measured beside z_est, never judged.
+  std::optional<Grid<double>> z_corrected = std::nullopt;
+  /// Which bins are judged, for RegionShape::mask.
+  std::optional<BinMask> region_mask = std::nullopt;
 };
 
 }  // namespace landfall

@@ -12,6 +12,7 @@
 #include "evaluation/accuracy.h"
 #include "evaluation/coverage.h"
 #include "evaluation/distance_transform.h"
+#include "evaluation/error_statistics.h"
 #include "evaluation/piecewise.h"
 
 namespace landfall {
@@ -37,6 +38,7 @@ void check_layer(const char* name, const Grid<double>& layer, const GridSpec& sp
 void check_layers(const DemLayers& dem) {
   const GridSpec& spec = dem.z_est.spec();
   check_layer("z_est", dem.z_est, spec);
+  if (dem.z_corrected) check_layer("z_corrected", *dem.z_corrected, spec);
   if (!dem.truth) return;
   check_layer("x_true", dem.truth->x, spec);
   check_layer("y_true", dem.truth->y, spec);
@@ -79,6 +81,13 @@ void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Gri
   }
 }
 
+RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& region) {
+  RegionMetrics result{.shape = parameters.region_shape, .bin_count = count_set(region)};
+  if (parameters.region_shape == RegionShape::circle) result.radius_m = parameters.region_radius_m;
+  if (parameters.region_shape == RegionShape::square) result.half_width_m = parameters.region_half_width_m;
+  return result;
+}
+
 /// Where an axis' truth, limit and results are.
 struct AxisFields {
   Axis axis;
@@ -87,6 +96,7 @@ struct AxisFields {
   double EvaluationLimits::*limit_m;
   AbsoluteMetrics AccuracyMetrics::Absolute::*absolute;
   RelativeMetrics AccuracyMetrics::Relative::*relative;
+  ErrorStatistics StatisticsMetrics::*statistics;
 };
 
 constexpr AxisFields kX{Axis::x,
@@ -94,25 +104,29 @@ constexpr AxisFields kX{Axis::x,
                         &TrueLayers::x,
                         &EvaluationLimits::relative_horizontal_m,
                         &AccuracyMetrics::Absolute::x,
-                        &AccuracyMetrics::Relative::x};
+                        &AccuracyMetrics::Relative::x,
+                        &StatisticsMetrics::x};
 constexpr AxisFields kY{Axis::y,
                         kFailRelativeY,
                         &TrueLayers::y,
                         &EvaluationLimits::relative_horizontal_m,
                         &AccuracyMetrics::Absolute::y,
-                        &AccuracyMetrics::Relative::y};
+                        &AccuracyMetrics::Relative::y,
+                        &StatisticsMetrics::y};
 constexpr AxisFields kZ{Axis::z,
                         kFailRelativeZ,
                         &TrueLayers::z,
                         &EvaluationLimits::relative_elevation_m,
                         &AccuracyMetrics::Absolute::z,
-                        &AccuracyMetrics::Relative::z};
+                        &AccuracyMetrics::Relative::z,
+                        &StatisticsMetrics::z};
 
 /// The accuracy requirements, axis after axis, so that few grids of double live at a time.
 class AccuracyPass {
  public:
   struct Output {
     AccuracyMetrics& metrics;
+    StatisticsMetrics& statistics;
     LayerSink* sink;  ///< may be null
     Grid<std::int8_t>& fail;
   };
@@ -127,33 +141,57 @@ class AccuracyPass {
   void run(DemLayers& dem, const ProgressCallback& progress) const {
     out_.metrics.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
     out_.metrics.quantile = rule_.quantile;
-    judge_axis(kZ, dem, third(progress, 0));
-    Grid<double> mean_x = judge_axis(kX, dem, third(progress, 1));
-    const Grid<double> horizontal =
-        horizontal_error(std::move(mean_x), judge_axis(kY, dem, third(progress, 2)));
+    const double share = 0.99 / (dem.z_corrected ? 4 : 3);  // the last hundredth is left to the summary
+    if (dem.z_corrected) measure_corrected(dem, part(progress, 0, share));
+    judge_axis(kZ, dem, part(progress, 0.99 - 3 * share, share));
+    AxisResult x = judge_axis(kX, dem, part(progress, 0.99 - 2 * share, share));
+    const AxisResult y = judge_axis(kY, dem, part(progress, 0.99 - share, share));
+    judge_horizontal(horizontal_error(std::move(x.mean), y.mean));
+    out_.statistics.horizontal =
+        horizontal_statistics(horizontal_error(std::move(x.error), y.error), region_);
+  }
+
+ private:
+  struct AxisResult {
+    Grid<double> error;
+    Grid<double> mean;  ///< of the footprints
+  };
+
+  AxisResult judge_axis(const AxisFields& fields, DemLayers& dem, const ProgressCallback& progress) const {
+    const double limit_m = limits_.*fields.limit_m;
+    AxisLayers layers;
+    layers.error = error_of(fields.axis, std::move((*dem.truth).*fields.truth), dem.z_est);
+    out_.statistics.*fields.statistics = error_statistics(layers.error, region_);
+    FootprintStatistics statistics = footprint_statistics(layers.error, region_, rule_, progress);
+    out_.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
+    out_.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
+    flag_above(statistics.relative, limit_m, fields.flag, out_.fail);
+    if (out_.sink != nullptr) {
+      layers.absolute = to_float(statistics.mean);
+      layers.relative = to_float(statistics.relative);
+      out_.sink->take(fields.axis, layers);
+    }
+    return {std::move(layers.error), std::move(statistics.mean)};
+  }
+
+  void judge_horizontal(const Grid<double>& horizontal) const {
     out_.metrics.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
     flag_above(horizontal, limits_.absolute_horizontal_m, kFailAbsoluteHorizontal, out_.fail);
   }
 
- private:
-  /// The footprints' means.
-  Grid<double> judge_axis(const AxisFields& fields, DemLayers& dem, const ProgressCallback& progress) const {
-    const double limit_m = limits_.*fields.limit_m;
-    Grid<double> error = error_of(fields.axis, std::move((*dem.truth).*fields.truth), dem.z_est);
-    FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
-    out_.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
-    out_.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
-    flag_above(statistics.relative, limit_m, fields.flag, out_.fail);
-    if (out_.sink != nullptr)
-      out_.sink->take(fields.axis,
-                      {std::move(error), to_float(statistics.mean), to_float(statistics.relative)});
-    return std::move(statistics.mean);
+  /// The corrected elevation, which is used up.
+  void measure_corrected(DemLayers& dem, const ProgressCallback& progress) const {
+    const Grid<double> error = error_of(Axis::z, dem.truth->z, *dem.z_corrected);
+    dem.z_corrected.reset();
+    out_.statistics.z_corrected = error_statistics(error, region_);
+    const FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
+    out_.metrics.absolute.z_corrected = summarise_absolute(statistics.mean);
+    out_.metrics.relative.z_corrected = summarise_relative(statistics.relative, limits_.relative_elevation_m);
   }
 
-  /// An axis' share of the progress; the last hundredth is left to the summary.
-  static ProgressCallback third(const ProgressCallback& progress, int index) {
+  static ProgressCallback part(const ProgressCallback& progress, double begin, double share) {
     if (!progress) return {};
-    return [&progress, index](double fraction) { progress(0.33 * (index + fraction)); };
+    return [&progress, begin, share](double fraction) { progress(begin + share * fraction); };
   }
 
   const EvaluationLimits& limits_;
@@ -169,6 +207,7 @@ BinMask judge_coverage(const Grid<double>& z_est, BinMask region, const Evaluati
   flag_coverage(coverage, limits, fail);
   result.holes = std::move(coverage.holes);
   result.metrics.coverage = std::move(coverage.metrics);
+  result.metrics.statistics.valid_frac = 1 - result.metrics.coverage.invalid_frac;
   if (sink == nullptr) return region;
   CoverageLayers layers{std::move(region), std::move(coverage.invalid), std::move(coverage.hole_id),
                         distance_layer(coverage.squared_distance)};
@@ -179,6 +218,18 @@ BinMask judge_coverage(const Grid<double>& z_est, BinMask region, const Evaluati
 
 }  // namespace
 
+BinMask judged_region(const DemLayers& dem, const EvaluationParameters& parameters) {
+  const GridSpec& spec = dem.z_est.spec();
+  if (parameters.region_shape == RegionShape::circle)
+    return circular_region(spec, parameters.region_radius_m);
+  if (parameters.region_shape == RegionShape::square)
+    return square_region(spec, parameters.region_half_width_m);
+  if (!dem.region_mask || dem.region_mask->spec() != spec)
+    throw FormatError("region/path: its grid differs from that of z_est");
+  if (count_set(*dem.region_mask) == 0) throw FormatError("region/path: the mask has no bin set");
+  return *dem.region_mask;
+}
+
 Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, LayerSink* sink,
                     const ProgressCallback& progress) {
   check(parameters);
@@ -186,11 +237,12 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, Layer
   Evaluation result;
   Metrics& metrics = result.metrics;
   Grid<std::int8_t> fail(dem.z_est.spec());
-  BinMask region = circular_region(dem.z_est.spec(), parameters.region_radius_m);
-  metrics.region = {parameters.region_radius_m, count_set(region)};
+  BinMask region = judged_region(dem, parameters);
+  metrics.region = describe(parameters, region);
   region = judge_coverage(dem.z_est, std::move(region), parameters.limits, sink, result, fail);
   if (dem.truth)
-    AccuracyPass(parameters, region, {metrics.accuracy.emplace(), sink, fail}).run(dem, progress);
+    AccuracyPass(parameters, region, {metrics.accuracy.emplace(), metrics.statistics, sink, fail})
+        .run(dem, progress);
   if (sink != nullptr) sink->take(fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);

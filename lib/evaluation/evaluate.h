@@ -55,6 +55,10 @@ struct Evaluation {
   std::vector<Hole> holes;
 };
 
+/// The bins that are judged. Throws UsageError for a region that does not fit the DEM, FormatError for a mask
+/// of another grid or without a bin.
+[[nodiscard]] BinMask judged_region(const DemLayers& dem, const EvaluationParameters& parameters);
+
 /// Judges a DEM against Table 1 (Chen et al., Eqs. 10-12) and gives the layers to `sink`, unless it is null.
 /// The result depends neither on the number of threads nor on the sink. Without truth it judges coverage
 /// only. The DEM's true layers are used up: errors take their place.
@@ -63,7 +67,7 @@ struct Evaluation {
 /// NaN does not. All limits are compared in double, before layers are rounded to float.
 ///
 /// Throws UsageError for parameters that check() refuses or a region that does not fit the DEM; FormatError
-/// when layers differ in grid or hold an infinite value.
+/// when the mask is unusable, layers differ in grid or hold an infinite value.
 [[nodiscard]] Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters,
                                   LayerSink* sink = nullptr, const ProgressCallback& progress = {});
 

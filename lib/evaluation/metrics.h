@@ -13,7 +13,9 @@ namespace landfall {
 // number that is not finite (max_distance_bins, when the DEM has no valid bin).
 
 struct RegionMetrics {
-  double radius_m = 0;
+  RegionShape shape = RegionShape::circle;
+  std::optional<double> radius_m = std::nullopt;      ///< of the circle
+  std::optional<double> half_width_m = std::nullopt;  ///< of the square
   std::int64_t bin_count = 0;
   friend bool operator==(const RegionMetrics&, const RegionMetrics&) = default;
 };
@@ -59,16 +61,47 @@ struct RelativeMetrics {
   friend bool operator==(const RelativeMetrics&, const RelativeMetrics&) = default;
 };
 
+/// Of the errors of the region's bins (error_statistics.h); all null without truth, all but count without an
+/// error.
+struct ErrorStatistics {
+  std::optional<std::int64_t> count = std::nullopt;
+  std::optional<double> mean_m = std::nullopt;
+  std::optional<double> std_m = std::nullopt;
+  std::optional<double> rmse_m = std::nullopt;
+  std::optional<double> median_m = std::nullopt;
+  std::optional<double> nmad_m = std::nullopt;
+  std::optional<double> le90_m = std::nullopt;
+  std::optional<double> p95_m = std::nullopt;
+  friend bool operator==(const ErrorStatistics&, const ErrorStatistics&) = default;
+};
+
+struct HorizontalStatistics {
+  std::optional<std::int64_t> count = std::nullopt;
+  std::optional<double> ce90_m = std::nullopt;
+  std::optional<double> rmse_m = std::nullopt;
+  friend bool operator==(const HorizontalStatistics&, const HorizontalStatistics&) = default;
+};
+
+struct StatisticsMetrics {
+  double valid_frac = 0;  ///< bins of the region with an elevation, over all
+  ErrorStatistics x, y, z;
+  std::optional<ErrorStatistics> z_corrected;  ///< for a DEM with that layer
+  HorizontalStatistics horizontal;
+  friend bool operator==(const StatisticsMetrics&, const StatisticsMetrics&) = default;
+};
+
 struct AccuracyMetrics {
   std::int64_t footprint_bins = 0;  ///< edge
   double quantile = 0;
   struct Absolute {
     AbsoluteMetrics x, y, z;
+    std::optional<AbsoluteMetrics> z_corrected;  ///< for a DEM with that layer; judged by no requirement
     HorizontalMetrics horizontal;
     friend bool operator==(const Absolute&, const Absolute&) = default;
   } absolute;
   struct Relative {
     RelativeMetrics x, y, z;
+    std::optional<RelativeMetrics> z_corrected;
     friend bool operator==(const Relative&, const Relative&) = default;
   } relative;
   friend bool operator==(const AccuracyMetrics&, const AccuracyMetrics&) = default;
@@ -93,12 +126,55 @@ struct RequirementMetrics {
   friend bool operator==(const RequirementMetrics&, const RequirementMetrics&) = default;
 };
 
+/// z-scores of one 1-sigma map (uncertainty.h).
+struct ScoreMetrics {
+  struct OfCount {
+    std::int32_t count = 0;  ///< returns
+    std::int64_t bins = 0;
+    double std = 0;
+    double within_1_sigma_frac = 0;
+    double within_2_sigma_frac = 0;
+    friend bool operator==(const OfCount&, const OfCount&) = default;
+  };
+  /// Bins of nearly equal sigma: its steps are a quarter of a doubling.
+  struct OfSigma {
+    double sigma_m = 0;  ///< root mean square of the predicted sigma
+    double rmse_m = 0;   ///< of the errors
+    std::int64_t bins = 0;
+    friend bool operator==(const OfSigma&, const OfSigma&) = default;
+  };
+  struct Share {
+    double k = 0;
+    double within_frac = 0;  ///< of the errors within k sigma
+    friend bool operator==(const Share&, const Share&) = default;
+  };
+
+  std::int64_t count = 0;
+  std::int64_t left_out_count = 0;  ///< bins with an error but no usable sigma
+  std::optional<double> mean = std::nullopt;
+  std::optional<double> std = std::nullopt;
+  std::optional<double> within_1_sigma_frac = std::nullopt;
+  std::optional<double> within_2_sigma_frac = std::nullopt;
+  std::vector<OfCount> by_count = {};     ///< ascending; empty for a DEM without counts
+  std::vector<OfSigma> reliability = {};  ///< ascending
+  std::vector<Share> shares = {};
+  friend bool operator==(const ScoreMetrics&, const ScoreMetrics&) = default;
+};
+
+struct UncertaintyMetrics {
+  ScoreMetrics absolute;
+  ScoreMetrics relative;
+  friend bool operator==(const UncertaintyMetrics&, const UncertaintyMetrics&) = default;
+};
+
 struct Metrics {
   std::optional<bool> pass;  ///< all requirements; null when one is null
   RegionMetrics region;
   CoverageMetrics coverage;
   std::optional<AccuracyMetrics> accuracy;  ///< null without truth
+  StatisticsMetrics statistics;
   RequirementMetrics requirements;
+  std::optional<UncertaintyMetrics> uncertainty;  ///< for a DEM with 1-sigma maps
   friend bool operator==(const Metrics&, const Metrics&) = default;
 };
 

@@ -6,18 +6,21 @@
 namespace landfall {
 namespace {
 
-using Counts = std::vector<std::uint32_t>;
-
-std::vector<std::size_t> counts_of_all(const std::vector<Counts>& pieces) {
+std::vector<std::size_t> counts_of_all(const std::vector<BucketCounts>& pieces) {
   std::vector<std::size_t> all(ValueBucket::kCount);
-  for (const Counts& piece : pieces)
+  for (const BucketCounts& piece : pieces)
     for (std::size_t bucket = 0; bucket < all.size(); ++bucket) all[bucket] += piece[bucket];
   return all;
 }
 
 }  // namespace
 
-std::optional<BucketRange> find_buckets(const std::vector<Counts>& counts_by_piece, double q) {
+std::size_t BucketRange::count_in(const BucketCounts& counts) const {
+  const auto begin = counts.begin() + static_cast<std::ptrdiff_t>(first);
+  return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(last - first + 1), std::size_t{0});
+}
+
+std::optional<BucketRange> find_buckets(const std::vector<BucketCounts>& counts_by_piece, double q) {
   const std::vector<std::size_t> counts = counts_of_all(counts_by_piece);
   const std::size_t size = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
   if (size == 0) return std::nullopt;
@@ -33,7 +36,7 @@ std::optional<BucketRange> find_buckets(const std::vector<Counts>& counts_by_pie
 
 double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank) {
   std::vector<double> values;
-  for (const std::vector<double>& piece : pieces) values.insert(values.end(), piece.begin(), piece.end());
+  for (const std::vector<double>& piece : pieces) values.insert(values.end(), piece.begin(), piece.end() - 1);
   return value_at_rank(std::span(values), rank) + 0.0;
 }
 

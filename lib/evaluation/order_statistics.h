@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "evaluation/piecewise.h"
@@ -25,41 +26,70 @@ struct ValueBucket {
   }
 };
 
+/// How many values each bucket holds, the NaN last.
+using BucketCounts = std::vector<std::uint32_t>;
+
 /// The order statistics that a quantile lies between, and the buckets that hold them.
 struct BucketRange {
   QuantileRank rank;  ///< among the values of the buckets
   std::size_t first = 0;
   std::size_t last = 0;  ///< with it
+
+  [[nodiscard]] bool holds(double value) const {
+    const std::size_t bucket = ValueBucket::of(value);
+    return bucket >= first && bucket <= last;
+  }
+  [[nodiscard]] std::size_t count_in(const BucketCounts& counts) const;
 };
 
-/// From how many values each bucket holds, the NaN last, by piece. Nothing where all are NaN.
-[[nodiscard]] std::optional<BucketRange> find_buckets(
-    const std::vector<std::vector<std::uint32_t>>& counts_by_piece, double q);
+/// From the counts of the pieces. Nothing where all are NaN.
+[[nodiscard]] std::optional<BucketRange> find_buckets(const std::vector<BucketCounts>& counts_by_piece,
+                                                      double q);
 
-/// The value at a rank of the pieces' values together. A zero is +0.
+/// The value at a rank of the pieces' values together, each with one more behind them. A zero is +0.
 [[nodiscard]] double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank);
 
-/// The q-quantile (quantile.h) of the values that count, nothing without one. A selection would copy all
-/// values and move them about; this counts them by bucket and copies those of one or two buckets.
+/// Quantiles (quantile.h) of the values that count. A selection would copy all values and move them about;
+/// this counts them by bucket, once, and for each quantile copies those of one or two buckets.
+template <ValueAt F>
+class Quantiles {
+ public:
+  Quantiles(std::size_t count, F value_at)
+      : count_(count),
+        value_at_(std::move(value_at)),
+        counts_(by_piece(count, [&](std::size_t begin, std::size_t end) {
+          BucketCounts piece(ValueBucket::kCount + 1);
+          for (std::size_t i = begin; i < end; ++i) ++piece[ValueBucket::of(value_at_(i))];
+          return piece;
+        })) {}
+
+  /// Nothing without a value.
+  [[nodiscard]] std::optional<double> at(double q) const {
+    const std::optional<BucketRange> range = find_buckets(counts_, q);
+    if (!range) return std::nullopt;
+    const auto values = by_piece(count_, [&](std::size_t begin, std::size_t end) {
+      // Every value is written and only those of the buckets stay: a branch would cost more than the store.
+      std::vector<double> piece(range->count_in(counts_[begin / kValuesPerPiece]) + 1);
+      double* next = piece.data();
+      for (std::size_t i = begin; i < end; ++i) {
+        *next = value_at_(i);
+        next += range->holds(*next) ? 1 : 0;
+      }
+      return piece;
+    });
+    return value_at_rank(values, range->rank);
+  }
+
+ private:
+  std::size_t count_;
+  F value_at_;
+  std::vector<BucketCounts> counts_;
+};
+
+/// One quantile.
 template <ValueAt F>
 [[nodiscard]] std::optional<double> quantile_of(std::size_t count, const F& value_at, double q) {
-  const auto counts = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> piece(ValueBucket::kCount + 1);
-    for (std::size_t i = begin; i < end; ++i) ++piece[ValueBucket::of(value_at(i))];
-    return piece;
-  });
-  const std::optional<BucketRange> range = find_buckets(counts, q);
-  if (!range) return std::nullopt;
-  const auto values = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> piece;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double value = value_at(i);
-      const std::size_t bucket = ValueBucket::of(value);
-      if (bucket >= range->first && bucket <= range->last) piece.push_back(value);
-    }
-    return piece;
-  });
-  return value_at_rank(values, range->rank);
+  return Quantiles(count, value_at).at(q);
 }
 
 }  // namespace landfall

@@ -9,6 +9,7 @@ namespace landfall {
 void check(const EvaluationParameters& parameters) {
   const EvaluationLimits& limits = parameters.limits;
   require_positive({"", "region_radius_m"}, parameters.region_radius_m);
+  require_positive({"region", "half_width_m"}, parameters.region_half_width_m);
   require_positive({"", "footprint_m"}, parameters.footprint_m);
   require_fraction({"", "quantile"}, parameters.quantile);
   require_fraction({"limits", "invalid_frac"}, limits.invalid_frac);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
+#include <string>
 
 #include "base/error.h"
 
@@ -22,15 +24,16 @@ std::int64_t margin_bins(const GridSpec& dem) {
       {-dem.first_row, -dem.first_col, dem.first_row + dem.rows - 1, dem.first_col + dem.cols - 1});
 }
 
-[[noreturn]] void refuse(const GridSpec& dem, double radius_m) {
+/// `beyond` is how many bins farther than the last bin that fits the length may be.
+[[noreturn]] void refuse(const GridSpec& dem, const std::string& key, double length_m, std::int64_t beyond) {
   const std::int64_t margin = margin_bins(dem);
   std::ostringstream message;
   message.precision(12);
-  message << "region_radius_m: " << radius_m << " does not fit the DEM";
+  message << key << ": " << length_m << " does not fit the DEM";
   if (margin < 0)
     message << ", which does not hold the origin: no region fits";
   else
-    message << ": the largest radius that fits is " << static_cast<double>(margin + 1) * dem.resolution_m;
+    message << ": the largest that fits is " << static_cast<double>(margin + beyond) * dem.resolution_m;
   throw UsageError(message.str());
 }
 
@@ -41,7 +44,7 @@ BinMask circular_region(const GridSpec& dem, double radius_m) {
   const std::int64_t margin = margin_bins(dem);
   // |i| = margin + 1, the first bin outside, is in the region only when radius_bins > margin + 1.
   if (!(radius_bins > 0) || margin < 0 || radius_bins > static_cast<double>(margin + 1))
-    refuse(dem, radius_m);
+    refuse(dem, "region_radius_m", radius_m, 1);
   const bool whole = radius_bins == std::floor(radius_bins);
   const std::int64_t whole_radius = static_cast<std::int64_t>(radius_bins);
   const auto inside = [&](std::int64_t squared) {
@@ -56,6 +59,20 @@ BinMask circular_region(const GridSpec& dem, double radius_m) {
       region.at({row, col}) = inside(i * i + j * j) ? 1 : 0;
     }
   }
+  return region;
+}
+
+BinMask square_region(const GridSpec& dem, double half_width_m) {
+  const double half_bins = std::floor(half_width_m / dem.resolution_m + 1e-9);
+  const std::int64_t margin = margin_bins(dem);
+  if (!(half_bins >= 0) || margin < 0 || half_bins > static_cast<double>(margin))
+    refuse(dem, "region/half_width_m", half_width_m, 0);
+  const auto half = static_cast<std::int64_t>(half_bins);
+  BinMask region(dem);
+  for (std::int64_t row = 0; row < dem.rows; ++row)
+    for (std::int64_t col = 0; col < dem.cols; ++col)
+      region.at({row, col}) =
+          std::max(std::abs(dem.first_row + row), std::abs(dem.first_col + col)) <= half ? 1 : 0;
   return region;
 }
 

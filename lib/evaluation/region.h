@@ -18,6 +18,10 @@ using BinMask = Grid<std::int8_t>;
 /// radius that fits.
 [[nodiscard]] BinMask circular_region(const GridSpec& dem, double radius_m);
 
+/// The bins at most half_width_m / resolution_m + 1e-9 bins from the origin along both axes. It fits, and is
+/// refused, like the circle.
+[[nodiscard]] BinMask square_region(const GridSpec& dem, double half_width_m);
+
 [[nodiscard]] std::int64_t count_set(const BinMask& mask);
 
 }  // namespace landfall

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/evaluation_file.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "io/metrics_json.h"
 #include "io/table.h"
 
@@ -53,15 +56,81 @@ void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std
               rows, file.compression());
 }
 
+/// Throws FormatError unless the file's coordinates of this name, if it has any, are those expected.
+void check_axis(hid_t file, const std::string& path, const std::string& name,
+                const std::vector<double>& expected, double resolution_m) {
+  if (!h5::exists(file, name)) return;
+  const h5::Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  std::vector<double> found(expected.size());
+  const bool same_size = H5Sget_simple_extent_npoints(space.get()) == static_cast<hssize_t>(expected.size());
+  const auto near = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * resolution_m; };
+  if (!same_size ||
+      H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.data()) < 0 ||
+      !std::ranges::equal(found, expected, near))
+    throw FormatError(path + ": /" + name + " differs from the DEM's");
+}
+
+void check_axes(hid_t file, const std::string& path, const GridSpec& spec) {
+  std::vector<double> x(static_cast<std::size_t>(spec.cols));
+  std::vector<double> y(static_cast<std::size_t>(spec.rows));
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = spec.x(static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = spec.y(static_cast<std::int64_t>(i));
+  check_axis(file, path, "x", x, spec.resolution_m);
+  check_axis(file, path, "y", y, spec.resolution_m);
+}
+
 }  // namespace
+
+RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
+                            const GridSpec& spec) {
+  h5::initialise();
+  const h5::Handle file = h5::open_file(path);
+  check_axes(file.get(), path.string(), spec);
+  h5::Handle dataset;
+  if (h5::exists(file.get(), layer))
+    dataset = h5::Handle(H5Dopen2(file.get(), layer.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset) throw FormatError(path.string() + ": no layer /" + layer);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  hsize_t size[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
+      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 ||
+      size[0] != static_cast<hsize_t>(spec.rows) || size[1] != static_cast<hsize_t>(spec.cols))
+    throw FormatError(path.string() + ": layer /" + layer + " is not of the DEM's shape (" +
+                      std::to_string(spec.rows) + ", " + std::to_string(spec.cols) + ")");
+  Grid<double> values(spec);
+  if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.values().data()) < 0)
+    throw FormatError(path.string() + ": reading layer /" + layer + " failed: " + h5::failure_reason());
+  RegionMask result{BinMask(spec), h5::read_text_attribute(file.get(), "file_id").value_or("")};
+  if (result.file_id.empty()) result.file_id = content_id(path);
+  std::ranges::transform(values.values(), result.mask.values().begin(),
+                         [](double v) -> std::int8_t { return v != 0 && !std::isnan(v) ? 1 : 0; });
+  return result;
+}
+
+std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"dem"});
+  const GridLayerReader layers(file);
+  for (const char* const name : {"z_true_map", "z_sigma_abs", "z_sigma_rel"})
+    if (!layers.has(name)) return std::nullopt;
+  UncertaintyLayers result{error_of(Axis::z, layers.read<double>("z_true_map"), layers.read<double>("z_est")),
+                           layers.read<float>("z_sigma_abs"), layers.read<float>("z_sigma_rel"),
+                           std::nullopt};
+  if (layers.has("count")) result.count = layers.read<std::int32_t>("count");
+  return result;
+}
 
 DemInput read_dem(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);
-  DemInput dem{{layers.read<double>("z_est"), std::nullopt}, layers.crs_wkt(), file.file_id(), file.chain()};
-  if (layers.has("x_true") && layers.has("y_true") && layers.has("z_true"))
-    dem.layers.truth = TrueLayers{layers.read<double>("x_true"), layers.read<double>("y_true"),
-                                  layers.read<double>("z_true")};
+  DemInput dem{{.z_est = layers.read<double>("z_est"), .truth = std::nullopt},
+               layers.crs_wkt(),
+               file.file_id(),
+               file.chain()};
+  if (!layers.has("x_true") || !layers.has("y_true") || !layers.has("z_true")) return dem;
+  dem.layers.truth =
+      TrueLayers{layers.read<double>("x_true"), layers.read<double>("y_true"), layers.read<double>("z_true")};
+  if (layers.has("z_corrected")) dem.layers.z_corrected = layers.read<double>("z_corrected");
   return dem;
 }
 

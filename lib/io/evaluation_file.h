@@ -6,6 +6,7 @@
 #include <string>
 
 #include "evaluation/evaluate.h"
+#include "evaluation/uncertainty.h"
 #include "io/grid_file.h"
 #include "io/landfall_file.h"
 
@@ -19,8 +20,23 @@ struct DemInput {
   nlohmann::json chain;
 };
 
-/// Reads z_est and, where all three are there, x_true, y_true and z_true of a dem.h5. Throws FormatError.
+/// Reads z_est of a dem.h5 and, where all three are there, x_true, y_true and z_true, then also z_corrected
+/// if there is one. Throws FormatError.
 [[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
+
+/// The bins of a grid whose value in a layer of an HDF5 file is neither 0 nor NaN. The file may be any that
+/// has the layer in the shape (y, x); coordinates /x and /y, where it has them, must be the grid's. Throws
+/// FormatError.
+struct RegionMask {
+  BinMask mask;
+  std::string file_id;
+};
+[[nodiscard]] RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
+                                          const GridSpec& spec);
+
+/// z_true_map - z_est, z_sigma_abs, z_sigma_rel and, if there is one, count of a dem.h5; nothing where it
+/// lacks one of the first three. Throws FormatError.
+[[nodiscard]] std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path);
 
 /// Writes eval.h5 (SPEC section 8): each layer as the evaluation gives it, /holes and /metrics_json at the
 /// end.

@@ -35,6 +35,26 @@ Json relative_json(const RelativeMetrics& m, bool known) {
           {"violation_count", known ? Json(m.violation_count) : Json(nullptr)}};
 }
 
+Json count_json(const std::optional<std::int64_t>& count) { return count ? Json(*count) : Json(nullptr); }
+
+Json statistics_json(const ErrorStatistics& m) {
+  return {{"count", count_json(m.count)}, {"mean_m", number(m.mean_m)},     {"std_m", number(m.std_m)},
+          {"rmse_m", number(m.rmse_m)},   {"median_m", number(m.median_m)}, {"nmad_m", number(m.nmad_m)},
+          {"le90_m", number(m.le90_m)},   {"p95_m", number(m.p95_m)}};
+}
+
+Json statistics_json(const StatisticsMetrics& m) {
+  Json result = {{"valid_frac", number(m.valid_frac)},
+                 {"x", statistics_json(m.x)},
+                 {"y", statistics_json(m.y)},
+                 {"z", statistics_json(m.z)}};
+  if (m.z_corrected) result["z_corrected"] = statistics_json(*m.z_corrected);
+  result["horizontal"] = {{"count", count_json(m.horizontal.count)},
+                          {"ce90_m", number(m.horizontal.ce90_m)},
+                          {"rmse_m", number(m.horizontal.rmse_m)}};
+  return result;
+}
+
 Json accuracy_json(const AccuracyMetrics& m, bool known) {
   Json result = {{"footprint_bins", known ? Json(m.footprint_bins) : Json(nullptr)},
                  {"quantile", known ? number(m.quantile) : Json(nullptr)}};
@@ -47,7 +67,46 @@ Json accuracy_json(const AccuracyMetrics& m, bool known) {
   result["relative"] = {{"x", relative_json(m.relative.x, known)},
                         {"y", relative_json(m.relative.y, known)},
                         {"z", relative_json(m.relative.z, known)}};
+  if (m.absolute.z_corrected) result["absolute"]["z_corrected"] = absolute_json(*m.absolute.z_corrected);
+  if (m.relative.z_corrected)
+    result["relative"]["z_corrected"] = relative_json(*m.relative.z_corrected, known);
   return result;
+}
+
+const char* shape_name(RegionShape shape) {
+  return shape == RegionShape::circle ? "circle" : shape == RegionShape::square ? "square" : "mask";
+}
+
+/// One member of all elements.
+template <class Element, class Value>
+Json column(const std::vector<Element>& elements, Value Element::*value) {
+  Json list = Json::array();
+  for (const Element& element : elements) list.push_back(element.*value);
+  return list;
+}
+
+Json scores_json(const ScoreMetrics& m) {
+  using Count = ScoreMetrics::OfCount;
+  using Sigma = ScoreMetrics::OfSigma;
+  return {{"count", m.count},
+          {"left_out_count", m.left_out_count},
+          {"mean", number(m.mean)},
+          {"std", number(m.std)},
+          {"within_1_sigma_frac", number(m.within_1_sigma_frac)},
+          {"within_2_sigma_frac", number(m.within_2_sigma_frac)},
+          {"by_count",
+           {{"count", column(m.by_count, &Count::count)},
+            {"bins", column(m.by_count, &Count::bins)},
+            {"std", column(m.by_count, &Count::std)},
+            {"within_1_sigma_frac", column(m.by_count, &Count::within_1_sigma_frac)},
+            {"within_2_sigma_frac", column(m.by_count, &Count::within_2_sigma_frac)}}},
+          {"reliability",
+           {{"sigma_m", column(m.reliability, &Sigma::sigma_m)},
+            {"rmse_m", column(m.reliability, &Sigma::rmse_m)},
+            {"bins", column(m.reliability, &Sigma::bins)}}},
+          {"within_k_sigma",
+           {{"k", column(m.shares, &ScoreMetrics::Share::k)},
+            {"frac", column(m.shares, &ScoreMetrics::Share::within_frac)}}}};
 }
 
 Json requirement_json(const Requirement& r) {
@@ -58,7 +117,10 @@ Json requirement_json(const Requirement& r) {
 
 Json metrics_json(const Metrics& m) {
   Json result = {{"format", "landfall.metrics"}, {"version", 1}, {"pass", verdict(m.pass)}};
-  result["region"] = {{"radius_m", number(m.region.radius_m)}, {"bin_count", m.region.bin_count}};
+  result["region"] = {{"radius_m", number(m.region.radius_m)},
+                      {"bin_count", m.region.bin_count},
+                      {"shape", shape_name(m.region.shape)},
+                      {"half_width_m", number(m.region.half_width_m)}};
   result["coverage"] = coverage_json(m.coverage);
   result["accuracy"] = accuracy_json(m.accuracy.value_or(AccuracyMetrics{}), m.accuracy.has_value());
   result["requirements"] = {{"coverage", requirement_json(m.requirements.coverage)},
@@ -67,6 +129,11 @@ Json metrics_json(const Metrics& m) {
                             {"relative_elevation", requirement_json(m.requirements.relative_elevation)},
                             {"relative_horizontal", requirement_json(m.requirements.relative_horizontal)},
                             {"absolute_horizontal", requirement_json(m.requirements.absolute_horizontal)}};
+  result["statistics"] = statistics_json(m.statistics);
+  result["uncertainty"] = nullptr;
+  if (m.uncertainty)
+    result["uncertainty"] = {{"absolute", scores_json(m.uncertainty->absolute)},
+                             {"relative", scores_json(m.uncertainty->relative)}};
   return result;
 }
 

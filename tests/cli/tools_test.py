@@ -243,6 +243,50 @@ class DemEval(ChainTest):
         self.refuse(2, "dem-eval", *self.arguments("--set", "region_radius_m=50"), "-o", self.path("e.h5"),
                     words=["/region_radius_m", "50", "fit", self.chain.dem], output=self.path("e.h5"))
 
+    def metrics(self, *sets):
+        arguments = self.arguments("--metrics-only", *[word for value in sets for word in ("--set", value)])
+        return json.loads(self.succeed("dem-eval", *arguments).stdout)
+
+    def test_square_region_and_disc(self):
+        metrics = self.metrics('region={"shape": "square", "half_width_m": 3}', 'footprint_shape="disc"')
+        self.assertEqual(metrics["region"], {"radius_m": None, "bin_count": 61 * 61, "shape": "square",
+                                             "half_width_m": 3})
+        self.assertEqual(metrics["accuracy"]["footprint_bins"], 7)
+        self.assertNotEqual(metrics["accuracy"]["relative"]["z"], self.metrics()["accuracy"]["relative"]["z"])
+
+    def write_mask(self, name, shape=(101, 101), **datasets):
+        with h5py.File(self.path(name), "w") as file:
+            mask = np.zeros(shape, datasets.pop("dtype", np.int8))
+            mask[20:30, 40:80] = 1
+            file["mask"] = mask
+            for key, values in datasets.items():
+                file[key] = values
+        return self.path(name)
+
+    def test_region_of_a_mask(self):
+        for dtype in (np.int8, np.uint8, np.float32):
+            path = self.write_mask("mask.h5", dtype=dtype)
+            metrics = self.metrics('region={"shape": "mask", "path": "%s"}' % path)
+            self.assertEqual(metrics["region"]["bin_count"], 400)
+            self.assertEqual(metrics["statistics"]["z"]["count"],
+                             400 - metrics["coverage"]["invalid_count"])
+        # in_region of the chain's own evaluation: the circle again.
+        metrics = self.metrics('region={"shape": "mask", "path": "%s", "layer": "in_region"}' % self.chain.eval)
+        self.assertEqual(metrics["coverage"], self.metrics()["coverage"])
+
+    def test_masks_that_are_refused(self):
+        def refuse(path, words, layer="mask"):
+            region = json.dumps({"shape": "mask", "path": path, "layer": layer})
+            self.refuse(1, "dem-eval", *self.arguments("--set", f"region={region}"), "-o", self.path("e.h5"),
+                        words=words, output=self.path("e.h5"))
+        refuse(self.path("none.h5"), ["none.h5", "no such file"])
+        refuse(self.write_mask("a.h5"), ["a.h5", "/other"], layer="other")
+        refuse(self.write_mask("b.h5", shape=(101, 100)), ["b.h5", "/mask", "(101, 101)"])
+        refuse(self.write_mask("c.h5", x=np.arange(101) * 0.1), ["c.h5", "/x"])
+        with h5py.File(self.write_mask("d.h5"), "r+") as file:
+            file["mask"][...] = 0
+        refuse(self.path("d.h5"), ["region/path", "no bin"])
+
     def test_require_pass_is_3_and_writes_the_evaluation(self):
         result = run("dem-eval", *self.arguments("--require-pass"), "-o", self.path("e.h5"))
         self.assertEqual((result.returncode, result.stdout), (3, ""))
@@ -271,7 +315,7 @@ class DemEval(ChainTest):
         self.assertEqual(text, read_bytes(self.chain.metrics).decode())
         metrics = json.loads(text)
         self.assertEqual(list(metrics), ["format", "version", "pass", "region", "coverage", "accuracy",
-                                         "requirements"])
+                                         "requirements", "statistics", "uncertainty"])
         self.assertEqual((metrics["format"], metrics["version"]), ("landfall.metrics", 1))
         self.assertEqual(list(metrics["requirements"]), [
             "coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal",

@@ -448,6 +448,95 @@ class Evaluation(ChainTest):
         self.assert_numbers(accuracy["absolute"]["horizontal"], {
             "p95_m": np.quantile(horizontal, 0.95), "within_limit_frac": (horizontal <= 0.045).mean()})
 
+    @staticmethod
+    def statistics(error):
+        median = np.median(error)
+        return {"count": error.size, "mean_m": error.mean(), "std_m": error.std(),
+                "rmse_m": np.sqrt((error**2).mean()), "median_m": median,
+                "nmad_m": 1.4826 * np.median(abs(error - median)), "le90_m": np.quantile(abs(error), 0.9),
+                "p95_m": np.quantile(abs(error), 0.95)}
+
+    def valid(self, error):
+        return error[self.region & ~np.isnan(error)]
+
+    def test_statistics(self):
+        statistics = self.metrics["statistics"]
+        self.assertEqual(set(statistics), {"valid_frac", "x", "y", "z", "horizontal"})
+        self.assertAlmostEqual(statistics["valid_frac"], 1 - self.invalid.sum() / self.region.sum(), places=15)
+        for axis in "xyz":
+            self.assert_numbers(statistics[axis], self.statistics(self.valid(self.errors[axis])))
+        horizontal = self.valid(np.hypot(self.errors["x"], self.errors["y"]))
+        self.assert_numbers(statistics["horizontal"], {
+            "count": horizontal.size, "ce90_m": np.quantile(horizontal, 0.9),
+            "rmse_m": np.sqrt((horizontal**2).mean())})
+
+    def extended_dem(self, layers):
+        """The chain's DEM with more layers."""
+        shutil.copy(self.chain.dem, self.path("more.h5"))
+        with h5py.File(self.path("more.h5"), "r+") as file:
+            for name, values in layers.items():
+                file[name] = values
+        return self.path("more.h5")
+
+    def evaluated(self, dem):
+        text = self.succeed("dem-eval", dem, "-c", self.chain.config("dem-eval"), "--metrics-only").stdout
+        return json.loads(text)
+
+    def test_corrected_elevation(self):
+        corrected = self.dem["z_est"] + 0.01 * np.sin(np.arange(101))
+        plain = self.evaluated(self.chain.dem)
+        for dtype in (np.float64, np.float32):
+            metrics = self.evaluated(self.extended_dem({"z_corrected": corrected.astype(dtype)}))
+            error = self.dem["z_true"] - corrected.astype(dtype)
+            self.assert_numbers(metrics["statistics"].pop("z_corrected"), self.statistics(self.valid(error)))
+            absolute, relative = (values[np.isfinite(values)] for values in self.windows(error))
+            self.assert_numbers(metrics["accuracy"]["absolute"].pop("z_corrected"), {
+                "p95_m": np.quantile(abs(absolute), 0.95), "mean_m": absolute.mean(), "max_m": abs(absolute).max()})
+            self.assert_numbers(metrics["accuracy"]["relative"].pop("z_corrected"), {
+                "p95_m": np.quantile(relative, 0.95), "max_m": relative.max(),
+                "violation_count": (relative > 0.05).sum()})
+            self.assertEqual(metrics, plain)
+
+    def test_uncertainty(self):
+        true = self.dem["z_true"] + 0.002
+        sigma = (0.01 * 2**np.sin(np.arange(101)[:, None] + np.arange(101))).astype(np.float32)
+        sigma[40:43, 40:43] = np.nan
+        dem = self.extended_dem({"z_true_map": true, "z_sigma_abs": sigma, "z_sigma_rel": 0.7 * sigma})
+        error = true - self.dem["z_est"]
+        uncertainty = self.evaluated(dem)["uncertainty"]
+        self.check_scores(uncertainty["absolute"], error, sigma.astype(float))
+        mean, _ = self.windows(error)
+        self.check_scores(uncertainty["relative"], error - mean, (0.7 * sigma).astype(np.float32).astype(float))
+        self.assertIsNone(self.metrics["uncertainty"])
+
+    def check_scores(self, found, error, sigma):
+        known = self.region & ~np.isnan(error)
+        used = known & (sigma > 0)
+        self.assertEqual((found["count"], found["left_out_count"]), (used.sum(), known.sum() - used.sum()))
+        scores, counts = (error / sigma)[used], self.dem["count"][used]
+        self.assert_close(found["mean"], scores.mean())
+        self.assert_close(found["std"], scores.std())
+        self.assert_close(found["within_2_sigma_frac"], (abs(scores) <= 2).mean())
+        by_count = found["by_count"]
+        self.assertEqual(by_count["count"], np.unique(counts).tolist())
+        self.assertEqual(by_count["bins"], [(counts == n).sum() for n in by_count["count"]])
+        self.assert_close(by_count["std"], [scores[counts == n].std() for n in by_count["count"]])
+        self.assert_close(by_count["within_1_sigma_frac"],
+                          [(abs(scores[counts == n]) <= 1).mean() for n in by_count["count"]])
+        step = np.floor(4 * np.log2(sigma[used]))
+        of_step = [step == k for k in np.unique(step)]
+        reliability = found["reliability"]
+        self.assertEqual(reliability["bins"], [mask.sum() for mask in of_step])
+        self.assert_close(reliability["sigma_m"], [np.sqrt((sigma[used][m]**2).mean()) for m in of_step])
+        self.assert_close(reliability["rmse_m"], [np.sqrt((error[used][m]**2).mean()) for m in of_step])
+        shares = found["within_k_sigma"]
+        self.assertEqual(shares["k"], np.arange(0.25, 4.1, 0.25).tolist())
+        self.assert_close(shares["frac"], [(abs(scores) <= k).mean() for k in shares["k"]])
+
+    @staticmethod
+    def assert_close(found, expected):
+        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
+
     def assert_numbers(self, found, expected):
         self.assertEqual(set(found), set(expected))
         for key, value in expected.items():

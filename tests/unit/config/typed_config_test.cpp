@@ -143,15 +143,30 @@ TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {
 
 TEST(EvaluationConfig, EmptyIsTheDefaultAndEveryKeyIsRead) {
   EXPECT_EQ(evaluation_config(resolved("eval", "{}"), "c.json"), EvaluationParameters{});
-  const EvaluationParameters expected{1, 2, FootprintShape::disc, 0.5, {0.1, 3, 4, 5, 6, 7, 0.8}};
-  EXPECT_EQ(
-      evaluation_config(
-          resolved("eval",
-                   R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc", "quantile": 0.5,
+  const EvaluationParameters expected{RegionShape::square,      1, 3, 2, FootprintShape::disc, 0.5,
+                                      {0.1, 3, 4, 5, 6, 7, 0.8}};
+  EXPECT_EQ(evaluation_config(
+                resolved("eval", R"({"region_radius_m": 1, "footprint_m": 2, "footprint_shape": "disc",
+      "quantile": 0.5, "region": {"shape": "square", "half_width_m": 3},
       "limits": {"invalid_frac": 0.1, "hole_bins": 3, "distance_bins": 4, "relative_elevation_m": 5,
                  "relative_horizontal_m": 6, "absolute_horizontal_m": 7, "absolute_horizontal_frac": 0.8}})"),
-          "c.json"),
-      expected);
+                "c.json"),
+            expected);
+}
+
+TEST(EvaluationConfig, ARegionHasTheKeysOfItsShape) {
+  const auto config = [](const char* text) { return evaluation_config(resolved("eval", text), "c.json"); };
+  EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"shape": "square"}})")); }),
+              AllOf(HasSubstr("c.json: /region"), HasSubstr("half_width_m")));
+  EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"shape": "mask"}})")); }),
+              HasSubstr("path"));
+  EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"half_width_m": 3}})")); }),
+              AllOf(HasSubstr("/region/half_width_m"), HasSubstr("not to circle")));
+  EXPECT_FALSE(region_mask_source(resolved("eval", "{}")));
+  const auto source =
+      region_mask_source(resolved("eval", R"({"region": {"shape": "mask", "path": "a.h5"}})"));
+  EXPECT_EQ(source->path, "a.h5");
+  EXPECT_EQ(source->layer, "mask");
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ bool same_bits(const AxisLayers& a, const AxisLayers& b) {
 TEST(Evaluate, PerfectDemPasses) {
   const Collected evaluation = collected(perfect(5), small());
   EXPECT_EQ(evaluation.metrics.pass, true);
-  EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{4, 45}));
+  EXPECT_EQ(evaluation.metrics.region, (RegionMetrics{RegionShape::circle, 4.0, {}, 45}));
   ASSERT_TRUE(evaluation.metrics.accuracy);
   EXPECT_EQ(evaluation.metrics.accuracy->footprint_bins, 3);
   EXPECT_EQ(evaluation.metrics.accuracy->quantile, 0.95);
@@ -209,6 +209,39 @@ TEST(Evaluate, FootprintClippedAtTheDemBorder) {
   EXPECT_NEAR(evaluation.layers.z->absolute.at({1, 5}), 0.6 / 9, 1e-7);
 }
 
+TEST(Evaluate, StatisticsAreOfTheRegionsBins) {
+  DemLayers dem = perfect(5);
+  for (double& z : dem.truth->z.values()) z += 0.25;
+  for (double& x : dem.truth->x.values()) x += 3;
+  for (double& y : dem.truth->y.values()) y += 4;
+  dem.truth->z.at({0, 0}) += 100;  // outside
+  dem.z_est.at({5, 5}) = kNan;
+  const StatisticsMetrics statistics = evaluate(dem, small()).metrics.statistics;
+  EXPECT_EQ(statistics.valid_frac, 1 - 1.0 / 45);
+  EXPECT_EQ(statistics.z.count, 44);
+  EXPECT_EQ(statistics.z.mean_m, 0.25);
+  EXPECT_EQ(statistics.z.nmad_m, 0);
+  EXPECT_EQ(statistics.x.count, 45);
+  EXPECT_EQ(statistics.horizontal, (HorizontalStatistics{45, 5.0, 5.0}));
+  EXPECT_FALSE(statistics.z_corrected);
+}
+
+TEST(Evaluate, CorrectedElevationIsMeasuredAndNotJudged) {
+  DemLayers dem = perfect(5);
+  dem.z_corrected = dem.z_est;
+  dem.z_corrected->at({5, 5}) -= 0.9;
+  const Evaluation evaluation = evaluate(dem, small());
+  const Evaluation without = evaluate(perfect(5), small());
+  EXPECT_EQ(evaluation.metrics.requirements, without.metrics.requirements);
+  EXPECT_EQ(evaluation.metrics.statistics.z, without.metrics.statistics.z);
+  EXPECT_NEAR(evaluation.metrics.statistics.z_corrected->mean_m.value(), 0.9 / 45, 1e-15);
+  EXPECT_NEAR(evaluation.metrics.accuracy->absolute.z_corrected->max_m.value(), 0.1, 1e-14);
+  EXPECT_NEAR(evaluation.metrics.accuracy->relative.z_corrected->max_m.value(), 0.52, 1e-14);
+  EXPECT_EQ(evaluation.metrics.accuracy->relative.z_corrected->violation_count, 9);
+  dem.z_corrected->at({1, 1}) = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(static_cast<void>(evaluate(dem, small())), FormatError);
+}
+
 TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
   DemLayers dem = perfect(5);
   dem.truth.reset();
@@ -292,6 +325,37 @@ std::string refusal(const DemLayers& dem) {
     return error.what();
   }
   return "accepted";
+}
+
+TEST(Evaluate, RegionsOfOtherShapes) {
+  DemLayers dem = perfect(5);
+  dem.z_est.at({0, 0}) = kNan;
+  EvaluationParameters parameters = small();
+  parameters.region_shape = RegionShape::square;
+  parameters.region_half_width_m = 5;
+  const Metrics square = evaluate(dem, parameters).metrics;
+  EXPECT_EQ(square.region, (RegionMetrics{RegionShape::square, {}, 5.0, 121}));
+  EXPECT_EQ(square.coverage.invalid_count, 1);
+  parameters.region_shape = RegionShape::mask;
+  EXPECT_THROW(static_cast<void>(evaluate(dem, parameters)), FormatError);
+  dem.region_mask = BinMask(dem.z_est.spec());
+  EXPECT_THROW(static_cast<void>(evaluate(dem, parameters)), FormatError);
+  dem.region_mask->at({0, 0}) = dem.region_mask->at({10, 3}) = 1;
+  const Metrics mask = evaluate(dem, parameters).metrics;
+  EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));
+  EXPECT_EQ(mask.coverage.invalid_frac, 0.5);
+}
+
+TEST(Evaluate, DiscsLeaveTheirCornersOut) {
+  DemLayers dem = perfect(5);
+  dem.truth->z.at({5, 5}) += 0.9;
+  EvaluationParameters parameters = small();
+  parameters.footprint_m = 2;  // the bin and its four neighbours
+  parameters.footprint_shape = FootprintShape::disc;
+  const Collected evaluation = collected(dem, parameters);
+  EXPECT_NEAR(evaluation.layers.z->absolute.at({5, 6}), 0.9 / 5, 1e-7);
+  EXPECT_EQ(evaluation.layers.z->absolute.at({6, 6}), 0);
+  EXPECT_EQ(evaluation.metrics.requirements.relative_elevation.value, 5);
 }
 
 TEST(Evaluate, RefusesInfiniteValues) {

@@ -60,8 +60,7 @@ TEST(CircularRegion, FractionalRadius) {
 TEST(CircularRegion, FitsWhileEveryBinLiesInTheDem) {
   const GridSpec dem = GridSpec::centered(2, 0.5);  // 4 bins from the origin to the border
   EXPECT_EQ(refusal(dem, 2.5), "accepted");         // bins at 5 would be on the circle: out
-  EXPECT_EQ(refusal(dem, 2.6),
-            "region_radius_m: 2.6 does not fit the DEM: the largest radius that fits is 2.5");
+  EXPECT_EQ(refusal(dem, 2.6), "region_radius_m: 2.6 does not fit the DEM: the largest that fits is 2.5");
   EXPECT_NE(refusal(dem, 1e300), "accepted");
 }
 
@@ -71,13 +70,37 @@ TEST(CircularRegion, OriginNeedNotBeTheMiddle) {
   EXPECT_EQ(count_set(region), 25);
   EXPECT_EQ(region.at({2, 7}), 1);
   EXPECT_EQ(region.at({0, 7}), 1);
-  EXPECT_EQ(refusal(dem, 3.5),
-            "region_radius_m: 3.5 does not fit the DEM: the largest radius that fits is 3");
+  EXPECT_EQ(refusal(dem, 3.5), "region_radius_m: 3.5 does not fit the DEM: the largest that fits is 3");
 }
 
 TEST(CircularRegion, NoRegionFitsADemWithoutTheOrigin) {
   EXPECT_EQ(refusal({1, 1, -5, 10, 10}, 0.5),
             "region_radius_m: 0.5 does not fit the DEM, which does not hold the origin: no region fits");
+}
+
+TEST(SquareRegion, BinsWithinTheHalfWidthInclusive) {
+  const BinMask region = square_region({0.1, -3, -4, 9, 9}, 0.3);  // 0.3 / 0.1 = 2.9999999999999996
+  EXPECT_EQ(count_set(region), 49);
+  EXPECT_EQ(region.at({0, 1}), 1);
+  EXPECT_EQ(region.at({6, 7}), 1);
+  EXPECT_EQ(region.at({7, 7}), 0);
+  EXPECT_EQ(region.at({6, 8}), 0);
+  EXPECT_EQ(count_set(square_region(GridSpec::centered(2, 1), 0.5)), 1);
+}
+
+TEST(SquareRegion, FitsWhileEveryBinLiesInTheDem) {
+  const GridSpec dem = GridSpec::centered(2, 0.5);
+  EXPECT_EQ(count_set(square_region(dem, 2.4)), 81);
+  const auto refused = [](const GridSpec& spec, double half_width_m) {
+    try {
+      static_cast<void>(square_region(spec, half_width_m));
+    } catch (const UsageError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refused(dem, 2.5), "region/half_width_m: 2.5 does not fit the DEM: the largest that fits is 2");
+  EXPECT_NE(refused({1, 1, -5, 10, 10}, 0.5), "accepted");
 }
 
 }  // namespace

@@ -17,6 +17,23 @@ TEST(MetricsJson, WithoutTruthTheStructureStaysAndItsNumbersAreNull) {
   EXPECT_TRUE(accuracy.at("absolute").at("horizontal").at("within_limit_frac").is_null());
   EXPECT_TRUE(accuracy.at("relative").at("z").at("violation_count").is_null());
   EXPECT_TRUE(json.at("requirements").at("coverage").at("value").is_null());
+  EXPECT_TRUE(json.at("statistics").at("z").at("count").is_null());
+  EXPECT_TRUE(json.at("statistics").at("horizontal").at("ce90_m").is_null());
+}
+
+TEST(MetricsJson, StatisticsAndTheCorrectedElevation) {
+  Metrics metrics;
+  EXPECT_FALSE(metrics_json(metrics).at("statistics").contains("z_corrected"));
+  metrics.accuracy.emplace();
+  metrics.statistics.z_corrected = ErrorStatistics{2, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
+  metrics.accuracy->absolute.z_corrected = AbsoluteMetrics{1.0, 2.0, 3.0};
+  metrics.accuracy->relative.z_corrected = RelativeMetrics{4.0, 5.0, 6};
+  const auto json = metrics_json(metrics);
+  EXPECT_EQ(
+      json.at("statistics").at("z_corrected").dump(),
+      R"({"count":2,"mean_m":0.1,"std_m":0.2,"rmse_m":0.3,"median_m":0.4,"nmad_m":0.5,"le90_m":0.6,"p95_m":0.7})");
+  EXPECT_EQ(json.at("accuracy").at("absolute").at("z_corrected").at("max_m"), 3.0);
+  EXPECT_EQ(json.at("accuracy").at("relative").at("z_corrected").at("violation_count"), 6);
 }
 
 TEST(MetricsJson, WhatIsNotFiniteIsNull) {

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/uncertainty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
+
+template <class T>
+Grid<T> row_of(std::initializer_list<T> values) {
+  Grid<T> grid(GridSpec{1, 0, 0, 1, static_cast<std::int64_t>(values.size())});
+  std::copy(values.begin(), values.end(), grid.values().begin());
+  return grid;
+}
+
+// Scores 1, -2, 3 and, outside the region, 100.
+TEST(Uncertainty, AbsoluteByHand) {
+  const UncertaintyLayers layers{row_of<double>({0.5, -1, 1.5, 50, kNan, 1, 1, 1}),
+                                 row_of<float>({0.5, 0.5, 0.5, 0.5, 1, 0, kFloatNan, HUGE_VALF}),
+                                 row_of<float>({1, 1, 1, 1, 1, 1, 1, 1}),
+                                 row_of<std::int32_t>({1, 2, 2, 1, 1, 1, 1, 1})};
+  BinMask region(layers.error.spec(), 1);
+  region.at({0, 3}) = 0;
+  const ScoreMetrics scores = assess_uncertainty(layers, region, Footprint::square(0)).absolute;
+  EXPECT_EQ(scores.count, 3);
+  EXPECT_EQ(scores.left_out_count, 3);
+  EXPECT_DOUBLE_EQ(scores.mean.value(), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(scores.std.value(), std::sqrt(14.0 / 3 - 4.0 / 9));
+  EXPECT_EQ(scores.within_1_sigma_frac, 1.0 / 3);
+  EXPECT_EQ(scores.within_2_sigma_frac, 2.0 / 3);
+  ASSERT_EQ(scores.by_count.size(), 2U);
+  EXPECT_EQ(scores.by_count[0], (ScoreMetrics::OfCount{1, 1, 0, 1, 1}));
+  EXPECT_EQ(scores.by_count[1], (ScoreMetrics::OfCount{2, 2, 2.5, 0, 0.5}));
+  ASSERT_EQ(scores.reliability.size(), 1U);
+  EXPECT_EQ(scores.reliability[0].sigma_m, 0.5);
+  EXPECT_DOUBLE_EQ(scores.reliability[0].rmse_m, std::sqrt(3.5 / 3));
+  EXPECT_EQ(scores.reliability[0].bins, 3);
+  ASSERT_EQ(scores.shares.size(), 16U);
+  EXPECT_EQ(scores.shares[2], (ScoreMetrics::Share{0.75, 0}));
+  EXPECT_EQ(scores.shares[3], (ScoreMetrics::Share{1, 1.0 / 3}));
+  EXPECT_EQ(scores.shares[7].within_frac, scores.within_2_sigma_frac);
+  EXPECT_EQ(scores.shares[15], (ScoreMetrics::Share{4, 1}));
+}
+
+// Means 3, 4 and 5 of the footprints of 2, 3 and 2 bins; the lone bin behind the gap says nothing.
+TEST(Uncertainty, RelativeIsTheErrorLessItsFootprintsMean) {
+  const Grid<float> ones = row_of<float>({1, 1, 1, 1, 1, 1});
+  const UncertaintyLayers layers{row_of<double>({2, 4, 6, kNan, kNan, 9}), ones, ones, std::nullopt};
+  const ScoreMetrics scores =
+      assess_uncertainty(layers, BinMask(ones.spec(), 1), Footprint::square(1)).relative;
+  EXPECT_EQ(scores.count, 3);  // -1, 0, 1
+  EXPECT_EQ(scores.left_out_count, 0);
+  EXPECT_EQ(scores.mean, 0);
+  EXPECT_DOUBLE_EQ(scores.std.value(), std::sqrt(2.0 / 3));
+  EXPECT_EQ(scores.within_1_sigma_frac, 1);
+  EXPECT_TRUE(scores.by_count.empty());
+}
+
+TEST(Uncertainty, StepsOfSigmaAscend) {
+  const UncertaintyLayers layers{row_of<double>({1, 1, 1, 1, 1}), row_of<float>({1, 2, 1.25F, 1.1F, 0.001F}),
+                                 row_of<float>({1, 1, 1, 1, 1}), std::nullopt};
+  const ScoreMetrics scores =
+      assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(0)).absolute;
+  ASSERT_EQ(scores.reliability.size(), 4U);
+  EXPECT_FLOAT_EQ(static_cast<float>(scores.reliability[0].sigma_m), 0.001F);
+  EXPECT_EQ(scores.reliability[1].bins, 2);  // 1 and 1.1, below the fourth root of 2
+  EXPECT_EQ(scores.reliability[2].sigma_m, 1.25);
+  EXPECT_EQ(scores.reliability[3].sigma_m, 2);
+}
+
+// What is drawn with the sigma that it says: 68.3 and 95.4 %, bounds of five standard errors at 250,000 bins.
+TEST(Uncertainty, AnHonestMapAtAnyThreadCount) {
+  const GridSpec spec{1, 0, 0, 500, 500};
+  const RandomField draw(4, RandomStream::range_noise);
+  UncertaintyLayers layers{Grid<double>(spec), Grid<float>(spec), Grid<float>(spec), std::nullopt};
+  for (std::size_t i = 0; i < spec.size(); ++i) {
+    const float sigma = 0.01F * std::exp(static_cast<float>(draw.normal(i, 1)));
+    layers.sigma_abs.values()[i] = layers.sigma_rel.values()[i] = sigma;
+    layers.error.values()[i] = static_cast<double>(sigma) * draw.normal(i, 0);
+  }
+  const BinMask everywhere(spec, 1);
+  const UncertaintyMetrics metrics = assess_uncertainty(layers, everywhere, Footprint::square(17));
+  EXPECT_NEAR(metrics.absolute.std.value(), 1, 0.0071);
+  EXPECT_NEAR(metrics.absolute.within_1_sigma_frac.value(), 0.6827, 0.0047);
+  EXPECT_NEAR(metrics.absolute.within_2_sigma_frac.value(), 0.9545, 0.0021);
+  for (const ScoreMetrics::OfSigma& step : metrics.absolute.reliability)
+    if (step.bins > 1000) {
+      EXPECT_NEAR(step.rmse_m / step.sigma_m, 1, 0.12);
+    }
+  const ThreadLimit limit(7);
+  EXPECT_EQ(assess_uncertainty(layers, everywhere, Footprint::square(17)), metrics);
+}
+
+TEST(Uncertainty, RefusesAnotherGrid) {
+  const Grid<float> ones = row_of<float>({1, 1});
+  const UncertaintyLayers layers{row_of<double>({1, 1}), ones, row_of<float>({1}), std::nullopt};
+  EXPECT_THROW(static_cast<void>(assess_uncertainty(layers, BinMask(ones.spec(), 1), Footprint::square(0))),
+               FormatError);
+}
+
+}  // namespace
+}  // namespace landfall
