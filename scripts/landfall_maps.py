@@ -159,6 +159,11 @@ def draw_region(ax, radius_m):
     ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.0, path_effects=OUTLINE))
 
 
+def draw_square_region(ax, half_width_m):
+    """The square of the mapped region about the intended landing site."""
+    draw_rectangle(ax, (-half_width_m, -half_width_m), (2 * half_width_m, 2 * half_width_m))
+
+
 def round_length_m(span_m):
     """The largest of 1, 2, 5 times a power of ten that is at most span_m."""
     power = 10.0 ** math.floor(math.log10(span_m))

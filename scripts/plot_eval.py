@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws what dem-eval found: elevation error, coverage, accuracy and the verdict, one picture each.
+"""Draws what dem-eval found: elevation error, coverage, accuracy and the verdict, one picture each, and for a DEM
+with 1-sigma maps how well they foretell the errors.
 
 Files written with --metrics-only have no maps: only the coverage histogram and the verdict are drawn.
 """
@@ -8,6 +9,7 @@ import os
 
 import landfall_maps as lm
 import landfall_plots as lp
+import landfall_scores
 import numpy as np
 import plot_dem
 
@@ -42,6 +44,7 @@ class Evaluation:
             self.metrics = lp.read_metrics(file)
             self.layers = {name: lp.read_layer(file, self.grid, name) for name in LAYERS}
         self.radius_m = self.metrics.get("region/radius_m")
+        self.half_width_m = self.metrics.get("region/half_width_m")
         bins = self.metrics.get("accuracy/footprint_bins")
         self.footprint_m = None if not bins or self.grid is None else (bins - 1) * self.grid.resolution_m
 
@@ -60,6 +63,8 @@ class Evaluation:
 def finish_map(ax, evaluation):
     if evaluation.radius_m is not None:
         lm.draw_region(ax, evaluation.radius_m)
+    elif evaluation.half_width_m is not None:
+        lm.draw_square_region(ax, evaluation.half_width_m)
     lm.draw_scale_marks(ax, evaluation.footprint_m)
 
 
@@ -273,6 +278,8 @@ def pictures(evaluation):
         chosen["elevation_error.png"] = draw_error
     if evaluation.has("abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z"):
         chosen["accuracy.png"] = draw_accuracy
+    if evaluation.metrics.get("uncertainty/absolute/count") is not None:
+        chosen["uncertainty.png"] = lambda e: landfall_scores.draw(e.name, e.metrics)
     return chosen
 
 

@@ -217,6 +217,30 @@ class PlotEvalTest(ScriptTest):
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)
 
+    def test_uncertainty(self):
+        make_evaluation(self.path("eval.h5"))
+        scores = {"count": 900, "std": 1.1, "within_1_sigma_frac": 0.66, "within_2_sigma_frac": 0.93,
+                  "reliability": {"sigma_m": [0.01, 0.012, 0.02], "rmse_m": [0.012, 0.0, 0.021], "bins": [800, 1, 99]},
+                  "within_k_sigma": {"k": [0.5, 1, 2], "frac": [0.3, 0.66, 0.93]}}
+        empty = {"count": 0, "reliability": {"sigma_m": [], "rmse_m": [], "bins": []},
+                 "within_k_sigma": {"k": [], "frac": []}}
+        with h5py.File(self.path("eval.h5"), "r+") as file:
+            metrics = json.loads(file["metrics_json"][()])
+            del file["metrics_json"]
+            file["metrics_json"] = json.dumps(metrics | {"uncertainty": {"absolute": scores, "relative": empty}})
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", PICTURES + ["uncertainty"])
+
+    def test_square_region(self):
+        make_evaluation(self.path("eval.h5"))
+        with h5py.File(self.path("eval.h5"), "r+") as file:
+            metrics = json.loads(file["metrics_json"][()])
+            del file["metrics_json"]
+            file["metrics_json"] = json.dumps(metrics | {"region": {"radius_m": None, "bin_count": 9,
+                                                                    "half_width_m": 0.5}})
+        self.expect_success("plot_eval.py", "eval.h5")
+        self.expect_pictures("eval-", PICTURES)
+
     def test_prefix_and_dem(self):
         make_evaluation(self.path("eval.h5"))
         make_dem(self.path("dem.h5"))
