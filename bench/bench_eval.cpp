@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Eq. 12 over the paper's map, 3,141,521 windows of 35 x 35 bins, one thread: a selection in each window, on
-// some rows only, against the shared tails. The ratios of their rates come last.
+// Eq. 12 over the paper's map, 3,141,521 windows of 35 x 35 bins and discs of 35 bins, one thread: a
+// selection in each window, on some rows only, against the shared tails. The ratios of their rates come last.
+// The whole evaluation (metrics only) of maps of 501 to 4001 bins on a side shows that its time grows
+// linearly.
 //   bench_eval [dem.h5] [--benchmark_filter=noise ...]
 // With a DEM of 2001 x 2001 bins of 0.05 m, that DEM's three axes instead of the synthetic maps.
 // Times move with whatever else the machine does: each method's best of three repetitions counts.
@@ -19,6 +21,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "evaluation/accuracy.h"
+#include "evaluation/evaluate.h"
 #include "evaluation/region.h"
 #include "evaluation/window_quantile.h"
 #include "io/evaluation_file.h"
@@ -26,7 +29,8 @@
 namespace landfall {
 namespace {
 
-const Footprint kFootprint = Footprint::square(17);
+const Footprint kSquare = Footprint::square(17);
+const Footprint kDisc = Footprint::disc(289);
 constexpr std::int64_t kRowsPerSelection = 60;  // one row in so many
 
 GridSpec paper_grid() { return {0.05, -1000, -1000, 2001, 2001}; }
@@ -104,24 +108,49 @@ std::vector<Scene> scenes_of(const DemLayers& dem) {
 struct Method {
   const char* name;
   std::int64_t row_step;
+  const Footprint& footprint;
   Grid<double> (*run)(const WindowQuantileInput&);
 };
 
-constexpr Method kMethods[] = {
-    {"selection", kRowsPerSelection, [](const WindowQuantileInput& in) { return window_quantile_naive(in); }},
-    {"tails", 1, [](const WindowQuantileInput& in) { return window_quantile(in); }}};
+const Method kMethods[] = {
+    {"selection", kRowsPerSelection, kSquare,
+     [](const WindowQuantileInput& in) { return window_quantile_naive(in); }},
+    {"tails", 1, kSquare, [](const WindowQuantileInput& in) { return window_quantile(in); }},
+    {"disc_selection", kRowsPerSelection, kDisc,
+     [](const WindowQuantileInput& in) { return window_quantile_naive(in); }},
+    {"disc_tails", 1, kDisc, [](const WindowQuantileInput& in) { return window_quantile(in); }}};
 
 void measure(benchmark::State& state, const Scene& scene, const Method& method) {
   const ThreadLimit one_thread(1);
   const Grid<double> error = scene.error();
-  const WindowMeans windows = window_means(error, kFootprint);
+  const WindowMeans windows = window_means(error, method.footprint);
   BinMask region = circular_region(error.spec(), 50);
   for (std::int64_t row = 0; row < error.spec().rows; ++row)
     if (row % method.row_step != 0) std::ranges::fill(region.row(row), std::int8_t{0});
   const WindowQuantileInput input{
-      .error = error, .windows = windows, .footprint = kFootprint, .region = region, .quantile = 0.95};
+      .error = error, .windows = windows, .footprint = method.footprint, .region = region, .quantile = 0.95};
   for (auto _ : state) benchmark::DoNotOptimize(method.run(input).values().data());
   state.SetItemsProcessed(count_set(region) * state.iterations());
+}
+
+/// A DEM of noise, its region as large as fits.
+void measure_evaluation(benchmark::State& state) {
+  const std::int64_t half = state.range(0);
+  const GridSpec spec{0.05, -half, -half, 2 * half + 1, 2 * half + 1};
+  DemLayers dem{.z_est = Grid<double>(spec),
+                .truth = TrueLayers{Grid<double>(spec), Grid<double>(spec), Grid<double>(spec)}};
+  for (std::int64_t row = 0; row < spec.rows; ++row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const std::size_t i = spec.index({row, col});
+      dem.truth->x.values()[i] = spec.x(col) + 0.01 * kNormal.normal(i, 1);
+      dem.truth->y.values()[i] = spec.y(row) + 0.01 * kNormal.normal(i, 2);
+      dem.truth->z.values()[i] = kSigma_m * kNormal.normal(i);
+    }
+  }
+  EvaluationParameters parameters;
+  parameters.region_radius_m = 0.05 * static_cast<double>(half);
+  for (auto _ : state) benchmark::DoNotOptimize(evaluate(dem, parameters).metrics.pass);
+  state.SetItemsProcessed(static_cast<std::int64_t>(spec.size()) * state.iterations());
 }
 
 /// Keeps each benchmark's best rate beside what the console shows.
@@ -137,19 +166,20 @@ class BestRates : public benchmark::ConsoleReporter {
     }
   }
 
-  void print_ratios(const std::vector<Scene>& scenes) const {
+  /// `prefix` chooses the footprint: "" or "disc_".
+  void print_ratios(const std::vector<Scene>& scenes, const std::string& prefix) const {
     double selection_s = 0;
     double tails_s = 0;
     for (const Scene& scene : scenes) {
-      const auto selection = rates_.find(scene.name + "/selection");
-      const auto tails = rates_.find(scene.name + "/tails");
+      const auto selection = rates_.find(scene.name + "/" + prefix + "selection");
+      const auto tails = rates_.find(scene.name + "/" + prefix + "tails");
       if (selection == rates_.end() || tails == rates_.end()) continue;
       selection_s += 1 / selection->second;
       tails_s += 1 / tails->second;
-      std::cout << scene.name << ": selection " << 1e9 / selection->second << " ns, tails "
+      std::cout << prefix << scene.name << ": selection " << 1e9 / selection->second << " ns, tails "
                 << 1e9 / tails->second << " ns per window, " << tails->second / selection->second << " x\n";
     }
-    std::cout << "all of them: " << selection_s / tails_s << " x\n";
+    if (tails_s > 0) std::cout << prefix << "all of them: " << selection_s / tails_s << " x\n";
   }
 
  private:
@@ -179,7 +209,14 @@ int main(int argc, char** argv) {
           ->Unit(benchmark::kMillisecond)
           ->MinTime(0.1)
           ->Repetitions(3);
+  benchmark::RegisterBenchmark("evaluation", measure_evaluation)
+      ->Arg(250)
+      ->Arg(500)
+      ->Arg(1000)
+      ->Arg(2000)
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
   BestRates rates;
   benchmark::RunSpecifiedBenchmarks(&rates);
-  rates.print_ratios(scenes);
+  for (const char* const prefix : {"", "disc_"}) rates.print_ratios(scenes, prefix);
 }
