@@ -48,24 +48,38 @@ void parallel_for(std::size_t count, std::size_t grain,
   if (pieces == 0) report(progress, 1.0);
 }
 
-void read_ahead(std::size_t count, std::size_t slots,
-                const std::function<void(std::size_t, std::size_t)>& produce,
-                const std::function<void(std::size_t, std::size_t)>& consume) {
+namespace {
+
+using ItemWork = std::function<void(std::size_t item, std::size_t slot)>;
+
+void run_pipeline(std::size_t count, std::size_t slots, tbb::filter_mode produce_mode,
+                  const ItemWork& produce, const ItemWork& consume) {
+  using tbb::filter_mode;
   std::size_t next = 0;
-  const auto first_stage = [&](tbb::flow_control& control) {
-    const std::size_t item = next++;
-    if (item >= count) {
-      control.stop();
-    } else {
-      produce(item, item % slots);
-    }
+  const auto next_item = [&](tbb::flow_control& control) {
+    if (next == count) control.stop();
+    return next == count ? next : next++;
+  };
+  const auto produce_item = [&](std::size_t item) {
+    produce(item, item % slots);
     return item;
   };
-  tbb::parallel_pipeline(
-      std::max<std::size_t>(slots, 1),
-      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, first_stage) &
-          tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order,
-                                              [&](std::size_t item) { consume(item, item % slots); }));
+  const auto consume_item = [&](std::size_t item) { consume(item, item % slots); };
+  tbb::parallel_pipeline(slots,
+                         tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, next_item) &
+                             tbb::make_filter<std::size_t, std::size_t>(produce_mode, produce_item) &
+                             tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, consume_item));
+}
+
+}  // namespace
+
+void read_ahead(std::size_t count, std::size_t slots, const ItemWork& produce, const ItemWork& consume) {
+  run_pipeline(count, slots, tbb::filter_mode::serial_in_order, produce, consume);
+}
+
+void produce_in_parallel(std::size_t count, std::size_t slots, const ItemWork& produce,
+                         const ItemWork& consume) {
+  run_pipeline(count, slots, tbb::filter_mode::parallel, produce, consume);
 }
 
 }  // namespace landfall

@@ -40,4 +40,9 @@ void read_ahead(std::size_t count, std::size_t slots,
                 const std::function<void(std::size_t item, std::size_t slot)>& produce,
                 const std::function<void(std::size_t item, std::size_t slot)>& consume);
 
+/// The same, but produce runs for several items at once, on all threads.
+void produce_in_parallel(std::size_t count, std::size_t slots,
+                         const std::function<void(std::size_t item, std::size_t slot)>& produce,
+                         const std::function<void(std::size_t item, std::size_t slot)>& consume);
+
 }  // namespace landfall

@@ -6,13 +6,28 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "base/error.h"
+#include "base/parallel.h"
+#include "io/chunk_codec.h"
 #include "io/crs.h"
 #include "io/grid_tiles.h"
 
 namespace landfall {
 namespace {
+
+/// `count` fill values of the layer's type.
+void prepare(GridLayerWriter::TileValues& values, h5::Type type, std::size_t count) {
+  const auto fill = [&]<class T>(T value) {
+    if (!std::holds_alternative<std::vector<T>>(values)) values = std::vector<T>();
+    std::get<std::vector<T>>(values).assign(count, value);
+  };
+  if (type == h5::Type::float64) return fill(fill_of<double>());
+  if (type == h5::Type::float32) return fill(fill_of<float>());
+  if (type == h5::Type::int32) return fill(fill_of<std::int32_t>());
+  throw std::logic_error("no tiles of this type");
+}
 
 h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values,
                       const std::string& place) {
@@ -107,24 +122,36 @@ void GridLayerWriter::attach_scales(hid_t dataset) const {
     throw IoError("attaching the coordinates failed: " + h5::failure_reason());
 }
 
-template <class T>
-void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
-  constexpr h5::Type kType = h5::TypeOf<T>::value;
+h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const LayerText& text) const {
   const BinIndex tile = tile_of(spec_);
-  const h5::Handle dataset =
-      h5::create_dataset(root_, name, kType,
+  const bool is_real = type == h5::Type::float64 || type == h5::Type::float32;
+  h5::Handle dataset =
+      h5::create_dataset(root_, name, type,
                          {.size = {static_cast<hsize_t>(spec_.rows), static_cast<hsize_t>(spec_.cols)},
                           .chunk = {static_cast<hsize_t>(tile.row), static_cast<hsize_t>(tile.col)},
                           .level = compression_,
-                          .nan_fill = std::is_floating_point_v<T>});
+                          .nan_fill = is_real});
   attach_scales(dataset.get());
-  if constexpr (std::is_floating_point_v<T>) write_fill_value(dataset.get(), kType);
+  if (is_real) write_fill_value(dataset.get(), type);
   h5::write_attribute(dataset.get(), "units", text.units);
   h5::write_attribute(dataset.get(), "long_name", text.long_name);
   h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
+  return dataset;
+}
+
+void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinIndex first,
+                                 std::span<const std::byte> bytes) const {
+  const hsize_t offset[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
+  if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()) < 0)
+    throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
+}
+
+template <class T>
+void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
+  const h5::Handle dataset = create(name, h5::TypeOf<T>::value, text);
   write_tiles(dataset.get(), layer, compression_, name);
 }
 
@@ -132,6 +159,46 @@ template void GridLayerWriter::write(const std::string&, const Grid<double>&, co
 template void GridLayerWriter::write(const std::string&, const Grid<float>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<std::int32_t>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<std::int8_t>&, const LayerText&);
+
+std::vector<GridLayerWriter::Tile> GridLayerWriter::tiles() const {
+  const BinIndex size = tile_of(spec_);
+  std::vector<Tile> result;
+  for (std::int64_t row = 0; row < spec_.rows; row += size.row)
+    for (std::int64_t col = 0; col < spec_.cols; col += size.col)
+      result.push_back(
+          {{row, col}, std::min(size.row, spec_.rows - row), std::min(size.col, spec_.cols - col), size.col});
+  return result;
+}
+
+void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const FillTile& fill,
+                                  const ProgressCallback& progress) {
+  std::vector<h5::Handle> datasets;
+  for (const TiledLayer& layer : layers) datasets.push_back(create(layer.name, layer.type, layer.text));
+  struct Slot {
+    std::vector<TileValues> values;
+    std::vector<std::vector<std::byte>> encoded;
+  };
+  std::vector<Slot> slots(thread_count() + 2);
+  const std::vector<Tile> todo = tiles();
+  const auto compute = [&](std::size_t i, std::size_t slot) {
+    auto& [values, encoded] = slots[slot];
+    values.resize(layers.size());
+    encoded.resize(layers.size());
+    for (std::size_t l = 0; l < layers.size(); ++l)
+      prepare(values[l], layers[l].type, static_cast<std::size_t>(tile_of(spec_).row * tile_of(spec_).col));
+    fill(todo[i], values);
+    for (std::size_t l = 0; l < layers.size(); ++l)
+      encoded[l] = std::visit(
+          [&](const auto& v) { return encode_chunk(std::as_bytes(std::span(v)), sizeof v[0], compression_); },
+          values[l]);
+  };
+  const auto write_out = [&](std::size_t i, std::size_t slot) {
+    for (std::size_t l = 0; l < layers.size(); ++l)
+      write_tile(datasets[l].get(), layers[l].name, todo[i].first, slots[slot].encoded[l]);
+    report(progress, static_cast<double>(i + 1) / static_cast<double>(todo.size()));
+  };
+  produce_in_parallel(todo.size(), slots.size(), compute, write_out);
+}
 
 GridLayerReader::GridLayerReader(const LandfallFileReader& file)
     : file_(file), spec_(read_spec(file)), crs_wkt_(read_crs(file.root())) {}

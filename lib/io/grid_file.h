@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/progress.h"
@@ -30,7 +33,33 @@ class GridLayerWriter {
   template <class T>
   void write(const std::string& name, const Grid<T>& layer, const LayerText& text);
 
+  /// A layer of several that are computed tile by tile.
+  struct TiledLayer {
+    std::string name;
+    h5::Type type;  ///< float64, float32 or int32
+    LayerText text;
+  };
+  /// The part of the grid that a tile covers, fewer rows and columns at the grid's border; the values of its
+  /// rows begin `stride` apart.
+  struct Tile {
+    BinIndex first;
+    std::int64_t rows;
+    std::int64_t cols;
+    std::int64_t stride;
+  };
+  using TileValues = std::variant<std::vector<double>, std::vector<float>, std::vector<std::int32_t>>;
+  /// Writes a tile's values of every layer, in the order of the layers. Called for several tiles at once.
+  using FillTile = std::function<void(const Tile& tile, std::span<TileValues> layers)>;
+  /// Writes layers that are never in memory as a whole: tiles are computed and compressed on all threads,
+  /// while those before are written. Throws IoError.
+  void write_tiled(const std::vector<TiledLayer>& layers, const FillTile& fill,
+                   const ProgressCallback& progress = {});
+
  private:
+  [[nodiscard]] h5::Handle create(const std::string& name, h5::Type type, const LayerText& text) const;
+  [[nodiscard]] std::vector<Tile> tiles() const;
+  void write_tile(hid_t dataset, const std::string& name, BinIndex first,
+                  std::span<const std::byte> bytes) const;
   void attach_scales(hid_t dataset) const;
 
   hid_t root_;

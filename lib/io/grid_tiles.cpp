@@ -7,7 +7,6 @@
 #include <array>
 #include <atomic>
 #include <cstring>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -22,12 +21,6 @@ namespace {
 using tbb::filter_mode;
 
 constexpr std::int64_t kTile = 256;
-
-template <class T>
-constexpr T fill_of() {
-  if constexpr (std::numeric_limits<T>::has_quiet_NaN) return std::numeric_limits<T>::quiet_NaN();
-  return T{0};
-}
 
 /// The tiles of a layer in row-major order, one call after another.
 class TileSequence {

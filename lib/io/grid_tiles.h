@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "base/progress.h"
@@ -11,6 +12,13 @@ namespace landfall {
 
 /// A layer's chunks: 256 x 256 bins, fewer in a smaller grid.
 [[nodiscard]] BinIndex tile_of(const GridSpec& spec);
+
+/// What stands where a layer has no value: NaN, or 0 in integers.
+template <class T>
+constexpr T fill_of() {
+  if constexpr (std::numeric_limits<T>::has_quiet_NaN) return std::numeric_limits<T>::quiet_NaN();
+  return T{0};
+}
 
 /// Writes all tiles of a layer to its dataset, which has chunks of tile_of() with shuffle and deflate at the
 /// level `compression`, or without filters at 0. They are compressed on all threads and written in row-major
