@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The ray engines on the same rays, one thread, in one run; the ratios of their rates come last.
+// The ray engines on the same rays, one thread, in one run, and the heightfield engine on two threads; the
+// ratios of their rates come last.
 //   bench_rays [--benchmark_filter=relief ...]
 // Times move with whatever else the machine does: each engine's best of three repetitions counts.
 #include <benchmark/benchmark.h>
@@ -10,6 +11,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "ray/cgal_engine.h"
@@ -24,6 +26,7 @@ namespace {
 using Terrain = std::shared_ptr<const TriangulatedGrid>;
 
 constexpr std::size_t kPulseRays = 18 * 18;
+constexpr const char* kByTwo = "/heightfield_2_threads";
 
 template <class Height>
 Terrain terrain_of(Height height) {
@@ -79,22 +82,25 @@ void append_pulse(const View& view, std::vector<Ray>& rays) {
     }
 }
 
-/// A raster of pulses over 100 m x 100 m, seen from `origin`.
-std::vector<Ray> scan_from(const Eigen::Vector3d& origin_m) {
-  constexpr int kPulses = 56;
-  std::vector<Ray> rays;
-  for (int row = 0; row < kPulses; ++row)
-    for (int col = 0; col < kPulses; ++col)
-      append_pulse({origin_m, {100.0 * (col + 0.47) / kPulses - 50, 100.0 * (row + 0.31) / kPulses - 50, 0}},
-                   rays);
-  return rays;
-}
-
 struct Scene {
   const char* name;
   Terrain (*terrain)();
   Eigen::Vector3d origin_m;
+  double target_z_m;
 };
+
+/// A raster of pulses at 100 m x 100 m.
+std::vector<Ray> scan_of(const Scene& scene) {
+  constexpr int kPulses = 56;
+  std::vector<Ray> rays;
+  for (int row = 0; row < kPulses; ++row)
+    for (int col = 0; col < kPulses; ++col)
+      append_pulse(
+          {scene.origin_m,
+           {100.0 * (col + 0.47) / kPulses - 50, 100.0 * (row + 0.31) / kPulses - 50, scene.target_z_m}},
+          rays);
+  return rays;
+}
 
 struct EngineKind {
   const char* name;
@@ -102,19 +108,26 @@ struct EngineKind {
 };
 
 const std::vector<Scene>& scenes() {
-  static const std::vector<Scene> all = {{"cones", cones, {0, 0, 500}},
-                                         {"relief", relief, {0, 0, 500}},
-                                         {"relief_45deg", relief, {-500, 3, 500}}};
+  static const std::vector<Scene> all = {
+      {"cones", cones, {0, 0, 500}, 0},
+      {"cones_45deg", cones, {-500, 3, 500}, 0},
+      {"relief", relief, {0, 0, 500}, 0},
+      {"relief_45deg", relief, {-500, 3, 500}, 0},
+      {"relief_80deg", relief, {-689, 3, 121}, 0},
+      {"relief_over_the_side", relief, {-80, 3, 4}, 0},  // below the summits where it enters the grid
+      {"relief_upward", relief, {3.02, 2.01, -1}, 10},   // from among the summits to the sky
+      {"relief_from_below", relief, {0, 0, -200}, 0},
+  };
   return all;
 }
 
 const std::vector<EngineKind>& engine_kinds() {
   static const std::vector<EngineKind> all = {
-      {"heightfield", make_heightfield_engine},
+      {"heightfield", [](Terrain terrain) { return make_heightfield_engine(std::move(terrain)); }},
 #ifdef LANDFALL_BENCH_EMBREE
       {"embree16", make_embree_engine},
 #endif
-      {"cgal", make_cgal_engine},
+      {"cgal", [](Terrain terrain) { return make_cgal_engine(std::move(terrain)); }},
   };
   return all;
 }
@@ -137,13 +150,31 @@ const RayEngine& engine_over(const Scene& scene, const EngineKind& kind) {
 
 void trace(benchmark::State& state, const Scene& scene, const EngineKind& kind) {
   const RayEngine& engine = engine_over(scene, kind);
-  const std::vector<Ray> rays = scan_from(scene.origin_m);
+  const std::vector<Ray> rays = scan_of(scene);
   std::vector<double> ranges(kPulseRays);
   for (auto _ : state)
     for (std::size_t begin = 0; begin < rays.size(); begin += kPulseRays) {
       engine.first_hits(std::span(rays).subspan(begin, kPulseRays), ranges);
       benchmark::DoNotOptimize(ranges.data());
     }
+  state.SetItemsProcessed(static_cast<std::int64_t>(rays.size()) * state.iterations());
+}
+
+/// The heightfield engine, each thread on its half of the pulses.
+void trace_by_two(benchmark::State& state, const Scene& scene) {
+  const RayEngine& engine = engine_over(scene, engine_kinds().front());
+  const std::vector<Ray> rays = scan_of(scene);
+  const std::size_t half = rays.size() / kPulseRays / 2 * kPulseRays;
+  const auto trace_part = [&](std::size_t begin, std::size_t end) {
+    std::vector<double> ranges(kPulseRays);
+    for (; begin < end; begin += kPulseRays)
+      engine.first_hits(std::span(rays).subspan(begin, kPulseRays), ranges);
+  };
+  for (auto _ : state) {
+    std::thread other(trace_part, half, rays.size());
+    trace_part(0, half);
+    other.join();
+  }
   state.SetItemsProcessed(static_cast<std::int64_t>(rays.size()) * state.iterations());
 }
 
@@ -170,6 +201,10 @@ class BestRates : public benchmark::ConsoleReporter {
           std::cout << other->first << ": " << other->second / 1e6 << " M rays/s, heightfield is "
                     << own->second / other->second << " x\n";
       }
+      const auto by_two = rates_.find(std::string(scene.name) + kByTwo);
+      if (by_two != rates_.end())
+        std::cout << by_two->first << ": " << by_two->second / 1e6 << " M rays/s, "
+                  << by_two->second / own->second << " x one thread\n";
     }
   }
 
@@ -184,14 +219,21 @@ int main(int argc, char** argv) {
   using namespace landfall;
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  for (const Scene& scene : scenes())
+  const auto add = [](const std::string& name, const auto& run) {
+    return benchmark::RegisterBenchmark(name.c_str(), run)
+        ->Unit(benchmark::kMillisecond)
+        ->MinTime(0.2)
+        ->Repetitions(3)
+        ->DisplayAggregatesOnly(false);
+  };
+  for (const Scene& scene : scenes()) {
+    add(std::string(scene.name) + kByTwo, [&](benchmark::State& state) {
+      trace_by_two(state, scene);
+    })->UseRealTime();
     for (const EngineKind& kind : engine_kinds())
-      benchmark::RegisterBenchmark((std::string(scene.name) + "/" + kind.name).c_str(),
-                                   [&](benchmark::State& state) { trace(state, scene, kind); })
-          ->Unit(benchmark::kMillisecond)
-          ->MinTime(0.2)
-          ->Repetitions(3)
-          ->DisplayAggregatesOnly(false);
+      add(std::string(scene.name) + "/" + kind.name,
+          [&](benchmark::State& state) { trace(state, scene, kind); });
+  }
   BestRates rates;
   benchmark::RunSpecifiedBenchmarks(&rates);
   rates.print_ratios();
