@@ -175,18 +175,11 @@ class FirstHit {
 template <class Primitive, class Surface>
 class AabbTreeEngine final : public RayEngine {
  public:
-  explicit AabbTreeEngine(std::shared_ptr<const Surface> surface)
+  AabbTreeEngine(std::shared_ptr<const Surface> surface, const ProgressCallback& progress)
       : surface_(std::move(surface)), tree_(traits_of(*surface_)) {
-    for (std::size_t id = 0; id < surface_->triangle_count(); ++id) {
-      const auto corners = surface_->triangle(id);
-      if (corners[0].allFinite() && corners[1].allFinite() && corners[2].allFinite())
-        tree_.insert(Primitive(id));
-    }
-    if (tree_.empty()) return;
-    tree_.build();  // now, by one thread: queries then only read
-    const CGAL::Bbox_3 box = tree_.bbox();
-    for (int axis = 0; axis < 3; ++axis)
-      extent_m_ = std::max({extent_m_, std::abs(box.min(axis)), std::abs(box.max(axis))});
+    insert_triangles(progress);
+    if (!tree_.empty()) build_tree();
+    report(progress, 1);
   }
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
@@ -196,6 +189,27 @@ class AabbTreeEngine final : public RayEngine {
 
  private:
   using Traits = CGAL::AABB_traits<Kernel, Primitive>;
+
+  void insert_triangles(const ProgressCallback& progress) {
+    constexpr double kShare = 0.1;  // of the time; the tree's build takes the rest
+    constexpr std::size_t kPerReport = 1U << 16U;
+    const std::size_t count = surface_->triangle_count();
+    for (std::size_t id = 0; id < count; ++id) {
+      if (id % kPerReport == 0)
+        report(progress, kShare * static_cast<double>(id) / static_cast<double>(count));
+      const auto corners = surface_->triangle(id);
+      if (corners[0].allFinite() && corners[1].allFinite() && corners[2].allFinite())
+        tree_.insert(Primitive(id));
+    }
+    report(progress, kShare);
+  }
+
+  void build_tree() {
+    tree_.build();  // now, by one thread: queries then only read
+    const CGAL::Bbox_3 box = tree_.bbox();
+    for (int axis = 0; axis < 3; ++axis)
+      extent_m_ = std::max({extent_m_, std::abs(box.min(axis)), std::abs(box.max(axis))});
+  }
 
   static Traits traits_of(const Surface& surface) {
     Traits traits;
@@ -217,8 +231,9 @@ class AabbTreeEngine final : public RayEngine {
 
 }  // namespace
 
-std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain) {
-  return std::make_unique<AabbTreeEngine<GridTriangle, TriangulatedGrid>>(std::move(terrain));
+std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
+                                            const ProgressCallback& progress) {
+  return std::make_unique<AabbTreeEngine<GridTriangle, TriangulatedGrid>>(std::move(terrain), progress);
 }
 
 }  // namespace landfall

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/progress.h"
 #include "ray/engine.h"
 #include "terrain/triangulated_grid.h"
 
@@ -18,6 +19,10 @@ namespace landfall {
 /// The ray that is traced passes through the origin and a second point whose rounding turns it by at most
 /// 1e-15 rad. Triangles with a NaN corner are left out. O(log triangles) per ray; the tree takes 72 bytes per
 /// triangle, the triangles themselves are made from the terrain when needed.
-[[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain);
+///
+/// Progress: the triangles are counted to a tenth; building the tree, most of the time, tells nothing until
+/// it is done.
+[[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
+                                                          const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -13,8 +13,10 @@ double largest_height(const ElevationPyramid& pyramid) {
 
 }  // namespace
 
-Heightfield::Heightfield(const TriangulatedGrid& surface)
-    : terrain(surface), pyramid(surface.nodes()), frame(surface.nodes().spec(), largest_height(pyramid)) {}
+Heightfield::Heightfield(const TriangulatedGrid& surface, const ProgressCallback& progress)
+    : terrain(surface),
+      pyramid(surface.nodes(), progress),
+      frame(surface.nodes().spec(), largest_height(pyramid)) {}
 
 Descent::Descent(const Heightfield& field, const Ray& ray)
     : field_(field),
@@ -37,20 +39,20 @@ Descent::Interval Descent::within(Eigen::Index axis, double low, double high, In
 }
 
 void Descent::visit_block(int level, BinIndex block) {
-  const ElevationPyramid::Level& bounds = field_.pyramid.level(level);
-  if (block.row >= bounds.rows || block.col >= bounds.cols) return;
+  const ElevationPyramid::Level& blocks = field_.pyramid.level(level);
+  if (block.row >= blocks.rows || block.col >= blocks.cols) return;
   const GridSpec& spec = field_.spec();
-  const std::int64_t cells = ElevationPyramid::kBlockCells << level;
-  const std::size_t index = bounds.index(block);
-  if (bounds.low[index] > bounds.high[index]) return;  // nothing but holes
+  const std::int64_t cells = ElevationPyramid::block_cells(level);
+  const ElevationPyramid::Bounds bounds = field_.pyramid.bounds(level, block);
+  if (bounds.empty()) return;  // nothing but holes
   Interval interval{0, best_m_};
-  interval = within(2, bounds.low[index], bounds.high[index], interval);
+  interval = within(2, bounds.low, bounds.high, interval);
   interval = within(0, spec.x(block.col * cells), spec.x(std::min((block.col + 1) * cells, spec.cols - 1)),
                     interval);
   interval = within(1, spec.y(block.row * cells), spec.y(std::min((block.row + 1) * cells, spec.rows - 1)),
                     interval);
   if (interval.empty()) return;
-  if (level > 0)
+  if (level > 1)
     visit_children(level - 1, {2 * block.row, 2 * block.col});
   else
     visit_cells({block.row * cells, block.col * cells});
@@ -66,9 +68,10 @@ void Descent::visit_children(int level, BinIndex first) {
 }
 
 void Descent::visit_cells(BinIndex first) {
+  constexpr std::int64_t kFinest = ElevationPyramid::block_cells(1);
   const GridSpec& spec = field_.spec();
-  const std::int64_t end_row = std::min(first.row + ElevationPyramid::kBlockCells, spec.rows - 1);
-  const std::int64_t end_col = std::min(first.col + ElevationPyramid::kBlockCells, spec.cols - 1);
+  const std::int64_t end_row = std::min(first.row + kFinest, spec.rows - 1);
+  const std::int64_t end_col = std::min(first.col + kFinest, spec.cols - 1);
   for (std::int64_t row = first.row; row < end_row; ++row) {
     const Interval in_row = within(1, spec.y(row), spec.y(row + 1), {0, best_m_});
     if (in_row.empty()) continue;

@@ -16,7 +16,7 @@ struct Heightfield {
   ElevationPyramid pyramid;
   GridFrame frame;
 
-  explicit Heightfield(const TriangulatedGrid& surface);
+  explicit Heightfield(const TriangulatedGrid& surface, const ProgressCallback& progress = {});
   [[nodiscard]] const GridSpec& spec() const { return terrain.nodes().spec(); }
 };
 

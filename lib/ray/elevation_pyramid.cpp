@@ -3,86 +3,80 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace landfall {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-struct NodeBounds {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-};
+using Bounds = ElevationPyramid::Bounds;
 
 float rounded_down(double value) {
   const auto nearest = static_cast<float>(value);
-  return double{nearest} > value ? std::nextafter(nearest, -kInfinity) : nearest;
+  return double{nearest} > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
 }
 
-float rounded_up(double value) { return -rounded_down(-value); }
+Bounds joined(Bounds a, Bounds b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
 
-/// Of the nodes of a block of level 0, those on its borders included.
-NodeBounds block_bounds(const Grid<double>& nodes, BinIndex block) {
-  constexpr std::int64_t kCells = ElevationPyramid::kBlockCells;
-  const BinIndex last{std::min((block.row + 1) * kCells, nodes.spec().rows - 1),
-                      std::min((block.col + 1) * kCells, nodes.spec().cols - 1)};
-  NodeBounds bounds;
-  for (std::int64_t row = block.row * kCells; row <= last.row; ++row)
-    for (std::int64_t col = block.col * kCells; col <= last.col; ++col) {
-      const double z = nodes.at({row, col});
-      if (!std::isfinite(z)) continue;
-      bounds.low = std::min(bounds.low, z);
-      bounds.high = std::max(bounds.high, z);
-    }
-  return bounds;
-}
-
-ElevationPyramid::Level empty_level(std::int64_t rows, std::int64_t cols) {
-  const auto size = static_cast<std::size_t>(rows * cols);
-  return {rows, cols, std::vector<float>(size, kInfinity), std::vector<float>(size, -kInfinity)};
-}
-
-ElevationPyramid::Level finest_level(const Grid<double>& nodes) {
-  const auto blocks = [](std::int64_t node_count) {
-    return (node_count - 2) / ElevationPyramid::kBlockCells + 1;
-  };
-  ElevationPyramid::Level level = empty_level(blocks(nodes.spec().rows), blocks(nodes.spec().cols));
-  for (std::int64_t row = 0; row < level.rows; ++row)
-    for (std::int64_t col = 0; col < level.cols; ++col) {
-      const NodeBounds bounds = block_bounds(nodes, {row, col});
-      level.low[level.index({row, col})] = rounded_down(bounds.low);
-      level.high[level.index({row, col})] = rounded_up(bounds.high);
-    }
-  return level;
-}
-
-ElevationPyramid::Level next_level(const ElevationPyramid::Level& finer) {
-  ElevationPyramid::Level level = empty_level((finer.rows + 1) / 2, (finer.cols + 1) / 2);
-  for (std::int64_t row = 0; row < finer.rows; ++row)
-    for (std::int64_t col = 0; col < finer.cols; ++col) {
-      const std::size_t to = level.index({row / 2, col / 2});
-      const std::size_t from = finer.index({row, col});
-      level.low[to] = std::min(level.low[to], finer.low[from]);
-      level.high[to] = std::max(level.high[to], finer.high[from]);
-    }
-  return level;
+/// The nodes' elevations as bounds; holes bound nothing.
+void bound_nodes(std::span<const double> nodes, std::vector<Bounds>& bounds) {
+  std::transform(nodes.begin(), nodes.end(), bounds.begin(), [](double z) {
+    return std::isfinite(z) ? Bounds{rounded_down(z), -rounded_down(-z)} : Bounds{};
+  });
 }
 
 }  // namespace
 
-ElevationPyramid::ElevationPyramid(const Grid<double>& nodes) {
-  levels_.push_back(finest_level(nodes));
-  while (levels_.back().low.size() > 1) levels_.push_back(next_level(levels_.back()));
+ElevationPyramid::ElevationPyramid(const Grid<double>& nodes, const ProgressCallback& progress) {
+  levels_.push_back({nodes.spec().rows - 1, nodes.spec().cols - 1, 0});
+  std::int64_t factor = 4;
+  while (levels_.back().rows > 1 || levels_.back().cols > 1) {
+    const Level finer = levels_.back();
+    levels_.push_back({(finer.rows + factor - 1) / factor, (finer.cols + factor - 1) / factor,
+                       finer.index({finer.rows, 0})});
+    factor = 2;
+  }
+  bounds_.resize(2 * block_count());
+  bound_cells(nodes, progress);
+  for (int level = 1; level < level_count(); ++level) bound_blocks(level);
+  report(progress, 1);
+}
+
+void ElevationPyramid::bound_cells(const Grid<double>& nodes, const ProgressCallback& progress) {
+  constexpr std::int64_t kRowsPerReport = 64;
+  const Level& cells = levels_.front();
+  const auto cols = static_cast<std::size_t>(cells.cols);
+  std::vector<Bounds> south(cols + 1);
+  std::vector<Bounds> north(cols + 1);
+  bound_nodes(nodes.row(0), south);
+  for (std::int64_t row = 0; row < cells.rows; ++row) {
+    bound_nodes(nodes.row(row + 1), north);
+    const std::size_t first = cells.index({row, 0});
+    for (std::size_t col = 0; col < cols; ++col)
+      set(first + col, joined(joined(south[col], south[col + 1]), joined(north[col], north[col + 1])));
+    std::swap(south, north);
+    if (row % kRowsPerReport == 0)
+      report(progress, static_cast<double>(row) / static_cast<double>(cells.rows));
+  }
+}
+
+void ElevationPyramid::bound_blocks(int level) {
+  const Level& finer = levels_[static_cast<std::size_t>(level) - 1];
+  const Level& blocks = levels_[static_cast<std::size_t>(level)];
+  const std::int64_t factor = block_cells(level) / block_cells(level - 1);
+  for (std::size_t i = blocks.first; i < blocks.index({blocks.rows, 0}); ++i) set(i, {});
+  for (std::int64_t row = 0; row < finer.rows; ++row)
+    for (std::int64_t col = 0; col < finer.cols; ++col) {
+      const std::size_t to = blocks.index({row / factor, col / factor});
+      set(to, joined(at(to), bounds(level - 1, {row, col})));
+    }
 }
 
 ElevationPyramid::Bounds ElevationPyramid::over(const CellBox& box) const {
   constexpr double kMargin_cells = 0.0625;
   const double width = std::max(box.high_x - box.low_x, box.high_y - box.low_y) + 2 * kMargin_cells;
   int finest = 0;
-  while (finest + 1 < level_count() && static_cast<double>(kBlockCells << finest) < width) ++finest;
+  while (finest + 1 < level_count() && static_cast<double>(block_cells(finest)) < width) ++finest;
   const Level& blocks = level(finest);
-  const double blocks_per_cell = 1 / static_cast<double>(kBlockCells << finest);
+  const double blocks_per_cell = 1 / static_cast<double>(block_cells(finest));
   const auto block = [&](double cell, std::int64_t count) {
     const double position = std::floor(cell * blocks_per_cell);
     return static_cast<std::int64_t>(std::clamp(position, -1.0, static_cast<double>(count)));
@@ -91,13 +85,11 @@ ElevationPyramid::Bounds ElevationPyramid::over(const CellBox& box) const {
                        std::max<std::int64_t>(block(box.low_x - kMargin_cells, blocks.cols), 0)};
   const BinIndex last{std::min(block(box.high_y + kMargin_cells, blocks.rows), blocks.rows - 1),
                       std::min(block(box.high_x + kMargin_cells, blocks.cols), blocks.cols - 1)};
-  Bounds bounds;
+  Bounds bounds_over;
   for (std::int64_t row = first.row; row <= last.row; ++row)
-    for (std::int64_t col = first.col; col <= last.col; ++col) {
-      bounds.low = std::min(bounds.low, blocks.low[blocks.index({row, col})]);
-      bounds.high = std::max(bounds.high, blocks.high[blocks.index({row, col})]);
-    }
-  return bounds;
+    for (std::int64_t col = first.col; col <= last.col; ++col)
+      bounds_over = joined(bounds_over, bounds(finest, {row, col}));
+  return bounds_over;
 }
 
 }  // namespace landfall

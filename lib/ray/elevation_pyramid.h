@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
+#include "base/progress.h"
 #include "raster/grid.h"
 
 namespace landfall {
@@ -17,42 +20,63 @@ struct CellBox {
   double high_y;
 };
 
-/// How low and how high the surface gets, over square blocks of cells: blocks of 4 x 4 cells on level 0, of
-/// four blocks of the level below on each further level, one block on the last. Single precision, `low`
-/// rounded down and `high` up; a block that has no finite node has low = +infinity, high = -infinity.
+/// How low and how high the surface gets, over square blocks of cells: single cells on level 0, blocks of 4 x
+/// 4 cells on level 1, of four blocks of the level below on each further level, one block on the last. Single
+/// precision, `low` rounded down and `high` up; a block that has no finite node has low = +infinity, high =
+/// -infinity.
 class ElevationPyramid {
  public:
-  static constexpr int kLog2BlockCells = 2;
-  static constexpr std::int64_t kBlockCells = 1 << kLog2BlockCells;
+  struct Bounds {
+    float low = std::numeric_limits<float>::infinity();
+    float high = -std::numeric_limits<float>::infinity();
+    [[nodiscard]] bool empty() const { return low > high; }
+  };
 
   struct Level {
     std::int64_t rows = 0;
     std::int64_t cols = 0;
-    std::vector<float> low;
-    std::vector<float> high;
-
+    std::size_t first = 0;  ///< block of the pyramid
     [[nodiscard]] std::size_t index(BinIndex block) const {
-      return static_cast<std::size_t>(block.row * cols + block.col);
+      return first + static_cast<std::size_t>(block.row * cols + block.col);
     }
   };
 
-  /// O(nodes); the nodes must be at least 2 x 2.
-  explicit ElevationPyramid(const Grid<double>& nodes);
+  /// How many cells a block is wide.
+  [[nodiscard]] static constexpr std::int64_t block_cells(int level) {
+    return level == 0 ? 1 : std::int64_t{2} << level;
+  }
+
+  /// O(nodes), 8.7 bytes per node; the nodes must be at least 2 x 2.
+  explicit ElevationPyramid(const Grid<double>& nodes, const ProgressCallback& progress = {});
 
   [[nodiscard]] int level_count() const { return static_cast<int>(levels_.size()); }
   [[nodiscard]] const Level& level(int level) const { return levels_[static_cast<std::size_t>(level)]; }
-  struct Bounds {
-    float low = std::numeric_limits<float>::infinity();
-    float high = -std::numeric_limits<float>::infinity();
-  };
+  /// The block must lie in the level.
+  [[nodiscard]] Bounds bounds(int level, BinIndex block) const { return at(this->level(level).index(block)); }
+  /// Of all blocks, each level row-major from Level::first on.
+  [[nodiscard]] std::span<const float> highs() const { return std::span(bounds_).first(block_count()); }
+  /// Likewise; they follow the highs in memory.
+  [[nodiscard]] std::span<const float> lows() const { return std::span(bounds_).last(block_count()); }
   /// Of the few blocks, at most 2 x 2, that the box widened by 1/16 cell touches: bounds of the surface over
   /// the box, not the closest. O(levels).
   [[nodiscard]] Bounds over(const CellBox& box) const;
-  [[nodiscard]] float lowest() const { return levels_.back().low.front(); }
-  [[nodiscard]] float highest() const { return levels_.back().high.front(); }
+  [[nodiscard]] float lowest() const { return at(block_count() - 1).low; }
+  [[nodiscard]] float highest() const { return at(block_count() - 1).high; }
 
  private:
+  [[nodiscard]] std::size_t block_count() const { return levels_.back().first + 1; }
+  [[nodiscard]] Bounds at(std::size_t block) const {
+    return {bounds_[block_count() + block], bounds_[block]};
+  }
+  void set(std::size_t block, Bounds bounds) {
+    bounds_[block] = bounds.high;
+    bounds_[block_count() + block] = bounds.low;
+  }
+  void bound_cells(const Grid<double>& nodes, const ProgressCallback& progress);
+  void bound_blocks(int level);
+
   std::vector<Level> levels_;
+  std::vector<float> bounds_;
 };
 
 }  // namespace landfall

@@ -13,8 +13,8 @@ namespace {
 
 class HeightfieldEngine final : public RayEngine {
  public:
-  explicit HeightfieldEngine(std::shared_ptr<const TriangulatedGrid> terrain)
-      : terrain_(std::move(terrain)), field_(*terrain_) {}
+  HeightfieldEngine(std::shared_ptr<const TriangulatedGrid> terrain, const ProgressCallback& progress)
+      : terrain_(std::move(terrain)), field_(*terrain_, progress) {}
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
     assert(rays.size() == ranges.size());
@@ -36,8 +36,9 @@ class HeightfieldEngine final : public RayEngine {
 
 }  // namespace
 
-std::unique_ptr<RayEngine> make_heightfield_engine(std::shared_ptr<const TriangulatedGrid> terrain) {
-  return std::make_unique<HeightfieldEngine>(std::move(terrain));
+std::unique_ptr<RayEngine> make_heightfield_engine(std::shared_ptr<const TriangulatedGrid> terrain,
+                                                   const ProgressCallback& progress) {
+  return std::make_unique<HeightfieldEngine>(std::move(terrain), progress);
 }
 
 }  // namespace landfall

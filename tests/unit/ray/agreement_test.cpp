@@ -24,9 +24,8 @@ struct EngineKind {
   const char* name;
   std::unique_ptr<RayEngine> (*make)(Terrain);
 };
-constexpr std::array<EngineKind, 3> kEngines = {{{"brute force", make_brute_force_engine},
-                                                 {"cgal", make_cgal_engine},
-                                                 {"heightfield", make_heightfield_engine}}};
+constexpr std::array<EngineKind, 3> kEngines = {
+    {{"brute force", make_brute_force_engine}, {"cgal", make_cgal}, {"heightfield", make_heightfield}}};
 constexpr std::span<const EngineKind> kFastEngines = std::span(kEngines).subspan(1);
 
 class Agreement : public testing::TestWithParam<Scene> {

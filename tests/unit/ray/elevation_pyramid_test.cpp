@@ -20,27 +20,44 @@ Grid<double> ramp() {
   return nodes;
 }
 
+TEST(ElevationPyramid, CellsHoldTheirFourNodes) {
+  const ElevationPyramid pyramid(ramp());
+  ASSERT_EQ(pyramid.level(0).rows, 9);
+  ASSERT_EQ(pyramid.level(0).cols, 6);
+  EXPECT_EQ(pyramid.bounds(0, {0, 0}).low, 0);
+  EXPECT_EQ(pyramid.bounds(0, {0, 0}).high, 11);
+  EXPECT_EQ(pyramid.bounds(0, {8, 5}).low, 85);
+  EXPECT_EQ(pyramid.bounds(0, {8, 5}).high, 96);
+}
+
 TEST(ElevationPyramid, BlocksHoldTheNodesOnTheirBorders) {
   const ElevationPyramid pyramid(ramp());
-  ASSERT_EQ(pyramid.level_count(), 3);
-  const ElevationPyramid::Level& blocks = pyramid.level(0);
-  ASSERT_EQ(blocks.rows, 3);
-  ASSERT_EQ(blocks.cols, 2);
-  EXPECT_EQ(blocks.low[blocks.index({1, 0})], 40);
-  EXPECT_EQ(blocks.high[blocks.index({1, 0})], 84);
-  EXPECT_EQ(blocks.low[blocks.index({2, 1})], 84);
-  EXPECT_EQ(blocks.high[blocks.index({2, 1})], 96);
+  ASSERT_EQ(pyramid.level_count(), 4);
+  ASSERT_EQ(pyramid.level(1).rows, 3);
+  ASSERT_EQ(pyramid.level(1).cols, 2);
+  EXPECT_EQ(pyramid.bounds(1, {1, 0}).low, 40);
+  EXPECT_EQ(pyramid.bounds(1, {1, 0}).high, 84);
+  EXPECT_EQ(pyramid.bounds(1, {2, 1}).low, 84);
+  EXPECT_EQ(pyramid.bounds(1, {2, 1}).high, 96);
 }
 
 TEST(ElevationPyramid, CoarserLevelsCoverFourBlocks) {
   const ElevationPyramid pyramid(ramp());
-  const ElevationPyramid::Level& blocks = pyramid.level(1);
-  ASSERT_EQ(blocks.rows, 2);
-  ASSERT_EQ(blocks.cols, 1);
-  EXPECT_EQ(blocks.high[blocks.index({0, 0})], 86);
-  EXPECT_EQ(blocks.low[blocks.index({1, 0})], 80);
+  ASSERT_EQ(pyramid.level(2).rows, 2);
+  ASSERT_EQ(pyramid.level(2).cols, 1);
+  EXPECT_EQ(pyramid.bounds(2, {0, 0}).high, 86);
+  EXPECT_EQ(pyramid.bounds(2, {1, 0}).low, 80);
   EXPECT_EQ(pyramid.lowest(), 0);
   EXPECT_EQ(pyramid.highest(), 96);
+}
+
+// These are what the walk in lanes reads.
+TEST(ElevationPyramid, LowsFollowHighs) {
+  const ElevationPyramid pyramid(ramp());
+  const std::size_t block = pyramid.level(1).index({1, 0});
+  EXPECT_EQ(pyramid.lows()[block], 40);
+  EXPECT_EQ(pyramid.highs()[block], 84);
+  EXPECT_EQ(pyramid.lows().data(), pyramid.highs().data() + pyramid.highs().size());
 }
 
 TEST(ElevationPyramid, RoundsOutward) {
@@ -58,9 +75,9 @@ TEST(ElevationPyramid, HolesCountForNothing) {
   Grid<double> nodes(GridSpec{1, 0, 0, 2, 9}, kNan);
   for (std::int64_t col = 0; col < 4; ++col) nodes.at({0, col}) = 3;
   const ElevationPyramid pyramid(nodes);
-  EXPECT_EQ(pyramid.level(0).high[0], 3);
-  EXPECT_EQ(pyramid.level(0).low[1], kInfinity);
-  EXPECT_EQ(pyramid.level(0).high[1], -kInfinity);
+  EXPECT_EQ(pyramid.bounds(1, {0, 0}).high, 3);
+  EXPECT_EQ(pyramid.bounds(1, {0, 1}).low, kInfinity);
+  EXPECT_EQ(pyramid.bounds(1, {0, 1}).high, -kInfinity);
   EXPECT_EQ(pyramid.lowest(), 3);
 }
 

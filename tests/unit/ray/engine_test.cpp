@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -31,8 +32,8 @@ class Engine : public testing::TestWithParam<EngineKind> {
 
 INSTANTIATE_TEST_SUITE_P(All, Engine,
                          testing::Values(EngineKind{"brute_force", make_brute_force_engine},
-                                         EngineKind{"cgal", make_cgal_engine},
-                                         EngineKind{"heightfield", make_heightfield_engine}),
+                                         EngineKind{"cgal", make_cgal},
+                                         EngineKind{"heightfield", make_heightfield}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 Terrain flat(double elevation_m = 0) {
@@ -181,6 +182,23 @@ TEST_P(Engine, AnyNumberOfThreadsMayAsk) {
   other.join();
   EXPECT_EQ(here, alone);
   EXPECT_EQ(beside, alone);
+}
+
+TEST(EngineProgress, RisesToOne) {
+  const Terrain terrain = terrain_of(GridSpec::centered(100, 0.5), [](double x, double y) { return x * y; });
+  std::vector<double> fractions;
+  const ProgressCallback watch = [&](double fraction) { fractions.push_back(fraction); };
+  const auto expect_rise = [&] {
+    EXPECT_GE(fractions.size(), 3U);
+    EXPECT_TRUE(std::ranges::is_sorted(fractions));
+    EXPECT_GE(fractions.front(), 0);
+    EXPECT_EQ(fractions.back(), 1);
+    fractions.clear();
+  };
+  (void)make_heightfield_engine(terrain, watch);
+  expect_rise();
+  (void)make_cgal_engine(terrain, watch);
+  expect_rise();
 }
 
 }  // namespace

@@ -13,7 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "ray/cgal_engine.h"
 #include "ray/engine.h"
+#include "ray/heightfield_engine.h"
 #include "terrain/triangulated_grid.h"
 
 namespace landfall {
@@ -45,6 +47,11 @@ inline std::vector<double> ranges_of(const RayEngine& engine, const std::vector<
   engine.first_hits(rays, ranges);
   return ranges;
 }
+
+inline std::unique_ptr<RayEngine> make_heightfield(Terrain terrain) {
+  return make_heightfield_engine(std::move(terrain));
+}
+inline std::unique_ptr<RayEngine> make_cgal(Terrain terrain) { return make_cgal_engine(std::move(terrain)); }
 
 /// The seed of this run's random tests: LANDFALL_TEST_SEED, or a fixed one.
 inline std::uint64_t test_seed() {
