@@ -11,6 +11,7 @@
 #include "config/dem_config.h"
 #include "config/uncertainty_config.h"
 #include "gridding/bin_accumulator.h"
+#include "gridding/method.h"
 #include "gridding/uncertainty.h"
 #include "io/dem_file.h"
 #include "io/scan_file.h"
@@ -23,6 +24,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   regrid scan.h5 --terrain terrain.h5 -o dem.h5
   regrid first.h5 second.h5 -c regrid.json --terrain terrain.h5 -o merged.h5
+  regrid scan.h5 -o highest.h5 --method max
   regrid scan.h5 -o dem.h5 --set resolution_m=0.1 --layers z_est,count
   regrid scan.h5 --terrain terrain.h5 -o dem.h5 --uncertainty --navigation-sigma velocity_mps=0.3,0.3,0.7
 Without --terrain there is no z_true. Configuration: docs/regrid.md and --print-schema.)";
@@ -36,6 +38,7 @@ struct Options {
   std::string layers_text;
   std::vector<std::string> layers;
   std::string truth_at;
+  std::string method;
   bool other_terrain = false;
   bool corrected = false;
   bool uncertainty = false;
@@ -52,6 +55,8 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--truth-at", o.truth_at,
                  "Where z_true is taken: bin_center or centroid; wins over the config")
       ->check(CLI::IsMember({"bin_center", "centroid"}));
+  app.add_option("--method", o.method, "How returns make a map; wins over the config")
+      ->check(CLI::IsMember({"bilinear_nearest", "bilinear4", "mean", "min", "max", "median"}));
   app.add_flag("--other-terrain", o.other_terrain, "Allow a --terrain that is not the one that was scanned");
   app.add_flag("--corrected", o.corrected,
                "Also write z_corrected: z_est carried along the local slope to the bin's centre");
@@ -77,6 +82,7 @@ nlohmann::json config_of(const cli::Session& session, const Options& o) {
   if (!o.truth_at.empty()) config["truth_at"] = o.truth_at;
   if (o.range_sigma_m) config["uncertainty"]["range_sigma_m"] = *o.range_sigma_m;
   for (const std::string& sigma : o.navigation_sigmas) add_navigation_sigma(config, sigma);
+  if (!o.method.empty()) config["method"] = o.method;
   return config;
 }
 
@@ -86,6 +92,13 @@ nlohmann::json content_options(const Options& o) {
   if (o.corrected) options["corrected"] = true;
   if (o.uncertainty) options["uncertainty"] = true;
   return options;
+}
+
+RegridConfig checked_config(const cli::Session& session, const Options& o) {
+  const RegridConfig config = regrid_config(config_of(session, o), session.config_name());
+  if ((o.uncertainty || o.corrected) && config.method != Method::bilinear_nearest)
+    throw UsageError("--uncertainty and --corrected need the method bilinear_nearest");
+  return config;
 }
 
 /// True where the scan's history names a terrain, and it is another one.
@@ -153,14 +166,23 @@ std::vector<Batch> batches(const Inputs& inputs) {
   return result;
 }
 
-/// The sums of every bin; the moments only for --uncertainty.
+/// What is gathered: the map, and for --uncertainty the second moments of its bins.
 struct Sums {
-  BinAccumulator bins;
+  std::unique_ptr<Accumulator> bins;
+  const BinAccumulator* nearest = nullptr;  ///< the same bins, where the method is bilinear_nearest
   std::optional<MomentAccumulator> moments;
 };
 
+Sums make_sums(const RegridConfig& config, const Options& o) {
+  Sums sums{make_accumulator(config.method, config.grid), nullptr, {}};
+  if (config.method == Method::bilinear_nearest)
+    sums.nearest = dynamic_cast<const BinAccumulator*>(sums.bins.get());
+  if (o.uncertainty) sums.moments.emplace(config.grid);
+  return sums;
+}
+
 /// Bins a batch while the next one is read.
-void grid_scans(const Inputs& inputs, Sums& sums, const ProgressCallback& progress) {
+void grid_pass(const Inputs& inputs, Sums& sums, const ProgressCallback& progress) {
   const std::vector<Batch> todo = batches(inputs);
   std::array<ScanPoints, 2> slots;
   read_ahead(
@@ -169,10 +191,15 @@ void grid_scans(const Inputs& inputs, Sums& sums, const ProgressCallback& progre
       [&](std::size_t i, std::size_t slot) {
         const ScanPoints& p = slots[slot];
         const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
-        sums.bins.add(points, static_cast<std::int64_t>(todo[i].begin));
-        if (sums.moments) sums.moments->add(points, sums.bins);
-        report(progress, static_cast<double>(i + 1) / static_cast<double>(todo.size()));
+        sums.bins->add(points, static_cast<std::int64_t>(todo[i].begin));
+        if (sums.moments) sums.moments->add(points, *sums.nearest);
+        report(progress, sums.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
       });
+}
+
+void grid_scans(const Inputs& inputs, Sums& sums, const ProgressCallback& progress) {
+  do grid_pass(inputs, sums, progress);
+  while (sums.bins->end_pass());
 }
 
 /// What the layers of --corrected and --uncertainty are made from.
@@ -184,18 +211,18 @@ struct ErrorMaps {
 void make_error_maps(cli::Session& session, const Options& o, const Inputs& inputs, const Sums& sums,
                      ErrorMaps& maps) {
   if (!o.uncertainty && !o.corrected) return;
-  session.phase("slope",
-                [&](const ProgressCallback& progress) { maps.slopes = slope_layer(sums.bins, progress); });
+  session.phase(
+      "slope", [&](const ProgressCallback& progress) { maps.slopes = slope_layer(*sums.nearest, progress); });
   if (!o.uncertainty) return;
   session.phase("uncertainty", [&](const ProgressCallback& progress) {
-    maps.uncertainty.emplace(sums.bins, *sums.moments, maps.slopes, *inputs.poses, *inputs.uncertainty,
+    maps.uncertainty.emplace(*sums.nearest, *sums.moments, maps.slopes, *inputs.poses, *inputs.uncertainty,
                              progress);
   });
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.scans.empty()) throw UsageError("a scan to grid is required");
-  const RegridConfig config = regrid_config(config_of(session, o), session.config_name());
+  const RegridConfig config = checked_config(session, o);
   std::vector<std::string> inputs_named = o.scans;
   inputs_named.push_back(o.terrain);
   const OutputOptions output = session.output(inputs_named);
@@ -204,18 +231,17 @@ ExitCode run(cli::Session& session, const Options& o) {
                      o.uncertainty, o.corrected};
   check_layers(request);
   LandfallFileWriter file(output, "dem", inputs.provenance);
-  Sums sums{BinAccumulator(config.grid), {}};
-  if (o.uncertainty) sums.moments.emplace(config.grid);
+  Sums sums = make_sums(config, o);
   session.phase("grid", [&](const ProgressCallback& progress) { grid_scans(inputs, sums, progress); });
   ErrorMaps maps;
   make_error_maps(session, o, inputs, sums, maps);
   request.slopes = &maps.slopes;
   request.uncertainty_map = maps.uncertainty ? &*maps.uncertainty : nullptr;
   session.phase("write", [&](const ProgressCallback& progress) {
-    write_dem(file, sums.bins, request, inputs.scans.front()->crs_wkt(), progress);
+    write_dem(file, *sums.bins, request, inputs.scans.front()->crs_wkt(), progress);
   });
-  session.count("inside_count", sums.bins.inside_count());
-  session.count("outside_count", sums.bins.outside_count());
+  session.count("inside_count", sums.bins->inside_count());
+  session.count("outside_count", sums.bins->outside_count());
   return ExitCode::done;
 }
 
@@ -232,9 +258,7 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "regrid";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = [&](const cli::Session& s) {
-    static_cast<void>(regrid_config(config_of(s, options), s.config_name()));
-  };
+  tool.check = [&](const cli::Session& session) { static_cast<void>(checked_config(session, options)); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);
 }

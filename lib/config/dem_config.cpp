@@ -1,15 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/dem_config.h"
 
+#include <map>
+
 #include "base/error.h"
 
 namespace landfall {
+
+namespace {
+
+Method method_of(const std::string& name) {
+  using enum Method;
+  static const std::map<std::string, Method> kMethods = {{"bilinear_nearest", bilinear_nearest},
+                                                         {"bilinear4", bilinear4},
+                                                         {"mean", mean},
+                                                         {"min", min},
+                                                         {"max", max},
+                                                         {"median", median}};
+  return kMethods.at(name);
+}
+
+}  // namespace
 
 RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name) {
   RegridConfig config;
   config.grid = GridSpec::centered(resolved.at("half_width_m").get<double>(),
                                    resolved.at("resolution_m").get<double>(), (name + ": /").c_str());
   config.truth_at = resolved.at("truth_at") == "centroid" ? TruthAt::centroid : TruthAt::bin_center;
+  config.method = method_of(resolved.at("method").get<std::string>());
   return config;
 }
 

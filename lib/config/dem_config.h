@@ -7,6 +7,7 @@
 
 #include "evaluation/parameters.h"
 #include "gridding/layers.h"
+#include "gridding/method.h"
 #include "raster/grid_spec.h"
 
 namespace landfall {
@@ -15,6 +16,7 @@ namespace landfall {
 struct RegridConfig {
   GridSpec grid;
   TruthAt truth_at = TruthAt::bin_center;
+  Method method = Method::bilinear_nearest;
 };
 
 [[nodiscard]] RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name);

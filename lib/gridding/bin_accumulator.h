@@ -6,13 +6,12 @@
 #include <span>
 
 #include "base/zeroed_memory.h"
-#include "gridding/grid_points.h"
-#include "gridding/row_partition.h"
-#include "raster/grid_spec.h"
+#include "gridding/accumulator.h"
+#include "gridding/nearest_bins.h"
 
 namespace landfall {
 
-/// What a bin remembers of its returns: all that the layers of layers.h need. Zero bytes are an empty bin.
+/// What a bin remembers of its returns: all that BinValues need. Zero bytes are an empty bin.
 struct BinSums {
   double weight;    ///< sum w
   double z_first;   ///< z_est of the bin's first return, m; the next two sums are relative to it
@@ -26,7 +25,14 @@ struct BinSums {
   std::int32_t count;
 };
 
-/// Weighted sums per bin: the DEM construction of Chen et al., Eqs. 8-9 (`bilinear_nearest`).
+/// The values that the sums stand for: weighted means, and z_est exact where all elevations are equal.
+[[nodiscard]] BinValues values_of(const BinSums& sums);
+
+/// Adds one return to its bin.
+void add_return(const GridPoints& points, std::size_t i, double weight, BinSums& bin);
+
+/// Weighted sums per bin: the DEM construction of Chen et al., Eqs. 8-9 (`bilinear_nearest`), and the same
+/// without weights (`mean`).
 ///
 /// A return lands in one bin, the one whose centre is nearest in x and in y by its estimated position
 /// (GridSpec::bin_of); it never spreads to neighbours. Its weight is w = (1 - p)(1 - q), p = |x_est - X|/s, q
@@ -36,35 +42,21 @@ struct BinSums {
 /// Sums are in double and each bin adds its returns in the order they came in: the same bits at any number of
 /// threads and for any cutting into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched
 /// until a return falls on them, and 8 bytes per point of at most 4 M points at a time.
-///
-/// Another method (a splat to four bins, a median, ...) is another accumulator beside this one: it takes the
-/// same GridPoints through RowPartition and offers its own layers.
-class BinAccumulator {
+class BinAccumulator final : public Accumulator {
  public:
-  /// Throws UsageError unless the resolution is finite and positive and rows and columns are at least 1.
-  explicit BinAccumulator(const GridSpec& spec);
+  enum class Weights { bilinear, equal };
+  explicit BinAccumulator(const GridSpec& spec, Weights weights = Weights::bilinear);
 
-  /// Adds returns; those outside the grid are counted, not an error. Throws FormatError, naming the first row
-  /// and its column, if any of the seven coordinates is not finite; rows are numbered from first_row_number.
-  /// What the batch added before is then unspecified.
-  void add(const GridPoints& points, std::int64_t first_row_number);
+  void add(const GridPoints& points, std::int64_t first_row_number) override;
+  void values(BinIndex first, std::span<BinValues> out) const override;
 
-  [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// Row-major, y ascending.
   [[nodiscard]] std::span<const BinSums> bins() const { return bins_.values(); }
-  /// Returns in bins, and returns in none.
-  [[nodiscard]] std::int64_t inside_count() const { return inside_count_; }
-  [[nodiscard]] std::int64_t outside_count() const { return outside_count_; }
 
  private:
-  void add_piece(const GridPoints& points);
-  void add_point(const GridPoints& points, std::size_t i);
-
-  GridSpec spec_;
+  Weights weights_;
   ZeroedArray<BinSums> bins_;
-  RowPartition partition_;
-  std::int64_t inside_count_ = 0;
-  std::int64_t outside_count_ = 0;
+  NearestBins nearest_;
 };
 
 }  // namespace landfall

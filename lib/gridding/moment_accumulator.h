@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdlib>
-#include <memory>
 #include <span>
 
+#include "base/zeroed_memory.h"
 #include "gridding/bin_accumulator.h"
+#include "gridding/nearest_bins.h"
 
 namespace landfall {
 
@@ -33,18 +33,12 @@ class MomentAccumulator {
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// Row-major, y ascending.
-  [[nodiscard]] std::span<const BinMoments> bins() const { return {moments_.get(), spec_.size()}; }
+  [[nodiscard]] std::span<const BinMoments> bins() const { return moments_.values(); }
 
  private:
-  struct Free {
-    void operator()(BinMoments* moments) const { std::free(moments); }
-  };
-
-  void add_point(const GridPoints& points, std::size_t i, const BinAccumulator& bins);
-
   GridSpec spec_;
-  std::unique_ptr<BinMoments[], Free> moments_;
-  RowPartition partition_;
+  ZeroedArray<BinMoments> moments_;
+  NearestBins nearest_;
 };
 
 }  // namespace landfall

@@ -10,7 +10,7 @@ namespace {
 
 // A band of a 2001-column grid is 1.3 MB of sums, which a core's own cache holds; a scan that sweeps down the
 // map still meets several bands in each batch.
-constexpr std::int64_t kRowsPerBand = 8;
+constexpr std::int32_t kRowsPerBand = 8;
 constexpr std::size_t kPointsPerPiece = 1U << 16U;
 
 }  // namespace
@@ -20,26 +20,36 @@ RowPartition::RowPartition(const GridSpec& spec)
       band_count_(static_cast<std::size_t>((spec.rows + kRowsPerBand - 1) / kRowsPerBand)),
       band_begins_(band_count_ + 2, 0) {}
 
-void RowPartition::assign(std::span<const double> x_m, std::span<const double> y_m) {
-  assert(x_m.size() == y_m.size() && x_m.size() <= kMaxPoints);
-  const std::size_t pieces = (x_m.size() + kPointsPerPiece - 1) / kPointsPerPiece;
-  band_of_point_.resize(x_m.size());
-  order_.resize(x_m.size());
+void RowPartition::assign(std::size_t count, const FindRows& find_rows) {
+  assert(count <= kMaxPoints);
+  const std::size_t pieces = (count + kPointsPerPiece - 1) / kPointsPerPiece;
+  band_of_point_.resize(count);
+  order_.resize(count);
   starts_.assign(pieces * (band_count_ + 1), 0);
-  find_bands(x_m, y_m);
+  find_bands(find_rows);
   turn_counts_into_starts(pieces);
   scatter();
 }
 
-void RowPartition::find_bands(std::span<const double> x_m, std::span<const double> y_m) {
-  parallel_for(x_m.size(), kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::uint32_t* const counts = &starts_[slot(begin / kPointsPerPiece, 0)];
+void RowPartition::assign(std::span<const double> x_m, std::span<const double> y_m) {
+  assert(x_m.size() == y_m.size());
+  assign(x_m.size(), [&](std::size_t begin, std::size_t end, std::int32_t* rows) {
     for (std::size_t i = begin; i < end; ++i) {
       const BinIndex bin = spec_.bin_of(x_m[i], y_m[i]);
-      const std::size_t band =
-          spec_.contains(bin) ? static_cast<std::size_t>(bin.row / kRowsPerBand) : band_count_;
-      band_of_point_[i] = static_cast<std::uint32_t>(band);
-      ++counts[band];
+      rows[i - begin] = spec_.contains(bin) ? static_cast<std::int32_t>(bin.row) : -1;
+    }
+  });
+}
+
+void RowPartition::find_bands(const FindRows& find_rows) {
+  parallel_for(band_of_point_.size(), kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t* const counts = &starts_[slot(begin / kPointsPerPiece, 0)];
+    find_rows(begin, end, &band_of_point_[begin]);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int32_t row = band_of_point_[i];
+      const bool inside = row >= 0 && row < spec_.rows;
+      band_of_point_[i] = inside ? row / kRowsPerBand : static_cast<std::int32_t>(band_count_);
+      ++counts[static_cast<std::size_t>(band_of_point_[i])];
     }
   });
 }
@@ -61,14 +71,12 @@ void RowPartition::scatter() {
   parallel_for(band_of_point_.size(), kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
     std::uint32_t* const starts = &starts_[slot(begin / kPointsPerPiece, 0)];
     for (std::size_t i = begin; i < end; ++i)
-      order_[starts[band_of_point_[i]]++] = static_cast<std::uint32_t>(i);
+      order_[starts[static_cast<std::size_t>(band_of_point_[i])]++] = static_cast<std::uint32_t>(i);
   });
 }
 
 std::span<const std::uint32_t> RowPartition::points_of_band(std::size_t band) const {
   return std::span(order_).subspan(band_begins_[band], band_begins_[band + 1] - band_begins_[band]);
 }
-
-std::size_t RowPartition::outside_count() const { return points_of_band(band_count_).size(); }
 
 }  // namespace landfall

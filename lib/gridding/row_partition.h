@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -21,17 +22,23 @@ class RowPartition {
 
   [[nodiscard]] std::size_t band_count() const { return band_count_; }
 
-  /// Sorts the points anew; x and y, metres, have one length <= kMaxPoints. 8 bytes per point, kept for the
-  /// next batch.
+  /// Writes the rows of points [begin, end) to rows[0], rows[1], ..., any number outside the grid for a point
+  /// that belongs to no row. Called for several pieces at once.
+  using FindRows = std::function<void(std::size_t begin, std::size_t end, std::int32_t* rows)>;
+  /// Sorts `count` <= kMaxPoints points anew. 8 bytes per point, kept for the next batch.
+  void assign(std::size_t count, const FindRows& find_rows);
+
+  /// The same by the bin in which a point lies; x and y, metres, have one length.
   void assign(std::span<const double> x_m, std::span<const double> y_m);
 
-  /// The numbers of the points whose bin lies in the band, ascending.
+  /// The numbers of the points of the band's rows, ascending.
   [[nodiscard]] std::span<const std::uint32_t> points_of_band(std::size_t band) const;
-  /// How many points lie in no bin.
-  [[nodiscard]] std::size_t outside_count() const;
+  /// The points that belong to no row.
+  [[nodiscard]] std::span<const std::uint32_t> outside_points() const { return points_of_band(band_count_); }
+  [[nodiscard]] std::size_t outside_count() const { return outside_points().size(); }
 
  private:
-  void find_bands(std::span<const double> x_m, std::span<const double> y_m);
+  void find_bands(const FindRows& find_rows);
   void turn_counts_into_starts(std::size_t pieces);
   void scatter();
   [[nodiscard]] std::size_t slot(std::size_t piece, std::size_t band) const {
@@ -40,8 +47,8 @@ class RowPartition {
 
   GridSpec spec_;
   std::size_t band_count_;
-  std::vector<std::uint32_t> band_of_point_;  ///< band_count_ if outside
-  std::vector<std::uint32_t> starts_;         ///< per piece and band: first its count, then where it writes
+  std::vector<std::int32_t> band_of_point_;  ///< band_count_ if outside
+  std::vector<std::uint32_t> starts_;        ///< per piece and band: first its count, then where it writes
   std::vector<std::uint32_t> band_begins_;
   std::vector<std::uint32_t> order_;
 };

@@ -105,17 +105,9 @@ Grid<Slope> slope_layer(const BinAccumulator& bins, const ProgressCallback& prog
   return slopes;
 }
 
-Grid<float> z_corrected_layer(const BinAccumulator& bins, const Grid<Slope>& slopes) {
-  const GridSpec& spec = bins.spec();
-  Grid<float> corrected(spec, std::numeric_limits<float>::quiet_NaN());
-  for_each_filled_bin(bins, [&](BinIndex bin, const BinSums& sums) {
-    const Slope g = slopes.at(bin);
-    const double x_offset = sums.w_x_est / sums.weight - spec.x(bin.col);
-    const double y_offset = sums.w_y_est / sums.weight - spec.y(bin.row);
-    corrected.at(bin) = static_cast<float>(sums.z_first + sums.w_dz / sums.weight -
-                                           (double{g.x} * x_offset + double{g.y} * y_offset));
-  });
-  return corrected;
+double corrected_elevation(const BinValues& values, const GridSpec& spec, BinIndex bin, const Slope& slope) {
+  return values.z_est - (double{slope.x} * (values.x_est - spec.x(bin.col)) +
+                         double{slope.y} * (values.y_est - spec.y(bin.row)));
 }
 
 }  // namespace landfall

@@ -28,6 +28,7 @@ struct Slope {
 /// z_est - g . D: z_est carried along the slope g from the centroid of the bin's returns to the bin's centre;
 /// D = (mean x_est - X, mean y_est - Y). On a plane it removes the error of quantisation (Eq. 13) altogether.
 /// NaN where z_est or the slope is.
-[[nodiscard]] Grid<float> z_corrected_layer(const BinAccumulator& bins, const Grid<Slope>& slopes);
+[[nodiscard]] double corrected_elevation(const BinValues& values, const GridSpec& spec, BinIndex bin,
+                                         const Slope& slope);
 
 }  // namespace landfall

@@ -181,29 +181,34 @@ double UncertaintyMap::horizontal_variance(BinIndex bin) const {
              2;
 }
 
-template <class Variance>
-Grid<float> UncertaintyMap::sigma_layer(Variance variance) const {
-  return filled_bins(bins_, [&](BinIndex bin) { return std::sqrt(variance(variances(bin))); });
+bool UncertaintyMap::is_empty(BinIndex bin) const { return bins_.bins()[bins_.spec().index(bin)].count == 0; }
+
+double UncertaintyMap::z_sigma_abs(BinIndex bin) const {
+  if (is_empty(bin)) return kNan;
+  const BinVariances v = variances(bin);
+  return std::sqrt(v.range + v.quant + v.rough + v.navigation);
 }
 
-Grid<float> UncertaintyMap::z_sigma_abs_layer() const {
-  return sigma_layer([](const BinVariances& v) { return v.range + v.quant + v.rough + v.navigation; });
+double UncertaintyMap::z_sigma_rel(BinIndex bin) const {
+  if (is_empty(bin)) return kNan;
+  const BinVariances v = variances(bin);
+  return std::sqrt(v.range + v.quant + v.rough);
 }
 
-Grid<float> UncertaintyMap::z_sigma_rel_layer() const {
-  return sigma_layer([](const BinVariances& v) { return v.range + v.quant + v.rough; });
+double UncertaintyMap::z_corrected_sigma_abs(BinIndex bin) const {
+  if (is_empty(bin)) return kNan;
+  const BinVariances v = variances(bin);
+  return std::sqrt(v.range + v.rough + v.navigation);
 }
 
-Grid<float> UncertaintyMap::z_corrected_sigma_abs_layer() const {
-  return sigma_layer([](const BinVariances& v) { return v.range + v.rough + v.navigation; });
+double UncertaintyMap::z_corrected_sigma_rel(BinIndex bin) const {
+  if (is_empty(bin)) return kNan;
+  const BinVariances v = variances(bin);
+  return std::sqrt(v.range + v.rough);
 }
 
-Grid<float> UncertaintyMap::z_corrected_sigma_rel_layer() const {
-  return sigma_layer([](const BinVariances& v) { return v.range + v.rough; });
-}
-
-Grid<float> UncertaintyMap::xy_sigma_layer() const {
-  return filled_bins(bins_, [&](BinIndex bin) { return std::sqrt(horizontal_variance(bin)); });
+double UncertaintyMap::xy_sigma(BinIndex bin) const {
+  return is_empty(bin) ? kNan : std::sqrt(horizontal_variance(bin));
 }
 
 }  // namespace landfall

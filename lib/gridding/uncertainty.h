@@ -68,16 +68,18 @@ class UncertaintyMap {
   /// The bin must hold a return.
   [[nodiscard]] BinVariances variances(BinIndex bin) const;
 
+  // One sigma, metres; NaN in an empty bin.
+
   /// sqrt(range + quant + rough + navigation) and sqrt(range + quant + rough): navigation moves a whole
   /// footprint alike.
-  [[nodiscard]] Grid<float> z_sigma_abs_layer() const;
-  [[nodiscard]] Grid<float> z_sigma_rel_layer() const;
+  [[nodiscard]] double z_sigma_abs(BinIndex bin) const;
+  [[nodiscard]] double z_sigma_rel(BinIndex bin) const;
   /// The same of z_corrected: without quant.
-  [[nodiscard]] Grid<float> z_corrected_sigma_abs_layer() const;
-  [[nodiscard]] Grid<float> z_corrected_sigma_rel_layer() const;
+  [[nodiscard]] double z_corrected_sigma_abs(BinIndex bin) const;
+  [[nodiscard]] double z_corrected_sigma_rel(BinIndex bin) const;
   /// Of the horizontal error x_true - X along one axis: the root of the mean of the variances in x and in y,
   /// each s^2 k(N) / N + sigma_r^2 n_x^2 sum w_k^2 + navigation with J = (1, 0, 0). It needs no slope.
-  [[nodiscard]] Grid<float> xy_sigma_layer() const;
+  [[nodiscard]] double xy_sigma(BinIndex bin) const;
 
  private:
   struct Sight;
@@ -87,8 +89,7 @@ class UncertaintyMap {
   [[nodiscard]] double navigation_variance(const Sight& sight, const Eigen::Vector3d& J) const;
   [[nodiscard]] double horizontal_variance(BinIndex bin) const;
   [[nodiscard]] Grid<float> roughness(const ProgressCallback& progress) const;
-  template <class Variance>
-  [[nodiscard]] Grid<float> sigma_layer(Variance variance) const;
+  [[nodiscard]] bool is_empty(BinIndex bin) const;
 
   const BinAccumulator& bins_;
   const MomentAccumulator& moments_;

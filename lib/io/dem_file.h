@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "gridding/bin_accumulator.h"
+#include "gridding/accumulator.h"
 #include "gridding/layers.h"
 #include "gridding/uncertainty.h"
 #include "io/landfall_file.h"
@@ -32,8 +32,8 @@ struct DemRequest {
 /// terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
 void check_layers(const DemRequest& request);
 
-/// Writes dem.h5 (SPEC sections 5 and 8), one layer in memory at a time, and commits.
-void write_dem(LandfallFileWriter& file, const BinAccumulator& bins, const DemRequest& request,
+/// Writes dem.h5 (SPEC sections 5 and 8), tile by tile, and commits.
+void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemRequest& request,
                const std::string& crs_wkt, const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -55,8 +55,10 @@ struct GridSpec {
  private:
   [[nodiscard]] std::int64_t nearest(double coordinate_m) const {
     constexpr double kLimit = 0x1p61;
-    const double bin = std::floor(coordinate_m / resolution_m + 0.5);
-    return bin > -kLimit && bin < kLimit ? static_cast<std::int64_t>(bin) : INT64_MIN / 2;
+    const double bin = coordinate_m / resolution_m + 0.5;
+    if (!(bin > -kLimit && bin < kLimit)) return INT64_MIN / 2;
+    const auto cut = static_cast<std::int64_t>(bin);  // std::floor is a call where the processor is not known
+    return cut - (static_cast<double>(cut) > bin ? 1 : 0);
   }
 };
 

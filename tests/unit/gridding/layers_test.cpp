@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "map_layers.h"
 #include "point_columns.h"
 #include "terrain/triangulated_grid.h"
 

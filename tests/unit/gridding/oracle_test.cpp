@@ -12,7 +12,7 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "gridding/layers.h"
+#include "map_layers.h"
 #include "point_columns.h"
 
 namespace landfall {

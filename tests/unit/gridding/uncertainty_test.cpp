@@ -123,12 +123,10 @@ TEST(Uncertainty, PositionAndVelocityByHand) {
       kG.x() * kG.x() * (0.01 + 4 * 1e-4) + kG.y() * kG.y() * (0.04 + 4 * 4e-4) + (0.09 + 4 * 16e-4);
   EXPECT_NEAR(scene.map->variances(kMiddle).navigation, expected, 1e-7);
   const BinVariances v = scene.map->variances(kMiddle);
-  EXPECT_FLOAT_EQ(scene.map->z_sigma_abs_layer().at(kMiddle),
-                  static_cast<float>(std::sqrt(v.range + v.quant + v.rough + v.navigation)));
-  EXPECT_FLOAT_EQ(scene.map->z_sigma_rel_layer().at(kMiddle), static_cast<float>(std::sqrt(v.quant)));
-  EXPECT_FLOAT_EQ(scene.map->z_corrected_sigma_abs_layer().at(kMiddle),
-                  static_cast<float>(std::sqrt(v.navigation)));
-  EXPECT_EQ(scene.map->z_corrected_sigma_rel_layer().at(kMiddle), 0);
+  EXPECT_DOUBLE_EQ(scene.map->z_sigma_abs(kMiddle), std::sqrt(v.range + v.quant + v.rough + v.navigation));
+  EXPECT_DOUBLE_EQ(scene.map->z_sigma_rel(kMiddle), std::sqrt(v.quant));
+  EXPECT_DOUBLE_EQ(scene.map->z_corrected_sigma_abs(kMiddle), std::sqrt(v.navigation));
+  EXPECT_EQ(scene.map->z_corrected_sigma_rel(kMiddle), 0);
 }
 
 // r = (0.25, 0, z - 101) at the eastern edge, J = (-g_x, -g_y, 1): a = r x J = (r_y - r_z J_y, r_z J_x - r_x,
@@ -145,8 +143,7 @@ TEST(Uncertainty, AttitudeByHand) {
   NavigationSigma turn;
   turn.rpy_rad = {1e-3, 0, 0};
   // A body turned by 90 degrees rolls about D's y axis.
-  const Scene turned(centred_returns(), {.navigation = turn}, {0, 0, 101},
-                     {0, 0, std::numbers::pi / 2});
+  const Scene turned(centred_returns(), {.navigation = turn}, {0, 0, 101}, {0, 0, std::numbers::pi / 2});
   EXPECT_NEAR(turned.map->variances({5, 10}).navigation / (1e-6 * a_y * a_y), 1, 1e-5);
 }
 
@@ -183,14 +180,13 @@ TEST(Uncertainty, NavigationAgainstDrawnErrors) {
   }
   EXPECT_NEAR(scene.map->variances(kMiddle).navigation / (e_z / kDraws), 1, 0.05);
   const double quant = kStep * kStep / 12;
-  const double xy = scene.map->xy_sigma_layer().at(kMiddle);
+  const double xy = scene.map->xy_sigma(kMiddle);
   EXPECT_NEAR((xy * xy - quant) / (e_xy / kDraws), 1, 0.05);
 }
 
 TEST(Uncertainty, HorizontalByHand) {
   const Scene scene(centred_returns(), {.range_sigma_m = 0.5}, {3, 0, 5});  // n_x = -0.6, n_y = 0
-  EXPECT_FLOAT_EQ(scene.map->xy_sigma_layer().at(kMiddle),
-                  static_cast<float>(std::sqrt(kStep * kStep / 12 + 0.25 * 0.36 / 2)));
+  EXPECT_DOUBLE_EQ(scene.map->xy_sigma(kMiddle), std::sqrt(kStep * kStep / 12 + 0.25 * 0.36 / 2));
 }
 
 // Noise in the middle bin, 4 returns at fixed places, seen obliquely: the variance of z_est - plane over
@@ -261,12 +257,12 @@ TEST(Uncertainty, SingleReturnsTellNoRoughness) {
 
 TEST(Uncertainty, NanWhereEmptyOrWithoutSlope) {
   const Scene scene({on_plane(0, 0, 3)}, {.range_sigma_m = 0.02});
-  for (const auto& layer :
-       {scene.map->z_sigma_abs_layer(), scene.map->z_sigma_rel_layer(),
-        scene.map->z_corrected_sigma_abs_layer(), scene.map->z_corrected_sigma_rel_layer()})
-    for (const float value : layer.values()) EXPECT_TRUE(std::isnan(value));
-  EXPECT_FALSE(std::isnan(scene.map->xy_sigma_layer().at(kMiddle)));
-  EXPECT_TRUE(std::isnan(scene.map->xy_sigma_layer().at({0, 0})));
+  for (const BinIndex bin : {kMiddle, BinIndex{0, 0}})
+    for (const double value : {scene.map->z_sigma_abs(bin), scene.map->z_sigma_rel(bin),
+                               scene.map->z_corrected_sigma_abs(bin), scene.map->z_corrected_sigma_rel(bin)})
+      EXPECT_TRUE(std::isnan(value));
+  EXPECT_FALSE(std::isnan(scene.map->xy_sigma(kMiddle)));
+  EXPECT_TRUE(std::isnan(scene.map->xy_sigma({0, 0})));
 }
 
 TEST(Uncertainty, RefusesSigmasThatAreNone) {

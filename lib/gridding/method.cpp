@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/method.h"
+
+#include <stdexcept>
+
+#include "gridding/bin_accumulator.h"
+#include "gridding/extreme_accumulator.h"
+#include "gridding/median_accumulator.h"
+#include "gridding/splat_accumulator.h"
+
+namespace landfall {
+
+std::unique_ptr<Accumulator> make_accumulator(Method method, const GridSpec& spec) {
+  using enum Method;
+  switch (method) {
+    case bilinear_nearest:
+      return std::make_unique<BinAccumulator>(spec, BinAccumulator::Weights::bilinear);
+    case bilinear4:
+      return std::make_unique<SplatAccumulator>(spec);
+    case mean:
+      return std::make_unique<BinAccumulator>(spec, BinAccumulator::Weights::equal);
+    case min:
+      return std::make_unique<ExtremeAccumulator>(spec, ExtremeAccumulator::Which::lowest);
+    case max:
+      return std::make_unique<ExtremeAccumulator>(spec, ExtremeAccumulator::Which::highest);
+    case median:
+      return std::make_unique<MedianAccumulator>(spec);
+  }
+  throw std::logic_error("no such method");
+}
+
+}  // namespace landfall

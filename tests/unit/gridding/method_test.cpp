@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every method against a slow, obvious one, and against itself at other thread counts and batch sizes.
+#include "gridding/method.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "gridding/median_accumulator.h"
+#include "map_layers.h"
+#include "point_columns.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Method kMethods[] = {
+    Method::bilinear_nearest, Method::bilinear4, Method::mean, Method::min, Method::max, Method::median};
+
+// Random returns, some outside the grid, some on edges and centres, elevations often equal.
+std::vector<ReturnPoint> random_points(const GridSpec& spec, std::size_t count) {
+  const char* const given = std::getenv("LANDFALL_TEST_SEED");
+  const std::uint64_t seed = given == nullptr ? 20261121U : std::stoull(given);
+  std::cout << "LANDFALL_TEST_SEED=" << seed << '\n';
+  std::mt19937_64 random(seed);
+  const double reach = spec.x(spec.cols - 1) * 1.2;
+  std::uniform_real_distribution<double> coordinate(-reach, reach);
+  std::uniform_int_distribution<int> step(0, 12);
+  std::vector<ReturnPoint> points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    ReturnPoint& p = points[i];
+    p.x_est = coordinate(random);
+    p.y_est = coordinate(random);
+    if (i % 10 == 0) p.x_est = std::round(p.x_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
+    if (i % 15 == 0) p.y_est = std::round(p.y_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
+    p.z_est = 100 + 0.25 * step(random);
+    p.x_true = p.x_est + 0.01 * step(random);
+    p.y_true = p.y_est - 0.01 * step(random);
+    p.t = static_cast<double>(i) * 1e-3;
+  }
+  return points;
+}
+
+struct Member {
+  ReturnPoint point;
+  double weight;
+};
+using Members = std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Member>>;
+
+/// Which returns each bin sees, by trying every bin for every return.
+Members members_of(Method method, const GridSpec& spec, const std::vector<ReturnPoint>& points) {
+  Members members;
+  const double s = spec.resolution_m;
+  for (const ReturnPoint& p : points)
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const double u = p.x_est / s - static_cast<double>(spec.first_col + col);
+        const double v = p.y_est / s - static_cast<double>(spec.first_row + row);
+        const double weight = (1 - std::abs(u)) * (1 - std::abs(v));
+        const bool nearest = u >= -0.5 && u < 0.5 && v >= -0.5 && v < 0.5;
+        const bool around = std::abs(u) < 1 && std::abs(v) < 1;
+        if (method == Method::bilinear4 ? around : nearest)
+          members[{row, col}].push_back(
+              {p, method == Method::bilinear4 || method == Method::bilinear_nearest ? weight : 1.0});
+      }
+  return members;
+}
+
+/// The returns whose values stand for the bin, with their weights.
+std::vector<Member> chosen(Method method, std::vector<Member> in) {
+  if (method != Method::min && method != Method::max && method != Method::median) return in;
+  std::ranges::stable_sort(in, {}, [](const Member& m) { return m.point.z_est; });
+  if (method == Method::min) return {in.front()};
+  if (method == Method::max)
+    return {*std::ranges::find(in, in.back().point.z_est, [](const Member& m) { return m.point.z_est; })};
+  return {in[(in.size() - 1) / 2], in[in.size() / 2]};
+}
+
+template <class Value>
+double mean(const std::vector<Member>& members, Value value) {
+  double sum = 0;
+  double weights = 0;
+  for (const Member& m : members) {
+    sum += m.weight * value(m.point);
+    weights += m.weight;
+  }
+  return sum / weights;
+}
+
+std::unique_ptr<Accumulator> gathered(std::unique_ptr<Accumulator> map, const GridPoints& points,
+                                      std::size_t batch) {
+  do {
+    for (std::size_t first = 0; first < points.size(); first += batch)
+      map->add(points.subset(first, std::min(batch, points.size() - first)),
+               static_cast<std::int64_t>(first));
+  } while (map->end_pass());
+  return map;
+}
+
+void expect_values(const BinValues& found, const std::vector<Member>& all, Method method) {
+  const std::vector<Member> members = chosen(method, all);
+  const auto expected = [&](auto value) { return mean(members, value); };
+  EXPECT_EQ(found.count, static_cast<std::int32_t>(all.size()));
+  EXPECT_NEAR(found.weight_sum,
+              std::accumulate(all.begin(), all.end(), 0.0,
+                              [](double sum, const Member& m) { return sum + m.weight; }),
+              1e-11);
+  EXPECT_NEAR(found.z_est, expected([](const ReturnPoint& p) { return p.z_est; }), 1e-11);
+  EXPECT_NEAR(found.x_true, expected([](const ReturnPoint& p) { return p.x_true; }), 1e-11);
+  EXPECT_NEAR(found.y_true, expected([](const ReturnPoint& p) { return p.y_true; }), 1e-11);
+  EXPECT_NEAR(found.x_est, expected([](const ReturnPoint& p) { return p.x_est; }), 1e-11);
+  EXPECT_NEAR(found.y_est, expected([](const ReturnPoint& p) { return p.y_est; }), 1e-11);
+  EXPECT_NEAR(found.x_offset, found.x_true - found.x_est, 1e-11);
+  EXPECT_NEAR(found.y_offset, found.y_true - found.y_est, 1e-11);
+  EXPECT_NEAR(found.t, expected([](const ReturnPoint& p) { return p.t; }), 1e-11);
+  const double z = mean(all, [](const ReturnPoint& p) { return p.z_est; });
+  const double variance = mean(all, [=](const ReturnPoint& p) { return (p.z_est - z) * (p.z_est - z); });
+  EXPECT_NEAR(found.z_spread, std::sqrt(variance), 1e-6);
+}
+
+class Methods : public testing::TestWithParam<Method> {};
+
+TEST_P(Methods, AgreesWithTheSlowOne) {
+  const GridSpec spec = GridSpec::centered(2, 0.25);
+  const std::vector<ReturnPoint> points = random_points(spec, 400);
+  const PointColumns columns(points);
+  const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 100);
+  const Members members = members_of(GetParam(), spec, points);
+  ASSERT_LT(members.size(), spec.size());  // some bins are empty
+  const std::vector<BinValues> values = all_values(*map);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const auto found = members.find({row, col});
+      const BinValues& value = values[spec.index({row, col})];
+      if (found == members.end()) {
+        EXPECT_EQ(value.count, 0);
+        EXPECT_TRUE(std::isnan(value.z_est) && std::isnan(value.weight_sum) && std::isnan(value.z_spread));
+      } else {
+        expect_values(value, found->second, GetParam());
+      }
+    }
+}
+
+TEST_P(Methods, EveryReturnIsCountedOnceInsideOrOutside) {
+  const GridSpec spec = GridSpec::centered(1, 0.5);
+  std::vector<ReturnPoint> points = {
+      {.x_est = 0.1},  {.x_est = 1.3}, {.x_est = 1.5}, {.y_est = -1.6}, {.x_est = -1.4, .y_est = 1.4},
+      {.x_est = 1e300}};
+  const PointColumns columns(points);
+  const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 4);
+  // Four centres reach half a metre beyond the outer ones, bins a quarter.
+  EXPECT_EQ(map->inside_count(), GetParam() == Method::bilinear4 ? 3 : 1);
+  EXPECT_EQ(map->inside_count() + map->outside_count(), 6);
+}
+
+TEST_P(Methods, SameBitsAtAnyThreadCountAndBatchSize) {
+  const GridSpec spec = GridSpec::centered(10, 0.25);
+  const PointColumns columns(random_points(spec, 150'000));
+  const GridPoints points = columns.view();
+  const std::vector<BinValues> reference =
+      all_values(*gathered(make_accumulator(GetParam(), spec), points, points.size()));
+  for (const std::size_t threads : {1U, 2U, 7U})
+    for (const std::size_t batch : {std::size_t{70'001}, std::size_t{999}}) {
+      const ThreadLimit limit(threads);
+      const auto values = all_values(*gathered(make_accumulator(GetParam(), spec), points, batch));
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        ASSERT_EQ(values[i].count, reference[i].count);
+        ASSERT_EQ(std::memcmp(&values[i].weight_sum, &reference[i].weight_sum, 10 * sizeof(double)), 0)
+            << "bin " << i << ", " << threads << " threads, batches of " << batch;
+      }
+    }
+}
+
+TEST_P(Methods, NamesTheFirstRowThatIsNotFinite) {
+  for (const std::size_t threads : {1U, 2U}) {
+    const ThreadLimit limit(threads);
+    std::vector<ReturnPoint> points(20);
+    points[7].t = kNan;
+    points[9].x_est = kNan;
+    points[12].y_true = std::numeric_limits<double>::infinity();
+    const PointColumns columns(points);
+    const auto map = make_accumulator(GetParam(), GridSpec::centered(1, 0.5));
+    try {
+      map->add(columns.view(), 1000);
+      ADD_FAILURE() << "not refused";
+    } catch (const FormatError& error) {
+      EXPECT_STREQ(error.what(), "row 1007: t is nan; the coordinates of a return must be finite");
+    }
+  }
+}
+
+TEST_P(Methods, RefusesAGridWithoutBins) {
+  EXPECT_THROW(static_cast<void>(make_accumulator(GetParam(), GridSpec{0.1, 0, 0, 0, 5})), UsageError);
+  EXPECT_THROW(static_cast<void>(make_accumulator(GetParam(), GridSpec{0, 0, 0, 5, 5})), UsageError);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Methods, testing::ValuesIn(kMethods));
+
+TEST(SplatAccumulator, WeightsByHand) {
+  // A quarter of the way from centre (0, 0) to (1, 0), half of the way to (0, 1).
+  const PointColumns columns({{.x_est = 0.25, .y_est = 0.5, .z_est = 3}});
+  const auto map = gathered(make_accumulator(Method::bilinear4, GridSpec::centered(1, 1)), columns.view(), 1);
+  const std::vector<BinValues> v = all_values(*map);
+  EXPECT_EQ(v[4].weight_sum, 0.375);
+  EXPECT_EQ(v[5].weight_sum, 0.125);
+  EXPECT_EQ(v[7].weight_sum, 0.375);
+  EXPECT_EQ(v[8].weight_sum, 0.125);
+  EXPECT_EQ(std::ranges::count(v, 1, &BinValues::count), 4);
+  EXPECT_EQ(v[8].z_est, 3);
+}
+
+TEST(SplatAccumulator, AReturnOnACentreCountsThereOnly) {
+  const PointColumns columns({{.x_est = 1, .y_est = -1}});
+  const auto map = gathered(make_accumulator(Method::bilinear4, GridSpec::centered(1, 1)), columns.view(), 1);
+  const std::vector<BinValues> v = all_values(*map);
+  EXPECT_EQ(v[2].weight_sum, 1);
+  EXPECT_EQ(std::ranges::count(v, 0, &BinValues::count), 8);
+}
+
+// Passes of few returns give the bits of one pass.
+TEST(MedianAccumulator, ManyPassesGiveTheSame) {
+  const GridSpec spec = GridSpec::centered(3, 0.25);
+  const PointColumns columns(random_points(spec, 3000));
+  const auto once = all_values(*gathered(std::make_unique<MedianAccumulator>(spec), columns.view(), 500));
+  const auto often =
+      all_values(*gathered(std::make_unique<MedianAccumulator>(spec, 150), columns.view(), 500));
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    ASSERT_EQ(once[i].count, often[i].count);
+    ASSERT_EQ(std::memcmp(&once[i].z_est, &often[i].z_est, 9 * sizeof(double)), 0);
+  }
+}
+
+TEST(MedianAccumulator, ProgressRisesToOne) {
+  const GridSpec spec = GridSpec::centered(3, 0.25);
+  const PointColumns columns(random_points(spec, 3000));
+  MedianAccumulator map(spec, 500);
+  double last = 0;
+  int passes = 0;
+  do {
+    EXPECT_GE(map.progress(0), last - 1e-12);
+    map.add(columns.view(), 0);
+    last = map.progress(1);
+    ++passes;
+  } while (map.end_pass());
+  EXPECT_DOUBLE_EQ(last, 1);
+  EXPECT_GT(passes, 5);
+}
+
+TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
+  const PointColumns columns(std::vector<ReturnPoint>(11, {.y_est = -0.5}));
+  MedianAccumulator map(GridSpec::centered(1, 0.5), 10);
+  map.add(columns.view(), 0);
+  try {
+    map.end_pass();
+    ADD_FAILURE() << "not refused";
+  } catch (const FormatError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "method median: the row of bins at y = -0.500000 m holds 11 returns; at most 10 can be sorted "
+        "at a time");
+  }
+}
+
+}  // namespace
+}  // namespace landfall
