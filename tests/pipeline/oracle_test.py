@@ -290,6 +290,48 @@ class Dem(ChainTest):
         np.testing.assert_allclose(layers["z_true"], height, rtol=0, atol=1e-11)
         self.assertGreater(np.nanmax(abs(layers["z_true"] - self.layers["z_true"])), 1e-3)
 
+    def map_by(self, method):
+        self.succeed("regrid", *self.chain.inputs("regrid"), "--method", method, "-o", self.path("dem.h5"), "-O")
+        return columns(self.path("dem.h5"), "/")
+
+    def test_methods_of_one_bin(self):
+        """mean, min, max and median of the returns of each bin, bin by bin."""
+        points = self.bins.points
+        place = [np.floor(points[f"{axis}_est"] / 0.1 + 0.5).astype(int) + 50 for axis in "xy"]
+        inside = np.all([(0 <= p) & (p < 101) for p in place], axis=0)
+        bin_of_point = place[1] * 101 + place[0]
+        order = np.flatnonzero(inside)[np.argsort(bin_of_point[inside], kind="stable")]
+        numbers, begins = np.unique(bin_of_point[order], return_index=True)
+        groups = np.split(order, begins[1:])
+        for method, choose in (("mean", lambda z: slice(None)), ("min", np.argmin), ("max", np.argmax),
+                               ("median", lambda z: np.argsort(z, kind="stable")[[(len(z) - 1) // 2, len(z) // 2]])):
+            layers = self.map_by(method)
+            np.testing.assert_array_equal(layers["count"], self.bins.sum(1), err_msg=method)
+            for layer, column in (("z_est", "z_est"), ("x_true", "x_true"), ("y_true", "y_true")):
+                expected = np.full(101 * 101, np.nan)
+                expected[numbers] = [points[column][group][choose(points["z_est"][group])].mean() for group in groups]
+                np.testing.assert_allclose(layers[layer].ravel(), expected, rtol=0, atol=1e-12,
+                                           err_msg=f"{method} {layer}")
+
+    def test_bilinear4(self):
+        points, sums = self.bins.points, np.zeros((3, 103, 103))
+        u, v = (points[f"{axis}_est"] / 0.1 + 51 for axis in "xy")  # a ring of bins more
+        for dy in (0, 1):
+            for dx in (0, 1):
+                col, row = np.floor(u).astype(int) + dx, np.floor(v).astype(int) + dy
+                weight = (1 - abs(u - col)) * (1 - abs(v - row))
+                kept = (0 <= col) & (col < 103) & (0 <= row) & (row < 103) & (weight > 0)
+                for target, value in zip(sums, (np.ones_like(u), weight, weight * points["z_est"])):
+                    np.add.at(target, (row[kept], col[kept]), value[kept])
+        count, weights, z = sums[:, 1:-1, 1:-1]
+        layers = self.map_by("bilinear4")
+        # A point within rounding of a centre may count at the next one with a weight of 1e-13.
+        self.assertLess((layers["count"] != count).mean(), 1e-3)
+        held = weights > 1e-9
+        np.testing.assert_allclose(layers["weight_sum"][held], weights[held], rtol=1e-9)
+        np.testing.assert_allclose(layers["z_est"][held], (z / np.where(held, weights, 1))[held], rtol=0, atol=1e-9)
+        self.assertGreater(held.sum(), self.bins.sum(1).astype(bool).sum())
+
     def test_float32_layers(self):
         mean, points = self.bins.mean, self.bins.points
         for name, expected in [("x_est_mean", mean(points["x_est"])), ("y_est_mean", mean(points["y_est"])),

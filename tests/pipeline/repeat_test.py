@@ -28,6 +28,15 @@ class Repeat(ChainTest):
                 outputs.add(read_bytes(self.path("s.h5")))
             self.assertEqual(len(outputs), 1, options)
 
+    def test_a_map_by_every_method_at_1_2_and_7_threads(self):
+        for method in ("bilinear_nearest", "bilinear4", "mean", "min", "max", "median"):
+            files = []
+            for threads in (1, 2, 7):
+                files.append(self.path(f"{threads}.h5"))
+                self.succeed("regrid", *self.chain.inputs("regrid"), "--method", method, "-o", files[-1], "-O", "-t",
+                             threads)
+            self.assertEqual(len({read_bytes(file) for file in files}), 1, method)
+
     def test_the_seed_changes_the_noise_and_nothing_else(self):
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--seed", "8", "-o", self.path("other.h5"),
                      "--set", "noise.dead_pixel_frac=0", "--set", "noise.dropout_frac=0")
