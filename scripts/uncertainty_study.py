@@ -38,7 +38,6 @@ SCENES = {
                          "reference_length_m": 10}},
 }
 COUNTS = range(1, 8)
-EDGES = np.linspace(0, 4, 81)  # of |z|, for the reliability curve
 # The elevation and its sigma.
 PRODUCTS = {"noise": [("z_est", "z_sigma_rel"), ("z_corrected", "z_corrected_sigma_rel")],
             "navigation": [("z_est", "z_sigma_abs"), ("z_corrected", "z_corrected_sigma_abs")]}
@@ -86,11 +85,10 @@ def scan_config(step_m):
 
 
 class Tally:
-    """Counts of z-scores: per number of returns the sums, and a histogram of |z| of all."""
+    """Sums over z-scores, by the number of returns in the bin."""
 
     def __init__(self):
         self.sums = {count: np.zeros(5) for count in [*COUNTS, 0]}  # n, z, z^2, |z| <= 1, |z| <= 2; 0: all
-        self.histogram = np.zeros(len(EDGES), dtype=np.int64)  # the last: beyond the edges
 
     def add(self, z, count):
         finite = np.isfinite(z)
@@ -99,13 +97,10 @@ class Tally:
         self.sums[0] += terms.sum(1)
         for number in COUNTS:
             self.sums[number] += terms[:, count == number].sum(1)
-        self.histogram += np.bincount(np.minimum(np.digitize(np.abs(z), EDGES) - 1, len(EDGES) - 1),
-                                      minlength=len(EDGES))
 
     def merge(self, other):
         for number, sums in other.sums.items():
             self.sums[number] += sums
-        self.histogram += other.histogram
 
 
 class Study:
@@ -211,37 +206,39 @@ def write_table(path, rows):
 # Pictures
 
 
-COLOURS = {"z_est": "tab:orange", "z_corrected": "tab:blue"}
-TITLES = {"noise": "range noise alone", "navigation": "range noise and navigation errors"}
+STYLES = {"z_est": {"marker": "o", "ms": 6, "mfc": "none", "color": "tab:orange"},
+          "z_corrected": {"marker": ".", "ms": 6, "color": "tab:blue"}}
+TITLES = {"noise": "range noise alone", "navigation": "with navigation errors"}
+SHOWN = {1: (61, 76), 2: (90.5, 99.5)}  # per cent
 
 
 def plot_by_count(path, rows):
+    """Two low panels per scene and kind of errors, the shares within 2 and within 1 sigma."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    kinds = [kind for kind in PRODUCTS if any(row["errors"] == kind for row in rows)]
-    figure, axes = plt.subplots(len(kinds), len(scenes), figsize=(2.6 * len(scenes) + 0.6, 2.9 * len(kinds)),
-                                   sharex=True, sharey=True, squeeze=False, layout="constrained")
-    for line, kind in zip(axes, kinds):
+    panels = [(kind, sigmas) for kind in PRODUCTS if any(row["errors"] == kind for row in rows) for sigmas in (2, 1)]
+    figure, axes = plt.subplots(len(panels), len(scenes), figsize=(2.5 * len(scenes) + 0.8, 1.55 * len(panels) + 0.5),
+                                sharex=True, sharey="row", squeeze=False, layout="constrained")
+    for line, (kind, sigmas) in zip(axes, panels):
+        line[0].set_ylabel(f"within {sigmas} sigma [%]", fontsize=9)
         for axis, scene in zip(line, scenes):
-            draw_shares(axis, [row for row in rows if (row["scene"], row["errors"]) == (scene, kind)])
-            axis.set_title(f"{scene}: {TITLES[kind]}", fontsize=8)
-        line[0].set_ylabel("share of errors [%]")
+            draw_shares(axis, [row for row in rows if (row["scene"], row["errors"]) == (scene, kind)], sigmas)
+            if sigmas == 2:
+                axis.set_title(f"{scene}: {TITLES[kind]}", fontsize=9)
     for axis in axes[-1]:
-        axis.set_xlabel("returns in the bin")
-    axes[0][0].legend(fontsize=7, loc="center right")
+        axis.set_xlabel("returns in the bin", fontsize=9)
+    axes[1][0].legend(loc="lower center", ncol=3, fontsize=6.5, frameon=False, columnspacing=1, handletextpad=0.5)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
 
-def draw_shares(axis, rows):
-    for low, high in LIMITS.values():
-        axis.axhspan(100 * low, 100 * high, color="0.85", lw=0)
-    for elevation, colour in COLOURS.items():
+def draw_shares(axis, rows, sigmas):
+    low, high = LIMITS[sigmas]
+    axis.axhspan(100 * low, 100 * high, color="0.87", lw=0, label="limits")
+    for elevation, style in STYLES.items():
         chosen = [row for row in rows if row["elevation"] == elevation and row["count"] != "all"]
-        x = [int(row["count"]) for row in chosen]
-        for sigmas, mark in ((1, "o-"), (2, "s--")):
-            axis.plot(x, [100 * float(row[f"within_{sigmas}"]) for row in chosen], mark, color=colour, ms=4, lw=1,
-                      label=f"{elevation}, within {sigmas} sigma")
-    axis.set_ylim(50, 101)
+        axis.plot([int(row["count"]) for row in chosen], [100 * float(row[f"within_{sigmas}"]) for row in chosen],
+                  lw=1, label=elevation, **style)
+    axis.set_ylim(*SHOWN[sigmas])
     axis.set_xticks(list(COUNTS))
     axis.tick_params(labelsize=8)
 
