@@ -80,8 +80,10 @@ std::unique_ptr<const Trajectory> read_trajectory(const ScanConfig& config, Prov
 std::string engine_name(const std::string& asked) { return asked == "auto" ? "heightfield" : asked; }
 
 std::unique_ptr<const RayEngine> make_engine(const std::string& name,
-                                             std::shared_ptr<const TriangulatedGrid> surface) {
-  return name == "cgal" ? make_cgal_engine(std::move(surface)) : make_heightfield_engine(std::move(surface));
+                                             std::shared_ptr<const TriangulatedGrid> surface,
+                                             const ProgressCallback& progress) {
+  return name == "cgal" ? make_cgal_engine(std::move(surface), progress)
+                        : make_heightfield_engine(std::move(surface), progress);
 }
 
 /// `trace_s`: how long tracing took; none where the ranges came from a file.
@@ -142,7 +144,9 @@ std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Option
   const std::string name = engine_name(o.engine);
   session.count("engine", name);
   std::unique_ptr<const RayEngine> engine;
-  session.phase("engine", [&](const ProgressCallback&) { engine = make_engine(name, terrain.surface); });
+  session.phase("engine", [&](const ProgressCallback& progress) {
+    engine = make_engine(name, terrain.surface, progress);
+  });
   return engine;
 }
 

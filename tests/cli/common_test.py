@@ -70,9 +70,11 @@ class Information(ToolTest):
     def test_the_defaults_are_those_of_the_contract(self):
         def resolved(name):
             return json.loads(self.succeed(name, "--print-config").stdout)
-        self.assertEqual(resolved("regrid"), {"resolution_m": 0.05, "half_width_m": 50, "truth_at": "bin_center"})
+        self.assertEqual(resolved("regrid"), {"resolution_m": 0.05, "half_width_m": 50, "truth_at": "bin_center",
+                                              "method": "bilinear_nearest"})
         self.assertEqual(resolved("dem-eval"), {
-            "region_radius_m": 50, "footprint_m": 1.7, "quantile": 0.95,
+            "region_radius_m": 50, "region": {"shape": "circle"}, "footprint_m": 1.7, "footprint_shape": "square",
+            "quantile": 0.95,
             "limits": {"invalid_frac": 0.01, "hole_bins": 10, "distance_bins": 1, "relative_elevation_m": 0.05,
                        "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1,
                        "absolute_horizontal_frac": 0.95}})
