@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """regrid --uncertainty and --corrected against a plain numpy reading of docs/uncertainty.md."""
+import json
 import unittest
 
 import numpy as np
@@ -130,6 +131,40 @@ class Uncertainty(ChainTest):
     def test_layers_against_numpy(self):
         self.grid("dem.h5", "--uncertainty", "--corrected", *NAVIGATION)
         self.assertGreater(self.compare(self.chain.scan, self.path("dem.h5"), 0.01), 5000)
+
+    def test_dem_eval_judges_the_layers(self):
+        """z-scores and the corrected elevation's statistics of a map with all layers, from the files alone."""
+        self.grid("dem.h5", "--uncertainty", "--corrected", *NAVIGATION)
+        self.succeed("dem-eval", self.path("dem.h5"), "-c", self.chain.config("dem-eval"), "-O", "-o",
+                     self.path("eval.h5"), "--metrics", self.path("metrics.json"))
+        with open(self.path("metrics.json"), encoding="utf-8") as file:
+            metrics = json.load(file)
+        dem = {name: values.astype(float) for name, values in columns(self.path("dem.h5"), "/").items()}
+        region = columns(self.path("eval.h5"), "/")["in_region"] != 0
+        error = (dem["z_true_map"] - dem["z_est"])[region]
+        sigma = dem["z_sigma_abs"][region]
+        used = np.isfinite(error) & (sigma > 0)
+        scores = error[used] / sigma[used]
+        found = metrics["uncertainty"]["absolute"]
+        self.assertGreater(found["count"], 1000)
+        self.assertEqual((found["count"], found["left_out_count"]),
+                         (used.sum(), np.isfinite(error).sum() - used.sum()))
+        expected = {"mean": scores.mean(), "std": scores.std(), "within_1_sigma_frac": (abs(scores) <= 1).mean(),
+                    "within_2_sigma_frac": (abs(scores) <= 2).mean()}
+        self.compare_numbers(found, expected)
+        self.assertEqual(metrics["uncertainty"]["relative"]["count"],
+                         (np.isfinite(error) & (dem["z_sigma_rel"][region] > 0)).sum())
+        error = (dem["z_true"] - dem["z_corrected"])[region]
+        error = error[np.isfinite(error)]
+        median = np.median(error)
+        self.compare_numbers(metrics["statistics"]["z_corrected"], {
+            "count": error.size, "mean_m": error.mean(), "std_m": error.std(), "median_m": median,
+            "nmad_m": 1.4826 * np.median(abs(error - median)), "le90_m": np.quantile(abs(error), 0.9),
+            "p95_m": np.quantile(abs(error), 0.95)})
+
+    def compare_numbers(self, found, expected):
+        for key, value in expected.items():
+            self.assertAlmostEqual(found[key], value, delta=1e-9 * abs(value) + 1e-12, msg=key)
 
     def test_the_range_noise_may_be_given(self):
         self.grid("dem.h5", "--uncertainty", "--corrected", "--range-sigma", 0.05, *NAVIGATION)
