@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "evaluation/order_statistics.h"
 #include "evaluation/piecewise.h"
@@ -23,28 +25,93 @@ auto in_region(const Grid<double>& error, const BinMask& region, const Of& of) {
 
 constexpr auto kItself = [](double e) { return e; };
 constexpr auto kSquare = [](double e) { return e * e; };
-constexpr auto kMagnitude = [](double e) { return std::abs(e); };
+
+/// Errors of the region by bucket, and their sum: one pass.
+struct FirstLook {
+  CountedSum sum;
+  BucketCounts counts;
+};
+
+template <class ErrorAt>
+FirstLook first_look(std::size_t bins, const ErrorAt& error_at) {
+  std::vector<BucketCounts> counts((bins + kValuesPerPiece - 1) / kValuesPerPiece);
+  const auto sums = by_piece(bins, [&](std::size_t begin, std::size_t end) {
+    BucketCounts piece(ValueBucket::kCount + 1);
+    CountedSum sum;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double e = error_at(i);
+      ++piece[ValueBucket::of(e)];
+      sum.add(e);
+    }
+    counts[begin / kValuesPerPiece] = std::move(piece);
+    return sum;
+  });
+  return {total(sums), sum_of_counts(counts)};
+}
+
+/// Where the quantiles lie that follow from the counts.
+struct Ranges {
+  BucketRange median;
+  BucketRange le90;  ///< of magnitudes, as p95
+  BucketRange p95;
+
+  explicit Ranges(const BucketCounts& counts) : median(*find_buckets(counts, 0.5)) {
+    const BucketCounts magnitudes = counts_of_magnitudes(counts);
+    le90 = *find_buckets(magnitudes, 0.9);
+    p95 = *find_buckets(magnitudes, 0.95);
+  }
+};
+
+/// The values of these ranges by piece, and the squares about the mean: one pass.
+struct SecondLook {
+  CountedSum squares;
+  std::vector<std::vector<double>> median, le90, p95;
+};
+
+template <class ErrorAt>
+SecondLook second_look(std::size_t bins, const ErrorAt& error_at, const Ranges& ranges, double mean) {
+  SecondLook result;
+  const std::size_t pieces = (bins + kValuesPerPiece - 1) / kValuesPerPiece;
+  for (auto* values : {&result.median, &result.le90, &result.p95}) values->resize(pieces);
+  const auto squares = by_piece(bins, [&](std::size_t begin, std::size_t end) {
+    const std::size_t piece = begin / kValuesPerPiece;
+    CountedSum sum;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double e = error_at(i);
+      sum.add((e - mean) * (e - mean));
+      const std::size_t bucket = ValueBucket::of(e);
+      const std::size_t of_magnitude = ValueBucket::of_magnitude(bucket);
+      if (ranges.median.holds(bucket)) result.median[piece].push_back(e);
+      if (ranges.le90.holds(of_magnitude)) result.le90[piece].push_back(std::abs(e));
+      if (ranges.p95.holds(of_magnitude)) result.p95[piece].push_back(std::abs(e));
+    }
+    return sum;
+  });
+  result.squares = total(squares);
+  return result;
+}
 
 }  // namespace
 
 ErrorStatistics error_statistics(const Grid<double>& error, const BinMask& region) {
   const std::size_t bins = region.spec().size();
-  const CountedSum sum = counted_sum(bins, in_region(error, region, kItself));
-  ErrorStatistics result{.count = sum.count};
-  if (sum.count == 0) return result;
-  const double mean = sum.mean();
-  const auto squared = [=](double e) { return (e - mean) * (e - mean); };
-  const double std = std::sqrt(counted_sum(bins, in_region(error, region, squared)).mean());
-  const double median = *quantile_of(bins, in_region(error, region, kItself), 0.5);
+  const auto error_at = in_region(error, region, kItself);
+  const FirstLook first = first_look(bins, error_at);
+  ErrorStatistics result{.count = first.sum.count};
+  if (first.sum.count == 0) return result;
+  const double mean = first.sum.mean();
+  const Ranges ranges(first.counts);
+  const SecondLook second = second_look(bins, error_at, ranges, mean);
+  const double std = std::sqrt(second.squares.mean());
+  const double median = value_at_rank(second.median, ranges.median.rank);
   const auto deviation = [=](double e) { return std::abs(e - median); };
-  const Quantiles magnitudes(bins, in_region(error, region, kMagnitude));
   result.mean_m = mean;
   result.std_m = std;
   result.rmse_m = std::hypot(mean, std);
   result.median_m = median;
   result.nmad_m = kNormalPerDeviation * *quantile_of(bins, in_region(error, region, deviation), 0.5);
-  result.le90_m = magnitudes.at(0.9);
-  result.p95_m = magnitudes.at(0.95);
+  result.le90_m = value_at_rank(second.le90, ranges.le90.rank);
+  result.p95_m = value_at_rank(second.p95, ranges.p95.rank);
   return result;
 }
 

@@ -4,25 +4,23 @@
 #include <numeric>
 
 namespace landfall {
-namespace {
 
-std::vector<std::size_t> counts_of_all(const std::vector<BucketCounts>& pieces) {
-  std::vector<std::size_t> all(ValueBucket::kCount);
-  for (const BucketCounts& piece : pieces)
-    for (std::size_t bucket = 0; bucket < all.size(); ++bucket) all[bucket] += piece[bucket];
-  return all;
+BucketCounts counts_of_magnitudes(const BucketCounts& counts) {
+  BucketCounts result(counts.size());
+  for (std::size_t bucket = 0; bucket < counts.size(); ++bucket)
+    result[ValueBucket::of_magnitude(bucket)] += counts[bucket];
+  return result;
 }
 
-}  // namespace
-
-std::size_t BucketRange::count_in(const BucketCounts& counts) const {
-  const auto begin = counts.begin() + static_cast<std::ptrdiff_t>(first);
-  return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(last - first + 1), std::size_t{0});
+BucketCounts sum_of_counts(const std::vector<BucketCounts>& counts_by_piece) {
+  BucketCounts sum(ValueBucket::kCount + 1);
+  for (const BucketCounts& piece : counts_by_piece)
+    for (std::size_t bucket = 0; bucket < sum.size(); ++bucket) sum[bucket] += piece[bucket];
+  return sum;
 }
 
-std::optional<BucketRange> find_buckets(const std::vector<BucketCounts>& counts_by_piece, double q) {
-  const std::vector<std::size_t> counts = counts_of_all(counts_by_piece);
-  const std::size_t size = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+std::optional<BucketRange> find_buckets(const BucketCounts& counts, double q) {
+  const std::size_t size = std::accumulate(counts.begin(), counts.end() - 1, std::size_t{0});  // without NaN
   if (size == 0) return std::nullopt;
   BucketRange result{.rank = quantile_rank(size, q)};
   const std::size_t above = result.rank.below + (result.rank.frac > 0 ? 1 : 0);
@@ -36,7 +34,7 @@ std::optional<BucketRange> find_buckets(const std::vector<BucketCounts>& counts_
 
 double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank) {
   std::vector<double> values;
-  for (const std::vector<double>& piece : pieces) values.insert(values.end(), piece.begin(), piece.end() - 1);
+  for (const std::vector<double>& piece : pieces) values.insert(values.end(), piece.begin(), piece.end());
   return value_at_rank(std::span(values), rank) + 0.0;
 }
 

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "evaluation/piecewise.h"
@@ -24,10 +23,20 @@ struct ValueBucket {
     constexpr std::uint64_t kSign = std::uint64_t{1} << 63U;
     return static_cast<std::size_t>(((bits & kSign) != 0 ? ~bits : bits | kSign) >> 48U);
   }
+  /// The bucket of |value| from that of the value.
+  [[nodiscard]] static std::size_t of_magnitude(std::size_t bucket) {
+    return bucket < kCount / 2 ? kCount - 1 - bucket : bucket;
+  }
 };
 
 /// How many values each bucket holds, the NaN last.
 using BucketCounts = std::vector<std::uint32_t>;
+
+/// The same of the magnitudes: a value and its negative are counted together.
+[[nodiscard]] BucketCounts counts_of_magnitudes(const BucketCounts& counts);
+
+/// Of all pieces together. A map has fewer than 2^32 bins.
+[[nodiscard]] BucketCounts sum_of_counts(const std::vector<BucketCounts>& counts_by_piece);
 
 /// The order statistics that a quantile lies between, and the buckets that hold them.
 struct BucketRange {
@@ -35,61 +44,35 @@ struct BucketRange {
   std::size_t first = 0;
   std::size_t last = 0;  ///< with it
 
-  [[nodiscard]] bool holds(double value) const {
-    const std::size_t bucket = ValueBucket::of(value);
-    return bucket >= first && bucket <= last;
-  }
-  [[nodiscard]] std::size_t count_in(const BucketCounts& counts) const;
+  [[nodiscard]] bool holds(std::size_t bucket) const { return bucket >= first && bucket <= last; }
 };
 
-/// From the counts of the pieces. Nothing where all are NaN.
-[[nodiscard]] std::optional<BucketRange> find_buckets(const std::vector<BucketCounts>& counts_by_piece,
-                                                      double q);
+/// Nothing where all values are NaN.
+[[nodiscard]] std::optional<BucketRange> find_buckets(const BucketCounts& counts, double q);
 
-/// The value at a rank of the pieces' values together, each with one more behind them. A zero is +0.
+/// The value at a rank of the pieces' values together. A zero is +0.
 [[nodiscard]] double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank);
 
-/// Quantiles (quantile.h) of the values that count. A selection would copy all values and move them about;
-/// this counts them by bucket, once, and for each quantile copies those of one or two buckets.
-template <ValueAt F>
-class Quantiles {
- public:
-  Quantiles(std::size_t count, F value_at)
-      : count_(count),
-        value_at_(std::move(value_at)),
-        counts_(by_piece(count, [&](std::size_t begin, std::size_t end) {
-          BucketCounts piece(ValueBucket::kCount + 1);
-          for (std::size_t i = begin; i < end; ++i) ++piece[ValueBucket::of(value_at_(i))];
-          return piece;
-        })) {}
-
-  /// Nothing without a value.
-  [[nodiscard]] std::optional<double> at(double q) const {
-    const std::optional<BucketRange> range = find_buckets(counts_, q);
-    if (!range) return std::nullopt;
-    const auto values = by_piece(count_, [&](std::size_t begin, std::size_t end) {
-      // Every value is written and only those of the buckets stay: a branch would cost more than the store.
-      std::vector<double> piece(range->count_in(counts_[begin / kValuesPerPiece]) + 1);
-      double* next = piece.data();
-      for (std::size_t i = begin; i < end; ++i) {
-        *next = value_at_(i);
-        next += range->holds(*next) ? 1 : 0;
-      }
-      return piece;
-    });
-    return value_at_rank(values, range->rank);
-  }
-
- private:
-  std::size_t count_;
-  F value_at_;
-  std::vector<BucketCounts> counts_;
-};
-
-/// One quantile.
+/// One quantile (quantile.h) of the values that count; nothing without a value. A selection would copy all
+/// values and move them about; this counts them by bucket and copies those of one or two buckets.
 template <ValueAt F>
 [[nodiscard]] std::optional<double> quantile_of(std::size_t count, const F& value_at, double q) {
-  return Quantiles(count, value_at).at(q);
+  const auto counts = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    BucketCounts piece(ValueBucket::kCount + 1);
+    for (std::size_t i = begin; i < end; ++i) ++piece[ValueBucket::of(value_at(i))];
+    return piece;
+  });
+  const std::optional<BucketRange> range = find_buckets(sum_of_counts(counts), q);
+  if (!range) return std::nullopt;
+  const auto values = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> piece;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double value = value_at(i);
+      if (range->holds(ValueBucket::of(value))) piece.push_back(value);
+    }
+    return piece;
+  });
+  return value_at_rank(values, range->rank);
 }
 
 }  // namespace landfall

@@ -43,28 +43,31 @@ template <class Work>
 struct CountedSum {
   std::int64_t count = 0;
   double sum = 0;
+  void add(double value) {
+    const bool counts = !std::isnan(value);
+    count += counts ? 1 : 0;
+    sum += counts ? value : 0.0;
+  }
   /// NaN without a value.
   [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
 };
 
-template <ValueAt F>
-[[nodiscard]] CountedSum counted_sum(std::size_t count, const F& value_at) {
-  const auto pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    CountedSum piece;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double value = value_at(i);
-      const bool counts = !std::isnan(value);
-      piece.count += counts ? 1 : 0;
-      piece.sum += counts ? value : 0.0;
-    }
-    return piece;
-  });
+[[nodiscard]] inline CountedSum total(const std::vector<CountedSum>& pieces) {
   CountedSum result;
   for (const CountedSum& piece : pieces) {
     result.count += piece.count;
     result.sum += piece.sum;
   }
   return result;
+}
+
+template <ValueAt F>
+[[nodiscard]] CountedSum counted_sum(std::size_t count, const F& value_at) {
+  return total(by_piece(count, [&](std::size_t begin, std::size_t end) {
+    CountedSum piece;
+    for (std::size_t i = begin; i < end; ++i) piece.add(value_at(i));
+    return piece;
+  }));
 }
 
 /// The largest value; -infinity without one.
