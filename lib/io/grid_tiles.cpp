@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/grid_tiles.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
@@ -57,16 +58,22 @@ std::array<hsize_t, 2> offset_of(BinIndex first) {
 
 /// The tile of this first bin, padded with the fill value to a full chunk.
 template <class T>
-std::vector<T> tile_values(const Grid<T>& layer, BinIndex first) {
+void copy_tile(const Grid<T>& layer, BinIndex first, std::vector<T>& values) {
   const BinIndex tile = tile_of(layer.spec());
-  std::vector<T> values(static_cast<std::size_t>(tile.row * tile.col), fill_of<T>());
+  values.assign(static_cast<std::size_t>(tile.row * tile.col), fill_of<T>());
   const std::int64_t rows = std::min(tile.row, layer.spec().rows - first.row);
   const std::int64_t cols = std::min(tile.col, layer.spec().cols - first.col);
   for (std::int64_t r = 0; r < rows; ++r)
     std::memcpy(values.data() + r * tile.col, &layer.at({first.row + r, first.col}),
                 static_cast<std::size_t>(cols) * sizeof(T));
-  return values;
 }
+
+/// One thread's memory, kept from tile to tile.
+template <class T>
+struct TileEncoder {
+  ChunkEncoder encoder;
+  std::vector<T> values;
+};
 
 struct EncodedTile {
   BinIndex first;
@@ -107,9 +114,14 @@ void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std
     control.stop();
     return BinIndex{};
   };
+  tbb::enumerable_thread_specific<TileEncoder<T>> encoders([&] {
+    return TileEncoder<T>{ChunkEncoder(sizeof(T), compression), {}};
+  });
   const auto encode = [&](BinIndex first) {
-    const std::vector<T> values = tile_values(layer, first);
-    return EncodedTile{first, encode_chunk(std::as_bytes(std::span(values)), sizeof(T), compression)};
+    auto& [encoder, values] = encoders.local();
+    copy_tile(layer, first, values);
+    const auto bytes = encoder.encode(std::as_bytes(std::span(values)));
+    return EncodedTile{first, {bytes.begin(), bytes.end()}};
   };
   const auto write = [&](const EncodedTile& encoded) {
     if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset_of(encoded.first).data(), encoded.bytes.size(),
