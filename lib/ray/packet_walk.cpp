@@ -38,29 +38,58 @@ HWY_INLINE void WalkTogether(const WalkGround& ground, LaneWalk (&walks)[kWalks]
   }
 }
 
-void WalkChunk(const Heightfield& field, const WalkGround& ground, std::span<const Ray> rays,
-               std::span<double> ranges) {
+/// A chunk of rays ready to walk.
+struct Bundle {
   RayChunk chunk;
-  FillChunk(field.frame, rays, chunk);
-  FillFeet(field.frame.height_m, chunk);
+  std::size_t end;  ///< rays in whole groups of walks
+  HeightSlab slab;
+};
+
+void Prepare(const Heightfield& field, const WalkGround& ground, std::span<const Ray> rays, Bundle& bundle) {
+  const std::size_t group = kWalks * hn::Lanes(D());
+  bundle.end = (rays.size() + group - 1) / group * group;
+  FillChunk(field.frame, rays, bundle.end, bundle.chunk);
+  FillFeet(field.frame.height_m, bundle.end, bundle.chunk);
+  const ElevationPyramid& pyramid = field.pyramid;
+  bundle.slab = lowered(pyramid, bundle.chunk, 0, bundle.end, {pyramid.lowest(), pyramid.highest()});
+  fetch_ground(ground, bundle.chunk, bundle.end, bundle.slab);
+}
+
+void WalkBundle(const Heightfield& field, const WalkGround& ground, Bundle& bundle,
+                std::span<double> ranges) {
+  RayChunk& chunk = bundle.chunk;
   const std::size_t lanes = hn::Lanes(D());
   const std::size_t group = kWalks * lanes;
-  const std::size_t end = (rays.size() + group - 1) / group * group;
-  const ElevationPyramid& pyramid = field.pyramid;
-  const HeightSlab slab = lowered(pyramid, chunk, 0, end, {pyramid.lowest(), pyramid.highest()});
-  for (std::size_t begin = 0; begin < end; begin += group) {
-    const HeightSlab under = lowered(pyramid, chunk, begin, begin + group, slab);
-    const double way_cells = (under.high - under.low) * chunk.greatest_slope;
-    const LaneWalk::Start start = way_cells < 0.5 ? LaneWalk::Start::in_cell
-                                  : way_cells < 2 ? LaneWalk::Start::among_cells
-                                                  : LaneWalk::Start::among_blocks;
+  for (std::size_t begin = 0; begin < bundle.end; begin += group) {
+    const HeightSlab under = lowered(field.pyramid, chunk, begin, begin + group, bundle.slab);
+    const double way = way_cells(chunk, under);
+    const LaneWalk::Start start = way < kWayInCell_cells ? LaneWalk::Start::in_cell
+                                  : way < 2              ? LaneWalk::Start::among_cells
+                                                         : LaneWalk::Start::among_blocks;
     LaneWalk walks[kWalks];
     for (std::size_t i = 0; i < kWalks; ++i) walks[i].enter(ground, chunk, begin + i * lanes, under, start);
     WalkTogether(ground, walks, start != LaneWalk::Start::in_cell);
     for (std::size_t i = 0; i < kWalks; ++i)
       hn::Store(walks[i].ranges(), D(), chunk.range + begin + i * lanes);
   }
-  std::copy_n(chunk.range, rays.size(), ranges.begin());
+  std::copy_n(chunk.range, ranges.size(), ranges.begin());
+}
+
+/// Prepares each bundle while the one before has yet to walk: its ground arrives in the meantime.
+void WalkBundles(const Heightfield& field, const WalkGround& ground, std::span<const Ray> rays,
+                 std::span<double> ranges) {
+  Bundle bundles[2];
+  const auto prepare = [&](std::size_t begin) {
+    if (begin >= rays.size()) return;
+    const std::size_t count = std::min(kChunkRays, rays.size() - begin);
+    Prepare(field, ground, rays.subspan(begin, count), bundles[begin / kChunkRays % 2]);
+  };
+  prepare(0);
+  for (std::size_t begin = 0; begin < rays.size(); begin += kChunkRays) {
+    prepare(begin + kChunkRays);
+    const std::size_t count = std::min(kChunkRays, rays.size() - begin);
+    WalkBundle(field, ground, bundles[begin / kChunkRays % 2], ranges.subspan(begin, count));
+  }
 }
 
 }  // namespace landfall::HWY_NAMESPACE
@@ -69,7 +98,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace landfall {
 
-HWY_EXPORT(WalkChunk);
+HWY_EXPORT(WalkBundles);
 
 void walk_packets(const Heightfield& field, std::span<const Ray> rays, std::span<double> ranges) {
   assert(rays.size() == ranges.size());
@@ -77,11 +106,7 @@ void walk_packets(const Heightfield& field, std::span<const Ray> rays, std::span
     std::fill(ranges.begin(), ranges.end(), kUndecided);
     return;
   }
-  const WalkGround ground(field);
-  for (std::size_t begin = 0; begin < rays.size(); begin += kChunkRays) {
-    const std::size_t count = std::min(kChunkRays, rays.size() - begin);
-    HWY_DYNAMIC_DISPATCH(WalkChunk)(field, ground, rays.subspan(begin, count), ranges.subspan(begin, count));
-  }
+  HWY_DYNAMIC_DISPATCH(WalkBundles)(field, WalkGround(field), rays, ranges);
 }
 
 }  // namespace landfall

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a bundle of rays becomes a RayChunk, and where its walk begins. Compiled once for each instruction set
-// (Highway).
+// How a bundle of rays becomes a RayChunk, where its walk begins and what it will read. Compiled once for
+// each instruction set (Highway).
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,7 @@
 #define LANDFALL_RAY_RAY_CHUNK_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "ray/lanes-inl.h"
@@ -23,8 +24,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-void FillChunk(const GridFrame& frame, std::span<const Ray> rays, RayChunk& chunk) {
-  for (std::size_t i = 0; i < kChunkRays; ++i) {
+/// The first `end` rays of the chunk, whole vectors; the last one of `rays` fills them up.
+void FillChunk(const GridFrame& frame, std::span<const Ray> rays, std::size_t end, RayChunk& chunk) {
+  for (std::size_t i = 0; i < end; ++i) {
     const Ray& ray = rays[std::min(i, rays.size() - 1)];
     chunk.x[i] = ray.origin.v.x();
     chunk.y[i] = ray.origin.v.y();
@@ -36,7 +38,7 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, RayChunk& chun
   const D d;
   const V scale = constant(frame.cells_per_m);
   const V rounding = constant(GridRay::kRounding);
-  for (std::size_t i = 0; i < kChunkRays; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < end; i += hn::Lanes(d)) {
     const V x_cells = hn::Mul(load(chunk.x + i), scale);
     const V y_cells = hn::Mul(load(chunk.y + i), scale);
     const V reach = hn::Add(hn::Add(hn::Abs(x_cells), hn::Abs(y_cells)), constant(frame.extent_cells));
@@ -50,12 +52,12 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, RayChunk& chun
   }
 }
 
-/// Where the rays that go down pass elevation after elevation.
-void FillFeet(double height_m, RayChunk& chunk) {
+/// Where those of the first `end` rays that go down pass elevation after elevation.
+void FillFeet(double height_m, std::size_t end, RayChunk& chunk) {
   const D d;
   const V nan = constant(std::numeric_limits<double>::quiet_NaN());
   V greatest = constant(0);
-  for (std::size_t i = 0; i < kChunkRays; i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < end; i += hn::Lanes(d)) {
     const V z = load(chunk.z + i);
     const V climb = hn::Div(constant(1), load(chunk.dz + i));
     const V slope_x = hn::Mul(load(chunk.dx + i), climb);
@@ -110,6 +112,14 @@ class CrossedBox {
   V low_x_, high_x_, low_y_, high_y_;
 };
 
+/// How many cells the chunk's downward rays cross at most between two elevations.
+HWY_INLINE double way_cells(const RayChunk& chunk, const HeightSlab& slab) {
+  return (slab.high - slab.low) * chunk.greatest_slope;
+}
+
+/// Ways shorter than this begin with a look into the cell where they start.
+constexpr double kWayInCell_cells = 0.5;
+
 /// Lowers the slab to the surface under rays [begin, end) of the chunk, as long as that pays.
 HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& chunk, std::size_t begin,
                               std::size_t end, HeightSlab slab) {
@@ -117,7 +127,7 @@ HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& c
   double thickness = std::numeric_limits<double>::infinity();
   while (slab.high - slab.low < 0.7 * thickness) {
     thickness = slab.high - slab.low;
-    if (thickness * chunk.greatest_slope < kShortWay_cells) break;
+    if (way_cells(chunk, slab) < kShortWay_cells) break;
     CrossedBox crossed;
     for (std::size_t i = begin; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
     const ElevationPyramid::Bounds bounds = pyramid.over(crossed.box());
@@ -126,6 +136,40 @@ HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& c
     slab.low = std::max(slab.low, std::min(double{bounds.low}, slab.high));
   }
   return slab;
+}
+
+/// Asks for one row of values [first, last] ahead of their use.
+template <class T>
+HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
+  constexpr auto kLine = static_cast<std::int64_t>(64 / sizeof(T));
+  for (std::int64_t i = first; i < last; i += kLine) hwy::Prefetch(row + i);
+  hwy::Prefetch(row + last);
+}
+
+/// Asks for the nodes that the first `end` rays of the chunk may meet, and for the bounds of their cells
+/// where the ways are long enough to look at these. Speed only: pulses mostly come to ground that the cache
+/// does not hold.
+HWY_INLINE void fetch_ground(const WalkGround& ground, const RayChunk& chunk, std::size_t end,
+                             const HeightSlab& slab) {
+  constexpr double kMostCells = 8192;  // 64 kB of nodes: they must stay cached until their turn
+  CrossedBox crossed;
+  for (std::size_t i = 0; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
+  const CellBox box = crossed.box();
+  const double low_x = std::max(box.low_x, 0.0);
+  const double low_y = std::max(box.low_y, 0.0);
+  const double high_x = std::min(box.high_x + 1, ground.cols);
+  const double high_y = std::min(box.high_y + 1, ground.rows);
+  const bool some = low_x <= high_x && low_y <= high_y;
+  if (!some || !((high_x - low_x + 1) * (high_y - low_y + 1) < kMostCells)) return;
+  const auto west = static_cast<std::int64_t>(low_x);
+  const auto east = static_cast<std::int64_t>(high_x);
+  const auto north = static_cast<std::int64_t>(high_y);
+  const auto cell_cols = ground.node_cols - 1;
+  const bool bounds = way_cells(chunk, slab) >= kWayInCell_cells;
+  for (auto row = static_cast<std::int64_t>(low_y); row <= north; ++row) {
+    fetch(ground.nodes + row * ground.node_cols, west, east);
+    if (bounds) fetch(ground.highs + row * cell_cols, west, east);
+  }
 }
 
 }  // namespace landfall::HWY_NAMESPACE

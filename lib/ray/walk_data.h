@@ -11,7 +11,7 @@ namespace landfall {
 /// Rays that are prepared together.
 inline constexpr std::size_t kChunkRays = 64;
 
-/// GridRays component by component; the last one fills up the rest. A ray that goes down passes
+/// GridRays component by component. A ray that goes down passes
 /// (foot + slope * elevation) in the horizontal; foot_x is NaN in others.
 struct RayChunk {
   alignas(64) double x[kChunkRays], y[kChunkRays], z[kChunkRays];

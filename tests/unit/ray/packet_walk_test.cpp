@@ -95,6 +95,13 @@ TEST_P(PacketWalk, PulsesFromAfar) {
   expect_descents_answers(rays, 0.95);
 }
 
+TEST_P(PacketWalk, SpansOfAnyLength) {
+  const Ray boresight = ray_at(Eigen::Vector3d(7, -3, 200), random_target());
+  const std::vector<Ray> rays = pulse(boresight, 1e-3);
+  for (const std::size_t length : {0U, 1U, 4U, 17U, 63U, 64U, 65U, 129U, 200U})
+    expect_descents_answers({rays.begin(), rays.begin() + static_cast<std::ptrdiff_t>(length)}, 0);
+}
+
 TEST_P(PacketWalk, RaysThatShareNothing) {
   std::vector<Ray> rays;
   for (int i = 0; i < 20000; ++i) rays.push_back(ray_at(random_target() + random_offset(4), random_target()));
