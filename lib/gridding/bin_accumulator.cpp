@@ -2,76 +2,96 @@
 #include "gridding/bin_accumulator.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
+#include <array>
+#include <vector>
+
+#include "base/parallel.h"
+#include "gridding/finite_points.h"
 
 namespace landfall {
 namespace {
 
-static_assert(sizeof(BinSums) == 80);
+/// So many points at a time: the partition's own memory stays at 24 MB however large the batch.
+constexpr std::size_t kPointsPerPass = std::size_t{1} << 20U;
 
-/// 1 - |u - n|, n the whole number nearest to u, which is the centre of a bin the grid has.
-double nearness(double u) {
-  const auto cut = static_cast<double>(static_cast<std::int64_t>(u + 0.5));
-  return 1 - std::abs(u - (cut > u + 0.5 ? cut - 1 : cut));
-}
+/// Shorter runs are copied together.
+constexpr std::uint32_t kShortRun = 16;
 
-double z_spread(const BinSums& sums) {
-  const double mean_dz = sums.w_dz / sums.weight;
-  // Rounding can leave a tiny negative number where all returns are equal.
-  return std::sqrt(std::max(0.0, sums.w_dz_dz / sums.weight - mean_dz * mean_dz));
+/// Runs too short to be worth a call, one behind the other.
+class GatheredRuns {
+ public:
+  [[nodiscard]] bool has_room(std::size_t count) const { return count_ + count <= kRoom; }
+  void append(const GridPoints& p, PointRun run) {
+    const std::array<std::span<const double>, 7> from = {p.x_est,  p.y_est,  p.z_est, p.x_true,
+                                                         p.y_true, p.z_true, p.t};
+    for (std::size_t c = 0; c < from.size(); ++c)
+      for (std::size_t i = 0; i < run.count; ++i) columns_[c][count_ + i] = from[c][run.begin + i];
+    count_ += run.count;
+  }
+  [[nodiscard]] GridPoints points() const {
+    const auto& c = columns_;
+    return GridPoints{c[0], c[1], c[2], c[3], c[4], c[5], c[6]}.subset(0, count_);
+  }
+  void clear() { count_ = 0; }
+
+ private:
+  static constexpr std::size_t kRoom = 256;
+  std::array<std::array<double, kRoom>, 7> columns_;
+  std::size_t count_ = 0;
+};
+
+void merge(const AddedReturns& more, AddedReturns& all) {
+  all.outside += more.outside;
+  all.finite &= more.finite;
 }
 
 }  // namespace
 
-BinValues values_of(const BinSums& sums) {
-  if (sums.count == 0) return empty_bin();
-  const double w = sums.weight;
-  return {.count = sums.count,
-          .weight_sum = w,
-          .z_est = sums.z_first + sums.w_dz / w,
-          .x_true = sums.w_x_true / w,
-          .y_true = sums.w_y_true / w,
-          .x_est = sums.w_x_est / w,
-          .y_est = sums.w_y_est / w,
-          .x_offset = (sums.w_x_true - sums.w_x_est) / w,
-          .y_offset = (sums.w_y_true - sums.w_y_est) / w,
-          .t = sums.w_t / w,
-          .z_spread = z_spread(sums)};
-}
-
-void add_return(const GridPoints& points, std::size_t i, double weight, BinSums& bin) {
-  BinSums sums =
-      bin;  // a copy may stay in registers: columns and bins could overlap for all the compiler knows
-  const double z = points.z_est[i];
-  if (sums.count == 0) sums.z_first = z;
-  const double dz = z - sums.z_first;
-  sums.weight += weight;
-  sums.w_dz += weight * dz;
-  sums.w_dz_dz += weight * dz * dz;
-  sums.w_x_true += weight * points.x_true[i];
-  sums.w_y_true += weight * points.y_true[i];
-  sums.w_x_est += weight * points.x_est[i];
-  sums.w_y_est += weight * points.y_est[i];
-  sums.w_t += weight * points.t[i];
-  ++sums.count;
-  bin = sums;
-}
-
 BinAccumulator::BinAccumulator(const GridSpec& spec, Weights weights)
-    : Accumulator(spec), weights_(weights), bins_(spec.size()), nearest_(spec) {}
+    : Accumulator(spec), weights_(weights), bins_(spec.size()), partition_(spec) {}
 
 void BinAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
-  const std::span<BinSums> bins = bins_.values();
-  const bool equal = weights_ == Weights::equal;
-  const std::size_t outside = nearest_.for_each(
-      points, first_row_number,
-      [=](const GridSpec& spec, const GridPoints& piece, std::size_t i, std::size_t bin) {
-        const double s = spec.resolution_m;
-        const double weight = equal ? 1.0 : nearness(piece.x_est[i] / s) * nearness(piece.y_est[i] / s);
-        add_return(piece, i, weight, bins[bin]);
-      });
+  std::size_t outside = 0;
+  for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPass) {
+    const GridPoints piece = points.subset(begin, std::min(kPointsPerPass, points.size() - begin));
+    const AddedReturns added =
+        thread_count() == 1 ? add_returns(piece, spec(), weights_, bins_.values()) : add_piece(piece);
+    if (!added.finite) throw_first_not_finite(piece, first_row_number + static_cast<std::int64_t>(begin));
+    outside += added.outside;
+  }
   count_points(points.size(), outside);
+}
+
+AddedReturns BinAccumulator::add_piece(const GridPoints& points) {
+  partition_.assign(points.x_est, points.y_est);
+  std::vector<AddedReturns> added(partition_.band_count() + 1);
+  parallel_for(added.size(), 1, [&](std::size_t band, std::size_t) {
+    added[band] = add_runs(points, partition_.runs_of_band(band));
+  });
+  AddedReturns all;
+  for (const AddedReturns& of_band : added) merge(of_band, all);
+  return all;
+}
+
+AddedReturns BinAccumulator::add_runs(const GridPoints& points, std::span<const PointRun> runs) {
+  AddedReturns all;
+  if (runs.empty()) return all;
+  const std::span<BinSums> bins = bins_.values();
+  GatheredRuns gathered;
+  for (const PointRun run : runs) {
+    const bool is_short = run.count < kShortRun;
+    if (!is_short || !gathered.has_room(run.count)) {
+      merge(add_returns(gathered.points(), spec(), weights_, bins), all);
+      gathered.clear();
+    }
+    if (is_short) {
+      gathered.append(points, run);
+    } else {
+      merge(add_returns(points.subset(run.begin, run.count), spec(), weights_, bins), all);
+    }
+  }
+  merge(add_returns(gathered.points(), spec(), weights_, bins), all);
+  return all;
 }
 
 void BinAccumulator::values(BinIndex first, std::span<BinValues> out) const {

@@ -7,29 +7,11 @@
 
 #include "base/zeroed_memory.h"
 #include "gridding/accumulator.h"
-#include "gridding/nearest_bins.h"
+#include "gridding/bin_kernel.h"
+#include "gridding/bin_sums.h"
+#include "gridding/run_partition.h"
 
 namespace landfall {
-
-/// What a bin remembers of its returns: all that BinValues need. Zero bytes are an empty bin.
-struct BinSums {
-  double weight;    ///< sum w
-  double z_first;   ///< z_est of the bin's first return, m; the next two sums are relative to it
-  double w_dz;      ///< sum w (z_est - z_first): small numbers, so that squares do not cancel
-  double w_dz_dz;   ///< sum w (z_est - z_first)^2
-  double w_x_true;  ///< sum w x_true, and so on
-  double w_y_true;
-  double w_x_est;
-  double w_y_est;
-  double w_t;
-  std::int32_t count;
-};
-
-/// The values that the sums stand for: weighted means, and z_est exact where all elevations are equal.
-[[nodiscard]] BinValues values_of(const BinSums& sums);
-
-/// Adds one return to its bin.
-void add_return(const GridPoints& points, std::size_t i, double weight, BinSums& bin);
 
 /// Weighted sums per bin: the DEM construction of Chen et al., Eqs. 8-9 (`bilinear_nearest`), and the same
 /// without weights (`mean`).
@@ -41,10 +23,10 @@ void add_return(const GridPoints& points, std::size_t i, double weight, BinSums&
 ///
 /// Sums are in double and each bin adds its returns in the order they came in: the same bits at any number of
 /// threads and for any cutting into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched
-/// until a return falls on them, and 8 bytes per point of at most 4 M points at a time.
+/// until a return falls on them, and up to 24 bytes per point of at most 1 M points at a time.
 class BinAccumulator final : public Accumulator {
  public:
-  enum class Weights { bilinear, equal };
+  using Weights = BinWeights;
   explicit BinAccumulator(const GridSpec& spec, Weights weights = Weights::bilinear);
 
   void add(const GridPoints& points, std::int64_t first_row_number) override;
@@ -54,9 +36,12 @@ class BinAccumulator final : public Accumulator {
   [[nodiscard]] std::span<const BinSums> bins() const { return bins_.values(); }
 
  private:
+  AddedReturns add_piece(const GridPoints& points);
+  AddedReturns add_runs(const GridPoints& points, std::span<const PointRun> runs);
+
   Weights weights_;
   ZeroedArray<BinSums> bins_;
-  NearestBins nearest_;
+  RunPartition partition_;
 };
 
 }  // namespace landfall

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/bin_kernel.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+// Vectors without a size at compile time cannot be members.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "gridding/bin_kernel.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>  // this file again, once for each instruction set
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace landfall::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+using Whole = hn::Rebind<std::int32_t, D>;
+using Half = hn::CappedTag<double, 4>;
+
+/// Returns taken at a time, so that what is made of them stays in the first cache.
+constexpr std::size_t kBlock = 128;
+constexpr std::size_t kMostLanes = 8;
+static_assert(kBlock % kMostLanes == 0);
+
+HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
+
+/// GridSpec::bin_of in lanes, by the same operations.
+struct LaneGrid {
+  V resolution, first_row, first_col, rows, cols;
+
+  HWY_INLINE explicit LaneGrid(const GridSpec& spec)
+      : resolution(constant(spec.resolution_m)),
+        first_row(constant(static_cast<double>(spec.first_row))),
+        first_col(constant(static_cast<double>(spec.first_col))),
+        rows(constant(static_cast<double>(spec.rows))),
+        cols(constant(static_cast<double>(spec.cols))) {}
+
+  HWY_INLINE static V nearest(V steps) { return hn::Floor(hn::Add(steps, constant(0.5))); }
+  HWY_INLINE M contains(V row, V col) const {
+    const V zero = hn::Zero(D());
+    return hn::And(hn::And(hn::Ge(row, zero), hn::Lt(row, rows)),
+                   hn::And(hn::Ge(col, zero), hn::Lt(col, cols)));
+  }
+};
+
+/// 1 - |u - n|, n the whole number nearest to u.
+HWY_INLINE V Nearness(V u, V n) { return hn::Sub(constant(1), hn::Abs(hn::Sub(u, n))); }
+
+HWY_INLINE V LoadAt(std::span<const double> column, std::size_t i) {
+  return hn::LoadU(D(), column.data() + i);
+}
+
+/// What is made of a block of returns before it reaches the bins.
+struct Block {
+  alignas(64) std::array<double, kBlock> weight;
+  alignas(64) std::array<double, kBlock> z_first;
+  alignas(64) std::array<std::int32_t, kBlock> bin;  ///< -1 outside
+  alignas(64) std::array<double, 4 * kBlock> first_summands;
+  alignas(64) std::array<double, 4 * kBlock> last_summands;
+  std::array<BinSums*, kBlock> sums;
+};
+
+/// Bins and weights. True if all coordinates are finite.
+HWY_INLINE bool PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t count, const LaneGrid& grid,
+                           BinWeights weights, Block& block) {
+  V not_finite = hn::Zero(D());  // a number that is not finite minus itself is NaN
+  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+    const V x = LoadAt(p.x_est, begin + i);
+    const V y = LoadAt(p.y_est, begin + i);
+    const V u = hn::Div(x, grid.resolution);
+    const V v = hn::Div(y, grid.resolution);
+    const V nearest_x = LaneGrid::nearest(u);
+    const V nearest_y = LaneGrid::nearest(v);
+    const V col = hn::Sub(nearest_x, grid.first_col);
+    const V row = hn::Sub(nearest_y, grid.first_row);
+    const V bin =
+        hn::IfThenElse(grid.contains(row, col), hn::Add(hn::Mul(row, grid.cols), col), constant(-1));
+    hn::Store(hn::DemoteTo(Whole(), bin), Whole(), block.bin.data() + i);
+    const V weight =
+        weights == BinWeights::equal ? constant(1) : hn::Mul(Nearness(u, nearest_x), Nearness(v, nearest_y));
+    hn::Store(weight, D(), block.weight.data() + i);
+    not_finite = hn::Add(not_finite, hn::Add(hn::Sub(x, x), hn::Sub(y, y)));
+    for (const std::span<const double> column : {p.z_est, p.x_true, p.y_true, p.z_true, p.t}) {
+      const V values = LoadAt(column, begin + i);
+      not_finite = hn::Add(not_finite, hn::Sub(values, values));
+    }
+  }
+  return hn::AllTrue(D(), hn::Eq(not_finite, hn::Zero(D())));
+}
+
+/// Counts the returns in their bins and sees to the first elevation of each. Returns how many lie outside;
+/// these are sent to `sink`.
+HWY_INLINE std::size_t EnterBlock(const GridPoints& p, std::size_t begin, std::size_t count,
+                                  std::span<BinSums> bins, BinSums& sink, Block& block) {
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool inside = block.bin[i] >= 0;
+    BinSums* const sums = inside ? &bins[static_cast<std::size_t>(block.bin[i])] : &sink;
+    outside += inside ? 0 : 1;
+    hwy::Prefetch(sums);  // all bins are asked for before the first is waited for
+    hwy::Prefetch(&sums->z_first);
+    block.sums[i] = sums;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    BinSums& sums = *block.sums[i];
+    const double z = sums.count == 0 ? p.z_est[begin + i] : sums.z_first;
+    sums.z_first = z;
+    ++sums.count;
+    block.z_first[i] = z;
+  }
+  return outside;
+}
+
+/// The eight summands of each return, side by side in the order of BinSums.
+HWY_INLINE void MultiplyBlock(const GridPoints& p, std::size_t begin, std::size_t count, Block& block) {
+  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+    const V w = hn::Load(D(), block.weight.data() + i);
+    const V dz = hn::Sub(LoadAt(p.z_est, begin + i), hn::Load(D(), block.z_first.data() + i));
+    const V w_dz = hn::Mul(w, dz);
+    hn::StoreInterleaved4(w, w_dz, hn::Mul(w_dz, dz), hn::Mul(w, LoadAt(p.x_true, begin + i)), D(),
+                          block.first_summands.data() + 4 * i);
+    hn::StoreInterleaved4(hn::Mul(w, LoadAt(p.y_true, begin + i)), hn::Mul(w, LoadAt(p.x_est, begin + i)),
+                          hn::Mul(w, LoadAt(p.y_est, begin + i)), hn::Mul(w, LoadAt(p.t, begin + i)), D(),
+                          block.last_summands.data() + 4 * i);
+  }
+}
+
+HWY_INLINE void AddFour(const double* summands, double* sums) {
+  for (std::size_t k = 0; k < 4; k += hn::Lanes(Half()))
+    hn::StoreU(hn::Add(hn::LoadU(Half(), sums + k), hn::Load(Half(), summands + k)), Half(), sums + k);
+}
+
+HWY_INLINE void AddBlock(std::size_t count, const Block& block) {
+  for (std::size_t i = 0; i < count; ++i) {
+    AddFour(block.first_summands.data() + 4 * i, &block.sums[i]->weight);
+    AddFour(block.last_summands.data() + 4 * i, &block.sums[i]->w_y_true);
+  }
+}
+
+/// The columns must be readable up to a whole number of vectors.
+HWY_INLINE void AddReadable(const GridPoints& p, std::size_t count, const LaneGrid& grid, BinWeights weights,
+                            std::span<BinSums> bins, AddedReturns& added) {
+  Block block;
+  BinSums sink{};
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t size = std::min(kBlock, count - begin);
+    added.finite &= PlaceBlock(p, begin, size, grid, weights, block);
+    added.outside += EnterBlock(p, begin, size, bins, sink, block);
+    MultiplyBlock(p, begin, size, block);
+    AddBlock(size, block);
+  }
+}
+
+AddedReturns AddReturns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
+                        std::span<BinSums> bins) {
+  AddedReturns added;
+  const LaneGrid grid(spec);
+  const std::size_t whole = points.size() / hn::Lanes(D()) * hn::Lanes(D());
+  AddReadable(points, whole, grid, weights, bins, added);
+  const GridPoints rest = points.subset(whole, points.size() - whole);
+  if (rest.size() == 0) return added;
+  std::array<std::array<double, kMostLanes>, 7> padded{};
+  const std::array<std::span<const double>, 7> columns = {rest.x_est,  rest.y_est,  rest.z_est, rest.x_true,
+                                                          rest.y_true, rest.z_true, rest.t};
+  for (std::size_t c = 0; c < columns.size(); ++c) std::ranges::copy(columns[c], padded[c].begin());
+  AddReadable({padded[0], padded[1], padded[2], padded[3], padded[4], padded[5], padded[6]}, rest.size(),
+              grid, weights, bins, added);
+  return added;
+}
+
+void FindRows(const GridSpec& spec, std::span<const double> x_m, std::span<const double> y_m,
+              std::span<std::int32_t> rows) {
+  const LaneGrid grid(spec);
+  const std::size_t whole = rows.size() / hn::Lanes(D()) * hn::Lanes(D());
+  for (std::size_t i = 0; i < whole; i += hn::Lanes(D())) {
+    const V col = hn::Sub(LaneGrid::nearest(hn::Div(LoadAt(x_m, i), grid.resolution)), grid.first_col);
+    const V row = hn::Sub(LaneGrid::nearest(hn::Div(LoadAt(y_m, i), grid.resolution)), grid.first_row);
+    const V found = hn::IfThenElse(grid.contains(row, col), row, constant(-1));
+    hn::StoreU(hn::DemoteTo(Whole(), found), Whole(), rows.data() + i);
+  }
+  for (std::size_t i = whole; i < rows.size(); ++i) {
+    const BinIndex bin = spec.bin_of(x_m[i], y_m[i]);
+    rows[i] = spec.contains(bin) ? static_cast<std::int32_t>(bin.row) : -1;
+  }
+}
+
+}  // namespace landfall::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace landfall {
+
+HWY_EXPORT(AddReturns);
+HWY_EXPORT(FindRows);
+
+AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
+                         std::span<BinSums> bins) {
+  assert(bins.size() == spec.size());
+  return HWY_DYNAMIC_DISPATCH(AddReturns)(points, spec, weights, bins);
+}
+
+void find_rows(const GridSpec& spec, std::span<const double> x_m, std::span<const double> y_m,
+               std::span<std::int32_t> rows) {
+  assert(x_m.size() == rows.size() && y_m.size() == rows.size());
+  HWY_DYNAMIC_DISPATCH(FindRows)(spec, x_m, y_m, rows);
+}
+
+}  // namespace landfall
+#endif

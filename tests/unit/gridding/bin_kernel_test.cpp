@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/bin_kernel.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "base/parallel.h"
+#include "gridding/run_partition.h"
+#include "point_columns.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The weight of BinAccumulator, by std::floor.
+double bilinear_weight(const GridSpec& spec, double x, double y) {
+  const double u = x / spec.resolution_m;
+  const double v = y / spec.resolution_m;
+  return (1 - std::abs(u - std::floor(u + 0.5))) * (1 - std::abs(v - std::floor(v + 0.5)));
+}
+
+struct Expected {
+  std::vector<BinSums> bins;
+  std::size_t outside = 0;
+};
+
+/// One return after the other.
+Expected one_by_one(const GridPoints& points, const GridSpec& spec, BinWeights weights) {
+  Expected expected{std::vector<BinSums>(spec.size()), 0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x = points.x_est[i];
+    const double y = points.y_est[i];
+    const BinIndex bin = spec.bin_of(x, y);
+    if (!spec.contains(bin)) {
+      ++expected.outside;
+      continue;
+    }
+    const double weight = weights == BinWeights::equal ? 1 : bilinear_weight(spec, x, y);
+    add_return(points, i, weight, expected.bins[spec.index(bin)]);
+  }
+  return expected;
+}
+
+void expect_same_bits(std::span<const BinSums> found, std::span<const BinSums> expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (const auto member :
+         {&BinSums::weight, &BinSums::w_dz, &BinSums::w_dz_dz, &BinSums::w_x_true, &BinSums::w_y_true,
+          &BinSums::w_x_est, &BinSums::w_y_est, &BinSums::w_t, &BinSums::z_first})
+      ASSERT_EQ(bits(found[i].*member), bits(expected[i].*member)) << "bin " << i;
+    ASSERT_EQ(found[i].count, expected[i].count) << "bin " << i;
+  }
+}
+
+/// Points around the map: at random, on centres and edges, in the bin of the one before, and far away.
+PointColumns points_around(const GridSpec& spec, std::size_t count) {
+  std::mt19937_64 random(11);
+  const double reach = 0.6 * static_cast<double>(spec.cols) * spec.resolution_m;
+  std::uniform_real_distribution<double> coordinate(-reach, reach);
+  std::uniform_int_distribution<int> kind(0, 7);
+  std::uniform_int_distribution<int> halves(-24, 24);
+  PointColumns columns;
+  ReturnPoint p;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int what = kind(random);
+    if (what < 5) p.x_est = coordinate(random);
+    if (what < 3 || what == 5) p.y_est = coordinate(random);
+    if (what == 6) p.x_est = 0.5 * halves(random) * spec.resolution_m;
+    if (i % 997 == 5) p.y_est = i % 2 == 0 ? 1e300 : -3e9;
+    p.z_est = 1000 + coordinate(random);
+    p.x_true = p.x_est + 1e-3 * coordinate(random);
+    p.y_true = p.y_est + 1e-3 * coordinate(random);
+    p.t = 1e-4 * static_cast<double>(i);
+    columns.push_back(p);
+  }
+  return columns;
+}
+
+/// Runs the body with each instruction set that the machine has, the portable one included.
+template <class Body>
+void on_every_target(Body body) {
+  hwy::SetSupportedTargetsForTest(0);
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    const std::int64_t target = rest & -rest;
+    hwy::SetSupportedTargetsForTest(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    body();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+void expect_same_bits_as_one_by_one() {
+  for (const GridSpec& spec : {GridSpec::centered(1, 0.1), GridSpec{0.3, -5, 4, 9, 17}}) {
+    for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 127U, 128U, 129U, 5000U}) {
+      const PointColumns columns = points_around(spec, count);
+      for (const BinWeights weights : {BinWeights::bilinear, BinWeights::equal}) {
+        const Expected expected = one_by_one(columns.view(), spec, weights);
+        std::vector<BinSums> bins(spec.size());
+        const AddedReturns added = add_returns(columns.view(), spec, weights, bins);
+        EXPECT_TRUE(added.finite);
+        EXPECT_EQ(added.outside, expected.outside);
+        expect_same_bits(bins, expected.bins);
+      }
+    }
+  }
+}
+
+TEST(BinKernel, SameBitsAsOneByOne) { on_every_target(expect_same_bits_as_one_by_one); }
+
+TEST(BinKernel, AccumulatorHasTheSameBitsWithThreads) {
+  const GridSpec spec = GridSpec::centered(3, 0.1);
+  const PointColumns columns = points_around(spec, 150'000);  // several pieces of a partition, short runs
+  const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
+  for (const std::size_t threads : {1U, 2U, 7U}) {
+    const ThreadLimit limit(threads);
+    BinAccumulator bins(spec);
+    bins.add(columns.view(), 0);
+    expect_same_bits(bins.bins(), expected.bins);
+    EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
+  }
+}
+
+TEST(BinKernel, FindsWhatIsNotFinite) {
+  const GridSpec spec = GridSpec::centered(1, 0.1);
+  for (std::size_t at : {0U, 6U, 130U, 136U}) {
+    for (auto column :
+         {&PointColumns::x_est, &PointColumns::y_est, &PointColumns::z_est, &PointColumns::x_true,
+          &PointColumns::y_true, &PointColumns::z_true, &PointColumns::t}) {
+      PointColumns columns = points_around(spec, 137);
+      (columns.*column)[at] = at % 4 == 0 ? kNan : -kInfinity;
+      on_every_target([&] {
+        std::vector<BinSums> bins(spec.size());
+        EXPECT_FALSE(add_returns(columns.view(), spec, BinWeights::bilinear, bins).finite) << at;
+      });
+    }
+  }
+}
+
+TEST(BinKernel, RowsAreThoseOfTheBins) {
+  const GridSpec spec{0.3, -5, 4, 9, 17};
+  PointColumns columns = points_around(spec, 3001);
+  columns.x_est[17] = kNan;
+  columns.y_est[18] = kInfinity;
+  columns.y_est[3000] = kNan;
+  on_every_target([&] {
+    std::vector<std::int32_t> rows(columns.x_est.size());
+    find_rows(spec, columns.x_est, columns.y_est, rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const BinIndex bin = spec.bin_of(columns.x_est[i], columns.y_est[i]);
+      ASSERT_EQ(rows[i], spec.contains(bin) ? bin.row : -1) << i;
+    }
+  });
+}
+
+TEST(RunPartition, ListsRunsByBand) {
+  RunPartition partition(GridSpec{1, 0, 0, 17, 1});  // rows 0-7, 8-15, 16
+  const std::vector<double> y = {3, 4, 16, 9, 8, 15.4, 99, 98, 7.4, 7.5, -0.6};
+  partition.assign(std::vector<double>(y.size(), 0.0), y);
+  const auto runs = [&](std::size_t band) {
+    const auto found = partition.runs_of_band(band);
+    return std::vector<PointRun>(found.begin(), found.end());
+  };
+  EXPECT_EQ(partition.band_count(), 3U);
+  EXPECT_EQ(runs(0), (std::vector<PointRun>{{0, 2}, {8, 1}}));
+  EXPECT_EQ(runs(1), (std::vector<PointRun>{{3, 3}, {9, 1}}));
+  EXPECT_EQ(runs(2), (std::vector<PointRun>{{2, 1}}));
+  EXPECT_EQ(runs(3), (std::vector<PointRun>{{6, 2}, {10, 1}}));
+  partition.assign(std::vector<double>{0}, std::vector<double>{9});
+  EXPECT_TRUE(runs(0).empty());
+  EXPECT_EQ(runs(1), (std::vector<PointRun>{{0, 1}}));
+}
+
+// More points than one piece of work holds.
+TEST(RunPartition, EveryPointIsInExactlyItsBand) {
+  const GridSpec spec = GridSpec::centered(4, 0.1);
+  const PointColumns columns = points_around(spec, 200'000);
+  RunPartition partition(spec);
+  partition.assign(columns.x_est, columns.y_est);
+  std::size_t all = 0;
+  for (std::size_t band = 0; band <= partition.band_count(); ++band) {
+    std::uint32_t end = 0;
+    for (const PointRun run : partition.runs_of_band(band)) {
+      ASSERT_GE(run.begin, end);
+      end = run.begin + run.count;
+      all += run.count;
+      for (std::uint32_t i = run.begin; i < end; ++i) {
+        const BinIndex bin = spec.bin_of(columns.x_est[i], columns.y_est[i]);
+        ASSERT_EQ(spec.contains(bin) ? static_cast<std::size_t>(bin.row) / 8 : partition.band_count(), band);
+      }
+    }
+  }
+  EXPECT_EQ(all, columns.x_est.size());
+}
+
+}  // namespace
+}  // namespace landfall
