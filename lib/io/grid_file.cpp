@@ -176,21 +176,25 @@ void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const F
   for (const TiledLayer& layer : layers) datasets.push_back(create(layer.name, layer.type, layer.text));
   struct Slot {
     std::vector<TileValues> values;
-    std::vector<std::vector<std::byte>> encoded;
+    std::vector<ChunkEncoder> encoders;  ///< per layer, for all tiles: their memory is kept
+    std::vector<std::span<const std::byte>> encoded;
   };
   std::vector<Slot> slots(thread_count() + 2);
   const std::vector<Tile> todo = tiles();
   const auto compute = [&](std::size_t i, std::size_t slot) {
-    auto& [values, encoded] = slots[slot];
+    auto& [values, encoders, encoded] = slots[slot];
     values.resize(layers.size());
     encoded.resize(layers.size());
+    if (encoders.empty())
+      for (const TiledLayer& layer : layers) encoders.emplace_back(h5::size_of(layer.type), compression_);
     for (std::size_t l = 0; l < layers.size(); ++l)
       prepare(values[l], layers[l].type, static_cast<std::size_t>(tile_of(spec_).row * tile_of(spec_).col));
     fill(todo[i], values);
-    for (std::size_t l = 0; l < layers.size(); ++l)
-      encoded[l] = std::visit(
-          [&](const auto& v) { return encode_chunk(std::as_bytes(std::span(v)), sizeof v[0], compression_); },
-          values[l]);
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+      ChunkEncoder& encoder = encoders[l];  // clang 14 captures no structured binding
+      encoded[l] =
+          std::visit([&](const auto& v) { return encoder.encode(std::as_bytes(std::span(v))); }, values[l]);
+    }
   };
   const auto write_out = [&](std::size_t i, std::size_t slot) {
     for (std::size_t l = 0; l < layers.size(); ++l)
