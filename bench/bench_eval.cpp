@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Eq. 12 over the paper's map, 3,141,521 windows of 35 x 35 bins and discs of 35 bins, one thread: a
 // selection in each window, on some rows only, against the shared tails. The ratios of their rates come last.
-// The whole evaluation (metrics only) of maps of 501 to 4001 bins on a side shows that its time grows
-// with the map.
+// The whole evaluation (metrics only) of maps of 501 to 4001 bins on a side shows how its time grows.
 //   bench_eval [dem.h5] [--benchmark_filter=noise ...]
 // With a DEM of 2001 x 2001 bins of 0.05 m, that DEM's three axes instead of the synthetic maps.
 // Times move with whatever else the machine does: each method's best of three repetitions counts.
