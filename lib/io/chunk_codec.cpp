@@ -170,10 +170,4 @@ std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) 
   return put_zlib_stream(planes_, noise_run(planes_, element_size_, level_, codec), codec, stream_);
 }
 
-std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size, int level) {
-  ChunkEncoder encoder(element_size, level);
-  const auto encoded = encoder.encode(raw);
-  return {encoded.begin(), encoded.end()};
-}
-
 }  // namespace landfall

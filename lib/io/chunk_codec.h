@@ -12,8 +12,8 @@ namespace landfall {
 /// the bytes as they are, unshuffled, which is what a dataset without filters holds.
 ///
 /// Below level 6 neighbouring bytes of numbers are stored as they are where a trial finds noise in them:
-/// searching it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples, so
-/// a chunk may miss some of its compression, at most what those bytes could have saved.
+/// searching it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples,
+/// so a chunk may miss some of its compression, at most what those bytes could have saved.
 ///
 /// An encoder keeps its memory, about twice the chunk's, from one chunk to the next. One thread at a time.
 class ChunkEncoder {
@@ -31,9 +31,5 @@ class ChunkEncoder {
   std::vector<std::byte> planes_;
   std::vector<std::byte> stream_;
 };
-
-/// The same, once.
-[[nodiscard]] std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size,
-                                                  int level);
 
 }  // namespace landfall

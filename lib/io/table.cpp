@@ -125,24 +125,23 @@ void TableWriter::flush() {
       if (!columns_[c].copied_from) encoded[c] = columns_[c].encoder.encode(columns_[c].buffer);
   });
   const std::lock_guard lock(h5::library_lock());
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    if (columns_[c].copied_from) encoded[c] = copied_chunk(columns_[c]);
-  for (std::size_t c = 0; c < columns_.size(); ++c)
-    write_chunk(columns_[c].dataset.get(), written_rows_, written_rows_ + buffered_rows_, encoded[c],
-                columns_[c].spec.name);
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const Column& column = columns_[c];
+    write_chunk(column.dataset.get(), written_rows_, written_rows_ + buffered_rows_,
+                column.copied_from ? copied_chunk(column) : encoded[c], column.spec.name);
+  }
   h5::start_writeback(group_.get());
   written_rows_ += buffered_rows_;
   buffered_rows_ = 0;
 }
 
-std::span<const std::byte> TableWriter::copied_chunk(Column& column) {
+std::span<const std::byte> TableWriter::copied_chunk(const Column& column) {
   const std::array<hsize_t, 1> offset = {written_rows_};
   if (written_rows_ >= source_->row_count(column.spec.name))
     source_->fail_reading(column.spec.name, "it ends after " + std::to_string(written_rows_) + " rows");
-  StoredChunk& chunk = column.copied;
-  if (!load_chunk(column.copied_from.get(), offset, chunk) || chunk.filter_mask != 0)
+  if (!load_chunk(column.copied_from.get(), offset, copied_) || copied_.filter_mask != 0)
     source_->fail_reading(column.spec.name);
-  return chunk.bytes;
+  return copied_.bytes;
 }
 
 void TableWriter::require_whole_copies() const {

@@ -60,9 +60,8 @@ class TableWriter {
     std::vector<std::byte> buffer;
     ChunkEncoder encoder;
     h5::Handle copied_from{};  ///< the dataset whose chunks this column takes
-    StoredChunk copied{};
   };
-  [[nodiscard]] std::span<const std::byte> copied_chunk(Column& column);
+  [[nodiscard]] std::span<const std::byte> copied_chunk(const Column& column);
   void require_whole_copies() const;
   void buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
   void flush();
@@ -71,6 +70,7 @@ class TableWriter {
   h5::Handle group_;
   std::vector<Column> columns_;
   const TableReader* source_ = nullptr;  ///< of copied columns
+  StoredChunk copied_;                   ///< the last one
   std::size_t buffered_rows_ = 0;
   std::size_t written_rows_ = 0;
 };

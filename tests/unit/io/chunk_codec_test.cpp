@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 
+#include "encoded_chunk.h"
 #include "io/landfall_file.h"
 #include "io/table.h"
 #include "temporary_folder.h"

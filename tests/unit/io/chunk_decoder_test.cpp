@@ -5,8 +5,8 @@
 
 #include <vector>
 
+#include "encoded_chunk.h"
 #include "io/byte_shuffle.h"
-#include "io/chunk_codec.h"
 
 namespace landfall {
 namespace {
