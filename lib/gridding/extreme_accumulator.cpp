@@ -20,14 +20,13 @@ void ExtremeAccumulator::add(const GridPoints& points, std::int64_t first_row_nu
 void ExtremeAccumulator::add_point(const GridPoints& points, std::size_t i, Bin& bin) const {
   const double z = points.z_est[i];
   if (bin.count == 0) bin.z_first = z;
-  if (bin.count == 0 || (which_ == Which::lowest ? z < bin.z : z > bin.z)) {
-    bin.z = z;
-    bin.x_true = points.x_true[i];
-    bin.y_true = points.y_true[i];
-    bin.x_est = points.x_est[i];
-    bin.y_est = points.y_est[i];
-    bin.t = points.t[i];
-  }
+  if (bin.count == 0 || (which_ == Which::lowest ? z < bin.chosen.z : z > bin.chosen.z))
+    bin.chosen = {.z = z,
+                  .x_true = points.x_true[i],
+                  .y_true = points.y_true[i],
+                  .x_est = points.x_est[i],
+                  .y_est = points.y_est[i],
+                  .t = points.t[i]};
   const double dz = z - bin.z_first;
   bin.dz += dz;
   bin.dz_dz += dz * dz;
@@ -38,17 +37,8 @@ BinValues ExtremeAccumulator::values_of(const Bin& bin) {
   if (bin.count == 0) return empty_bin();
   const auto n = static_cast<double>(bin.count);
   const double mean_dz = bin.dz / n;
-  return {.count = bin.count,
-          .weight_sum = n,
-          .z_est = bin.z,
-          .x_true = bin.x_true,
-          .y_true = bin.y_true,
-          .x_est = bin.x_est,
-          .y_est = bin.y_est,
-          .x_offset = bin.x_true - bin.x_est,
-          .y_offset = bin.y_true - bin.y_est,
-          .t = bin.t,
-          .z_spread = std::sqrt(std::max(0.0, bin.dz_dz / n - mean_dz * mean_dz))};
+  return landfall::values_of(bin.chosen, bin.count,
+                             std::sqrt(std::max(0.0, bin.dz_dz / n - mean_dz * mean_dz)));
 }
 
 void ExtremeAccumulator::values(BinIndex first, std::span<BinValues> out) const {

@@ -3,6 +3,7 @@
 
 #include "base/zeroed_memory.h"
 #include "gridding/accumulator.h"
+#include "gridding/chosen_return.h"
 #include "gridding/nearest_bins.h"
 
 namespace landfall {
@@ -21,8 +22,8 @@ class ExtremeAccumulator final : public Accumulator {
  private:
   /// Zero bytes are an empty bin.
   struct Bin {
-    double z, x_true, y_true, x_est, y_est, t;  ///< of the return that stands for the bin
-    double z_first, dz, dz_dz;                  ///< sums relative to the first return, as in BinSums
+    ChosenReturn chosen;
+    double z_first, dz, dz_dz;  ///< sums relative to the first return, as in BinSums
     std::int32_t count;
   };
   [[nodiscard]] static BinValues values_of(const Bin& bin);

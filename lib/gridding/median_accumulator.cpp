@@ -117,12 +117,8 @@ MedianAccumulator::Bin MedianAccumulator::median_of(std::span<const Return> sort
   const auto n = static_cast<double>(sorted.size());
   const double variance = std::max(0.0, squares / n - (sum / n) * (sum / n));
   const auto middle = [](double u, double v) { return (u + v) / 2; };
-  return {middle(a.z, b.z),
-          middle(a.x_true, b.x_true),
-          middle(a.y_true, b.y_true),
-          middle(a.x_est, b.x_est),
-          middle(a.y_est, b.y_est),
-          middle(a.t, b.t),
+  return {{middle(a.z, b.z), middle(a.x_true, b.x_true), middle(a.y_true, b.y_true), middle(a.x_est, b.x_est),
+           middle(a.y_est, b.y_est), middle(a.t, b.t)},
           static_cast<float>(std::sqrt(variance)),
           static_cast<std::int32_t>(sorted.size())};
 }
@@ -136,17 +132,7 @@ double MedianAccumulator::progress(double pass_fraction) const {
 
 BinValues MedianAccumulator::values_of(const Bin& bin) {
   if (bin.count == 0) return empty_bin();
-  return {.count = bin.count,
-          .weight_sum = static_cast<double>(bin.count),
-          .z_est = bin.z,
-          .x_true = bin.x_true,
-          .y_true = bin.y_true,
-          .x_est = bin.x_est,
-          .y_est = bin.y_est,
-          .x_offset = bin.x_true - bin.x_est,
-          .y_offset = bin.y_true - bin.y_est,
-          .t = bin.t,
-          .z_spread = static_cast<double>(bin.spread)};
+  return landfall::values_of(bin.chosen, bin.count, static_cast<double>(bin.spread));
 }
 
 void MedianAccumulator::values(BinIndex first, std::span<BinValues> out) const {

@@ -7,6 +7,7 @@
 
 #include "base/zeroed_memory.h"
 #include "gridding/accumulator.h"
+#include "gridding/chosen_return.h"
 
 namespace landfall {
 
@@ -39,7 +40,7 @@ class MedianAccumulator final : public Accumulator {
   };
   /// Zero bytes are an empty bin.
   struct Bin {
-    double z, x_true, y_true, x_est, y_est, t;
+    ChosenReturn chosen;
     float spread;
     std::int32_t count;
   };
