@@ -7,10 +7,10 @@
 
 #include "cli/tool.h"
 #include "config/scan_config.h"
+#include "io/number_table.h"
 #include "io/range_file.h"
 #include "io/scan_file.h"
 #include "io/terrain_file.h"
-#include "io/trajectory_table.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "simulation/scan_pipeline.h"
@@ -55,25 +55,12 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
 }
 
-/// Runs what uses the trajectory's table; a refusal names the table's file.
-template <class Work>
-auto naming_table(const ScanConfig& config, const Work& work) {
-  try {
-    return work();
-  } catch (const FormatError& error) {
-    const std::string what = error.what();
-    const auto* const table = std::get_if<TrajectoryFile>(&config.trajectory);
-    if (table == nullptr || what.substr(0, 17) != "trajectory table:") throw;
-    throw FormatError(table->path + ": " + what);
-  }
-}
-
-std::unique_ptr<const Trajectory> read_trajectory(const ScanConfig& config, Provenance& provenance) {
-  const auto* const table = std::get_if<TrajectoryFile>(&config.trajectory);
-  if (table == nullptr) return nullptr;
-  provenance.add_input("trajectory", content_id(table->path), nlohmann::json::array());
-  return naming_table(config,
-                      [&] { return std::make_unique<TableTrajectory>(read_trajectory_table(table->path)); });
+/// Reads the tables that a configuration names, and enters them into the provenance.
+TableLoader table_loader(Provenance& provenance) {
+  return [&provenance](const std::string& path, const std::string& role, const TableColumns& columns) {
+    provenance.add_input(role, content_id(path), nlohmann::json::array());
+    return read_number_table(path, columns);
+  };
 }
 
 /// The name of the engine that `asked` stands for.
@@ -152,12 +139,10 @@ std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Option
 
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");
-  const ScanConfig config = scan_config(session.config(), session.config_name());
   const OutputOptions output = session.output({o.terrain, o.ranges_from, session.options().config_path});
   Provenance provenance = session.provenance();
   provenance.options = options_json(o);
-  std::unique_ptr<const Trajectory> trajectory = read_trajectory(config, provenance);
-  ScanModel model = scan_model(config, std::move(trajectory), session.config_name());
+  ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));
   std::optional<RangeFile> ranges;
   if (!o.ranges_from.empty()) ranges.emplace(o.ranges_from);
   const TerrainInput terrain = open_terrain(session, o, ranges);
@@ -165,8 +150,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (ranges) ranges->require_match(provenance);
   LandfallFileWriter file(output, "scan", provenance);
   const std::unique_ptr<const RayEngine> engine = open_engine(session, o, terrain);
-  const Simulation simulation =
-      naming_table(config, [&] { return Simulation(std::move(model), *engine, terrain.surface.get()); });
+  const Simulation simulation(std::move(model), *engine, terrain.surface.get());
   RangeSource source;
   if (ranges) source = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
@@ -184,11 +168,7 @@ ExitCode run(cli::Session& session, const Options& o) {
 }
 
 void check(const cli::Session& session) {
-  const ScanConfig config = scan_config(session.config(), session.config_name());
-  std::unique_ptr<const Trajectory> stand_in;
-  if (std::holds_alternative<TrajectoryFile>(config.trajectory))
-    stand_in = std::make_unique<ConstantVelocity>(ConstantVelocityParameters{});
-  static_cast<void>(scan_model(config, std::move(stand_in), session.config_name()));
+  static_cast<void>(scan_model(session.config(), session.config_name(), {}));
 }
 
 }  // namespace

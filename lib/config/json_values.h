@@ -12,6 +12,11 @@ namespace landfall {
 
 inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
+/// The angle, in radians, of a key in degrees.
+inline double radians(const nlohmann::json& owner, const char* key_deg) {
+  return kRadiansPerDegree * owner.at(key_deg).get<double>();
+}
+
 /// An array of three numbers.
 inline Eigen::Vector3d vector3(const nlohmann::json& value) {
   return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};

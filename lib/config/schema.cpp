@@ -64,6 +64,9 @@ class Resolver {
   void resolve(const Json& schema_or_ref, Json& value, const std::string& pointer) {
     const Json& schema = dereferenced(schema_or_ref);
     if (schema.contains("oneOf")) {
+      if (const std::optional<Json> fallback = default_of(schema_or_ref))
+        if (value.is_object() && !value.contains("type") && fallback->contains("type"))
+          value["type"] = fallback->at("type");
       resolve(alternative(schema, value, pointer), value, pointer);
       return;
     }
@@ -86,9 +89,8 @@ class Resolver {
   }
 
   /// The alternative that the value's "type" names, or the one of its JSON type.
-  const Json& alternative(const Json& schema, Json& value, const std::string& pointer) const {
+  const Json& alternative(const Json& schema, const Json& value, const std::string& pointer) const {
     if (!value.is_object()) return alternative_of_json_type(schema, value, pointer);
-    if (!value.contains("type") && schema.contains("default")) value["type"] = schema["default"].at("type");
     Json names = Json::array();
     for (const Json& option : schema["oneOf"]) {
       const Json& choice = dereferenced(option);

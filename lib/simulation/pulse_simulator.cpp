@@ -13,6 +13,7 @@ namespace landfall {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSpeedOfLight_mps = 299792458;
 
 /// The direction from the lidar, at this pose, to a point.
 Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
@@ -26,6 +27,21 @@ Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
   message << "pulse " << pulse << ": the lidar at x = " << origin.v.x() << " m, y = " << origin.v.y()
           << " m is " << origin.v.z() << " m high, at or below the terrain, " << ground_m << " m";
   throw FormatError(message.str());
+}
+
+/// Where the pattern aims `later_s` after a pulse, moving evenly from one pulse's aim to the next. A pulse
+/// without an aim leaves it where it was.
+Point<DemFrame> aim_after(const Pattern& pattern, const PulseInput& pulse, double later_s) {
+  const double pulses = pulse.interval_s > 0 ? later_s / pulse.interval_s : 0;
+  const auto whole = static_cast<std::int64_t>(pulses);
+  const auto aim = [&](std::int64_t ahead) {
+    return pattern.ground_aim(
+        {pulse.time.pulse + ahead, pulse.time.since_start_s + static_cast<double>(ahead) * pulse.interval_s});
+  };
+  const Point<DemFrame> here = *aim(0);
+  const Point<DemFrame> from = aim(whole).value_or(here);
+  const Point<DemFrame> to = aim(whole + 1).value_or(from);
+  return from + (pulses - static_cast<double>(whole)) * (to - from);
 }
 
 /// The columns of a pose, whichever of the two it is.
@@ -88,16 +104,43 @@ void PulseSimulator::replay(const PulseInput& pulse, std::span<const double> ran
   record(pulse, slot, batch, workspace);
 }
 
-void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) const {
+PulseContext PulseSimulator::context_of(const PulseInput& pulse) const {
   PulseContext context{.time = pulse.time};
-  std::optional<Point<DemFrame>> target;
-  if (lidar_.pattern) target = lidar_.pattern->ground_aim(pulse.time);
-  if (target) context.aim = direction_to(*target, pulse.nominal * lidar_.mount);
-  workspace.state = lidar_.scanner->state(context);
-  if (lidar_.pattern && !target) workspace.state.blanked = true;
+  const Pattern* const pattern = lidar_.pattern.get();
+  const auto target = pattern != nullptr ? pattern->ground_aim(pulse.time) : std::nullopt;
+  if (!target) return context;
+  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.nominal * lidar_.mount;
+  context.aim = direction_to(*target, T_dem_lidar);
+  const ContextNeeds needs = lidar_.scanner->needs();
+  if (needs.jumps) {
+    if (const auto jump = pattern->last_jump(pulse.time)) {
+      context.since_jump_s = jump->since_s;
+      if (const auto before = pattern->ground_aim(jump->before))
+        context.aim_before_jump = direction_to(*before, T_dem_lidar);
+    }
+  }
+  if (needs.echo) {
+    const double distance_m = (*target - T_dem_lidar.position).norm();
+    const Point<DemFrame> later = aim_after(*pattern, pulse, 2 * distance_m / kSpeedOfLight_mps);
+    context.aim_at_echo = direction_to(later, T_dem_lidar);
+  }
+  return context;
+}
+
+void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  const Scanner& scanner = *lidar_.scanner;
+  const PulseContext context = context_of(pulse);
+  workspace.state = scanner.state(context);
+  if (lidar_.pattern && !context.aim) workspace.state.blanked = true;
   const auto pixels = lidar_.detector.pixels();
   workspace.beams.resize(pixels.size());
-  lidar_.scanner->steer(workspace.state, pixels, workspace.beams);
+  scanner.steer(workspace.state, pixels, workspace.beams);
+  workspace.believed_beams.clear();
+  if (scanner.is_known()) return;
+  workspace.believed_beams.resize(pixels.size());
+  scanner.steer(scanner.believed_state(context, workspace.state), pixels, workspace.believed_beams);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (workspace.believed_beams[i].lost) workspace.beams[i].lost = true;  // it has no estimate
 }
 
 void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
@@ -154,13 +197,14 @@ void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatc
   for (std::size_t i = 0; i < pixel_count; ++i) {
     const PulsePixel where{pulse.time.pulse, static_cast<std::int64_t>(i)};
     const Beam& beam = workspace.beams[i];
+    const Beam& believed = workspace.believed_beams.empty() ? beam : workspace.believed_beams[i];
     const double range = workspace.ranges_m[i];
     const PointStatus what = status(where, workspace);
     const double measured =
         what == PointStatus::returned ? lidar_.range_errors.measured_m(range, where) : kNan;
     // A range that is NaN makes its point NaN.
     const Point<DemFrame> truth = T_dem_lidar * (beam.exit + range * beam.direction);
-    const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + measured * beam.direction);
+    const Point<DemFrame> estimate = T_dem_lidar_est * (believed.exit + measured * believed.direction);
     const std::size_t row = slot * pixel_count + i;
     out.x_est[row] = estimate.v.x();
     out.y_est[row] = estimate.v.y();

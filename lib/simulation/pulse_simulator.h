@@ -32,7 +32,8 @@ struct Lidar {
 /// One pulse, as whoever moves the lander gives it.
 struct PulseInput {
   PulseTime time{};
-  double t_s = 0;  ///< as written to the pulse table
+  double t_s = 0;         ///< as written to the pulse table
+  double interval_s = 0;  ///< to the next pulse; 0: as if the aim stood still
   Pose truth{};
   Pose estimate{};  ///< what the lander believes
   Pose nominal{};   ///< the pose that the pattern aims from
@@ -42,6 +43,7 @@ struct PulseInput {
 struct PulseWorkspace {
   ScannerState state;
   std::vector<Beam> beams;
+  std::vector<Beam> believed_beams;  ///< empty where the scanner is known: as `beams`
   std::vector<Beam> sample_beams;
   std::vector<Ray> rays;
   std::vector<double> hits_m;
@@ -53,7 +55,8 @@ struct PulseWorkspace {
 ///
 /// The true beam leaves from the true pose, aimed from the nominal one: navigation error never moves it. A
 /// point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7), the true one with the true range and pose, the
-/// estimated one with the measured range and the estimated pose, both with the same n and b. A pixel's status
+/// estimated one with the measured range and the estimated pose, both with the same n and b unless the lander
+/// does not know the mechanism's state (Scanner::is_known). A pixel's status
 /// is the first that applies of dead, blanked, total reflection, miss, dropout.
 class PulseSimulator {
  public:
@@ -75,6 +78,7 @@ class PulseSimulator {
               PulseBatch& batch, PulseWorkspace& workspace) const;
 
  private:
+  [[nodiscard]] PulseContext context_of(const PulseInput& pulse) const;
   void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;

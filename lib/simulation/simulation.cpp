@@ -29,7 +29,7 @@ std::int64_t pulse_count(const ScanModel& model) {
 Simulation::Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground)
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
-      first_pose_(model.trajectory->pose(model.trajectory->start_time_s())),
+      first_nominal_pose_(model.trajectory->nominal_pose(model.trajectory->start_time_s())),
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),
       simulator_(std::move(model.lidar), engine, ground) {
@@ -39,11 +39,14 @@ Simulation::Simulation(ScanModel model, const RayEngine& engine, const Triangula
 
 PulseInput Simulation::pulse(std::int64_t k) const {
   const double since_start_s = static_cast<double>(k) / pulse_rate_hz_;
-  PulseInput input{.time = {k, since_start_s}, .t_s = trajectory_->start_time_s() + since_start_s};
+  PulseInput input{.time = {k, since_start_s},
+                   .t_s = trajectory_->start_time_s() + since_start_s,
+                   .interval_s = 1 / pulse_rate_hz_};
   input.truth = trajectory_->pose(input.t_s);
   input.estimate = navigation_error_ ? navigation_error_->estimated(input.truth, since_start_s) : input.truth;
   const Pattern* pattern = simulator_.lidar().pattern.get();
-  input.nominal = pattern != nullptr && !pattern->compensated() ? first_pose_ : input.truth;
+  if (pattern != nullptr)
+    input.nominal = pattern->compensated() ? trajectory_->nominal_pose(input.t_s) : first_nominal_pose_;
   return input;
 }
 

@@ -62,7 +62,7 @@ class Simulation {
 
   double pulse_rate_hz_;
   std::int64_t pulse_count_;
-  Pose first_pose_;
+  Pose first_nominal_pose_;
   std::unique_ptr<const Trajectory> trajectory_;
   std::unique_ptr<const NavigationError> navigation_error_;
   PulseSimulator simulator_;

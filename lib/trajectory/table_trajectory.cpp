@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-
 #include <string>
 #include <utility>
 
@@ -17,13 +16,12 @@ namespace {
 constexpr double kNormTolerance = 1e-3;
 constexpr double kTimeSlack_s = 1e-9;
 
-[[noreturn]] void refuse(std::size_t index, const std::string& what) {
-  throw FormatError("trajectory table: row " + std::to_string(index + 1) + ": " + what);
-}
-
-void check(const std::vector<TrajectorySample>& samples) {
+void check(const std::vector<TrajectorySample>& samples, const std::string& name) {
+  const auto refuse = [&](std::size_t index, const std::string& what) {
+    throw FormatError(name + ": row " + std::to_string(index + 1) + ": " + what);
+  };
   if (samples.size() < 2)
-    throw FormatError("trajectory table: " + std::to_string(samples.size()) + " rows, at least 2 are needed");
+    throw FormatError(name + ": " + std::to_string(samples.size()) + " rows, at least 2 are needed");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const TrajectorySample& s = samples[i];
     if (!std::isfinite(s.t_s) || !s.position_m.v.allFinite() || !s.attitude.coeffs().allFinite())
@@ -78,22 +76,34 @@ Point<DemFrame> hermite(double u, const HermiteEnd& a, const HermiteEnd& b) {
   return Point<DemFrame>{(1 - w) * a.position.v + w * b.position.v} + bend;
 }
 
-[[noreturn]] void refuse_time(double t_s, double first_s, double last_s) {
-  throw FormatError("trajectory table: time " + number_text(t_s) + " s lies outside the table, " +
-                    number_text(first_s) + " .. " + number_text(last_s) + " s");
-}
-
 }  // namespace
 
-TableTrajectory::TableTrajectory(std::vector<TrajectorySample> samples) : samples_(std::move(samples)) {
-  check(samples_);
+const TableColumns& trajectory_columns() {
+  static const TableColumns columns{{"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"}};
+  return columns;
+}
+
+std::vector<TrajectorySample> trajectory_samples(const NumberTable& table) {
+  const auto value = [&](const char* column, std::size_t row) { return table.column(column)[row]; };
+  std::vector<TrajectorySample> samples(table.row_count());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    samples[i] = {value("t_s", i),
+                  {{value("x_m", i), value("y_m", i), value("z_m", i)}},
+                  {value("qw", i), value("qx", i), value("qy", i), value("qz", i)}};
+  return samples;
+}
+
+TableTrajectory::TableTrajectory(std::vector<TrajectorySample> samples, std::string name)
+    : name_(std::move(name)), samples_(std::move(samples)) {
+  check(samples_, name_);
   for (TrajectorySample& sample : samples_) sample.attitude.normalize();
   slopes_mps_ = slopes(samples_);
 }
 
 Pose TableTrajectory::pose(double t_s) const {
   if (!(t_s >= start_time_s() - kTimeSlack_s && t_s <= end_time_s() + kTimeSlack_s))
-    refuse_time(t_s, start_time_s(), end_time_s());
+    throw FormatError(name_ + ": time " + number_text(t_s) + " s lies outside the table, " +
+                      number_text(start_time_s()) + " .. " + number_text(end_time_s()) + " s");
   const double t = std::clamp(t_s, start_time_s(), end_time_s());
   // The piece that begins at or before t; the last time belongs to the last piece.
   const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, t,

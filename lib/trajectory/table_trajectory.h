@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <string>
 #include <vector>
 
+#include "base/number_table.h"
 #include "trajectory/trajectory.h"
 
 namespace landfall {
@@ -16,17 +18,21 @@ struct TrajectorySample {
   Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();
 };
 
+/// The columns of a trajectory's table: t_s, x_m, y_m, z_m, qw, qx, qy, qz (quaternion scalar-first, D <- B).
+[[nodiscard]] const TableColumns& trajectory_columns();
+[[nodiscard]] std::vector<TrajectorySample> trajectory_samples(const NumberTable& table);
+
 /// A sampled trajectory, such as another simulator exports. Both parts go through every sample:
 /// - positions by cubic Hermite pieces, whose slope at a sample is that of the parabola through it and its
-/// two
-///   neighbours (at an end: through the last three), however the times are spaced. Motion that is quadratic
-///   in time is reproduced to rounding; two samples give a straight line.
+///   two neighbours (at an end: through the last three), however the times are spaced. Motion that is
+///   quadratic in time is reproduced to rounding; two samples give a straight line.
 /// - attitudes by slerp between neighbours, the shortest way: constant body rate from sample to sample.
 class TableTrajectory : public Trajectory {
  public:
   /// Times must increase strictly, everything be finite, and a quaternion's norm be within 1e-3 of 1 (it is
-  /// then normalised); at least 2 rows. Throws FormatError, naming the row counted from 1, otherwise.
-  explicit TableTrajectory(std::vector<TrajectorySample> samples);
+  /// then normalised); at least 2 rows. Throws FormatError, begun by `name` and naming the row counted from
+  /// 1, otherwise.
+  explicit TableTrajectory(std::vector<TrajectorySample> samples, std::string name = "trajectory table");
 
   /// A time that lies up to 1 ns outside the table counts as its end: pulse times are rounded.
   [[nodiscard]] Pose pose(double t_s) const override;
@@ -35,6 +41,7 @@ class TableTrajectory : public Trajectory {
   [[nodiscard]] double end_time_s() const override { return samples_.back().t_s; }
 
  private:
+  std::string name_;
   std::vector<TrajectorySample> samples_;
   std::vector<Vector<DemFrame>> slopes_mps_;
 };

@@ -9,6 +9,10 @@
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
+#include "detector/perspective.h"
+#include "scanner/fsm.h"
+#include "scanner/line_search.h"
+#include "trajectory/constant_velocity.h"
 
 namespace landfall {
 namespace {
@@ -22,7 +26,11 @@ Json resolved(const std::string& schema, const std::string& text) {
   return resolve_config({"c.json", Json::parse(text)}, embedded_schema(schema));
 }
 
-ScanConfig scan_of(const std::string& text) { return scan_config(resolved("scan", text), "c.json"); }
+ScanModel scan_of(const std::string& text, const TableLoader& load_table = {}) {
+  Json config = resolved("scan", text);
+  complete_scan_config(config);
+  return scan_model(config, "c.json", load_table);
+}
 
 template <class Work>
 std::string refusal(const Work& work) {
@@ -68,68 +76,92 @@ TEST(TerrainConfig, RefusalsBeginWithTheFile) {
               AllOf(HasSubstr("c.json: /grid"), HasSubstr("half_width_m 60")));
 }
 
-TEST(ScanConfig, EmptyIsTheDefault) {
-  const ScanConfig config = scan_of("{}");
-  EXPECT_EQ(config.detector.rows, PerspectiveParameters{}.rows);
-  EXPECT_EQ(config.detector.columns, PerspectiveParameters{}.columns);
-  EXPECT_EQ(std::get<PixelFieldOfView>(config.detector.field_of_view).x_rad, PixelFieldOfView{}.x_rad);
-  EXPECT_EQ(config.pulse_rate_hz, 20000);
-  EXPECT_EQ(config.scan_time_s, 2);
-  const auto& fsm = std::get<FsmParameters>(config.scanner);
-  EXPECT_EQ(fsm.incidence_rad, FsmParameters{}.incidence_rad);
-  EXPECT_DOUBLE_EQ(fsm.max_deflection_rad, FsmParameters{}.max_deflection_rad);
-  EXPECT_EQ(config.pattern->rows, LineSearchParameters{}.rows);
-  EXPECT_EQ(config.pattern->half_width_m, LineSearchParameters{}.half_width_m);
-  EXPECT_EQ(config.pattern->at_end, AtEnd::wrap);
-  const auto& trajectory = std::get<ConstantVelocityParameters>(config.trajectory);
-  EXPECT_EQ(trajectory.position_m, ConstantVelocityParameters{}.position_m);
-  EXPECT_EQ(trajectory.velocity_mps, ConstantVelocityParameters{}.velocity_mps);
-  EXPECT_EQ(config.noise.range_sigma_m, 0);
-  EXPECT_EQ(config.seed, 1U);
+/// The mirror's normal for an aim a little off the boresight.
+Eigen::Vector3d mirror_normal(const Scanner& scanner) {
+  return scanner.state({.aim = Direction<LidarFrame>::of({{0.05, -0.1, 1}})}).mirror_normal.v;
 }
 
-TEST(ScanConfig, NominalMountIsDiag1Minus1Minus1) {
-  const Eigen::Matrix3d mount = scan_of("{}").mount.rotation.m;
+std::vector<Direction<LidarFrame>> pixels_of(const Detector& detector) {
+  return {detector.pixels().begin(), detector.pixels().end()};
+}
+
+TEST(ScanModel, EmptyIsTheDefault) {
+  const ScanModel model = scan_of("{}");
+  EXPECT_EQ(pixels_of(model.lidar.detector), pixels_of(perspective_detector({})));
+  EXPECT_EQ(model.pulse_rate_hz, 20000);
+  EXPECT_EQ(model.scan_time_s, 2);
+  EXPECT_EQ(pulse_count(model), 40000);
+  EXPECT_EQ(mirror_normal(*model.lidar.scanner), mirror_normal(Fsm({})));
+  EXPECT_EQ(model.lidar.pattern->ground_aim({12345, 0}), LineSearch({}).ground_aim({12345, 0}));
+  EXPECT_EQ(model.trajectory->pose(1.5), ConstantVelocity({}).pose(1.5));
+  EXPECT_EQ(model.lidar.range_errors.measured_m(7, {1, 2}), 7);
+  EXPECT_EQ(model.navigation_error->estimated(model.trajectory->pose(2), 2), model.trajectory->pose(2));
+}
+
+TEST(ScanModel, NominalMountIsDiag1Minus1Minus1) {
+  const Eigen::Matrix3d mount = scan_of("{}").lidar.mount.rotation.m;
   EXPECT_TRUE(mount.isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix(), 1e-15));
 }
 
-TEST(ScanConfig, DegreesBecomeRadiansAndScalarsHoldForBothAxes) {
-  const ScanConfig config = scan_of(R"({"detector": {"fov_deg": 90, "roll_deg": -45},
+TEST(ScanModel, DegreesBecomeRadiansAndScalarsHoldForBothAxes) {
+  const ScanModel model = scan_of(R"({"detector": {"fov_deg": 90, "roll_deg": -45},
       "scanner": {"type": "fsm", "incidence_deg": 30, "fold_azimuth_deg": 60, "max_deflection_deg": 20},
       "trajectory": {"type": "constant_velocity", "rpy_deg": [180, 90, 45], "rpy_rate_degps": [0, 0, 18]},
       "navigation_error": {"rpy_rad": [0.1, 0.2, 0.3]}})");
-  const auto& view = std::get<FullFieldOfView>(config.detector.field_of_view);
-  EXPECT_DOUBLE_EQ(view.x_rad, kPi / 2);
-  EXPECT_DOUBLE_EQ(view.y_rad, kPi / 2);
-  EXPECT_DOUBLE_EQ(config.detector.roll_rad, -kPi / 4);
-  const auto& fsm = std::get<FsmParameters>(config.scanner);
-  EXPECT_DOUBLE_EQ(fsm.incidence_rad, kPi / 6);
-  EXPECT_DOUBLE_EQ(fsm.fold_azimuth_rad, kPi / 3);
-  EXPECT_DOUBLE_EQ(fsm.max_deflection_rad, kPi / 9);
-  const auto pair = std::get<PixelFieldOfView>(
-      scan_of(R"({"detector": {"ifov_rad": [0.001, 0.002]}})").detector.field_of_view);
-  EXPECT_EQ(pair.x_rad, 0.001);
-  EXPECT_EQ(pair.y_rad, 0.002);
+  EXPECT_EQ(pixels_of(model.lidar.detector),
+            pixels_of(perspective_detector(
+                {.field_of_view = FullFieldOfView{kPi / 2, kPi / 2}, .roll_rad = -45 * kPi / 180})));
+  const Fsm expected({kPi / 6, kPi / 3, kPi / 9});
+  EXPECT_LT((mirror_normal(*model.lidar.scanner) - mirror_normal(expected)).norm(), 1e-15);
+  EXPECT_THROW(
+      static_cast<void>(model.lidar.scanner->state({.aim = Direction<LidarFrame>::of({{0, 0.4, 1}})})),
+      FormatError);
+  const ConstantVelocity motion({.rpy = {kPi, kPi / 2, kPi / 4}, .rpy_rate_radps = {0, 0, kPi / 10}});
+  EXPECT_TRUE(model.trajectory->pose(1).rotation.m.isApprox(motion.pose(1).rotation.m, 1e-14));
+  const Pose estimate = model.navigation_error->estimated({}, 0);
+  EXPECT_EQ(estimate.rotation.m, (rotation_from<DemFrame, BodyFrame>({0.1, 0.2, 0.3}).m));
+  EXPECT_EQ(pixels_of(scan_of(R"({"detector": {"ifov_rad": [0.001, 0.002]}})").lidar.detector),
+            pixels_of(perspective_detector({.field_of_view = PixelFieldOfView{0.001, 0.002}})));
 }
 
-TEST(ScanConfig, FlashHasNoPatternAndATableKeepsItsPath) {
-  const ScanConfig config =
-      scan_of(R"({"scanner": {"type": "flash"}, "trajectory": {"type": "table", "path": "a.csv"}})");
-  EXPECT_FALSE(config.pattern.has_value());
-  EXPECT_EQ(std::get<TrajectoryFile>(config.trajectory).path, "a.csv");
+TEST(ScanModel, FlashHasNoPattern) {
+  EXPECT_EQ(scan_of(R"({"scanner": {"type": "flash"}})").lidar.pattern, nullptr);
 }
 
-TEST(ScanConfig, BothFieldsOfViewAreRefused) {
+TEST(ScanModel, ATableIsReadByTheLoader) {
+  const std::string config = R"({"trajectory": {"type": "table", "path": "a.csv"}})";
+  const auto load = [](const std::string& path, const std::string& role, const TableColumns&) {
+    EXPECT_EQ(path + " as " + role, "a.csv as trajectory");
+    return NumberTable("b.csv", {{"t_s", {0, 5}},
+                                 {"x_m", {1, 2}},
+                                 {"y_m", {3, 3}},
+                                 {"z_m", {4, 4}},
+                                 {"qw", {1, 1}},
+                                 {"qx", {0, 0}},
+                                 {"qy", {0, 0}},
+                                 {"qz", {0, 0}}});
+  };
+  const ScanModel model = scan_of(config, load);
+  EXPECT_EQ(model.trajectory->pose(5).position.v, Eigen::Vector3d(2, 3, 4));
+  try {
+    static_cast<void>(model.trajectory->pose(6));
+    ADD_FAILURE() << "accepted";
+  } catch (const FormatError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("b.csv: trajectory table: time 6"));
+  }
+  EXPECT_NO_THROW(static_cast<void>(scan_of(config)));  // only checked: nothing is read
+}
+
+TEST(ScanModel, BothFieldsOfViewAreRefused) {
   EXPECT_THAT(
       refusal([] { static_cast<void>(scan_of(R"({"detector": {"ifov_rad": 0.001, "fov_deg": 1}})")); }),
       AllOf(HasSubstr("c.json: /detector"), HasSubstr("ifov_rad and fov_deg")));
 }
 
 TEST(ScanModel, AScanWithoutAPulseIsRefusedByName) {
-  const ScanConfig config = scan_of(R"({"laser": {"pulse_rate_hz": 10, "scan_time_s": 0.05}})");
-  EXPECT_THAT(refusal([&] { static_cast<void>(scan_model(config, nullptr, "c.json")); }),
-              AllOf(HasSubstr("c.json: "), HasSubstr("pulse_rate_hz x scan_time_s")));
-  EXPECT_EQ(pulse_count(scan_model(scan_of("{}"), nullptr, "c.json")), 40000);
+  EXPECT_THAT(
+      refusal([] { static_cast<void>(scan_of(R"({"laser": {"pulse_rate_hz": 10, "scan_time_s": 0.05}})")); }),
+      AllOf(HasSubstr("c.json: "), HasSubstr("pulse_rate_hz x scan_time_s")));
 }
 
 TEST(RegridConfig, EmptyIsTheDefaultAndTheCentroidIsAChoice) {

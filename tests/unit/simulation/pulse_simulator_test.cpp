@@ -352,5 +352,108 @@ TEST_F(OverAMound, LooksAtEveryBeamsOrigin) {
   EXPECT_THROW(simulate(simulator, at({{}, {{-4, 0, 7}}})), FormatError);
 }
 
+/// Aims at (k, 0, 0) by pulse k = 0 .. 5, every third of which begins a new line.
+class Steps : public Pattern {
+ public:
+  [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override {
+    if (pulse.pulse > 5) return std::nullopt;
+    return Point<DemFrame>{{static_cast<double>(pulse.pulse), 0, 0}};
+  }
+  [[nodiscard]] std::optional<PatternJump> last_jump(const PulseTime& pulse) const override {
+    if (pulse.pulse < 3) return std::nullopt;
+    return PatternJump{0.1 * static_cast<double>(pulse.pulse - 3), {2, 0}};
+  }
+  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
+  [[nodiscard]] bool compensated() const override { return true; }
+};
+
+/// Looks straight ahead and keeps what it was told.
+class Listener : public Flash {
+ public:
+  Listener(ContextNeeds needs, PulseContext& heard) : needs_(needs), heard_(&heard) {}
+  [[nodiscard]] ScannerState state(const PulseContext& pulse) const override {
+    *heard_ = pulse;
+    return {};
+  }
+  [[nodiscard]] ContextNeeds needs() const override { return needs_; }
+
+ private:
+  ContextNeeds needs_;
+  PulseContext* heard_;
+};
+
+PulseContext heard_at(std::int64_t pulse, ContextNeeds needs, double interval_s) {
+  PulseContext heard;
+  Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Listener>(needs, heard));
+  lidar.pattern = std::make_unique<Steps>();
+  const PlaneEngine engine;
+  const PulseSimulator simulator(std::move(lidar), engine, {});
+  PulseInput input = at(kAt500m, pulse);
+  input.interval_s = interval_s;
+  static_cast<void>(simulate(simulator, input));
+  return heard;
+}
+
+/// Where, in D, an aim from 500 m meets z = 0.
+double ground_x(const Direction<LidarFrame>& aim) { return 500 * aim.v.x() / aim.v.z(); }
+
+TEST(PulseSimulator, AScannerHearsOfJumpsAndEchoesOnlyIfItAsks) {
+  const PulseContext plain = heard_at(4, {}, 1e-6);
+  EXPECT_NEAR(ground_x(*plain.aim), 4, 1e-12);
+  EXPECT_EQ(plain.since_jump_s, std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(plain.aim_before_jump || plain.aim_at_echo);
+  const PulseContext jumped = heard_at(4, {.jumps = true}, 1e-6);
+  EXPECT_DOUBLE_EQ(jumped.since_jump_s, 0.1);
+  EXPECT_NEAR(ground_x(*jumped.aim_before_jump), 2, 1e-12);
+  EXPECT_FALSE(heard_at(2, {.jumps = true}, 1e-6).aim_before_jump);
+}
+
+// From (0, 0, 500) the echo of (2, 0, 0) takes 2 sqrt(500^2 + 2^2)/c = 3.3357 us; a pulse every 3 us moves
+// the aim 1 m.
+TEST(PulseSimulator, TheAimAtTheEchoMovesEvenlyBetweenPulses) {
+  const double flight_s = 2 * std::sqrt(500.0 * 500 + 4) / 299792458;
+  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 3e-6).aim_at_echo), 2 + flight_s / 3e-6, 1e-9);
+  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 1).aim_at_echo), 2 + flight_s, 1e-9);
+  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 0).aim_at_echo), 2, 1e-12);
+  EXPECT_NEAR(ground_x(*heard_at(4, {.echo = true}, 1e-6).aim_at_echo), 4, 1e-12);  // no aim after pulse 5
+}
+
+/// Leans its beams by angle_1 to +x; the lander believes twice as much.
+class Leaning : public Scanner {
+ public:
+  explicit Leaning(double angle_rad) : angle_rad_(angle_rad) {}
+  [[nodiscard]] ScannerState state(const PulseContext&) const override { return {.angle_1_rad = angle_rad_}; }
+  [[nodiscard]] bool is_known() const override { return false; }
+  [[nodiscard]] ScannerState believed_state(const PulseContext&, const ScannerState& truth) const override {
+    return {.angle_1_rad = 2 * truth.angle_1_rad};
+  }
+  void steer(const ScannerState& state, std::span<const Direction<LidarFrame>>,
+             std::span<Beam> beams) const override {
+    for (Beam& beam : beams)
+      beam = {.direction = {{std::sin(state.angle_1_rad), 0, std::cos(state.angle_1_rad)}},
+              .lost = state.angle_1_rad > 1};
+  }
+
+ private:
+  double angle_rad_;
+};
+
+TEST(PulseSimulator, TheEstimateUsesTheBelievedState) {
+  const PlaneEngine engine;
+  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.25)), engine, {});
+  const PulseBatch batch = simulate(simulator, at(kAt500m));
+  const double range = 500 / std::cos(0.25);
+  EXPECT_LT((true_point(batch, 0) - Vector3d(500 * std::tan(0.25), 0, 0)).norm(), 1e-10);
+  const Vector3d believed(range * std::sin(0.5), 0, 500 - range * std::cos(0.5));
+  EXPECT_LT((estimated_point(batch, 0) - believed).norm(), 1e-10);
+  EXPECT_EQ(batch.pulses.angle_1[0], 0.25);
+}
+
+TEST(PulseSimulator, ABeamThatIsLostToTheLanderIsLost) {
+  const PlaneEngine engine;
+  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.75)), engine, {});
+  EXPECT_EQ(simulate(simulator, at(kAt500m)).points.status[0], total_reflection);
+}
+
 }  // namespace
 }  // namespace landfall

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/trajectory_table.h"
+#include "io/number_table.h"
 
 #include <gmock/gmock.h>
 
@@ -14,12 +14,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 const std::string kHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+const TableColumns kColumns{{"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"}, {"vx_mps"}};
 
-class TrajectoryTable : public testing::Test {
+class NumberTables : public testing::Test {
  protected:
-  std::vector<TrajectorySample> read(const std::string& text) {
+  NumberTable read(const std::string& text) {
     std::ofstream(path_) << text;
-    return read_trajectory_table(path_);
+    return read_number_table(path_, kColumns);
   }
   std::string refusal(const std::string& text) {
     try {
@@ -34,25 +35,30 @@ class TrajectoryTable : public testing::Test {
   std::filesystem::path path_ = folder_ / "table.csv";
 };
 
-void expect_one_sample(const std::vector<TrajectorySample>& samples) {
-  ASSERT_EQ(samples.size(), 1U);
-  EXPECT_EQ(samples[0].t_s, 1.5);
-  EXPECT_EQ(samples[0].position_m.v, Eigen::Vector3d(2, -3, 4e2));
-  EXPECT_EQ(samples[0].attitude.w(), 0.5);
-  EXPECT_EQ(samples[0].attitude.vec(), Eigen::Vector3d(-0.5, 0.25, 0.125));
+void expect_one_row(const NumberTable& table) {
+  ASSERT_EQ(table.row_count(), 1U);
+  const std::array<double, 8> expected = {1.5, 2, -3, 4e2, 0.5, -0.5, 0.25, 0.125};
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_EQ(table.column(kColumns.required[i]), std::vector<double>{expected[i]});
 }
 
-TEST_F(TrajectoryTable, ReadsACsv) {
-  expect_one_sample(read(kHeader + "1.5,2,-3,4e2,0.5,-0.5,0.25,0.125\n"));
-}
+TEST_F(NumberTables, ReadsACsv) { expect_one_row(read(kHeader + "1.5,2,-3,4e2,0.5,-0.5,0.25,0.125\n")); }
 
-TEST_F(TrajectoryTable, ColumnsMayStandInAnyOrderAmongOthersWithBlanksAndComments) {
-  expect_one_sample(
+TEST_F(NumberTables, ColumnsMayStandInAnyOrderAmongOthersWithBlanksAndComments) {
+  expect_one_row(
       read("# made by hand\r\n\r\nqz, extra, x_m, y_m, z_m, qw, qx, qy, t_s\r\n"
            "# no data\r\n 0.125 , text, 2, -3, 400, 0.5, -0.5, 0.25, 1.5 \r\n\r\n"));
 }
 
-TEST_F(TrajectoryTable, RefusalsNameFileAndLine) {
+TEST_F(NumberTables, AnOptionalColumnMayBeMissing) {
+  const std::string row = "0,0,0,0,1,0,0,0";
+  EXPECT_FALSE(read(kHeader + row + "\n").has("vx_mps"));
+  const NumberTable table = read("vx_mps," + kHeader + "7," + row + "\n");
+  EXPECT_EQ(table.column("vx_mps"), std::vector<double>{7});
+  EXPECT_FALSE(table.has("vy_mps"));
+}
+
+TEST_F(NumberTables, RefusalsNameFileAndLine) {
   EXPECT_THAT(refusal(""), AllOf(HasSubstr("table.csv"), HasSubstr("is empty")));
   EXPECT_THAT(refusal("t_s,x_m,y_m,z_m,qw,qx,qy\n"), AllOf(HasSubstr("line 1"), HasSubstr("no column qz")));
   EXPECT_THAT(refusal(kHeader + "0,1,2\n"), AllOf(HasSubstr("table.csv: line 2"), HasSubstr("3 values")));
@@ -62,9 +68,9 @@ TEST_F(TrajectoryTable, RefusalsNameFileAndLine) {
   EXPECT_THAT(refusal(kHeader + "0,0,1e999,0,1,0,0,0\n"), HasSubstr("y_m '1e999'"));
 }
 
-TEST_F(TrajectoryTable, MissingFileAndFolder) {
-  EXPECT_THROW(static_cast<void>(read_trajectory_table(folder_ / "none.csv")), FormatError);
-  EXPECT_THROW(static_cast<void>(read_trajectory_table(folder_ / ".")), FormatError);
+TEST_F(NumberTables, MissingFileAndFolder) {
+  EXPECT_THROW(static_cast<void>(read_number_table(folder_ / "none.csv", kColumns)), FormatError);
+  EXPECT_THROW(static_cast<void>(read_number_table(folder_ / ".", kColumns)), FormatError);
 }
 
 void write_column(hid_t file, const char* name, const std::vector<double>& values) {
@@ -73,7 +79,7 @@ void write_column(hid_t file, const char* name, const std::vector<double>& value
   ASSERT_GE(H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
 }
 
-TEST_F(TrajectoryTable, ReadsHdf5AndNamesWhatIsMissing) {
+TEST_F(NumberTables, ReadsHdf5AndNamesWhatIsMissing) {
   h5::initialise();
   {
     const h5::Handle file = h5::create_file(path_);
@@ -82,7 +88,7 @@ TEST_F(TrajectoryTable, ReadsHdf5AndNamesWhatIsMissing) {
     for (std::size_t i = 0; i < names.size(); ++i) write_column(file.get(), names[i], {values[i]});
   }
   try {
-    static_cast<void>(read_trajectory_table(path_));
+    static_cast<void>(read_number_table(path_, kColumns));
     ADD_FAILURE() << "accepted";
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("table.csv"), HasSubstr("no column /qz")));
@@ -90,10 +96,10 @@ TEST_F(TrajectoryTable, ReadsHdf5AndNamesWhatIsMissing) {
   const h5::Handle file(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   write_column(file.get(), "qz", {0.125});
   H5Fflush(file.get(), H5F_SCOPE_GLOBAL);
-  expect_one_sample(read_trajectory_table(path_));
+  expect_one_row(read_number_table(path_, kColumns));
 }
 
-TEST_F(TrajectoryTable, Hdf5ColumnsMustBeOfOneLength) {
+TEST_F(NumberTables, Hdf5ColumnsMustBeOfOneLength) {
   h5::initialise();
   {
     const h5::Handle file = h5::create_file(path_);
@@ -101,7 +107,7 @@ TEST_F(TrajectoryTable, Hdf5ColumnsMustBeOfOneLength) {
       write_column(file.get(), name, {1, 2});
     write_column(file.get(), "qz", {1});
   }
-  EXPECT_THROW(static_cast<void>(read_trajectory_table(path_)), FormatError);
+  EXPECT_THROW(static_cast<void>(read_number_table(path_, kColumns)), FormatError);
 }
 
 }  // namespace

@@ -1,25 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/trajectory_table.h"
+#include "io/number_table.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <fstream>
+#include <map>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "io/table.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::array<const char*, 8> kColumns = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
-using Row = std::array<double, kColumns.size()>;
-
-TrajectorySample sample_of(const Row& r) {
-  return {r[0], Point<DemFrame>{{r[1], r[2], r[3]}}, Eigen::Quaterniond(r[4], r[5], r[6], r[7])};
-}
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n";
@@ -45,17 +41,24 @@ class CsvReader {
     if (!stream_) fail("cannot be read");
   }
 
-  std::vector<TrajectorySample> read() {
+  NumberTable read(const TableColumns& wanted) {
     std::string line;
     if (!next(line)) fail("is empty");
-    read_header(line);
-    std::vector<TrajectorySample> samples;
-    while (next(line)) samples.push_back(sample_of(row_of(line)));
+    read_header(line, wanted);
+    while (next(line)) read_row(line);
     if (stream_.bad()) fail("reading failed");
-    return samples;
+    std::map<std::string, std::vector<double>> columns;
+    for (Column& column : columns_) columns[column.name] = std::move(column.values);
+    return {name_, std::move(columns)};
   }
 
  private:
+  struct Column {
+    std::string name;
+    std::size_t position;  ///< in a line
+    std::vector<double> values;
+  };
+
   bool next(std::string& line) {
     while (std::getline(stream_, line)) {
       ++line_number_;
@@ -65,30 +68,35 @@ class CsvReader {
     return false;
   }
 
-  void read_header(std::string_view line) {
+  void read_header(std::string_view line, const TableColumns& wanted) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some spreadsheets begin UTF-8 with it
     if (line.substr(0, 3) == kByteOrderMark) line.remove_prefix(3);
     const auto names = cells_of(line);
-    for (std::size_t i = 0; i < kColumns.size(); ++i) {
-      const auto found = std::find(names.begin(), names.end(), kColumns[i]);
-      if (found == names.end()) fail("the header has no column " + std::string(kColumns[i]));
-      position_[i] = static_cast<std::size_t>(found - names.begin());
-    }
     width_ = names.size();
+    for (const std::string& name : wanted.required)
+      if (!take_column(names, name)) fail("the header has no column " + name);
+    for (const std::string& name : wanted.optional) take_column(names, name);
   }
 
-  Row row_of(const std::string& line) const {
+  bool take_column(const std::vector<std::string_view>& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) return false;
+    columns_.push_back({name, static_cast<std::size_t>(found - names.begin()), {}});
+    return true;
+  }
+
+  void read_row(const std::string& line) {
     const auto cells = cells_of(line);
     if (cells.size() != width_)
       fail(std::to_string(cells.size()) + " values; the header names " + std::to_string(width_));
-    Row row{};
-    for (std::size_t i = 0; i < kColumns.size(); ++i) {
-      const std::string_view cell = cells[position_[i]];
-      const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), row[i]);
+    for (Column& column : columns_) {
+      const std::string_view cell = cells[column.position];
+      double value = 0;
+      const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
       if (error != std::errc() || stop != cell.data() + cell.size())
-        fail(std::string(kColumns[i]) + " '" + std::string(cell) + "' is not a number");
+        fail(column.name + " '" + std::string(cell) + "' is not a number");
+      column.values.push_back(value);
     }
-    return row;
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -99,38 +107,33 @@ class CsvReader {
   std::string name_;
   std::ifstream stream_;
   std::size_t line_number_ = 0;
-  std::array<std::size_t, kColumns.size()> position_{};
+  std::vector<Column> columns_;
   std::size_t width_ = 0;
 };
 
-std::vector<TrajectorySample> read_hdf5(const std::filesystem::path& path) {
+NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wanted) {
   const h5::Handle file = h5::open_file(path);
   const TableReader table(file.get(), "/", path.string());
-  const std::size_t rows = table.row_count(kColumns[0]);
-  std::array<std::vector<double>, kColumns.size()> columns;
-  for (std::size_t i = 0; i < kColumns.size(); ++i) {
-    if (table.row_count(kColumns[i]) != rows)
-      throw FormatError(path.string() + ": columns t_s and " + kColumns[i] + " differ in length");
-    columns[i].resize(rows);
-    table.read(kColumns[i], 0, std::span(columns[i]));
-  }
-  std::vector<TrajectorySample> samples(rows);
-  for (std::size_t r = 0; r < rows; ++r) {
-    Row row{};
-    for (std::size_t i = 0; i < kColumns.size(); ++i) row[i] = columns[i][r];
-    samples[r] = sample_of(row);
-  }
-  return samples;
+  std::map<std::string, std::vector<double>> columns;
+  const auto read = [&](const std::string& name) {
+    std::vector<double>& values = columns[name];
+    values.resize(table.row_count(name));
+    table.read(name, 0, std::span(values));
+  };
+  for (const std::string& name : wanted.required) read(name);
+  for (const std::string& name : wanted.optional)
+    if (table.has(name)) read(name);
+  return {path.string(), std::move(columns)};
 }
 
 }  // namespace
 
-std::vector<TrajectorySample> read_trajectory_table(const std::filesystem::path& path) {
+NumberTable read_number_table(const std::filesystem::path& path, const TableColumns& columns) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw FormatError(path.string() + ": no such file");
   if (std::filesystem::is_directory(path, error)) throw FormatError(path.string() + ": is a directory");
   h5::initialise();
-  return H5Fis_hdf5(path.c_str()) > 0 ? read_hdf5(path) : CsvReader(path).read();
+  return H5Fis_hdf5(path.c_str()) > 0 ? read_hdf5(path, columns) : CsvReader(path).read(columns);
 }
 
 }  // namespace landfall

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace landfall {
+
+/// Named columns of numbers, all of one length: what a CSV or HDF5 table holds.
+class NumberTable {
+ public:
+  NumberTable() = default;
+  /// `file` begins every message. Throws FormatError where the columns differ in length.
+  NumberTable(std::string file, std::map<std::string, std::vector<double>> columns);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] std::size_t row_count() const {
+    return columns_.empty() ? 0 : columns_.begin()->second.size();
+  }
+  [[nodiscard]] bool has(const std::string& column) const { return columns_.contains(column); }
+  /// The column must be there.
+  [[nodiscard]] const std::vector<double>& column(const std::string& name) const { return columns_.at(name); }
+  /// Throws FormatError "file: what".
+  [[noreturn]] void fail(const std::string& what) const { throw FormatError(file_ + ": " + what); }
+  /// Throws FormatError "file: row 3: what"; rows are counted from 1, after the header.
+  [[noreturn]] void fail_at(std::size_t index, const std::string& what) const {
+    fail("row " + std::to_string(index + 1) + ": " + what);
+  }
+
+ private:
+  std::string file_;
+  std::map<std::string, std::vector<double>> columns_;
+};
+
+/// The columns to read from a file: without a required one it is refused, an optional one may be missing.
+struct TableColumns {
+  std::vector<std::string> required = {};
+  std::vector<std::string> optional = {};
+};
+
+/// Reads a table for a component that lives in a file. `role` is what the table is to the run ("trajectory",
+/// "pattern"), as its provenance says. Throws FormatError naming the file.
+using TableLoader =
+    std::function<NumberTable(const std::string& path, const std::string& role, const TableColumns& columns)>;
+
+}  // namespace landfall

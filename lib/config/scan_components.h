@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <stdexcept>
+
+#include "base/number_table.h"
+#include "detector/detector.h"
+#include "errors/navigation_error.h"
+#include "errors/range_errors.h"
+#include "scanner/pattern.h"
+#include "scanner/scanner.h"
+#include "trajectory/trajectory.h"
+
+namespace landfall {
+
+/// What a component may want to know besides its own part of the configuration.
+struct ComponentContext {
+  /// Empty where only the configuration is checked: components that live in a file are then replaced by any
+  /// valid one.
+  TableLoader load_table;
+  std::uint64_t seed = 1;
+  double scan_time_s = 2;
+};
+
+/// A kind of component by its "type". To add one: its class, a maker in the file of its group, an entry in
+/// that file's list, a definition in schemas/scan.schema.json.
+template <class Component>
+struct ComponentMaker {
+  const char* type;
+  std::unique_ptr<const Component> (*make)(const nlohmann::json& part, const ComponentContext& context);
+};
+
+/// `part` is resolved, so that its "type" is one of the list's.
+template <class Component>
+std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<Component>> makers,
+                                                const nlohmann::json& part, const ComponentContext& context) {
+  for (const ComponentMaker<Component>& maker : makers)
+    if (part.at("type") == maker.type) return maker.make(part, context);
+  throw std::logic_error("no maker for " + part.at("type").dump());
+}
+
+/// Each takes its part of a resolved scan configuration. All throw UsageError "part/key: ...", FormatError
+/// for a table that is refused.
+[[nodiscard]] Detector make_detector(const nlohmann::json& detector, const ComponentContext& context);
+[[nodiscard]] std::unique_ptr<const Scanner> make_scanner(const nlohmann::json& scanner,
+                                                          const ComponentContext& context);
+/// Null where the scanner follows no pattern.
+[[nodiscard]] std::unique_ptr<const Pattern> make_pattern(const nlohmann::json& scanner,
+                                                          const ComponentContext& context);
+[[nodiscard]] std::unique_ptr<const Trajectory> make_trajectory(const nlohmann::json& trajectory,
+                                                                const ComponentContext& context);
+[[nodiscard]] RangeErrors make_range_errors(const nlohmann::json& noise, const ComponentContext& context);
+[[nodiscard]] std::unique_ptr<const NavigationError> make_navigation_error(
+    const nlohmann::json& navigation_error, const ComponentContext& context);
+
+}  // namespace landfall
