@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // scan-sim: scans a terrain with a lander's lidar.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
+#include "base/parameter_check.h"
+#include "cli/plan_table.h"
 #include "cli/tool.h"
 #include "config/scan_config.h"
 #include "io/number_table.h"
+#include "io/plan_file.h"
 #include "io/range_file.h"
 #include "io/scan_file.h"
 #include "io/terrain_file.h"
 #include "ray/cgal_engine.h"
+#include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
 #include "simulation/scan_pipeline.h"
+#include "simulation/scan_plan.h"
 
 namespace landfall {
 namespace {
@@ -23,6 +32,7 @@ constexpr const char* kExamples = R"(Examples:
   scan-sim -c scan.json --terrain terrain.h5 -o noisy.h5 --set noise.range_sigma_m=0.0167 --seed 7
   scan-sim --terrain terrain.h5 -o flash.h5 --set 'scanner={"type":"flash"}' --set detector.rows=128
   scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2 --set noise.range_sigma_m=0.02
+  scan-sim -c scan.json --plan -o plan.h5
 Configuration: docs/scan-sim.md and --print-schema.)";
 
 struct Options {
@@ -32,7 +42,25 @@ struct Options {
   std::int64_t batch_points = 16384;
   bool keep_misses = false;
   bool float32 = false;
+  bool plan = false;
+  double plan_radius_m = 50;
+  double plan_resolution_m = 0.05;
 };
+
+void bind_plan(CLI::App& app, Options& o) {
+  CLI::Option* const plan = app.add_flag(
+      "--plan", o.plan,
+      "Trace nothing: print what the scan would cover of flat ground (z = 0) and how its time is spent; -o "
+      "writes the coverage as layers");
+  app.add_option("--plan-radius", o.plan_radius_m, "Region of a plan, metres about the origin")
+      ->type_name("M")
+      ->needs(plan)
+      ->capture_default_str();
+  app.add_option("--plan-resolution", o.plan_resolution_m, "Bins of a plan, metres")
+      ->type_name("M")
+      ->needs(plan)
+      ->capture_default_str();
+}
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("--terrain", o.terrain, "Terrain to scan (terrain.h5)")->type_name("FILE");
@@ -53,6 +81,7 @@ void bind(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "A row per pixel and pulse, not only per return");
   app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
+  bind_plan(app, o);
 }
 
 /// Reads the tables that a configuration names, and enters them into the provenance.
@@ -137,7 +166,53 @@ std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Option
   return engine;
 }
 
+/// The smallest grid of bins about the origin that holds the region.
+GridSpec plan_grid(const Options& o) {
+  require_positive({"", "--plan-radius"}, o.plan_radius_m);
+  require_positive({"", "--plan-resolution"}, o.plan_resolution_m);
+  const double bins = std::max(1.0, std::ceil(o.plan_radius_m / o.plan_resolution_m - 1e-9));
+  return GridSpec::centered(bins * o.plan_resolution_m, o.plan_resolution_m,
+                            "--plan-radius, --plan-resolution");
+}
+
+/// Coverage of the bins that have a return.
+Coverage coverage_of(const ScanPlan& plan) {
+  Grid<double> z_est(plan.region().spec());
+  for (std::size_t i = 0; i < z_est.values().size(); ++i)
+    if (plan.count().values()[i] == 0) z_est.values()[i] = std::numeric_limits<double>::quiet_NaN();
+  return assess_coverage(z_est, plan.region(), {});
+}
+
+ExitCode run_plan(cli::Session& session, const Options& o) {
+  if (!o.terrain.empty() || !o.ranges_from.empty())
+    throw UsageError("--plan is made on flat ground: --terrain and --ranges-from have no part in it");
+  Provenance provenance = session.provenance();
+  provenance.options = {{"plan", {{"radius_m", o.plan_radius_m}, {"resolution_m", o.plan_resolution_m}}}};
+  ScanPlan plan(circular_region(plan_grid(o), o.plan_radius_m));
+  std::optional<LandfallFileWriter> file;
+  ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));
+  if (!session.options().output_path.empty())
+    file.emplace(session.output({session.options().config_path}), "plan", provenance);
+  const double pulse_rate_hz = model.pulse_rate_hz;
+  const FlatGround ground;
+  const Simulation simulation(std::move(model), ground);
+  session.phase("plan", [&](const ProgressCallback& progress) {
+    run_scan(
+        simulation, {}, [&](PulseBatch& batch) { plan.add(batch); }, o.batch_points, progress);
+  });
+  nlohmann::ordered_json numbers;
+  session.phase("coverage", [&](const ProgressCallback&) {
+    const Coverage coverage = coverage_of(plan);
+    numbers = plan_json(plan, coverage.metrics, o.plan_radius_m, pulse_rate_hz);
+    if (file) write_plan(*file, plan, coverage.hole_id, numbers);
+  });
+  session.count("plan", numbers);
+  if (!session.options().json_summary) std::cout << cli::plan_table(numbers);
+  return ExitCode::done;
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
+  if (o.plan) return run_plan(session, o);
   if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");
   const OutputOptions output = session.output({o.terrain, o.ranges_from, session.options().config_path});
   Provenance provenance = session.provenance();
@@ -167,7 +242,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   return ExitCode::done;
 }
 
-void check(const cli::Session& session) {
+void check_config(const cli::Session& session) {
   static_cast<void>(scan_model(session.config(), session.config_name(), {}));
 }
 
@@ -184,7 +259,7 @@ int main(int argc, char** argv) {
   tool.schema = "scan";
   tool.has_seed = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = check;
+  tool.check = check_config;
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);
 }

@@ -23,7 +23,7 @@ struct OutputOptions {
 /// appears only when it is complete.
 class LandfallFileWriter {
  public:
-  /// `kind` is terrain, scan, dem or evaluation. Refuses before any work is done: UsageError where the output
+  /// `kind` is terrain, scan, dem, evaluation or plan. Refuses before any work is done: UsageError where the output
   /// exists.
   LandfallFileWriter(const OutputOptions& options, const std::string& kind, const Provenance& provenance);
 

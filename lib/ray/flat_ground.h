@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ray/engine.h"
+
+namespace landfall {
+
+/// Level ground without end, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to
+/// rounding. Rays that run level or away from it miss.
+class FlatGround : public RayEngine {
+ public:
+  explicit FlatGround(double elevation_m = 0) : elevation_m_(elevation_m) {}
+  void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
+
+ private:
+  double elevation_m_;
+};
+
+}  // namespace landfall
