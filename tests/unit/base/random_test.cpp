@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 namespace landfall {
 namespace {
 
@@ -20,6 +23,22 @@ TEST(RandomField, SameCoordinatesGiveSameDraw) {
   EXPECT_NE(field.normal(3, 4), field.normal(4, 3));
   EXPECT_NE(field.normal(3, 4), RandomField(8, RandomStream::range_noise).normal(3, 4));
   EXPECT_NE(field.uniform(3, 4), RandomField(7, RandomStream::dropout).uniform(3, 4));
+}
+
+// The draws are part of the files' reproducibility: on any machine, by any compiler, these bits.
+TEST(RandomField, NormalBitsAreKept) {
+  const RandomField field(7, RandomStream::range_noise);
+  EXPECT_EQ(field.normal(3, 4), 0x1.ee66fc1816ebfp-2);
+  EXPECT_EQ(field.normal(39999, 323), -0x1.e77ec5db4f962p-7);
+}
+
+TEST(RandomField, ManyNormalsAreTheSingleOnes) {
+  const RandomField field(7, RandomStream::range_noise);
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 256U, 324U, 700U}) {
+    std::vector<double> many(count);
+    field.normals(5, 11, many);
+    for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(many[k], field.normal(5, 11 + k)) << count << ' ' << k;
+  }
 }
 
 TEST(RandomField, UniformMomentsAndBounds) {

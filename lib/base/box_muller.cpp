@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/box_muller.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstdint>
+
+// Vectors without a size at compile time would need other code for the rest of a span.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "base/box_muller.cpp"
+#include <hwy/foreach_target.h>  // this file again, once for each instruction set
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace landfall::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+using Bits = hn::RebindToUnsigned<D>;
+
+constexpr std::size_t kMostLanes = 8;
+
+HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
+
+/// Coefficients from the highest power down, by Horner's rule. Never MulAdd: it is fused on some targets.
+template <std::size_t N>
+HWY_INLINE V Polynomial(const std::array<double, N>& coefficients, V x) {
+  V sum = constant(coefficients[0]);
+  for (std::size_t i = 1; i < N; ++i) sum = hn::Add(hn::Mul(sum, x), constant(coefficients[i]));
+  return sum;
+}
+
+/// Natural logarithm for normal, positive x, below 1 ulp: the method of fdlibm's e_log.c. x = 2^k m, m in
+/// [sqrt(1/2), sqrt(2)), f = m - 1, s = f / (2 + f), log m = f - f^2 / 2 + s (f^2 / 2 + R(s^2)).
+HWY_INLINE V Log(V x) {
+  constexpr std::array kR = {0x1.2f112df3e5244p-3, 0x1.39a09d078c69fp-3, 0x1.7466496cb03dep-3,
+                             0x1.c71c51d8e78afp-3, 0x1.2492494229359p-2, 0x1.999999997fa04p-2,
+                             0x1.5555555555593p-1};
+  constexpr double kLn2High = 0x1.62e42feep-1;  // k times this is exact
+  constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
+  constexpr std::uint64_t kRootHalf = 0x3fe6a09e00000000;
+  constexpr std::uint64_t kOne = 0x3ff0000000000000;
+  constexpr std::uint64_t kTwo52 = 0x4330000000000000;
+  const auto set = [](std::uint64_t bits) { return hn::Set(Bits(), bits); };
+  const auto shifted = hn::Add(hn::BitCast(Bits(), x), set(kOne - kRootHalf));
+  const auto fraction = hn::And(shifted, set(0x000fffffffffffff));
+  const V m = hn::BitCast(D(), hn::Add(fraction, set(kRootHalf)));
+  // The exponent becomes the low bits of 2^52 + exponent: a conversion that every target has.
+  const V exponent = hn::BitCast(D(), hn::Or(hn::ShiftRight<52>(shifted), set(kTwo52)));
+  const V k = hn::Sub(exponent, constant(0x1p52 + 1023));
+  const V f = hn::Sub(m, constant(1));
+  const V s = hn::Div(f, hn::Add(constant(2), f));
+  const V z = hn::Mul(s, s);
+  const V r = hn::Mul(z, Polynomial(kR, z));
+  const V half_square = hn::Mul(constant(0.5), hn::Mul(f, f));
+  const V small = hn::Add(hn::Mul(s, hn::Add(half_square, r)), hn::Mul(k, constant(kLn2Low)));
+  return hn::Sub(hn::Mul(k, constant(kLn2High)), hn::Sub(hn::Sub(half_square, small), f));
+}
+
+/// The upper 26 digits: the product of two such numbers is exact.
+HWY_INLINE V Upper(V x) {
+  return hn::BitCast(D(),
+                     hn::And(hn::BitCast(Bits(), x), hn::Set(Bits(), std::uint64_t{0xfffffffff8000000})));
+}
+
+/// sin(2 pi t), |t| <= 1/8: Taylor's series, its first term as an exact product and a rest.
+HWY_INLINE V SinTurns(V t) {
+  constexpr std::array kOdd = {0x1.aaec32af93359p-4,  -0x1.6fadb9f155744p-1, 0x1.e8f434d018d63p+1,
+                               -0x1.e3074fde8871fp+3, 0x1.50783487ee782p+5,  -0x1.32d2cce62bd86p+6,
+                               0x1.466bc6775aae2p+6,  -0x1.4abbce625be53p+5};
+  constexpr double kTwoPiHigh = 0x1.921fb58p+2;  // 26 bits
+  constexpr double kTwoPiLow = -0x1.dde973dcb3b3ap-25;
+  const V high = Upper(t);
+  const V z = hn::Mul(t, t);
+  const V rest =
+      hn::Add(hn::Mul(hn::Sub(t, high), constant(kTwoPiHigh)),
+              hn::Add(hn::Mul(t, constant(kTwoPiLow)), hn::Mul(hn::Mul(t, z), Polynomial(kOdd, z))));
+  return hn::Add(hn::Mul(high, constant(kTwoPiHigh)), rest);
+}
+
+/// cos(2 pi t), |t| <= 1/8: Taylor's series; (2 pi t)^2 / 2 as an exact product and a rest, and what 1 less
+/// that product rounds off is added again.
+HWY_INLINE V CosTurns(V t) {
+  constexpr std::array kEven = {-0x1.2a0c591af8314p-5, 0x1.20c62c2f2d7f5p-2,  -0x1.b6e24f44b128fp+0,
+                                0x1.f9d38a3763cc3p+2,  -0x1.a6d1f2a204a8cp+4, 0x1.e1f506891babbp+5,
+                                -0x1.55d3c7e3cbffap+6, 0x1.03c1f081b5ac4p+6};
+  constexpr double kTwoPiSquareHigh = 0x1.3bd3cc8000000p+4;  // 26 bits
+  constexpr double kTwoPiSquareLow = 0x1.be45de5a4adc5p-24;
+  const V t_high = Upper(t);
+  const V z = hn::Mul(t, t);
+  const V z_high = Upper(z);
+  const V z_low =
+      hn::Add(hn::Sub(hn::Mul(t_high, t_high), z_high), hn::Mul(hn::Sub(t, t_high), hn::Add(t, t_high)));
+  const V square = hn::Mul(z_high, constant(kTwoPiSquareHigh));
+  const V square_rest =
+      hn::Add(hn::Mul(z_low, constant(kTwoPiSquareHigh)), hn::Mul(z, constant(kTwoPiSquareLow)));
+  const V high = hn::Sub(constant(1), square);
+  const V low = hn::Sub(hn::Sub(hn::Sub(constant(1), high), square), square_rest);
+  return hn::Add(high, hn::Add(low, hn::Mul(hn::Mul(z, z), Polynomial(kEven, z))));
+}
+
+/// cos(2 pi v): v = q / 4 + t, t exact.
+HWY_INLINE V CosOfTurn(V v) {
+  const V q = hn::Floor(hn::Add(hn::Mul(v, constant(4)), constant(0.5)));
+  const V t = hn::Sub(v, hn::Mul(q, constant(0.25)));
+  const auto first = hn::Eq(q, constant(1));
+  const V value = hn::IfThenElse(hn::Or(first, hn::Eq(q, constant(3))), SinTurns(t), CosTurns(t));
+  return hn::IfThenElse(hn::Or(first, hn::Eq(q, constant(2))), hn::Neg(value), value);
+}
+
+HWY_INLINE void TransformLanes(const double* u, const double* v, double* out) {
+  const V log = Log(hn::Sub(constant(1), hn::LoadU(D(), u)));
+  const V radius = hn::Sqrt(hn::Mul(constant(-2), log));
+  hn::StoreU(hn::Mul(radius, CosOfTurn(hn::LoadU(D(), v))), D(), out);
+}
+
+void Transform(std::span<const double> u, std::span<const double> v, std::span<double> out) {
+  const std::size_t whole = out.size() / hn::Lanes(D()) * hn::Lanes(D());
+  for (std::size_t i = 0; i < whole; i += hn::Lanes(D()))
+    TransformLanes(u.data() + i, v.data() + i, out.data() + i);
+  if (whole == out.size()) return;
+  std::array<double, kMostLanes> rest_u{};
+  std::array<double, kMostLanes> rest_v{};
+  std::ranges::copy(u.subspan(whole), rest_u.begin());
+  std::ranges::copy(v.subspan(whole), rest_v.begin());
+  std::array<double, kMostLanes> rest;
+  TransformLanes(rest_u.data(), rest_v.data(), rest.data());
+  std::copy_n(rest.begin(), out.size() - whole, out.begin() + static_cast<std::ptrdiff_t>(whole));
+}
+
+}  // namespace landfall::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace landfall {
+
+HWY_EXPORT(Transform);
+
+void box_muller(std::span<const double> u, std::span<const double> v, std::span<double> out) {
+  assert(u.size() == out.size() && v.size() == out.size());
+  HWY_DYNAMIC_DISPATCH(Transform)(u, v, out);
+}
+
+}  // namespace landfall
+#endif

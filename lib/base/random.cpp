@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/random.h"
+
+#include <algorithm>
+
+#include "base/box_muller.h"
+
+namespace landfall {
+
+double RandomField::normal(std::uint64_t i, std::uint64_t j) const {
+  double value = 0;
+  normals(i, j, {&value, 1});
+  return value;
+}
+
+void RandomField::normals(std::uint64_t i, std::uint64_t first_j, std::span<double> out) const {
+  constexpr std::size_t kBlock = 256;  // stays in the first cache
+  std::array<double, kBlock> u;
+  std::array<double, kBlock> v;
+  for (std::size_t begin = 0; begin < out.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, out.size() - begin);
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto words = block(i, first_j + begin + k);
+      u[k] = unit(words[0]);
+      v[k] = unit(words[1]);
+    }
+    box_muller(std::span(u).first(count), std::span(v).first(count), out.subspan(begin, count));
+  }
+}
+
+}  // namespace landfall
