@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "errors/range_errors.h"
 
+#include <algorithm>
+
 #include "base/parameter_check.h"
 
 namespace landfall {
@@ -37,6 +39,19 @@ double RangeErrors::measured_m(double range_m, PulsePixel where) const {
   if (parameters_.range_sigma_m == 0) return biased;  // spares the draw, which would add zero
   return biased + parameters_.range_sigma_m * noise_.normal(static_cast<std::uint64_t>(where.pulse),
                                                             static_cast<std::uint64_t>(where.pixel));
+}
+
+void RangeErrors::measure(std::int64_t pulse, std::span<const double> ranges_m,
+                          std::span<double> measured_m) const {
+  const double sigma = parameters_.range_sigma_m;
+  const double bias = parameters_.range_bias_m;
+  if (sigma == 0) {
+    std::ranges::transform(ranges_m, measured_m.begin(), [&](double range) { return range + bias; });
+    return;
+  }
+  noise_.normals(static_cast<std::uint64_t>(pulse), 0, measured_m);
+  for (std::size_t i = 0; i < ranges_m.size(); ++i)
+    measured_m[i] = ranges_m[i] + bias + sigma * measured_m[i];
 }
 
 }  // namespace landfall

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "base/random.h"
 
@@ -34,6 +35,9 @@ class RangeErrors {
   [[nodiscard]] bool is_dropped(PulsePixel where) const;
   /// r + b + v, v ~ N(0, sigma) per pixel and pulse.
   [[nodiscard]] double measured_m(double range_m, PulsePixel where) const;
+  /// The same for all pixels of a pulse, from the first on, many times as fast; NaN stays NaN. Both spans
+  /// have one length.
+  void measure(std::int64_t pulse, std::span<const double> ranges_m, std::span<double> measured_m) const;
 
  private:
   RangeErrorParameters parameters_;

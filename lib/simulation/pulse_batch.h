@@ -25,6 +25,8 @@ inline constexpr std::size_t kPointStatusCount = 7;
 /// - a return has everything;
 /// - a dropout, and a dead pixel whose ray met the terrain, keep range_true and the true point;
 /// - all others have nothing.
+/// The columns that errors do not change (x_true, y_true, z_true, range_true, pulse, pixel) may be left out:
+/// they are then empty.
 struct PointColumns {
   std::vector<double> x_est, y_est, z_est;     ///< Eq. 7, from the measured range and the estimated pose
   std::vector<double> x_true, y_true, z_true;  ///< Eq. 1, from the true range and the true pose
@@ -34,6 +36,7 @@ struct PointColumns {
   std::vector<PointStatus> status;
 
   [[nodiscard]] std::size_t size() const { return status.size(); }
+  [[nodiscard]] bool holds_truth() const { return !pixel.empty(); }
 
   /// Calls visit(name, column) for each column, under its name in the scan file.
   template <class Self, class Visit>
@@ -89,13 +92,19 @@ struct PulseColumns {
   friend bool operator==(const PulseColumns&, const PulseColumns&) = default;
 };
 
+/// Which columns of the points a batch holds.
+enum class PointContent {
+  all,
+  estimate,  ///< those that errors change: x_est, y_est, z_est, range_measured, status
+};
+
 /// Consecutive pulses with all their pixels. Its memory is kept from one use to the next.
 struct PulseBatch {
   PointColumns points;
   PulseColumns pulses;
 
   /// Room for every pixel of every pulse. Values are left as they are: whoever resizes fills all rows.
-  void resize(std::size_t pulse_count, std::size_t pixel_count);
+  void resize(std::size_t pulse_count, std::size_t pixel_count, PointContent content = PointContent::all);
   /// Rows per status, indexed by its value.
   [[nodiscard]] std::array<std::int64_t, kPointStatusCount> status_counts() const;
   /// Removes all points but returns and false returns; the order and the pulses stay.

@@ -187,36 +187,52 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
 }
 
 void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
-                            const PulseWorkspace& workspace) const {
+                            PulseWorkspace& workspace) const {
   const std::size_t pixel_count = workspace.beams.size();
   record_pulse(pulse, workspace.state, slot, batch.pulses);
   batch.pulses.point_count[slot] = static_cast<std::int32_t>(pixel_count);
-  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.truth * lidar_.mount;
+  workspace.measured_m.resize(pixel_count);
+  lidar_.range_errors.measure(pulse.time.pulse, workspace.ranges_m, workspace.measured_m);
+  const std::size_t first_row = slot * pixel_count;
+  record_estimate(pulse, first_row, batch.points, workspace);
+  if (batch.points.holds_truth()) record_truth(pulse, first_row, batch.points, workspace);
+}
+
+// A range that is NaN makes its point NaN.
+
+void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                                     const PulseWorkspace& workspace) const {
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
-  PointColumns& out = batch.points;
-  for (std::size_t i = 0; i < pixel_count; ++i) {
-    const PulsePixel where{pulse.time.pulse, static_cast<std::int64_t>(i)};
-    const Beam& beam = workspace.beams[i];
-    const Beam& believed = workspace.believed_beams.empty() ? beam : workspace.believed_beams[i];
-    const double range = workspace.ranges_m[i];
-    const PointStatus what = status(where, workspace);
-    const double measured =
-        what == PointStatus::returned ? lidar_.range_errors.measured_m(range, where) : kNan;
-    // A range that is NaN makes its point NaN.
-    const Point<DemFrame> truth = T_dem_lidar * (beam.exit + range * beam.direction);
-    const Point<DemFrame> estimate = T_dem_lidar_est * (believed.exit + measured * believed.direction);
-    const std::size_t row = slot * pixel_count + i;
+  const std::vector<Beam>& beams =
+      workspace.believed_beams.empty() ? workspace.beams : workspace.believed_beams;
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Beam& beam = beams[i];
+    const PointStatus what = status({pulse.time.pulse, static_cast<std::int64_t>(i)}, workspace);
+    const double measured = what == PointStatus::returned ? workspace.measured_m[i] : kNan;
+    const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + measured * beam.direction);
+    const std::size_t row = first_row + i;
     out.x_est[row] = estimate.v.x();
     out.y_est[row] = estimate.v.y();
     out.z_est[row] = estimate.v.z();
+    out.range_measured[row] = measured;
+    out.status[row] = what;
+  }
+}
+
+void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                                  const PulseWorkspace& workspace) const {
+  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.truth * lidar_.mount;
+  for (std::size_t i = 0; i < workspace.beams.size(); ++i) {
+    const Beam& beam = workspace.beams[i];
+    const double range = workspace.ranges_m[i];
+    const Point<DemFrame> truth = T_dem_lidar * (beam.exit + range * beam.direction);
+    const std::size_t row = first_row + i;
     out.x_true[row] = truth.v.x();
     out.y_true[row] = truth.v.y();
     out.z_true[row] = truth.v.z();
     out.range_true[row] = range;
-    out.range_measured[row] = measured;
     out.pulse[row] = static_cast<std::int32_t>(pulse.time.pulse);
     out.pixel[row] = static_cast<std::int32_t>(i);
-    out.status[row] = what;
   }
 }
 

@@ -48,6 +48,7 @@ struct PulseWorkspace {
   std::vector<Ray> rays;
   std::vector<double> hits_m;
   std::vector<double> ranges_m;
+  std::vector<double> measured_m;
 };
 
 /// One pulse from poses to points. It knows no trajectory, so that a host simulator can step it with poses
@@ -67,9 +68,10 @@ class PulseSimulator {
   /// 1 for each dead pixel, 0 for the others, row-major.
   [[nodiscard]] std::span<const std::int8_t> dead_map() const { return dead_map_; }
 
-  /// Fills pulse `slot` of `batch`, which has been resized to this detector's pixels. All rays of the pulse
-  /// go to the engine in one call, in pixel order, sub-pixels within. Throws FormatError, naming the pulse,
-  /// where the scanner cannot follow the aim, or for a beam that starts at or below the ground.
+  /// Fills pulse `slot` of `batch`, which has been resized to this detector's pixels; the truth only where
+  /// the batch holds it. All rays of the pulse go to the engine in one call, in pixel order, sub-pixels
+  /// within. Throws FormatError, naming the pulse, where the scanner cannot follow the aim, or for a beam
+  /// that starts at or below the ground.
   void simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                 PulseWorkspace& workspace) const;
 
@@ -82,8 +84,11 @@ class PulseSimulator {
   void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
-  void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
-              const PulseWorkspace& workspace) const;
+  void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
+  void record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                       const PulseWorkspace& workspace) const;
+  void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                    const PulseWorkspace& workspace) const;
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
 
   Lidar lidar_;

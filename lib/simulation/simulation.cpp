@@ -64,14 +64,15 @@ PulseBatch Simulation::simulate(PulseRange pulses) const {
   return batch;
 }
 
-void Simulation::replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch) const {
+void Simulation::replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
+                        PointContent content) const {
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   const std::size_t pixels = pixel_count();
   const auto count = static_cast<std::size_t>(pulses.count);
   if (ranges_true_m.size() != count * pixels)
     throw FormatError("replay: " + std::to_string(ranges_true_m.size()) + " ranges where " +
                       std::to_string(count * pixels) + " are needed");
-  batch.resize(count, pixels);
+  batch.resize(count, pixels, content);
   PulseWorkspace workspace;
   for (std::size_t i = 0; i < count; ++i)
     simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)),

@@ -55,7 +55,8 @@ class Simulation {
 
   /// The same with the true ranges of an earlier run, one per pixel and pulse, NaN for a miss, instead of
   /// tracing: only the errors are drawn anew. Throws FormatError where their number does not fit.
-  void replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch) const;
+  void replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
+              PointContent content = PointContent::all) const;
 
  private:
   [[nodiscard]] PulseInput pulse(std::int64_t k) const;

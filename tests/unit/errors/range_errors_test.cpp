@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "base/error.h"
 
@@ -98,6 +99,22 @@ TEST(RangeErrors, OneErrorChangesNoDrawOfAnother) {
   for (std::int64_t i = 0; i < 100; ++i) {
     EXPECT_EQ(alone.measured_m(1, {i, 2}), together.measured_m(1, {i, 2}));
     EXPECT_EQ(dead_only.is_dead(i), together.is_dead(i));
+  }
+}
+
+TEST(RangeErrors, WholePulsesAreMeasuredAsSinglePixels) {
+  std::vector<double> ranges(kPixels);
+  for (std::size_t i = 0; i < ranges.size(); ++i) ranges[i] = 400 + 0.37 * static_cast<double>(i);
+  ranges[7] = std::nan("");
+  std::vector<double> measured(ranges.size());
+  for (const double sigma_m : {0.0, 0.05}) {
+    const RangeErrors errors({.range_sigma_m = sigma_m, .range_bias_m = 0.3}, 5);
+    errors.measure(12, ranges, measured);
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      if (i == 7) continue;
+      ASSERT_EQ(measured[i], errors.measured_m(ranges[i], {12, static_cast<std::int64_t>(i)})) << i;
+    }
+    EXPECT_TRUE(std::isnan(measured[7]));
   }
 }
 

@@ -40,6 +40,28 @@ TEST(PulseBatch, ResizesEveryColumn) {
   EXPECT_EQ(columns, 11 + 18);
 }
 
+TEST(PulseBatch, CanLeaveOutTheTruth) {
+  PulseBatch batch;
+  batch.resize(4, 3);
+  batch.resize(4, 3, PointContent::estimate);
+  EXPECT_FALSE(batch.points.holds_truth());
+  int filled = 0;
+  PointColumns::for_each(batch.points, [&](const char* name, const auto& column) {
+    if (column.empty()) return;
+    EXPECT_EQ(column.size(), 12U) << name;
+    ++filled;
+  });
+  EXPECT_EQ(filled, 5);
+  batch.points.status.assign(12, miss);
+  batch.points.status[5] = returned;
+  batch.points.x_est[5] = 7;
+  batch.pulses.point_count.assign(4, 3);
+  batch.keep_returns();
+  EXPECT_THAT(batch.points.x_est, ElementsAre(7));
+  EXPECT_TRUE(batch.points.x_true.empty());
+  EXPECT_THAT(batch.pulses.point_count, ElementsAre(0, 1, 0, 0));
+}
+
 TEST(PulseBatch, CountsEachStatus) {
   const PulseBatch batch = numbered({returned, miss, returned, dead, false_return, blanked});
   EXPECT_THAT(batch.status_counts(), ElementsAre(2, 1, 0, 1, 1, 0, 1));
