@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "scanner/pattern.h"
+
+namespace landfall {
+
+enum class LineDirection {
+  unidirectional,  ///< every line from left to right
+  boustrophedon,   ///< odd lines from right to left
+};
+
+enum class AtEnd { wrap, stop };
+
+/// The order in which a raster's places are visited: line by line from the top.
+struct RasterOrder {
+  int rows = 1;     ///< 1 .. 2^20
+  int columns = 1;  ///< 1 .. 2^20
+  LineDirection direction = LineDirection::unidirectional;
+  AtEnd at_end = AtEnd::wrap;
+};
+
+/// Where a raster is at one step.
+struct RasterPlace {
+  std::int64_t row = 0;     ///< counted from the top
+  std::int64_t column = 0;  ///< counted from the left
+  std::int64_t step = 0;    ///< in this pass over the raster
+};
+
+/// Throws UsageError, naming the pattern's key and the bound, where rows or columns is out of range.
+void check_raster(const RasterOrder& order);
+
+/// Places in one pass.
+[[nodiscard]] std::int64_t raster_steps(const RasterOrder& order);
+
+/// The place at a step >= 0, counted over all passes; none past the end of a raster that stops.
+[[nodiscard]] std::optional<RasterPlace> raster_place(const RasterOrder& order, std::int64_t step);
+
+/// The last jump of a pattern that jumps after every `length` pulses, to a new line or step; none in the
+/// first of these pieces.
+[[nodiscard]] std::optional<PatternJump> jump_to_piece(const PulseTime& pulse, std::int64_t length);
+
+}  // namespace landfall
