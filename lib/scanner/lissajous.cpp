@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scanner/lissajous.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "base/parameter_check.h"
+
+namespace landfall {
+
+Lissajous::Lissajous(const LissajousParameters& parameters) : parameters_(parameters) {
+  for (const double half : parameters.half_width_m)
+    require_positive({"scanner/pattern", "half_width_m"}, half);
+  for (const double rate : parameters.rates_hz) require_not_negative({"scanner/pattern", "rates_hz"}, rate);
+  require_finite({"scanner/pattern", "phase_rad"}, parameters.phase_rad);
+}
+
+std::optional<Point<DemFrame>> Lissajous::ground_aim(const PulseTime& pulse) const {
+  const auto& [width_x, width_y] = parameters_.half_width_m;
+  const auto& [rate_x, rate_y] = parameters_.rates_hz;
+  const double turn = 2 * std::numbers::pi;
+  return Point<DemFrame>{{width_x * std::sin(turn * (rate_x * pulse.since_start_s) + parameters_.phase_rad),
+                          width_y * std::sin(turn * (rate_y * pulse.since_start_s)), 0}};
+}
+
+}  // namespace landfall
