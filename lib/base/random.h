@@ -11,7 +11,13 @@ namespace landfall {
 
 /// One stream per cause of chance, so that switching one on or off changes no draw of another. The values are
 /// part of the files' reproducibility: never renumber.
-enum class RandomStream : std::uint64_t { range_noise = 1, dropout = 2, dead_pixel = 3, fractal = 4 };
+enum class RandomStream : std::uint64_t {
+  range_noise = 1,
+  dropout = 2,
+  dead_pixel = 3,
+  fractal = 4,
+  risley_encoder = 12,
+};
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key
 /// (seed, stream) and the counter (i, j, 0, 0). No state: any thread may draw any element in any order.
