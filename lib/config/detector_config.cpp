@@ -1,23 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <array>
-
 #include "base/error.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "detector/perspective.h"
 
 namespace landfall {
-namespace {
 
 using Json = nlohmann::json;
-
-/// A scalar holds for both axes.
-std::array<double, 2> pair_of(const Json& value) {
-  if (value.is_array()) return value.get<std::array<double, 2>>();
-  return {value.get<double>(), value.get<double>()};
-}
-
-}  // namespace
 
 Detector make_detector(const Json& json, const ComponentContext&) {
   PerspectiveParameters detector;

@@ -17,6 +17,12 @@ inline double radians(const nlohmann::json& owner, const char* key_deg) {
   return kRadiansPerDegree * owner.at(key_deg).get<double>();
 }
 
+/// An array of two numbers, or a number that holds for both.
+inline std::array<double, 2> pair_of(const nlohmann::json& value) {
+  if (value.is_array()) return value.get<std::array<double, 2>>();
+  return {value.get<double>(), value.get<double>()};
+}
+
 /// An array of three numbers.
 inline Eigen::Vector3d vector3(const nlohmann::json& value) {
   return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};

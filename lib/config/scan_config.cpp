@@ -32,6 +32,15 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
   return model;
 }
 
+/// Prisms either turn evenly or follow a pattern: each way has defaults of its own.
+void complete_risley(Json& scanner) {
+  const bool steered = scanner.contains("pattern");
+  const Json defaults =
+      steered ? Json{{"branch", "positive"}} : Json{{"rates_hz", {100, -61.8}}, {"phases_deg", {0, 0}}};
+  for (const auto& [key, value] : defaults.items())
+    if (!scanner.contains(key)) scanner[key] = value;
+}
+
 }  // namespace
 
 void complete_scan_config(Json& resolved) {
@@ -39,6 +48,7 @@ void complete_scan_config(Json& resolved) {
   if (!detector.contains("ifov_rad") && !detector.contains("fov_deg"))
     detector["ifov_rad"] = PixelFieldOfView{}.x_rad;
   Json& scanner = resolved.at("scanner");
+  if (scanner.at("type") == "risley") complete_risley(scanner);
   if (!scanner.contains("pattern")) return;
   Json& pattern = scanner.at("pattern");
   if (pattern.at("type") == "spiral" && !pattern.contains("period_s"))

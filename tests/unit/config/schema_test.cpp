@@ -62,8 +62,9 @@ TEST(Schema, UnknownKeysGetASuggestion) {
 }
 
 TEST(Schema, VariantsAreChosenByType) {
-  EXPECT_EQ(refusal("scan", R"({"scanner": {"type": "fms"}})"),
-            "c.json: /scanner/type: \"fms\" is not one of \"flash\", \"fsm\"; did you mean \"fsm\"?");
+  EXPECT_THAT(refusal("scan", R"({"scanner": {"type": "fms"}})"),
+              AllOf(HasSubstr("c.json: /scanner/type: \"fms\" is not one of \"flash\", \"fsm\""),
+                    HasSubstr("; did you mean \"fsm\"?")));
   EXPECT_THAT(refusal("scan", R"({"scanner": {"type": "flash", "pattern": {}}})"),
               HasSubstr("/scanner/pattern"));
   EXPECT_EQ(refusal("scan", R"({"scanner": {"pattern": {"rows": 0}}})"),
