@@ -16,7 +16,14 @@ enum class RandomStream : std::uint64_t {
   dropout = 2,
   dead_pixel = 3,
   fractal = 4,
+  encoder = 5,
+  false_return = 6,
+  pointing_jitter = 8,
+  time_stamp = 9,
+  navigation_walk = 10,
+  disturbance = 11,
   risley_encoder = 12,
+  gauss_markov = 13,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key

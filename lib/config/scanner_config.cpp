@@ -57,9 +57,9 @@ std::unique_ptr<const Scanner> make_risley(const Json& json, const ComponentCont
 }
 
 constexpr ComponentMaker<Scanner> kScanners[] = {
-    {"flash", make_flash},
-    {"fsm", make_fsm},
-    {"risley", make_risley},
+    {"flash", make_flash},    //
+    {"fsm", make_fsm},        //
+    {"risley", make_risley},  //
 };
 
 }  // namespace
