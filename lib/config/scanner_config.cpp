@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
+#include "base/parameter_check.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "scanner/flash.h"
 #include "scanner/fsm.h"
+#include "scanner/gimbal.h"
+#include "scanner/palmer.h"
+#include "scanner/polygon.h"
 #include "scanner/risley.h"
+#include "scanner/table_scanner.h"
 
 namespace landfall {
 namespace {
@@ -15,10 +20,64 @@ std::unique_ptr<const Scanner> make_flash(const Json&, const ComponentContext&) 
   return std::make_unique<Flash>();
 }
 
-std::unique_ptr<const Scanner> make_fsm(const Json& json, const ComponentContext&) {
+MechanismTimingParameters timing_of(const Json& json) {
+  return {.turnaround_time_s = json.at("turnaround_time_s").get<double>(),
+          .settle_time_s = json.at("settle_time_s").get<double>(),
+          .settle_damping = json.at("settle_damping").get<double>()};
+}
+
+std::unique_ptr<const Scanner> make_fsm(const Json& json, const ComponentContext& context) {
   return std::make_unique<Fsm>(FsmParameters{.incidence_rad = radians(json, "incidence_deg"),
                                              .fold_azimuth_rad = radians(json, "fold_azimuth_deg"),
-                                             .max_deflection_rad = radians(json, "max_deflection_deg")});
+                                             .max_deflection_rad = radians(json, "max_deflection_deg"),
+                                             .pivot_m = {vector3(json.at("pivot_m"))},
+                                             .focal_distance_m = json.at("focal_distance_m").get<double>(),
+                                             .encoder_sigma_rad = json.at("encoder_sigma_rad").get<double>(),
+                                             .timing = timing_of(json),
+                                             .tof_lag = json.at("tof_lag").get<bool>(),
+                                             .seed = context.seed});
+}
+
+std::unique_ptr<const Scanner> make_gimbal(const Json& json, const ComponentContext&) {
+  return std::make_unique<Gimbal>(
+      GimbalParameters{.max_deflection_rad = radians(json, "max_deflection_deg"), .timing = timing_of(json)});
+}
+
+std::unique_ptr<const Scanner> make_polygon(const Json& json, const ComponentContext&) {
+  return std::make_unique<Polygon>(
+      PolygonParameters{.facets = json.at("facets").get<int>(),
+                        .rate_hz = json.at("rate_hz").get<double>(),
+                        .phase_rad = radians(json, "phase_deg"),
+                        .line_azimuth_rad = radians(json, "line_azimuth_deg"),
+                        .duty_frac = json.at("duty_frac").get<double>(),
+                        .frame_amplitude_rad = radians(json, "frame_amplitude_deg"),
+                        .frame_rate_hz = json.at("frame_rate_hz").get<double>()});
+}
+
+std::unique_ptr<const Scanner> make_palmer(const Json& json, const ComponentContext&) {
+  return std::make_unique<Palmer>(PalmerParameters{.tilt_rad = radians(json, "tilt_deg"),
+                                                   .incidence_rad = radians(json, "incidence_deg"),
+                                                   .fold_azimuth_rad = radians(json, "fold_azimuth_deg"),
+                                                   .rate_hz = json.at("rate_hz").get<double>(),
+                                                   .phase_rad = radians(json, "phase_deg")});
+}
+
+/// None for a gimbal, which must not be given a mirror's keys.
+std::optional<TableMirror> mirror_of(const Json& json) {
+  const TableMirror mirror{radians(json, "incidence_deg"), radians(json, "fold_azimuth_deg")};
+  if (json.at("mechanism") == "fsm") return mirror;
+  for (const char* const key : {"incidence_deg", "fold_azimuth_deg"})
+    require(json.at(key) == 0, {"scanner", key}, json.at(key).get<double>(), "0, as mechanism gimbal asks");
+  return std::nullopt;
+}
+
+std::unique_ptr<const Scanner> make_table(const Json& json, const ComponentContext& context) {
+  const std::optional<TableMirror> mirror = mirror_of(json);
+  if (!context.load_table)
+    return std::make_unique<TableScanner>(std::vector<AngleSample>{{0, {}}, {1, {}}}, mirror);
+  const NumberTable table =
+      context.load_table(json.at("path").get<std::string>(), "scanner", angle_columns());
+  return std::make_unique<TableScanner>(angle_samples(table), mirror, table.file() + ": scanner table");
 }
 
 RisleyOptics risley_optics(const Json& json) {
@@ -57,9 +116,13 @@ std::unique_ptr<const Scanner> make_risley(const Json& json, const ComponentCont
 }
 
 constexpr ComponentMaker<Scanner> kScanners[] = {
-    {"flash", make_flash},    //
-    {"fsm", make_fsm},        //
-    {"risley", make_risley},  //
+    {"flash", make_flash},      //
+    {"fsm", make_fsm},          //
+    {"gimbal", make_gimbal},    //
+    {"palmer", make_palmer},    //
+    {"polygon", make_polygon},  //
+    {"risley", make_risley},    //
+    {"table", make_table},      //
 };
 
 }  // namespace

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scanner/fsm.h"
 
-#include <cmath>
-#include <sstream>
-
-#include "base/error.h"
-#include "base/parameter_check.h"
-#include "geometry/rotation.h"
+#include "base/random.h"
+#include "geometry/parameter_check.h"
 
 namespace landfall {
 namespace {
@@ -15,57 +11,85 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 void check(const FsmParameters& p) {
-  require(p.incidence_rad >= 0 && p.incidence_rad < std::numbers::pi / 2, {"scanner", "incidence_rad"},
-          p.incidence_rad, "in [0, pi/2)");
-  require_finite({"scanner", "fold_azimuth_rad"}, p.fold_azimuth_rad);
   require(p.max_deflection_rad > 0 && p.max_deflection_rad < std::numbers::pi - 2 * p.incidence_rad,
           {"scanner", "max_deflection_rad"}, p.max_deflection_rad, "positive and below pi - 2 incidence_rad");
+  require_finite({"scanner", "pivot_m"}, p.pivot_m.v);
+  require_not_negative({"scanner", "focal_distance_m"}, p.focal_distance_m);
+  require_not_negative({"scanner", "encoder_sigma_rad"}, p.encoder_sigma_rad);
 }
-
-[[noreturn]] void refuse_aim(std::int64_t pulse, double angle_rad, double limit_rad) {
-  constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
-  std::ostringstream message;
-  message << "scanner: pulse " << pulse << " aims " << angle_rad * kDegreesPerRadian
-          << " degrees off the boresight; max_deflection allows " << limit_rad * kDegreesPerRadian
-          << " (raise it, or narrow the pattern)";
-  throw FormatError(message.str());
-}
-
-Matrix3d reflection(const Vector3d& normal) { return Matrix3d::Identity() - 2 * normal * normal.transpose(); }
 
 }  // namespace
 
-Fsm::Fsm(const FsmParameters& parameters) : max_deflection_rad_(parameters.max_deflection_rad) {
+Fsm::Fsm(const FsmParameters& parameters)
+    : parameters_(parameters),
+      mirror_(parameters.incidence_rad, parameters.fold_azimuth_rad),
+      limit_(parameters.max_deflection_rad),
+      timing_(parameters.timing) {
   check(parameters);
-  const double twice = 2 * parameters.incidence_rad;
-  const Matrix3d fold = rotation_matrix({0, 0, parameters.fold_azimuth_rad});
-  incoming_ = fold * Vector3d(0, -std::sin(twice), -std::cos(twice));
-  resting_ = (Vector3d::UnitZ() - incoming_).normalized();
-  axis_1_ = fold.col(0);
-  axis_2_ = resting_.cross(axis_1_);
 }
 
 ScannerState Fsm::state(const PulseContext& pulse) const {
-  if (!pulse.aim) return {.mirror_normal = {resting_}};
-  const Vector3d& aim = pulse.aim->v;
-  const double off_boresight = std::atan2(std::hypot(aim.x(), aim.y()), aim.z());
-  // Negated, so that an aim which is NaN is refused too.
-  if (!(off_boresight <= max_deflection_rad_))
-    refuse_aim(pulse.time.pulse, off_boresight, max_deflection_rad_);
-  const Vector3d m = (aim - incoming_).normalized();
-  // In the axes (e1, e2, m0): m = (sin a2, -sin a1 cos a2, cos a1 cos a2).
-  const double m1 = m.dot(axis_1_);
-  const double m2 = m.dot(axis_2_);
-  const double m3 = m.dot(resting_);
-  return {.angle_1_rad = std::atan2(-m2, m3),
-          .angle_2_rad = std::atan2(m1, std::hypot(m2, m3)),
-          .mirror_normal = {m}};
+  return following(pulse, parameters_.tof_lag && pulse.aim_at_echo ? pulse.aim_at_echo : pulse.aim);
+}
+
+ScannerState Fsm::following(const PulseContext& pulse,
+                            const std::optional<Direction<LidarFrame>>& aim) const {
+  if (!aim) return {.mirror_normal = mirror_.resting()};
+  limit_.require_within(*aim, pulse.time.pulse);
+  const Direction<LidarFrame> normal = mirror_.normal_towards(*aim);
+  const TiltAngles commanded = mirror_.tilts(normal);
+  const ScannerState at_aim{.angle_1_rad = commanded.angle_1_rad,
+                            .angle_2_rad = commanded.angle_2_rad,
+                            .mirror_normal = normal,
+                            .blanked = timing_.blanks(pulse.since_jump_s)};
+  const double left = timing_.step_left(pulse.since_jump_s);
+  if (left == 0 || !pulse.aim_before_jump) return at_aim;
+  const TiltAngles before = mirror_.tilts(mirror_.normal_towards(*pulse.aim_before_jump));
+  return with_tilts(at_aim, between(commanded, left, before));
+}
+
+ScannerState Fsm::with_tilts(const ScannerState& state, const TiltAngles& tilts) const {
+  return {.angle_1_rad = tilts.angle_1_rad,
+          .angle_2_rad = tilts.angle_2_rad,
+          .mirror_normal = mirror_.normal(tilts),
+          .blanked = state.blanked};
+}
+
+bool Fsm::is_known() const { return parameters_.encoder_sigma_rad == 0 && !parameters_.tof_lag; }
+
+ScannerState Fsm::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
+  const ScannerState at_pulse = parameters_.tof_lag ? following(pulse, pulse.aim) : truth;
+  if (parameters_.encoder_sigma_rad == 0) return at_pulse;
+  const RandomField noise(parameters_.seed, RandomStream::encoder);
+  const auto k = static_cast<std::uint64_t>(pulse.time.pulse);
+  return with_tilts(at_pulse, {at_pulse.angle_1_rad + parameters_.encoder_sigma_rad * noise.normal(k, 0),
+                               at_pulse.angle_2_rad + parameters_.encoder_sigma_rad * noise.normal(k, 1)});
 }
 
 void Fsm::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                 std::span<Beam> beams) const {
-  const Matrix3d turn = reflection(state.mirror_normal.v) * reflection(resting_);
+  if (parameters_.focal_distance_m != 0 || parameters_.pivot_m.v != Vector3d::Zero()) {
+    steer_from_focal_point(state, pixels, beams);
+    return;
+  }
+  const Matrix3d turn = mirror_.steering(state.mirror_normal);
   for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+}
+
+void Fsm::steer_from_focal_point(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
+                                 std::span<Beam> beams) const {
+  const Vector3d& m = state.mirror_normal.v;
+  const Vector3d& pivot = parameters_.pivot_m.v;
+  const Vector3d surface = pivot - mirror_.turn({state.angle_1_rad, state.angle_2_rad}) * pivot;
+  const Vector3d focus = -parameters_.focal_distance_m * mirror_.incoming();
+  const double depth = (surface - focus).dot(m);
+  const Matrix3d before_mirror = reflection(mirror_.resting().v);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Vector3d d = before_mirror * pixels[i].v;
+    const double cosine = d.dot(m);
+    beams[i] = Beam{
+        .direction = {d - 2 * cosine * m}, .exit = {focus + (depth / cosine) * d}, .lost = !(cosine < 0)};
+  }
 }
 
 }  // namespace landfall

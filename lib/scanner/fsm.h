@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <numbers>
 
+#include "scanner/deflection_limit.h"
+#include "scanner/mechanism_timing.h"
+#include "scanner/mirror_frame.h"
 #include "scanner/scanner.h"
 
 namespace landfall {
@@ -14,20 +18,31 @@ struct FsmParameters {
   double fold_azimuth_rad = 0;
   /// Aims farther off +z_L than this are refused; > 0 and < pi - 2 incidence, where the mirror is edge-on.
   double max_deflection_rad = std::numbers::pi / 6;
+  /// What the mirror turns about, in L from the point where the boresight meets the resting mirror.
+  Vector<LidarFrame> pivot_m{};
+  /// From the focal point along the boresight to the resting mirror, >= 0.
+  double focal_distance_m = 0;
+  double encoder_sigma_rad = 0;  ///< one sigma of the reading of each tilt, per pulse, >= 0
+  MechanismTimingParameters timing{};
+  bool tof_lag = false;    ///< a pixel looks along the mirror as it stands when the echo returns
+  std::uint64_t seed = 1;  ///< of the encoder's noise
 };
 
-/// A fast steering mirror: one flat mirror on two axes that turns about a point of its surface on the
-/// boresight, so that b = 0.
+/// A fast steering mirror: one flat mirror on two axes (scanner/mirror_frame.h).
 ///
-/// The boresight comes in along d0 = Rz(fold_azimuth) (0, -sin 2i, -cos 2i); the resting mirror, normal m0,
-/// sends it to +z_L. Pixel directions are given behind the resting mirror, so they come in reflected by it:
-/// d = M(m0) pixel, and leave as d' = M(m) d, M(m) = I - 2 m m^T. To aim the boresight at the unit vector c,
-/// m = (c - d0)/|c - d0|: exact, to 1e-15.
+/// To aim the boresight at the unit vector c, m = (c - d0)/|c - d0|: exact, to 1e-15. angle_1 and angle_2 are
+/// the mirror's tilts: m = R m0, R = R(e1, angle_1) R(e2, angle_2). Small tilts move the line of sight by
+/// 2 angle_1 in the plane of incidence and by 2 cos(i) angle_2 across it; a cross-plane motion psi turns the
+/// image by psi tan i, to first order.
 ///
-/// angle_1 and angle_2 are the mirror's tilts: m = R(e1, angle_1) R(e2, angle_2) m0, where
-/// e1 = Rz(fold_azimuth) (1, 0, 0) lies in the mirror across the plane of incidence, and e2 = m0 x e1.
-/// Small tilts move the line of sight by 2 angle_1 in the plane of incidence and by 2 cos(i) angle_2 across
-/// it; a cross-plane motion psi turns the image by psi tan i, to first order.
+/// Exit point: the mirror's plane goes through c = pivot - R pivot; a pixel's ray leaves the focal point
+/// f = -focal_distance d0 along d and meets it at b = f + d ((c - f).m)/(d.m). With both at 0, b = 0. A ray
+/// that would meet the mirror's back is lost.
+///
+/// After a jump of the aim (scanner/mechanism_timing.h) pulses are blanked, and the tilts are still off the
+/// commanded ones, by step_left() times the tilts before the jump minus the commanded ones. The encoder sees
+/// that. It does not see its own noise, nor tof_lag: state() is then the mirror at the echo, while the lander
+/// believes the mirror at the pulse.
 class Fsm : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
@@ -38,13 +53,24 @@ class Fsm : public Scanner {
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
+  [[nodiscard]] ContextNeeds needs() const override {
+    return {.jumps = timing_.minds_jumps(), .echo = parameters_.tof_lag};
+  }
+  [[nodiscard]] bool is_known() const override;
+  [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,
+                                            const ScannerState& truth) const override;
 
  private:
-  double max_deflection_rad_;
-  Eigen::Vector3d incoming_;  // d0
-  Eigen::Vector3d resting_;   // m0
-  Eigen::Vector3d axis_1_;    // e1
-  Eigen::Vector3d axis_2_;    // e2
+  [[nodiscard]] ScannerState following(const PulseContext& pulse,
+                                       const std::optional<Direction<LidarFrame>>& aim) const;
+  [[nodiscard]] ScannerState with_tilts(const ScannerState& state, const TiltAngles& tilts) const;
+  void steer_from_focal_point(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
+                              std::span<Beam> beams) const;
+
+  FsmParameters parameters_;
+  MirrorFrame mirror_;
+  DeflectionLimit limit_;
+  MechanismTiming timing_;
 };
 
 }  // namespace landfall

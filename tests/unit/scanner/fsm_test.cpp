@@ -4,44 +4,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "base/error.h"
 #include "base/random.h"
+#include "steering.h"
 
 namespace landfall {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180;
-
-/// A unit vector `off_rad` away from +z, towards (cos azimuth, sin azimuth).
-Direction<LidarFrame> towards(double off_rad, double azimuth_rad) {
-  return {{std::sin(off_rad) * std::cos(azimuth_rad), std::sin(off_rad) * std::sin(azimuth_rad),
-           std::cos(off_rad)}};
-}
-
 ScannerState aimed(const Fsm& fsm, const Direction<LidarFrame>& aim) { return fsm.state({.aim = aim}); }
 
 Vector3d steered(const Fsm& fsm, const ScannerState& state, const Vector3d& pixel) {
-  const std::array<Direction<LidarFrame>, 1> pixels{{{pixel}}};
-  std::array<Beam, 1> beams;
-  fsm.steer(state, pixels, beams);
-  EXPECT_EQ(beams[0].exit, Point<LidarFrame>{});
-  EXPECT_FALSE(beams[0].lost);
-  return beams[0].direction.v;
-}
-
-/// Rotation of the image about the line of sight, right-handed about it, relative to the shortest turn that
-/// takes +z to the line of sight.
-double image_rotation(const Fsm& fsm, const Direction<LidarFrame>& aim) {
-  const Vector3d x = steered(fsm, aimed(fsm, aim), Vector3d::UnitX());
-  const Eigen::Quaterniond shortest = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), aim.v);
-  const Vector3d untilted = shortest.inverse() * x;
-  return std::atan2(untilted.y(), untilted.x());
+  const Beam beam = beam_of(fsm, state, pixel);
+  EXPECT_EQ(beam.exit, Point<LidarFrame>{});
+  EXPECT_FALSE(beam.lost);
+  return beam.direction.v;
 }
 
 TEST(Fsm, RestsWithoutAnAim) {
@@ -125,17 +105,18 @@ TEST(Fsm, ImageTurnsByPsiTanIncidence) {
     const Fsm fsm({.incidence_rad = incidence * kDegree});
     const double tan_i = std::tan(incidence * kDegree);
     for (const double psi : {0.001, 0.01, 0.1}) {
-      EXPECT_NEAR(image_rotation(fsm, towards(psi, 0)), -psi * tan_i, psi * psi * psi);
-      EXPECT_NEAR(image_rotation(fsm, towards(psi, kPi)), psi * tan_i, psi * psi * psi);
+      EXPECT_NEAR(image_rotation(fsm, aimed(fsm, towards(psi, 0))), -psi * tan_i, psi * psi * psi);
+      EXPECT_NEAR(image_rotation(fsm, aimed(fsm, towards(psi, kPi))), psi * tan_i, psi * psi * psi);
     }
-    EXPECT_NEAR(image_rotation(fsm, towards(0.1, kPi / 2)), 0, 1e-15) << "in-plane motion turns nothing";
+    EXPECT_NEAR(image_rotation(fsm, aimed(fsm, towards(0.1, kPi / 2))), 0, 1e-15)
+        << "in-plane motion turns nothing";
   }
 }
 
 TEST(Fsm, ImageDoesNotTurnAtNormalIncidence) {
   const Fsm fsm({});
   for (double turn = 0; turn < 2 * kPi; turn += 0.3)
-    EXPECT_NEAR(image_rotation(fsm, towards(0.3, turn)), 0, 1e-15);
+    EXPECT_NEAR(image_rotation(fsm, aimed(fsm, towards(0.3, turn))), 0, 1e-15);
 }
 
 TEST(Fsm, RefusesAnAimBeyondItsReach) {

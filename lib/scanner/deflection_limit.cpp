@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scanner/deflection_limit.h"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+[[noreturn]] void refuse_aim(std::int64_t pulse, double angle_rad, double limit_rad) {
+  constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+  std::ostringstream message;
+  message << "scanner: pulse " << pulse << " aims " << angle_rad * kDegreesPerRadian
+          << " degrees off the boresight; max_deflection allows " << limit_rad * kDegreesPerRadian
+          << " (raise it, or narrow the pattern)";
+  throw FormatError(message.str());
+}
+
+}  // namespace
+
+void DeflectionLimit::require_within(const Direction<LidarFrame>& aim, std::int64_t pulse) const {
+  const double off_boresight = std::atan2(std::hypot(aim.v.x(), aim.v.y()), aim.v.z());
+  // Negated, so that an aim which is NaN is refused too.
+  if (!(off_boresight <= max_rad_)) refuse_aim(pulse, off_boresight, max_rad_);
+}
+
+}  // namespace landfall

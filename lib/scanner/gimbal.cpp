@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scanner/gimbal.h"
+
+#include <cmath>
+
+#include "base/parameter_check.h"
+
+namespace landfall {
+namespace {
+
+double checked_limit(double max_deflection_rad) {
+  require(max_deflection_rad > 0 && max_deflection_rad < std::numbers::pi / 2,
+          {"scanner", "max_deflection_rad"}, max_deflection_rad, "in (0, pi/2)");
+  return max_deflection_rad;
+}
+
+}  // namespace
+
+Eigen::Matrix3d gimbal_rotation(const TiltAngles& angles) {
+  const double s1 = std::sin(angles.angle_1_rad);
+  const double c1 = std::cos(angles.angle_1_rad);
+  const double s2 = std::sin(angles.angle_2_rad);
+  const double c2 = std::cos(angles.angle_2_rad);
+  return Eigen::Matrix3d{{c2, 0, s2}, {s1 * s2, c1, -s1 * c2}, {-c1 * s2, s1, c1 * c2}};
+}
+
+TiltAngles gimbal_angles(const Direction<LidarFrame>& aim) {
+  return {std::atan2(-aim.v.y(), aim.v.z()), std::atan2(aim.v.x(), std::hypot(aim.v.y(), aim.v.z()))};
+}
+
+Gimbal::Gimbal(const GimbalParameters& parameters)
+    : limit_(checked_limit(parameters.max_deflection_rad)), timing_(parameters.timing) {}
+
+ScannerState Gimbal::state(const PulseContext& pulse) const {
+  if (!pulse.aim) return {};
+  limit_.require_within(*pulse.aim, pulse.time.pulse);
+  TiltAngles angles = gimbal_angles(*pulse.aim);
+  const double left = timing_.step_left(pulse.since_jump_s);
+  if (left != 0 && pulse.aim_before_jump)
+    angles = between(angles, left, gimbal_angles(*pulse.aim_before_jump));
+  return {.angle_1_rad = angles.angle_1_rad,
+          .angle_2_rad = angles.angle_2_rad,
+          .blanked = timing_.blanks(pulse.since_jump_s)};
+}
+
+void Gimbal::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
+                   std::span<Beam> beams) const {
+  const Eigen::Matrix3d turn = gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
+  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+}
+
+}  // namespace landfall

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace landfall {
+
+struct MechanismTimingParameters {
+  /// Pulses closer than this behind a jump of the aim are blanked; finite, >= 0.
+  double turnaround_time_s = 0;
+  /// Until a step has died away to 5 %: 3/(zeta w_n); finite, >= 0. 0: the mechanism follows at once.
+  double settle_time_s = 0;
+  double settle_damping = 0.7;  ///< zeta, in (0, 1)
+};
+
+/// How a mechanism follows a jump of its aim (a new line, the next step of a mosaic).
+class MechanismTiming {
+ public:
+  /// Throws UsageError, naming the key of "scanner" and the bound, for a parameter out of range.
+  explicit MechanismTiming(const MechanismTimingParameters& parameters);
+
+  /// True where jumps matter at all.
+  [[nodiscard]] bool minds_jumps() const {
+    return parameters_.turnaround_time_s > 0 || parameters_.settle_time_s > 0;
+  }
+
+  /// True for a pulse less than turnaround_time behind the jump. A pulse that is due at its very end is
+  /// fired, also where its time is rounded (1 ns).
+  [[nodiscard]] bool blanks(double since_jump_s) const;
+
+  /// The part of the step that a second-order loop still lacks t after it:
+  ///   e(t) = e^(-zeta w_n t) (cos w_d t + zeta/sqrt(1 - zeta^2) sin w_d t), w_d = w_n sqrt(1 - zeta^2),
+  /// 1 at t = 0, starting at rest; negative where it overshoots. |e| <= e^(-zeta w_n t)/sqrt(1 - zeta^2).
+  /// Exactly 0 without settling, and once the exponential is below 1e-17, as it is where t is infinite.
+  [[nodiscard]] double step_left(double since_jump_s) const;
+
+ private:
+  MechanismTimingParameters parameters_;
+  double decay_per_s_ = 0;   // zeta w_n
+  double damped_radps_ = 0;  // w_d
+  double sine_share_ = 0;    // zeta/sqrt(1 - zeta^2)
+};
+
+}  // namespace landfall

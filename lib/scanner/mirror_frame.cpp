@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scanner/mirror_frame.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "base/parameter_check.h"
+#include "geometry/rotation.h"
+
+namespace landfall {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+MirrorFrame::MirrorFrame(double incidence_rad, double fold_azimuth_rad) {
+  require(incidence_rad >= 0 && incidence_rad < std::numbers::pi / 2, {"scanner", "incidence_rad"},
+          incidence_rad, "in [0, pi/2)");
+  require_finite({"scanner", "fold_azimuth_rad"}, fold_azimuth_rad);
+  const Matrix3d fold = rotation_matrix({0, 0, fold_azimuth_rad});
+  incoming_ = fold * Vector3d(0, -std::sin(2 * incidence_rad), -std::cos(2 * incidence_rad));
+  resting_ = (Vector3d::UnitZ() - incoming_).normalized();
+  axis_1_ = fold.col(0);
+  axis_2_ = resting_.cross(axis_1_);
+}
+
+Matrix3d MirrorFrame::turn(const TiltAngles& tilts) const {
+  return (Eigen::AngleAxisd(tilts.angle_1_rad, axis_1_) * Eigen::AngleAxisd(tilts.angle_2_rad, axis_2_))
+      .toRotationMatrix();
+}
+
+Direction<LidarFrame> MirrorFrame::normal(const TiltAngles& tilts) const {
+  // In the axes (e1, e2, m0): m = (sin a2, -sin a1 cos a2, cos a1 cos a2).
+  const double across = std::cos(tilts.angle_2_rad);
+  return {std::sin(tilts.angle_2_rad) * axis_1_ - std::sin(tilts.angle_1_rad) * across * axis_2_ +
+          std::cos(tilts.angle_1_rad) * across * resting_};
+}
+
+TiltAngles MirrorFrame::tilts(const Direction<LidarFrame>& normal) const {
+  const double m1 = normal.v.dot(axis_1_);
+  const double m2 = normal.v.dot(axis_2_);
+  const double m3 = normal.v.dot(resting_);
+  return {std::atan2(-m2, m3), std::atan2(m1, std::hypot(m2, m3))};
+}
+
+Matrix3d MirrorFrame::steering(const Direction<LidarFrame>& normal) const {
+  return reflection(normal.v) * reflection(resting_);
+}
+
+}  // namespace landfall

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scanner/palmer.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/parameter_check.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+void check(const PalmerParameters& p) {
+  require(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < kPi / 2, {"scanner", "tilt_rad"}, p.tilt_rad,
+          ">= 0 and below pi/2 - incidence_rad");
+  require_positive({"scanner", "rate_hz"}, p.rate_hz);
+  require_finite({"scanner", "phase_rad"}, p.phase_rad);
+}
+
+}  // namespace
+
+Palmer::Palmer(const PalmerParameters& parameters)
+    : parameters_(parameters),
+      mirror_(parameters.incidence_rad, parameters.fold_azimuth_rad),
+      tilted_(mirror_.normal({parameters.tilt_rad, 0}).v) {
+  check(parameters);
+}
+
+ScannerState Palmer::state(const PulseContext& pulse) const {
+  const double turns = parameters_.rate_hz * pulse.time.since_start_s + parameters_.phase_rad / (2 * kPi);
+  const double phi = 2 * kPi * (turns - std::floor(turns));
+  return {.angle_1_rad = phi, .mirror_normal = {Eigen::AngleAxisd(phi, mirror_.resting().v) * tilted_}};
+}
+
+void Palmer::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
+                   std::span<Beam> beams) const {
+  const Eigen::Matrix3d turn = mirror_.steering(state.mirror_normal);
+  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+}
+
+}  // namespace landfall

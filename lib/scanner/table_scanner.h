@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/number_table.h"
+#include "scanner/mirror_frame.h"
+#include "scanner/scanner.h"
+#include "scanner/tilt_angles.h"
+
+namespace landfall {
+
+/// One row of a table of angles.
+struct AngleSample {
+  double t_s = 0;  ///< since the first pulse
+  TiltAngles angles{};
+};
+
+/// The columns of such a table: t_s, angle_1_rad, angle_2_rad.
+[[nodiscard]] TableColumns angle_columns();
+/// The rows of a table that has them.
+[[nodiscard]] std::vector<AngleSample> angle_samples(const NumberTable& table);
+
+/// The mirror whose tilts a table holds.
+struct TableMirror {
+  double incidence_rad = 0;
+  double fold_azimuth_rad = 0;
+};
+
+/// Replays angles over time, linear between the rows: the tilts of an Fsm that turns about its surface, or
+/// those of a Gimbal, where there is no mirror and the camera turns. Times count from the first pulse, so
+/// that a table fits any trajectory. A time up to 1 ns outside the table counts as its end: pulse times are
+/// rounded.
+class TableScanner : public Scanner {
+ public:
+  /// At least two rows, all finite, times strictly increasing: FormatError naming the row, counted from 1,
+  /// otherwise. UsageError for a mirror's parameter out of range. `name` begins every message of the table.
+  TableScanner(std::vector<AngleSample> samples, const std::optional<TableMirror>& mirror,
+               std::string name = "scanner table");
+
+  /// Throws FormatError, naming the pulse, for a time outside the table, and where the boresight would meet
+  /// the back of the mirror.
+  [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
+  void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
+             std::span<Beam> beams) const override;
+
+ private:
+  [[nodiscard]] TiltAngles angles(const PulseTime& pulse) const;
+  [[noreturn]] void refuse(const PulseTime& pulse, const std::string& what) const;
+
+  std::vector<AngleSample> samples_;
+  std::string name_;
+  std::optional<MirrorFrame> mirror_;  // none: a gimbal
+};
+
+}  // namespace landfall
