@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detector/detector.h"
 
-#include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -20,11 +18,12 @@ void check_count(const char* what, std::size_t count, std::size_t expected) {
 }  // namespace
 
 Detector::Detector(const DetectorSize& size, std::vector<Direction<LidarFrame>> pixels,
-                   std::vector<Direction<LidarFrame>> samples)
+                   std::vector<Direction<LidarFrame>> samples, const RangeEstimator& estimator)
     : size_(size),
       samples_per_pixel_(static_cast<std::size_t>(size.subpixels) * static_cast<std::size_t>(size.subpixels)),
       pixels_(std::move(pixels)),
-      samples_(std::move(samples)) {
+      samples_(std::move(samples)),
+      estimator_(estimator) {
   check_count("pixel", pixels_.size(),
               static_cast<std::size_t>(size.rows) * static_cast<std::size_t>(size.columns));
   check_count("sample", samples_.size(), samples_per_pixel_ == 1 ? 0 : samples_per_pixel_ * pixels_.size());
@@ -33,18 +32,6 @@ Detector::Detector(const DetectorSize& size, std::vector<Direction<LidarFrame>> 
 std::size_t Detector::index(PixelIndex pixel) const {
   return static_cast<std::size_t>(pixel.row) * static_cast<std::size_t>(size_.columns) +
          static_cast<std::size_t>(pixel.col);
-}
-
-double mean_range_m(std::span<const double> sample_ranges_m) {
-  double sum = 0;
-  std::size_t hits = 0;
-  for (const double range : sample_ranges_m) {
-    if (std::isnan(range)) continue;
-    sum += range;
-    ++hits;
-  }
-  if (hits == 0 || 2 * hits < sample_ranges_m.size()) return std::numeric_limits<double>::quiet_NaN();
-  return sum / static_cast<double>(hits);
 }
 
 }  // namespace landfall

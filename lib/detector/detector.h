@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "detector/range_estimator.h"
 #include "geometry/frames.h"
 
 namespace landfall {
@@ -25,15 +26,16 @@ struct DetectorSize {
   friend bool operator==(const DetectorSize&, const DetectorSize&) = default;
 };
 
-/// The focal plane: where each pixel looks, in L, before any steering. However the directions came about
-/// (perspective.h), this is all that the simulation knows of a detector.
+/// The focal plane: where each pixel looks, in L, before any steering, and which range it makes of those of
+/// its sub-pixels. However the directions came about (perspective.h), this is all that the simulation knows
+/// of a detector.
 class Detector {
  public:
   /// `pixels`: rows x columns directions, row-major. `samples`: subpixels^2 directions per pixel, contiguous
   /// per pixel, row-major in the pixel; empty where subpixels = 1, the pixel's own direction is the sample
   /// then. Throws UsageError where a count does not fit `size`.
   Detector(const DetectorSize& size, std::vector<Direction<LidarFrame>> pixels,
-           std::vector<Direction<LidarFrame>> samples);
+           std::vector<Direction<LidarFrame>> samples, const RangeEstimator& estimator = {});
 
   [[nodiscard]] const DetectorSize& size() const { return size_; }
   [[nodiscard]] std::size_t pixel_count() const { return pixels_.size(); }
@@ -45,16 +47,14 @@ class Detector {
   [[nodiscard]] std::span<const Direction<LidarFrame>> samples() const {
     return samples_.empty() ? pixels_ : samples_;
   }
+  [[nodiscard]] const RangeEstimator& estimator() const { return estimator_; }
 
  private:
   DetectorSize size_;
   std::size_t samples_per_pixel_;
   std::vector<Direction<LidarFrame>> pixels_;
   std::vector<Direction<LidarFrame>> samples_;
+  RangeEstimator estimator_;
 };
-
-/// The range that a pixel reports from the ranges of its samples, NaN being a sample that missed: the mean of
-/// those that hit, NaN where fewer than half hit. Summed in order; one sample is returned unchanged.
-[[nodiscard]] double mean_range_m(std::span<const double> sample_ranges_m);
 
 }  // namespace landfall

@@ -163,7 +163,9 @@ void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) c
   engine_->first_hits(w.rays, w.hits_m);
   if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
   for (std::size_t i = 0; i < w.beams.size(); ++i)
-    if (!w.beams[i].lost) w.ranges_m[i] = mean_range_m(std::span(w.hits_m).subspan(i * per_pixel, per_pixel));
+    if (!w.beams[i].lost)
+      w.ranges_m[i] =
+          lidar_.detector.estimator().range_m(std::span(w.hits_m).subspan(i * per_pixel, per_pixel));
 }
 
 void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
