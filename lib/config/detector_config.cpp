@@ -6,9 +6,37 @@
 
 namespace landfall {
 
+namespace {
+
 using Json = nlohmann::json;
 
-Detector make_detector(const Json& json, const ComponentContext&) {
+/// Empty: evenly spread, or not read because the configuration is only checked.
+std::vector<ImagePlace> places_of(const Json& json, const ComponentContext& context) {
+  const Json& distribution = json.at("distribution");
+  if (!distribution.is_object() || !context.load_table) return {};
+  const NumberTable table =
+      context.load_table(distribution.at("path").get<std::string>(), "pixels", pixel_table_columns());
+  return pixel_places(table, json.at("rows").get<int>(), json.at("columns").get<int>());
+}
+
+/// None where the places are in a table that is not read: whether they fold is not known then.
+RadialDistortion distortion_of(const Json& json, const ComponentContext& context) {
+  if (json.at("distribution").is_object() && !context.load_table) return {};
+  const Json& distortion = json.at("distortion");
+  return {distortion.at("k1").get<double>(), distortion.at("k2").get<double>(),
+          distortion.at("k3").get<double>()};
+}
+
+RangeRule range_rule_of(const Json& name) {
+  if (name == "first") return RangeRule::first;
+  if (name == "median") return RangeRule::median;
+  if (name == "strongest") return RangeRule::strongest;
+  return RangeRule::mean;
+}
+
+}  // namespace
+
+Detector make_detector(const Json& json, const ComponentContext& context) {
   PerspectiveParameters detector;
   detector.rows = json.at("rows").get<int>();
   detector.columns = json.at("columns").get<int>();
@@ -24,6 +52,10 @@ Detector make_detector(const Json& json, const ComponentContext&) {
     const auto [x, y] = pair_of(json.at("fov_deg"));
     detector.field_of_view = FullFieldOfView{kRadiansPerDegree * x, kRadiansPerDegree * y};
   }
+  detector.fill_factor = json.at("fill_factor").get<double>();
+  detector.places = places_of(json, context);
+  detector.distortion = distortion_of(json, context);
+  detector.estimator = {range_rule_of(json.at("estimator")), json.at("range_resolution_m").get<double>()};
   return perspective_detector(detector);
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detector/perspective.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <utility>
 
+#include "base/error.h"
+#include "base/number_text.h"
 #include "base/parameter_check.h"
 
 namespace landfall {
@@ -47,48 +50,116 @@ void check(const PerspectiveParameters& p) {
   require(samples <= kMaxSamples, {"detector", "rows x columns x subpixels^2"}, static_cast<double>(samples),
           "at most 67108864");
   require_finite({"detector", "roll_rad"}, p.roll_rad);
+  require(p.fill_factor > 0 && p.fill_factor <= 1, {"detector", "fill_factor"}, p.fill_factor, "in (0, 1]");
+  require_finite({"detector/distortion", "k1"}, p.distortion.k1);
+  require_finite({"detector/distortion", "k2"}, p.distortion.k2);
+  require_finite({"detector/distortion", "k3"}, p.distortion.k3);
+  const std::size_t pixels = static_cast<std::size_t>(p.rows) * static_cast<std::size_t>(p.columns);
+  require(p.places.empty() || p.places.size() == pixels, {"detector", "places"},
+          static_cast<double>(p.places.size()), "rows x columns");
 }
 
 /// Offset of item `i` of `count` from their middle, in items.
 double from_middle(int i, int count) { return i - (count - 1) / 2.0; }
 
-/// Turns a place on the image plane, (right, down) in tangent units, into a direction.
-class ImagePlane {
- public:
-  ImagePlane(const Pitch& pitch, double roll_rad)
-      : pitch_(pitch), cos_(std::cos(roll_rad)), sin_(std::sin(roll_rad)) {}
+/// A place on the image plane, tangent units: as ImagePlace, but downwards as rows count.
+struct Spot {
+  double right;
+  double down;
+};
 
-  /// `right` and `down` in pixels from the boresight.
-  [[nodiscard]] Direction<LidarFrame> look(double right, double down) const {
-    const double x = right * pitch_.x;
-    const double y = down * pitch_.y;
+/// Where pixels and their sub-pixels lie, before distortion.
+class PixelGrid {
+ public:
+  explicit PixelGrid(const PerspectiveParameters& parameters)
+      : p_(parameters), pitch_(pitch_of(parameters)), filled_(std::sqrt(parameters.fill_factor)) {}
+
+  /// `right` and `down`: from the pixel's centre, in pixels.
+  [[nodiscard]] Spot at(PixelIndex pixel, double right, double down) const {
+    if (p_.places.empty())
+      return {(from_middle(pixel.col, p_.columns) + right) * pitch_.x,
+              (from_middle(pixel.row, p_.rows) + down) * pitch_.y};
+    const ImagePlace& place = p_.places[static_cast<std::size_t>(pixel.row * p_.columns + pixel.col)];
+    return {place.u + right * pitch_.x, -place.v + down * pitch_.y};
+  }
+
+  /// Sub-pixel `i` of the pixel, row-major.
+  [[nodiscard]] Spot sample(PixelIndex pixel, int i) const {
+    const int m = p_.subpixels;
+    return at(pixel, from_middle(i % m, m) * filled_ / m, from_middle(i / m, m) * filled_ / m);
+  }
+
+ private:
+  const PerspectiveParameters& p_;
+  Pitch pitch_;
+  double filled_;  ///< edge of the area that senses, in pixels
+};
+
+/// Turns a place on the image plane into a direction.
+class Optics {
+ public:
+  Optics(const RadialDistortion& distortion, double roll_rad)
+      : distortion_(distortion), cos_(std::cos(roll_rad)), sin_(std::sin(roll_rad)) {}
+
+  [[nodiscard]] Direction<LidarFrame> look(const Spot& spot) const {
+    const double factor = distortion_.factor(spot.right * spot.right + spot.down * spot.down);
+    const double x = spot.right * factor;
+    const double y = spot.down * factor;
     return Direction<LidarFrame>::of({{x * cos_ + y * sin_, y * cos_ - x * sin_, 1}});
   }
 
  private:
-  Pitch pitch_;
+  RadialDistortion distortion_;
   double cos_;
   double sin_;
 };
+
+template <class Visit>
+void for_each_pixel(const PerspectiveParameters& p, const Visit& visit) {
+  for (int row = 0; row < p.rows; ++row)
+    for (int col = 0; col < p.columns; ++col) visit(PixelIndex{row, col});
+}
+
+/// How far from the boresight the farthest corner of a pixel lies, tangent units.
+double outer_radius(const PerspectiveParameters& parameters, const PixelGrid& grid) {
+  double radius = 0;
+  for_each_pixel(parameters, [&](PixelIndex pixel) {
+    for (const double right : {-0.5, 0.5})
+      for (const double down : {-0.5, 0.5}) {
+        const Spot corner = grid.at(pixel, right, down);
+        radius = std::max(radius, std::hypot(corner.right, corner.down));
+      }
+  });
+  return radius;
+}
+
+void require_no_fold(const PerspectiveParameters& parameters, const PixelGrid& grid) {
+  const RadialDistortion& d = parameters.distortion;
+  if (d.k1 == 0 && d.k2 == 0 && d.k3 == 0) return;
+  const double radius = outer_radius(parameters, grid);
+  const auto fold = fold_radius(d, radius);
+  if (!fold) return;
+  throw UsageError("detector/distortion: the image folds at radius " + number_text(*fold) +
+                   ", which is not beyond the detector's outer radius " + number_text(radius) +
+                   " (tangent units)");
+}
 
 }  // namespace
 
 Detector perspective_detector(const PerspectiveParameters& parameters) {
   check(parameters);
-  const ImagePlane plane(pitch_of(parameters), parameters.roll_rad);
+  const PixelGrid grid(parameters);
+  require_no_fold(parameters, grid);
+  const Optics optics(parameters.distortion, parameters.roll_rad);
   const int m = parameters.subpixels;
   std::vector<Direction<LidarFrame>> pixels;
   std::vector<Direction<LidarFrame>> samples;
-  for (int row = 0; row < parameters.rows; ++row) {
-    const double down = from_middle(row, parameters.rows);
-    for (int col = 0; col < parameters.columns; ++col) {
-      const double right = from_middle(col, parameters.columns);
-      pixels.push_back(plane.look(right, down));
-      for (int i = 0; m > 1 && i < m * m; ++i)
-        samples.push_back(plane.look(right + from_middle(i % m, m) / m, down + from_middle(i / m, m) / m));
-    }
-  }
-  return Detector({parameters.rows, parameters.columns, m}, std::move(pixels), std::move(samples));
+  for_each_pixel(parameters, [&](PixelIndex pixel) {
+    pixels.push_back(optics.look(grid.at(pixel, 0, 0)));
+    for (int i = 0; m > 1 && i < m * m; ++i) samples.push_back(optics.look(grid.sample(pixel, i)));
+  });
+  return Detector({parameters.rows, parameters.columns, m}, std::move(pixels), std::move(samples),
+                  RangeEstimator(parameters.estimator));
 }
 
 }  // namespace landfall

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <variant>
+#include <vector>
 
 #include "detector/detector.h"
+#include "detector/distortion.h"
+#include "detector/pixel_table.h"
+#include "detector/range_estimator.h"
 
 namespace landfall {
 
@@ -26,12 +30,22 @@ struct PerspectiveParameters {
   std::variant<PixelFieldOfView, FullFieldOfView> field_of_view = PixelFieldOfView{};
   int subpixels = 1;    ///< per axis, 1 .. 64; rows x columns x subpixels^2 must not exceed 2^26
   double roll_rad = 0;  ///< turns the pixel grid counter-clockwise on the map, the mount being nominal
+  RadialDistortion distortion{};
+  /// The share of a pixel's area that senses, in (0, 1]: a square in its middle. Without sub-pixels a pixel
+  /// is one ray, whatever its area.
+  double fill_factor = 1;
+  /// Where each pixel's centre lies, row-major; empty: evenly, a pitch apart.
+  std::vector<ImagePlace> places{};
+  RangeEstimatorParameters estimator{};
 };
 
-/// An ideal pinhole camera. Pixel (row a, column b) has u = (b - (columns - 1)/2) pitch_x,
-/// v = ((rows - 1)/2 - a) pitch_y and looks along normalise(u, -v, 1), turned by the roll right-handedly
-/// about -z_L. Sub-pixels sit at offsets ((p - (m - 1)/2)/m) pitch, p = 0 .. m - 1, from the centre of their
-/// pixel. Throws UsageError, naming the key and the bound, for a value out of range.
+/// A pinhole camera. Pixel (row a, column b) lies at u = (b - (columns - 1)/2) pitch_x,
+/// v = ((rows - 1)/2 - a) pitch_y, or where `places` says; its sub-pixels at offsets
+/// ((p - (m - 1)/2)/m) sqrt(fill_factor) pitch, p = 0 .. m - 1, from it. Each place is moved by the
+/// distortion and looks along normalise(u, -v, 1), turned by the roll right-handedly about -z_L.
+///
+/// Throws UsageError, naming the key and the bound, for a value out of range, for a count of places that is
+/// not the pixels', and where the distortion folds the image within a pixel.
 [[nodiscard]] Detector perspective_detector(const PerspectiveParameters& parameters);
 
 }  // namespace landfall

@@ -65,7 +65,7 @@ void RangeFile::require_match(const Provenance& provenance) const {
     if (!where.empty()) refuse(where + " differs from this configuration's");
   }
   if (step.value("inputs", Json()) != provenance.as_step().at("inputs"))
-    refuse("its terrain or trajectory table is another file than this run's");
+    refuse("its terrain or a table (trajectory, pixels, ...) is another file than this run's");
   require_complete_ranges();
 }
 

@@ -83,7 +83,9 @@ class Information(ToolTest):
                          ({"half_width_m": 60, "resolution_m": 0.05}, [], [], 1))
         scan = resolved("scan-sim")
         self.assertEqual(scan["detector"], {"rows": 18, "columns": 18, "subpixels": 1, "roll_deg": 0,
-                                            "ifov_rad": 1.6e-3 / 18})
+                                            "ifov_rad": 1.6e-3 / 18, "distribution": "uniform",
+                                            "distortion": {"k1": 0, "k2": 0, "k3": 0}, "fill_factor": 1,
+                                            "estimator": "mean", "range_resolution_m": 0.15})
         self.assertEqual(scan["laser"], {"pulse_rate_hz": 20000, "scan_time_s": 2})
         self.assertEqual(scan["trajectory"], {
             "type": "constant_velocity", "position_m": [0, 0, 500], "velocity_mps": [0, 0, -23],

@@ -139,6 +139,26 @@ class ScanSim(ChainTest):
     def test_ifov_and_fov_exclude_each_other(self):
         self.refuse_scan(2, "--set", "detector.fov_deg=1", words=["/detector", "ifov_rad", "fov_deg"])
 
+    def test_detectors_that_are_refused(self):
+        for key, value, words in [
+                ("fill_factor", 0, ["/detector/fill_factor", "0"]), ("fill_factor", 1.5, ["/detector/fill_factor", "1.5"]),
+                ("estimator", '"mode"', ["/detector/estimator", "strongest"]),
+                ("range_resolution_m", 0, ["/detector/range_resolution_m"]),
+                ("distortion.k1", '"much"', ["/detector/distortion/k1"]),
+                ("distortion.k1", -50000, ["/detector/distortion", "folds at radius"]),
+                ("distribution", '"even"', ["/detector/distribution", "uniform"])]:
+            self.refuse_scan(2, "--set", f"detector.{key}={value}", words=words)
+
+    def test_tables_of_pixels_that_are_refused(self):
+        for text, words in [("row,column,u\n", ["line 1", "v"]), ("row,column,u,v\n0,0,0,0\n", ["row 0, column 1", "no row"]),
+                            ("row,column,u,v\n0,0,0,0\n9,0,0,0\n", ["row 2", "row 9", "0..7"]),
+                            ("row,column,u,v\n0,0,0,0\n0,0,1,0\n", ["row 2", "already"]),
+                            ("row,column,u,v\n0,0,nan,0\n", ["row 1", "finite"])]:
+            with open(self.path("pixels.csv"), "w", encoding="utf-8") as file:
+                file.write(text)
+            self.refuse_scan(1, "--set", "detector.distribution=" + json.dumps({"path": self.path("pixels.csv")}),
+                             words=["pixels.csv", *words])
+
     def test_unknown_engine(self):
         self.refuse_scan(2, "--engine", "magic", words=["--engine", "magic"])
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """--ranges-from: the errors of an earlier scan drawn anew (SPEC section 4)."""
+import json
 import unittest
 
 import h5py
@@ -53,10 +54,25 @@ class RangesFrom(ChainTest):
 
     def test_a_mismatch_names_the_key(self):
         self.scan("source.h5", *self.NO_LOSSES)
-        for key, value in [("detector.subpixels", 2), ("laser.pulse_rate_hz", 1234), ("mount.position_m", "[0,0,1]"),
+        for key, value in [("detector.subpixels", 2), ("detector.fill_factor", 0.5), ("detector.estimator", '"first"'),
+                           ("detector.distortion.k1", 0.5), ("laser.pulse_rate_hz", 1234), ("mount.position_m", "[0,0,1]"),
                            ("scanner.pattern.columns", 7), ("trajectory.position_m", "[0,0,51]")]:
             self.refuse(2, *self.replay_arguments("source.h5", "out.h5", "--set", f"{key}={value}"),
                         words=["/" + key.replace(".", "/")], output=self.path("out.h5"))
+
+    def test_another_table_of_pixels_is_refused(self):
+        pixels = {"rows": 1, "columns": 2, "distribution": {"path": self.path("pixels.csv")}}
+        table = ["--set", "detector=" + json.dumps(pixels)]
+        with open(self.path("pixels.csv"), "w", encoding="utf-8") as file:
+            file.write("row,column,u,v\n0,1,0.001,0\n0,0,-0.001,0.0005\n")
+        self.scan("source.h5", *self.NO_LOSSES, *table)
+        self.scan("traced.h5", *self.NO_LOSSES, *table, "--seed", "3")
+        self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *self.NO_LOSSES, *table, "--seed", "3"))
+        self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
+        with open(self.path("pixels.csv"), "a", encoding="utf-8") as file:
+            file.write("\n")  # the same pixels, but not the same file
+        self.refuse(2, *self.replay_arguments("source.h5", "out.h5", *self.NO_LOSSES, *table), words=["pixels"],
+                    output=self.path("out.h5"))
 
     def test_a_source_without_all_ranges_is_refused(self):
         self.scan("lossy.h5", "--set", "noise.dropout_frac=0.1")

@@ -124,6 +124,60 @@ TEST(ScanModel, DegreesBecomeRadiansAndScalarsHoldForBothAxes) {
             pixels_of(perspective_detector({.field_of_view = PixelFieldOfView{0.001, 0.002}})));
 }
 
+TEST(ScanModel, DetectorKeysReachTheDetector) {
+  const Detector detector =
+      scan_of(R"({"detector": {"rows": 1, "columns": 3, "ifov_rad": 0.1, "subpixels": 2, "fill_factor": 0.25,
+                  "distortion": {"k1": 1, "k2": 2, "k3": 3}, "estimator": "strongest",
+                  "range_resolution_m": 2}})")
+          .lidar.detector;
+  const Detector expected = perspective_detector({.rows = 1,
+                                                  .columns = 3,
+                                                  .field_of_view = PixelFieldOfView{0.1, 0.1},
+                                                  .subpixels = 2,
+                                                  .distortion = {1, 2, 3},
+                                                  .fill_factor = 0.25});
+  EXPECT_EQ(pixels_of(detector), pixels_of(expected));
+  EXPECT_EQ(std::vector(detector.samples().begin(), detector.samples().end()),
+            std::vector(expected.samples().begin(), expected.samples().end()));
+  std::vector<double> ranges = {10, 20, 21, 22, 23};
+  EXPECT_EQ(detector.estimator().range_m(ranges), 21);
+}
+
+TEST(ScanModel, EveryEstimatorHasAName) {
+  const auto range_of = [](const std::string& name) {
+    std::vector<double> ranges = {4, 1, 4, 4.1};
+    return scan_of(R"({"detector": {"estimator": ")" + name + R"("}})")
+        .lidar.detector.estimator()
+        .range_m(ranges);
+  };
+  EXPECT_EQ(range_of("mean"), (4 + 1 + 4 + 4.1) / 4);
+  EXPECT_EQ(range_of("first"), 1);
+  EXPECT_EQ(range_of("median"), 4);
+  EXPECT_EQ(range_of("strongest"), (4 + 4 + 4.1) / 3);
+}
+
+TEST(ScanModel, ATableOfPixelsIsReadByTheLoader) {
+  const std::string config =
+      R"({"detector": {"rows": 1, "columns": 2, "distribution": {"path": "p.csv"}, "distortion": {"k1": -1e9}}})";
+  const auto load = [](double k1) {
+    const auto table = [](const std::string& path, const std::string& role, const TableColumns&) {
+      EXPECT_EQ(path + " as " + role, "p.csv as pixels");
+      return NumberTable("b.csv",
+                         {{"row", {0, 0}}, {"column", {1, 0}}, {"u", {0.5, -0.25}}, {"v", {0, 0.5}}});
+    };
+    return scan_of(R"({"detector": {"rows": 1, "columns": 2, "distribution": {"path": "p.csv"},
+                       "distortion": {"k1": )" +
+                       std::to_string(k1) + "}}}",
+                   table);
+  };
+  EXPECT_EQ(pixels_of(load(0).lidar.detector),
+            pixels_of(perspective_detector({.rows = 1, .columns = 2, .places = {{-0.25, 0.5}, {0.5, 0}}})));
+  EXPECT_THAT(refusal([&] { static_cast<void>(load(-1.5)); }),
+              HasSubstr("c.json: /detector/distortion: the image folds"));
+  // Only checked: nothing is read, and whether the image folds stays open.
+  EXPECT_NO_THROW(static_cast<void>(scan_of(config)));
+}
+
 TEST(ScanModel, FlashHasNoPattern) {
   EXPECT_EQ(scan_of(R"({"scanner": {"type": "flash"}})").lidar.pattern, nullptr);
 }

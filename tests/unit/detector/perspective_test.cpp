@@ -101,6 +101,110 @@ TEST(Perspective, MiddleOfOddSubpixelsIsThePixel) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(detector.samples()[9 * i + 4], detector.pixels()[i]);
 }
 
+// Line arrays and long detectors: the pitch of one axis does not depend on the other.
+TEST(Perspective, AnyAspect) {
+  const auto place = [](int rows, int columns, std::size_t pixel) {
+    return on_map(perspective_detector(
+                      {.rows = rows, .columns = columns, .field_of_view = PixelFieldOfView{0.01, 0.02}})
+                      .pixels()[pixel]);
+  };
+  EXPECT_LT((place(1, 128, 0) - Eigen::Vector2d(-0.635, 0)).norm(), 1e-16);
+  EXPECT_LT((place(1, 128, 127) - Eigen::Vector2d(0.635, 0)).norm(), 1e-16);
+  EXPECT_LT((place(128, 1, 0) - Eigen::Vector2d(0, 1.27)).norm(), 3e-16);
+  EXPECT_LT((place(64, 4, 0) - Eigen::Vector2d(-0.015, 0.63)).norm(), 2e-16);
+  EXPECT_LT((place(64, 4, 255) - Eigen::Vector2d(0.015, -0.63)).norm(), 2e-16);
+  EXPECT_LT((place(64, 4, 6) - Eigen::Vector2d(0.005, 0.61)).norm(), 2e-16);
+}
+
+// Pixel (0, 0) lies at (-0.1, 0.1): r^2 = 0.02.
+TEST(Perspective, DistortionMovesPlacesAlongTheirRadius) {
+  auto parameters = two_by_three(0.1, 0.2);
+  parameters.distortion = {5, 100, 1000};
+  const double factor = 1 + 5 * 0.02 + 100 * 0.0004 + 1000 * 0.000008;
+  const Detector detector = perspective_detector(parameters);
+  EXPECT_LT((on_map(detector.pixels()[0]) - factor * Eigen::Vector2d(-0.1, 0.1)).norm(), 1e-16);
+  EXPECT_LT((on_map(detector.pixels()[1]) - 1.061 * Eigen::Vector2d(0, 0.1)).norm(), 1e-16);
+  parameters.roll_rad = kPi / 2;
+  EXPECT_LT(
+      (on_map(perspective_detector(parameters).pixels()[0]) - factor * Eigen::Vector2d(-0.1, -0.1)).norm(),
+      1e-16);
+}
+
+TEST(Perspective, DistortionMovesSubpixelsByTheirOwnRadius) {
+  auto parameters = two_by_three(0.1, 0.2);
+  parameters.subpixels = 2;
+  parameters.distortion = {5, 0, 0};
+  const Eigen::Vector2d straight(-0.125, 0.15);
+  EXPECT_LT(
+      (on_map(perspective_detector(parameters).samples()[0]) - (1 + 5 * straight.squaredNorm()) * straight)
+          .norm(),
+      1e-16);
+}
+
+TEST(Perspective, WithoutDistortionFillOrTableNotABitChanges) {
+  auto parameters = two_by_three(0.1, 0.2);
+  parameters.subpixels = 3;
+  parameters.roll_rad = 0.3;
+  const Detector plain = perspective_detector(parameters);
+  for (int row = 0; row < 2; ++row)
+    for (int col = 0; col < 3; ++col) parameters.places.push_back({(col - 1) * 0.1, (0.5 - row) * 0.2});
+  const Detector table = perspective_detector(parameters);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(table.pixels()[i], plain.pixels()[i]);
+  for (std::size_t i = 0; i < 54; ++i) EXPECT_LT((table.samples()[i].v - plain.samples()[i].v).norm(), 1e-15);
+}
+
+TEST(Perspective, FillFactorShrinksThePixelsNotTheirPitch) {
+  auto parameters = two_by_three(0.1, 0.2);
+  parameters.subpixels = 2;
+  parameters.fill_factor = 0.25;
+  const Detector detector = perspective_detector(parameters);
+  const double expected[4][2] = {{-0.0125, 0.125}, {0.0125, 0.125}, {-0.0125, 0.075}, {0.0125, 0.075}};
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((on_map(detector.samples()[4 + i]) - Eigen::Vector2d(expected[i][0], expected[i][1])).norm(),
+              1e-16);
+  EXPECT_LT((on_map(detector.pixels()[0]) - Eigen::Vector2d(-0.1, 0.1)).norm(), 1e-16);
+}
+
+TEST(Perspective, FillFactorDoesNothingToPixelsOfOneRay) {
+  auto parameters = two_by_three(0.1, 0.2);
+  const Detector whole = perspective_detector(parameters);
+  parameters.fill_factor = 0.1;
+  const Detector part = perspective_detector(parameters);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(part.samples()[i], whole.samples()[i]);
+}
+
+TEST(Perspective, TableOfPlaces) {
+  auto parameters = two_by_three(0.1, 0.2);
+  parameters.places = {{0, 0}, {0.3, 0.1}, {-0.2, 0.4}, {0.1, -0.1}, {0, 0}, {1, 1}};
+  parameters.subpixels = 2;
+  const Detector detector = perspective_detector(parameters);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Eigen::Vector2d place(parameters.places[i].u, parameters.places[i].v);
+    EXPECT_LT((on_map(detector.pixels()[i]) - place).norm(), 3e-16);
+    EXPECT_LT((on_map(detector.samples()[4 * i]) - (place + Eigen::Vector2d(-0.025, 0.05))).norm(), 3e-16);
+  }
+}
+
+TEST(Perspective, PassesItsEstimatorOn) {
+  std::vector<double> ranges = {3, 1, 8};
+  EXPECT_EQ(perspective_detector({.estimator = {.rule = RangeRule::first}}).estimator().range_m(ranges), 1);
+}
+
+// r - r^3/3 folds at 1. The outer corner of 2 x 3 pixels of (0.1, 0.2) lies at hypot(0.15, 0.2) = 0.25.
+TEST(Perspective, RefusesAnImageThatFolds) {
+  auto parameters = two_by_three(0.1, 0.2);
+  parameters.distortion.k1 = -1 / (3 * 0.2501 * 0.2501);
+  EXPECT_NO_THROW(static_cast<void>(perspective_detector(parameters)));
+  parameters.distortion.k1 = -1 / (3 * 0.2499 * 0.2499);
+  try {
+    static_cast<void>(perspective_detector(parameters));
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("detector/distortion: the image folds at radius 0.249"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("outer radius 0.25 "));
+  }
+}
+
 TEST(Perspective, RefusesWhatIsOutOfRange) {
   const auto refused = [](PerspectiveParameters p) {
     EXPECT_THROW(static_cast<void>(perspective_detector(p)), UsageError);
@@ -113,6 +217,12 @@ TEST(Perspective, RefusesWhatIsOutOfRange) {
   refused({.subpixels = 65});
   refused({.rows = 4096, .columns = 4096, .subpixels = 3});
   refused({.roll_rad = kNan});
+  for (const double bad : {0.0, -0.5, 1.001, kNan}) refused({.fill_factor = bad});
+  refused({.distortion = {kNan, 0, 0}});
+  refused({.distortion = {0, kNan, 0}});
+  refused({.distortion = {0, 0, kNan}});
+  refused({.places = {{0, 0}, {0, 0}}});
+  refused({.estimator = {.range_resolution_m = 0}});
   for (const double bad : {0.0, -1e-4, kNan, std::numeric_limits<double>::infinity()}) {
     refused({.field_of_view = PixelFieldOfView{bad, 1e-4}});
     refused({.field_of_view = PixelFieldOfView{1e-4, bad}});

@@ -270,6 +270,17 @@ TEST(PulseSimulator, SubpixelsAverageOverAnEdge) {
   EXPECT_LT((true_point(batch, 0) - Vector3d(0, 0, 500 - 495 * stretch)).norm(), 1e-12);
 }
 
+TEST(PulseSimulator, AsksTheDetectorsEstimator) {
+  PerspectiveParameters pixel{
+      .rows = 1, .columns = 1, .field_of_view = PixelFieldOfView{0.1, 0.1}, .subpixels = 2};
+  pixel.estimator.rule = RangeRule::first;
+  const EdgeEngine engine(0, 10);
+  const PulseSimulator simulator(lidar_of(perspective_detector(pixel), std::make_unique<Flash>()), engine,
+                                 {});
+  const PulseBatch batch = simulate(simulator, at(kAt500m));
+  EXPECT_NEAR(batch.points.range_true[0], 490 * std::sqrt(1 + 2 * 0.025 * 0.025), 1e-12);
+}
+
 TEST(PulseSimulator, HalfOfTheSubpixelsAreAReturn) {
   const PulseBatch batch = at_edge(EdgeEngine(0));
   EXPECT_EQ(batch.points.status[0], returned);
