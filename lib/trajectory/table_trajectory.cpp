@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "trajectory/hermite.h"
 
 namespace landfall {
 namespace {
@@ -63,19 +64,6 @@ std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) 
   return result;
 }
 
-/// An end of a Hermite piece: its place, and its slope times the length of the piece.
-struct HermiteEnd {
-  Point<DemFrame> position;
-  Vector<DemFrame> slope;
-};
-
-/// Written from the two ends, so that u = 0 and u = 1 give them exactly.
-Point<DemFrame> hermite(double u, const HermiteEnd& a, const HermiteEnd& b) {
-  const double w = u * u * (3 - 2 * u);
-  const Vector<DemFrame> bend = (u * (1 - u)) * ((1 - u) * a.slope - u * b.slope);
-  return Point<DemFrame>{(1 - w) * a.position.v + w * b.position.v} + bend;
-}
-
 }  // namespace
 
 const TableColumns& trajectory_columns() {
@@ -111,10 +99,10 @@ Pose TableTrajectory::pose(double t_s) const {
   const auto i = static_cast<std::size_t>(next - samples_.begin()) - 1;
   const double h = samples_[i + 1].t_s - samples_[i].t_s;
   const double u = (t - samples_[i].t_s) / h;
-  const Point<DemFrame> position = hermite(u, {samples_[i].position_m, h * slopes_mps_[i]},
-                                           {samples_[i + 1].position_m, h * slopes_mps_[i + 1]});
+  const Eigen::Vector3d position = hermite(u, {samples_[i].position_m.v, h * slopes_mps_[i].v},
+                                           {samples_[i + 1].position_m.v, h * slopes_mps_[i + 1].v});
   const Eigen::Quaterniond attitude = samples_[i].attitude.slerp(u, samples_[i + 1].attitude).normalized();
-  return {{attitude.toRotationMatrix()}, position};
+  return {{attitude.toRotationMatrix()}, {position}};
 }
 
 }  // namespace landfall
