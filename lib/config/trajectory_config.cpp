@@ -3,6 +3,7 @@
 #include "config/scan_components.h"
 #include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
+#include "trajectory/trajectory_columns.h"
 
 namespace landfall {
 namespace {

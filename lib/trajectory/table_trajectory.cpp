@@ -25,7 +25,8 @@ void check(const std::vector<TrajectorySample>& samples, const std::string& name
     throw FormatError(name + ": " + std::to_string(samples.size()) + " rows, at least 2 are needed");
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const TrajectorySample& s = samples[i];
-    if (!std::isfinite(s.t_s) || !s.position_m.v.allFinite() || !s.attitude.coeffs().allFinite())
+    if (!std::isfinite(s.t_s) || !s.position_m.v.allFinite() || !s.attitude.coeffs().allFinite() ||
+        (s.velocity_mps && !s.velocity_mps->v.allFinite()))
       refuse(i, "a value is not finite");
     if (std::abs(s.attitude.norm() - 1) > kNormTolerance)
       refuse(i, "the quaternion's norm is " + std::to_string(s.attitude.norm()) + ", not within 0.001 of 1");
@@ -54,7 +55,7 @@ ParabolaSlopes parabola_slopes(std::span<const TrajectorySample> three) {
   return {2 * into - middle, middle, 2 * out_of - middle};
 }
 
-std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) {
+std::vector<Vector<DemFrame>> parabola_slopes_of_all(std::span<const TrajectorySample> samples) {
   const std::size_t count = samples.size();
   if (count == 2) return std::vector<Vector<DemFrame>>(2, secant(samples, 0));
   std::vector<Vector<DemFrame>> result(count);
@@ -64,22 +65,13 @@ std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) 
   return result;
 }
 
+std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) {
+  std::vector<Vector<DemFrame>> result = parabola_slopes_of_all(samples);
+  for (std::size_t i = 0; i < samples.size(); ++i) result[i] = samples[i].velocity_mps.value_or(result[i]);
+  return result;
+}
+
 }  // namespace
-
-const TableColumns& trajectory_columns() {
-  static const TableColumns columns{{"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"}};
-  return columns;
-}
-
-std::vector<TrajectorySample> trajectory_samples(const NumberTable& table) {
-  const auto value = [&](const char* column, std::size_t row) { return table.column(column)[row]; };
-  std::vector<TrajectorySample> samples(table.row_count());
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    samples[i] = {value("t_s", i),
-                  {{value("x_m", i), value("y_m", i), value("z_m", i)}},
-                  {value("qw", i), value("qx", i), value("qy", i), value("qz", i)}};
-  return samples;
-}
 
 TableTrajectory::TableTrajectory(std::vector<TrajectorySample> samples, std::string name)
     : name_(std::move(name)), samples_(std::move(samples)) {

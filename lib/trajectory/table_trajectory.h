@@ -2,10 +2,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "base/number_table.h"
 #include "trajectory/trajectory.h"
 
 namespace landfall {
@@ -16,16 +16,15 @@ struct TrajectorySample {
   Point<DemFrame> position_m{};
   /// D <- B, Hamilton; note that Eigen's constructor takes (w, x, y, z).
   Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();
+  std::optional<Vector<DemFrame>> velocity_mps{};  ///< none: taken from the positions
 };
 
-/// The columns of a trajectory's table: t_s, x_m, y_m, z_m, qw, qx, qy, qz (quaternion scalar-first, D <- B).
-[[nodiscard]] const TableColumns& trajectory_columns();
-[[nodiscard]] std::vector<TrajectorySample> trajectory_samples(const NumberTable& table);
-
 /// A sampled trajectory, such as another simulator exports. Both parts go through every sample:
-/// - positions by cubic Hermite pieces, whose slope at a sample is that of the parabola through it and its
-///   two neighbours (at an end: through the last three), however the times are spaced. Motion that is
-///   quadratic in time is reproduced to rounding; two samples give a straight line.
+/// - positions by cubic Hermite pieces, whose slope at a sample is its velocity where it has one, otherwise
+/// that
+///   of the parabola through it and its two neighbours (at an end: through the last three), however the times
+///   are spaced. Motion that is quadratic in time (with velocities: cubic) is reproduced to rounding; two
+///   samples without velocities give a straight line.
 /// - attitudes by slerp between neighbours, the shortest way: constant body rate from sample to sample.
 class TableTrajectory : public Trajectory {
  public:

@@ -72,6 +72,20 @@ TEST(TableTrajectory, SlopesComeFromThreePoints) {
   EXPECT_NEAR(table.pose(-0.75).position.v.x(), -0.75, 1e-15);
 }
 
+// With its velocities a cubic is itself; a sample without one takes its parabola's.
+TEST(TableTrajectory, SlopesAreTheVelocitiesWhereGiven) {
+  const auto cubic = [](double t) {
+    return TrajectorySample{
+        .t_s = t, .position_m = {{t * t * t, -t, 500}}, .velocity_mps = Vector<DemFrame>{{3 * t * t, -1, 0}}};
+  };
+  std::vector<TrajectorySample> samples = {cubic(-1), cubic(0.5), cubic(1)};
+  const TableTrajectory table(samples);
+  for (const double t : {-0.9, -0.1, 0.7})
+    EXPECT_LT((table.pose(t).position.v - cubic(t).position_m.v).norm(), 1e-13) << t;
+  samples[1].velocity_mps.reset();
+  EXPECT_GT((TableTrajectory(samples).pose(0.7).position.v - cubic(0.7).position_m.v).norm(), 1e-3);
+}
+
 TEST(TableTrajectory, AttitudeIsSlerp) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -2) / 3;
   const TableTrajectory table({{0, {}, about(axis, 0.2)}, {2, {}, about(axis, 1.0)}});
@@ -119,6 +133,8 @@ TEST(TableTrajectory, RefusesABadTable) {
   EXPECT_THAT(message_of({{0, {}, one}, {-1, {}, one}}), testing::HasSubstr("row 2: t_s"));
   EXPECT_THAT(message_of({{0, {}, one}, {std::nan(""), {}, one}}), testing::HasSubstr("row 2: a value"));
   EXPECT_THAT(message_of({{0, {{0, HUGE_VAL, 0}}, one}, {1, {}, one}}), testing::HasSubstr("row 1: a value"));
+  EXPECT_THAT(message_of({{0, {}, one, Vector<DemFrame>{{0, 0, HUGE_VAL}}}, {1, {}, one}}),
+              testing::HasSubstr("row 1: a value"));
   EXPECT_THAT(message_of({{0, {}, one}, {1, {}, Eigen::Quaterniond(1, 0, 0, std::nan(""))}}),
               testing::HasSubstr("row 2: a value"));
 }
