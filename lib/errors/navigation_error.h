@@ -6,6 +6,16 @@
 
 namespace landfall {
 
+/// How far the lander's idea of its pose is off (Eq. 4).
+struct PoseError {
+  Vector<DemFrame> p_err{};
+  Rotation<BodyFrame, BodyFrame> R_err{};
+};
+
+/// p_est = p - p_err, R_est = R R_err.
+[[nodiscard]] Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& truth,
+                                                       const PoseError& error);
+
 /// What the lander believes about its pose: a pure function of the truth and of time since the first pulse.
 class NavigationError {
  public:
@@ -33,6 +43,7 @@ class LinearNavigationError : public NavigationError {
 
   [[nodiscard]] Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& truth,
                                                          double since_start_s) const override;
+  [[nodiscard]] PoseError error(double since_start_s) const;
 
  private:
   NavigationErrorParameters parameters_;
