@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+#include "base/random.h"
+#include "geometry/frames.h"
+#include "geometry/rotation.h"
+
+namespace landfall {
+
+struct PointingErrorParameters {
+  RollPitchYaw misalignment{};    ///< of the true lidar against its nominal mount, about the nominal L's axes
+  double jitter_sigma_x_rad = 0;  ///< about x_L, one sigma, per pulse
+  double jitter_sigma_y_rad = 0;  ///< about y_L
+  double time_stamp_bias_s = 0;   ///< pose time - pulse time
+  double time_stamp_sigma_s = 0;  ///< one sigma, per pulse
+};
+
+/// Where the lidar looks, and when, apart from what the lander believes.
+///
+/// On the true side, the lidar as a whole, exit points included, turns about its origin:
+///   R_body_lidar_true = R_body_lidar R_lidar_true,   R_lidar_true = R_misalignment R(rpy = (j_x, j_y, 0)),
+/// j_x and j_y drawn per pulse. The estimate uses the nominal mount. A beam along +z_L thereby moves by
+/// -j_x along y_L and by +j_y along x_L (to first order).
+///
+/// On the estimate's side, a pulse at t is put together with the pose that the lander believes for t + e,
+/// e = bias + N(0, sigma) per pulse.
+///
+/// Every draw is a function of (seed, cause, pulse).
+class PointingError {
+ public:
+  /// None.
+  PointingError() : PointingError({}, 0) {}
+  /// Throws UsageError, naming the key, where a sigma is negative or a number not finite.
+  PointingError(const PointingErrorParameters& parameters, std::uint64_t seed);
+
+  /// False: R_lidar_true is the identity at every pulse.
+  [[nodiscard]] bool turns_beams() const { return turns_beams_; }
+  /// R_lidar_true: from the true to the nominal lidar frame.
+  [[nodiscard]] Rotation<LidarFrame, LidarFrame> turn(std::int64_t pulse) const;
+  /// e.
+  [[nodiscard]] double time_stamp_error_s(std::int64_t pulse) const;
+  /// No error exceeds this: the bias and 9 sigma (RandomField's normal draws end at 8.6).
+  [[nodiscard]] double largest_time_stamp_error_s() const;
+
+ private:
+  PointingErrorParameters parameters_;
+  bool turns_beams_;
+  Rotation<LidarFrame, LidarFrame> misalignment_;
+  RandomField jitter_;
+  RandomField time_stamp_;
+};
+
+}  // namespace landfall
