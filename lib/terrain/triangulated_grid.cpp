@@ -56,6 +56,24 @@ double TriangulatedGrid::elevation(double x_m, double y_m) const {
   return z;
 }
 
+Eigen::Vector2d TriangulatedGrid::gradient(double x_m, double y_m) const {
+  const GridSpec& spec = nodes_.spec();
+  const double gx = x_m / spec.resolution_m - static_cast<double>(spec.first_col);
+  const double gy = y_m / spec.resolution_m - static_cast<double>(spec.first_row);
+  const auto cell_of = [](double place, std::int64_t nodes) {
+    return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(nodes - 2)));
+  };
+  const std::int64_t row = cell_of(gy, spec.rows);
+  const std::int64_t col = cell_of(gx, spec.cols);
+  const double b = nodes_.at({row, col + 1});
+  const double c = nodes_.at({row + 1, col});
+  const bool lower = (gx - static_cast<double>(col)) + (gy - static_cast<double>(row)) <= 1;
+  const double corner = nodes_.at(lower ? BinIndex{row, col} : BinIndex{row + 1, col + 1});
+  const Eigen::Vector2d rise = lower ? Eigen::Vector2d(b - corner, c - corner)  //
+                                     : Eigen::Vector2d(corner - c, corner - b);
+  return rise / spec.resolution_m;
+}
+
 std::size_t TriangulatedGrid::triangle_count() const {
   return 2 * static_cast<std::size_t>((nodes_.spec().rows - 1) * (nodes_.spec().cols - 1));
 }

@@ -28,6 +28,10 @@ class TriangulatedGrid {
   /// a hole shares with a triangle, the triangle counts.
   [[nodiscard]] double elevation(double x_m, double y_m) const;
 
+  /// (dH/dx, dH/dy) of the triangle at (x, y), both finite. A place off the grid has that of the nearest
+  /// cell's; NaN in holes. On an edge or node one of the triangles that share it decides.
+  [[nodiscard]] Eigen::Vector2d gradient(double x_m, double y_m) const;
+
   /// Triangles are numbered by cell, row-major: 2 cell is the lower left one, 2 cell + 1 the upper right one.
   /// Holes keep their numbers.
   [[nodiscard]] std::size_t triangle_count() const;

@@ -74,6 +74,27 @@ TEST(TriangulatedGrid, BordersOfAHoleBelongToTheirNeighbours) {
   EXPECT_EQ(terrain.elevation(-1, -1), 1);
 }
 
+// Against each triangle's own normal, (-g_x, -g_y, 1).
+TEST(TriangulatedGrid, GradientIsThatOfTheTriangle) {
+  const TriangulatedGrid terrain = nine_nodes({0, 1, 5, -3, 4, 2, 6, 1, 8});
+  for (std::size_t id = 0; id < 8; ++id) {
+    const auto corners = terrain.triangle(id);
+    const Eigen::Vector3d centroid = (corners[0] + corners[1] + corners[2]) / 3;
+    const Eigen::Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    const Eigen::Vector2d gradient = terrain.gradient(centroid.x(), centroid.y());
+    EXPECT_LT((gradient + normal.head<2>() / normal.z()).norm(), 1e-14) << id;
+  }
+}
+
+TEST(TriangulatedGrid, GradientOffTheGridIsTheNearestCells) {
+  const TriangulatedGrid terrain = nine_nodes({0, 1, 5, -3, 4, 2, 6, 1, 8});
+  EXPECT_EQ(terrain.gradient(1 + 1e-12, 0.9), terrain.gradient(0.99, 0.9));
+  EXPECT_EQ(terrain.gradient(-0.9, -1 - 1e-12), terrain.gradient(-0.9, -0.99));
+  const TriangulatedGrid hole = nine_nodes({1, 1, 1, 1, 1, 1, 1, 1, kNan});
+  EXPECT_TRUE(std::isnan(hole.gradient(0.75, 0.75).x()));
+  EXPECT_EQ(hole.gradient(0.25, 0.25), Eigen::Vector2d(0, 0));
+}
+
 TEST(TriangulatedGrid, TrianglesAreTheSurface) {
   const TriangulatedGrid terrain = nine_nodes({0, 1, 2, 3, 4, 5, 6, 7, 8});
   ASSERT_EQ(terrain.triangle_count(), 8U);
