@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "base/random.h"
@@ -9,10 +10,15 @@
 namespace landfall {
 
 struct RangeErrorParameters {
-  double range_sigma_m = 0;    ///< one sigma, >= 0
-  double range_bias_m = 0;     ///< added to every range
-  double dead_pixel_frac = 0;  ///< chance of a pixel to be dead for good, in [0, 1]
-  double dropout_frac = 0;     ///< chance of a pixel to miss one pulse, in [0, 1]
+  double range_sigma_m = 0;        ///< one sigma, >= 0
+  double range_bias_m = 0;         ///< added to every range
+  double dead_pixel_frac = 0;      ///< chance of a pixel to be dead for good, in [0, 1]
+  double dropout_frac = 0;         ///< chance of a pixel to miss one pulse, in [0, 1]
+  double range_sigma_per_m = 0;    ///< k >= 0: noise that grows with range
+  double incidence_sigma_rad = 0;  ///< a >= 0: half-width of a pixel's beam, one sigma
+  double false_return_frac = 0;    ///< chance of a false detection per pixel and pulse, in [0, 1]
+  double false_range_min_m = 0;    ///< false ranges lie in [min, max), 0 <= min < max
+  double false_range_max_m = 1000;
 };
 
 /// One measurement: the pulse, counted from 0, and the pixel's row-major position on the detector.
@@ -33,17 +39,33 @@ class RangeErrors {
   [[nodiscard]] bool is_dead(std::int64_t pixel) const;
   /// Bernoulli per pixel and pulse.
   [[nodiscard]] bool is_dropped(PulsePixel where) const;
+  /// sigma^2 = range_sigma_m^2 + (range_sigma_per_m r)^2 + (incidence_sigma_rad r tan(incidence))^2: the last
+  /// is the depth of the ground patch under a pixel's beam, by which its pulse is stretched.
+  [[nodiscard]] double sigma_m(double range_m, double tan_incidence) const;
+  /// False: sigma does not depend on the incidence.
+  [[nodiscard]] bool needs_incidence() const { return parameters_.incidence_sigma_rad > 0; }
   /// r + b + v, v ~ N(0, sigma) per pixel and pulse.
-  [[nodiscard]] double measured_m(double range_m, PulsePixel where) const;
-  /// The same for all pixels of a pulse, from the first on, many times as fast; NaN stays NaN. Both spans
-  /// have one length.
-  void measure(std::int64_t pulse, std::span<const double> ranges_m, std::span<double> measured_m) const;
+  [[nodiscard]] double measured_m(double range_m, PulsePixel where, double tan_incidence = 0) const;
+  /// The same for all pixels of a pulse, from the first on, many times as fast; NaN stays NaN. All spans have
+  /// one length, but `tan_incidences` may be empty unless needs_incidence().
+  void measure(std::int64_t pulse, std::span<const double> ranges_m, std::span<const double> tan_incidences,
+               std::span<double> measured_m) const;
+  /// The range of a false detection, uniform in its gate; none where there is no such detection.
+  [[nodiscard]] std::optional<double> false_range_m(PulsePixel where) const {
+    if (parameters_.false_return_frac == 0) return std::nullopt;  // here, for it is asked of every pixel
+    return drawn_false_range_m(where);
+  }
 
  private:
+  [[nodiscard]] std::optional<double> drawn_false_range_m(PulsePixel where) const;
+
   RangeErrorParameters parameters_;
   RandomField dead_;
   RandomField dropout_;
   RandomField noise_;
+  RandomField false_;
+  bool has_constant_sigma_;
+  bool is_noisy_;
 };
 
 }  // namespace landfall

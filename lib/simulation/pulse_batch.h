@@ -23,10 +23,12 @@ inline constexpr std::size_t kPointStatusCount = 7;
 /// One row per pixel and pulse, ordered by pulse, then pixel. Positions in D and ranges in metres; NaN where
 /// the status leaves none:
 /// - a return has everything;
+/// - so has a false return, but that its range_true is NaN where nothing was hit; its true point is then that
+///   of the true beam at the false range;
 /// - a dropout, and a dead pixel whose ray met the terrain, keep range_true and the true point;
 /// - all others have nothing.
-/// The columns that errors do not change (x_true, y_true, z_true, range_true, pulse, pixel) may be left out:
-/// they are then empty.
+/// The columns that errors without false returns do not change (x_true, y_true, z_true, range_true, pulse,
+/// pixel) may be left out: they are then empty.
 struct PointColumns {
   std::vector<double> x_est, y_est, z_est;     ///< Eq. 7, from the measured range and the estimated pose
   std::vector<double> x_true, y_true, z_true;  ///< Eq. 1, from the true range and the true pose

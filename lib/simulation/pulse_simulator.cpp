@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "simulation/incidence.h"
 
 namespace landfall {
 namespace {
@@ -88,7 +89,10 @@ std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
 }  // namespace
 
 PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine& engine, const TriangulatedGrid* ground)
-    : lidar_(std::move(lidar)), engine_(&engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {}
+    : lidar_(std::move(lidar)), engine_(&engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {
+  if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
+    throw UsageError("noise/incidence_sigma_rad: needs the terrain's surface");
+}
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                               PulseWorkspace& workspace) const {
@@ -102,6 +106,11 @@ void PulseSimulator::replay(const PulseInput& pulse, std::span<const double> ran
   steer(pulse, workspace);
   workspace.ranges_m.assign(ranges_true_m.begin(), ranges_true_m.end());
   record(pulse, slot, batch, workspace);
+}
+
+Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
+  if (!lidar_.pointing_error.turns_beams()) return lidar_.mount;
+  return {lidar_.mount.rotation * lidar_.pointing_error.turn(pulse), lidar_.mount.position};
 }
 
 PulseContext PulseSimulator::context_of(const PulseInput& pulse) const {
@@ -131,6 +140,7 @@ void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) c
   const Scanner& scanner = *lidar_.scanner;
   const PulseContext context = context_of(pulse);
   workspace.state = scanner.state(context);
+  workspace.T_dem_lidar = pulse.truth * true_mount(pulse.time.pulse);
   if (lidar_.pattern && !context.aim) workspace.state.blanked = true;
   const auto pixels = lidar_.detector.pixels();
   workspace.beams.resize(pixels.size());
@@ -154,10 +164,9 @@ void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) c
     lidar_.scanner->steer(w.state, lidar_.detector.samples(), w.sample_beams);
     beams = w.sample_beams;
   }
-  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.truth * lidar_.mount;
   w.rays.clear();
   for (const Beam& beam : beams)
-    if (!beam.lost) w.rays.push_back({T_dem_lidar * beam.exit, T_dem_lidar.rotation * beam.direction});
+    if (!beam.lost) w.rays.push_back({w.T_dem_lidar * beam.exit, w.T_dem_lidar.rotation * beam.direction});
   require_above_ground(pulse, w.rays);
   w.hits_m.resize(w.rays.size());
   engine_->first_hits(w.rays, w.hits_m);
@@ -188,13 +197,37 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
 
+PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorkspace& workspace) const {
+  const auto i = static_cast<std::size_t>(where.pixel);
+  const PointStatus what = status(where, workspace);
+  const bool has_echo = what == PointStatus::returned;
+  if (has_echo || what == PointStatus::miss || what == PointStatus::dropout) {
+    // The first detection is reported. The true range decides, so that no other error changes which it is.
+    const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
+    if (false_m && !(has_echo && *false_m >= workspace.ranges_m[i]))
+      return {PointStatus::false_return, *false_m};
+  }
+  return {what, has_echo ? workspace.measured_m[i] : kNan};
+}
+
+void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  PulseWorkspace& w = workspace;
+  w.tan_incidences.clear();
+  if (lidar_.range_errors.needs_incidence())
+    for (std::size_t i = 0; i < w.beams.size(); ++i)
+      w.tan_incidences.push_back(
+          tan_incidence(*ground_, w.T_dem_lidar * (w.beams[i].exit + w.ranges_m[i] * w.beams[i].direction),
+                        w.T_dem_lidar.rotation * w.beams[i].direction));
+  w.measured_m.resize(w.beams.size());
+  lidar_.range_errors.measure(pulse.time.pulse, w.ranges_m, w.tan_incidences, w.measured_m);
+}
+
 void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                             PulseWorkspace& workspace) const {
   const std::size_t pixel_count = workspace.beams.size();
   record_pulse(pulse, workspace.state, slot, batch.pulses);
   batch.pulses.point_count[slot] = static_cast<std::int32_t>(pixel_count);
-  workspace.measured_m.resize(pixel_count);
-  lidar_.range_errors.measure(pulse.time.pulse, workspace.ranges_m, workspace.measured_m);
+  measure(pulse, workspace);
   const std::size_t first_row = slot * pixel_count;
   record_estimate(pulse, first_row, batch.points, workspace);
   if (batch.points.holds_truth()) record_truth(pulse, first_row, batch.points, workspace);
@@ -209,8 +242,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
       workspace.believed_beams.empty() ? workspace.beams : workspace.believed_beams;
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
-    const PointStatus what = status({pulse.time.pulse, static_cast<std::int64_t>(i)}, workspace);
-    const double measured = what == PointStatus::returned ? workspace.measured_m[i] : kNan;
+    const auto [what, measured] = report({pulse.time.pulse, static_cast<std::int64_t>(i)}, workspace);
     const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + measured * beam.direction);
     const std::size_t row = first_row + i;
     out.x_est[row] = estimate.v.x();
@@ -222,13 +254,14 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 }
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                                  const PulseWorkspace& workspace) const {
-  const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.truth * lidar_.mount;
+                                  const PulseWorkspace& workspace) {
   for (std::size_t i = 0; i < workspace.beams.size(); ++i) {
     const Beam& beam = workspace.beams[i];
     const double range = workspace.ranges_m[i];
-    const Point<DemFrame> truth = T_dem_lidar * (beam.exit + range * beam.direction);
     const std::size_t row = first_row + i;
+    const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
+    const double shown = has_no_hit ? out.range_measured[row] : range;
+    const Point<DemFrame> truth = workspace.T_dem_lidar * (beam.exit + shown * beam.direction);
     out.x_true[row] = truth.v.x();
     out.y_true[row] = truth.v.y();
     out.z_true[row] = truth.v.z();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "detector/detector.h"
+#include "errors/pointing_error.h"
 #include "errors/range_errors.h"
 #include "geometry/rotation.h"
 #include "ray/engine.h"
@@ -27,6 +28,7 @@ struct Lidar {
   /// T_body_lidar. Nominally +z_L looks down and x_L is x_B: diag(1, -1, -1).
   Transform<BodyFrame, LidarFrame> mount{rotation_from<BodyFrame, LidarFrame>({std::numbers::pi, 0, 0}), {}};
   RangeErrors range_errors;
+  PointingError pointing_error{};
 };
 
 /// One pulse, as whoever moves the lander gives it.
@@ -48,20 +50,26 @@ struct PulseWorkspace {
   std::vector<Ray> rays;
   std::vector<double> hits_m;
   std::vector<double> ranges_m;
+  std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them
   std::vector<double> measured_m;
+  Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
 };
 
 /// One pulse from poses to points. It knows no trajectory, so that a host simulator can step it with poses
 /// and a RayEngine of its own. The result depends on the arguments only: any thread may compute any pulse.
 ///
-/// The true beam leaves from the true pose, aimed from the nominal one: navigation error never moves it. A
-/// point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7), the true one with the true range and pose, the
-/// estimated one with the measured range and the estimated pose, both with the same n and b unless the lander
-/// does not know the mechanism's state (Scanner::is_known). A pixel's status
-/// is the first that applies of dead, blanked, total reflection, miss, dropout.
+/// The true beam leaves from the true pose and mount (PointingError), aimed from the nominal ones: navigation
+/// error never moves it. A point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7), the true one with the
+/// true range, mount and pose, the estimated one with the measured range, the nominal mount and the estimated
+/// pose, both with the same n and b unless the lander does not know the mechanism's state
+/// (Scanner::is_known). A pixel's status is the first that applies of dead, blanked, total reflection, miss,
+/// dropout; instead of the last two, or of a return from farther away, it may be a false return.
+///
+/// Time-stamp errors are the affair of whoever gives the estimated poses.
 class PulseSimulator {
  public:
   /// `engine` must outlive this. So must `ground`; where given, a beam that starts at or below it is refused.
+  /// Throws UsageError where it is not and the noise depends on the incidence.
   PulseSimulator(Lidar lidar, const RayEngine& engine, const TriangulatedGrid* ground);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
@@ -80,16 +88,24 @@ class PulseSimulator {
               PulseBatch& batch, PulseWorkspace& workspace) const;
 
  private:
+  [[nodiscard]] Transform<BodyFrame, LidarFrame> true_mount(std::int64_t pulse) const;
   [[nodiscard]] PulseContext context_of(const PulseInput& pulse) const;
   void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
+  void measure(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
   void record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                        const PulseWorkspace& workspace) const;
-  void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                    const PulseWorkspace& workspace) const;
+  static void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                           const PulseWorkspace& workspace);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
+  /// What the receiver reports of a pixel.
+  struct Report {
+    PointStatus status;
+    double range_m;  ///< NaN where there is no return
+  };
+  [[nodiscard]] Report report(PulsePixel where, const PulseWorkspace& workspace) const;
 
   Lidar lidar_;
   const RayEngine* engine_;

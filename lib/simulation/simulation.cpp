@@ -32,9 +32,28 @@ Simulation::Simulation(ScanModel model, const RayEngine& engine, const Triangula
       first_nominal_pose_(model.trajectory->nominal_pose(model.trajectory->start_time_s())),
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),
+      estimate_(std::move(model.estimate)),
       simulator_(std::move(model.lidar), engine, ground) {
   // A trajectory that is too short shall fail now, not after an hour.
   static_cast<void>(pulse(pulse_count_ - 1));
+  static_cast<void>(believed_pose(0));
+  static_cast<void>(believed_pose(static_cast<double>(pulse_count_ - 1) / pulse_rate_hz_));
+}
+
+Pose Simulation::believed_pose(double since_start_s) const {
+  const double t_s = trajectory_->start_time_s() + since_start_s;
+  if (estimate_) return estimate_->pose(t_s);
+  const Pose truth = trajectory_->pose(t_s);
+  return navigation_error_ ? navigation_error_->estimated(truth, since_start_s) : truth;
+}
+
+double Simulation::stamped_time_s(const PulseTime& pulse) const {
+  const double error_s = simulator_.lidar().pointing_error.time_stamp_error_s(pulse.pulse);
+  if (error_s == 0) return pulse.since_start_s;
+  const Trajectory& known = estimate_ ? *estimate_ : *trajectory_;
+  const double start_s = trajectory_->start_time_s();
+  return std::clamp(pulse.since_start_s + error_s, known.start_time_s() - start_s,
+                    known.end_time_s() - start_s);
 }
 
 PulseInput Simulation::pulse(std::int64_t k) const {
@@ -43,7 +62,7 @@ PulseInput Simulation::pulse(std::int64_t k) const {
                    .t_s = trajectory_->start_time_s() + since_start_s,
                    .interval_s = 1 / pulse_rate_hz_};
   input.truth = trajectory_->pose(input.t_s);
-  input.estimate = navigation_error_ ? navigation_error_->estimated(input.truth, since_start_s) : input.truth;
+  input.estimate = believed_pose(stamped_time_s(input.time));
   const Pattern* pattern = simulator_.lidar().pattern.get();
   if (pattern != nullptr)
     input.nominal = pattern->compensated() ? trajectory_->nominal_pose(input.t_s) : first_nominal_pose_;

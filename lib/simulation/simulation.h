@@ -18,6 +18,8 @@ struct ScanModel {
   std::unique_ptr<const NavigationError> navigation_error{};  ///< none: the estimate is the truth
   double pulse_rate_hz = 20000;
   double scan_time_s = 2;
+  /// What the lander believes, in place of the truth with a navigation error.
+  std::unique_ptr<const Trajectory> estimate{};
 };
 
 /// The pulses of a scan. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and positive or
@@ -33,11 +35,15 @@ struct PulseRange {
 /// the pattern stops; all pixels of a pulse share its time, pose and scanner state. The nominal pose, which
 /// the pattern aims from, is the trajectory's: at t_k for a compensated pattern, at t0 otherwise.
 ///
+/// The estimated pose of the pulse at t is that of t + e, e the lidar's time-stamp error; t + e is kept
+/// within the times of the trajectory, or of the estimate where it is given.
+///
 /// Immutable: any number of threads may simulate batches of any size, with identical results.
 class Simulation {
  public:
   /// `engine` and `ground` must outlive this (see PulseSimulator). The model's scanner and trajectory must be
-  /// set. Throws as pulse_count() does, and FormatError where the trajectory ends before the last pulse.
+  /// set. Throws as pulse_count() does, and FormatError where the trajectory ends before the last pulse or an
+  /// estimate does not hold all pulses.
   Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
@@ -60,12 +66,15 @@ class Simulation {
 
  private:
   [[nodiscard]] PulseInput pulse(std::int64_t k) const;
+  [[nodiscard]] Pose believed_pose(double since_start_s) const;
+  [[nodiscard]] double stamped_time_s(const PulseTime& pulse) const;
 
   double pulse_rate_hz_;
   std::int64_t pulse_count_;
   Pose first_nominal_pose_;
   std::unique_ptr<const Trajectory> trajectory_;
   std::unique_ptr<const NavigationError> navigation_error_;
+  std::unique_ptr<const Trajectory> estimate_;
   PulseSimulator simulator_;
 };
 

@@ -109,13 +109,80 @@ TEST(RangeErrors, WholePulsesAreMeasuredAsSinglePixels) {
   std::vector<double> measured(ranges.size());
   for (const double sigma_m : {0.0, 0.05}) {
     const RangeErrors errors({.range_sigma_m = sigma_m, .range_bias_m = 0.3}, 5);
-    errors.measure(12, ranges, measured);
+    errors.measure(12, ranges, {}, measured);
     for (std::size_t i = 0; i < ranges.size(); ++i) {
       if (i == 7) continue;
       ASSERT_EQ(measured[i], errors.measured_m(ranges[i], {12, static_cast<std::int64_t>(i)})) << i;
     }
     EXPECT_TRUE(std::isnan(measured[7]));
   }
+}
+
+// sigma^2 = 0.03^2 + (1e-4 * 400)^2 + (2e-4 * 400 * tan)^2 with tan = 1.5: 0.03, 0.04 and 0.12 give 0.13.
+TEST(RangeErrors, SigmaGrowsWithRangeAndIncidence) {
+  const RangeErrors errors({.range_sigma_m = 0.03, .range_sigma_per_m = 1e-4, .incidence_sigma_rad = 2e-4},
+                           1);
+  EXPECT_TRUE(errors.needs_incidence());
+  EXPECT_NEAR(errors.sigma_m(400, 1.5), 0.13, 1e-16);
+  EXPECT_NEAR(errors.sigma_m(400, 0), 0.05, 1e-16);
+  EXPECT_EQ(errors.sigma_m(0, 1.5), 0.03);
+  const RangeErrors constant({.range_sigma_m = 0.03}, 1);
+  EXPECT_FALSE(constant.needs_incidence());
+  EXPECT_EQ(constant.sigma_m(400, 1.5), 0.03);
+}
+
+// The same standard normal draw, whatever scales it; whole pulses as single pixels.
+TEST(RangeErrors, OnlyTheScaleOfADrawChanges) {
+  const RangeErrors unit({.range_sigma_m = 1}, 9);
+  const RangeErrors errors({.range_sigma_per_m = 1e-3, .incidence_sigma_rad = 1e-3}, 9);
+  std::vector<double> ranges(kPixels);
+  std::vector<double> tangents(ranges.size());
+  std::vector<double> measured(ranges.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    ranges[i] = 100 + static_cast<double>(i);
+    tangents[i] = 0.01 * static_cast<double>(i);
+  }
+  errors.measure(3, ranges, tangents, measured);
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const PulsePixel where{3, static_cast<std::int64_t>(i)};
+    const double v = unit.measured_m(0, where);
+    EXPECT_DOUBLE_EQ(measured[i], ranges[i] + 1e-3 * ranges[i] * std::hypot(1, tangents[i]) * v);
+    EXPECT_EQ(measured[i], errors.measured_m(ranges[i], where, tangents[i]));
+  }
+}
+
+TEST(RangeErrors, FalseReturnsHaveTheirFractionAndFillTheirGate) {
+  const RangeErrors errors({.false_return_frac = 0.05, .false_range_min_m = 100, .false_range_max_m = 300},
+                           2);
+  double sum = 0;
+  double squares = 0;
+  int count = 0;
+  for (std::int64_t pulse = 0; pulse < kPulses; ++pulse)
+    for (std::int64_t pixel = 0; pixel < kPixels; ++pixel)
+      if (const auto range = errors.false_range_m({pulse, pixel})) {
+        ASSERT_GE(*range, 100);
+        ASSERT_LT(*range, 300);
+        sum += *range;
+        squares += (*range - 200) * (*range - 200);
+        ++count;
+      }
+  EXPECT_NEAR(count / kCount, 0.05, 5 * std::sqrt(0.05 * 0.95 / kCount));
+  // Uniform over 200 m: variance 200^2 / 12; of squares about the middle (200^4) (1/80 - 1/144).
+  EXPECT_NEAR(sum / count, 200, 5 * 200 / std::sqrt(12.0 * count));
+  EXPECT_NEAR(squares / count, 200 * 200 / 12.0, 5 * 200 * 200 * std::sqrt((1 / 80.0 - 1 / 144.0) / count));
+  EXPECT_FALSE(RangeErrors({}, 2).false_range_m({0, 0}));
+}
+
+TEST(RangeErrors, FalseReturnsHaveAStreamOfTheirOwn) {
+  const RangeErrors alone({.false_return_frac = 0.5}, 2);
+  const RangeErrors all(
+      {.range_sigma_m = 1, .dead_pixel_frac = 0.5, .dropout_frac = 0.5, .false_return_frac = 0.5}, 2);
+  int agree = 0;
+  for (std::int64_t i = 0; i < 10000; ++i) {
+    ASSERT_EQ(alone.false_range_m({i, 3}), all.false_range_m({i, 3}));
+    agree += all.is_dropped({i, 3}) == all.false_range_m({i, 3}).has_value() ? 1 : 0;
+  }
+  EXPECT_NEAR(agree / 1e4, 0.5, 5 * std::sqrt(0.25 / 1e4));
 }
 
 TEST(RangeErrors, SeedsDiffer) {
@@ -134,6 +201,12 @@ TEST(RangeErrors, RefusesWhatIsOutOfRange) {
   refused({.dead_pixel_frac = 1.1});
   refused({.dropout_frac = -0.1});
   refused({.dropout_frac = nan});
+  refused({.range_sigma_per_m = -1});
+  refused({.incidence_sigma_rad = nan});
+  refused({.false_return_frac = 1.1});
+  refused({.false_range_min_m = -1});
+  refused({.false_range_min_m = 5, .false_range_max_m = 5});
+  refused({.false_range_max_m = HUGE_VAL});
   try {
     const RangeErrors errors({.dropout_frac = 1.5}, 1);
     FAIL();

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/incidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace landfall {
+namespace {
+
+constexpr double kSmallestCosine = 0.017452406437283512;  // of 89 deg
+
+}  // namespace
+
+double tan_incidence(const TriangulatedGrid& ground, const Point<DemFrame>& hit,
+                     const Direction<DemFrame>& beam) {
+  if (!hit.v.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector2d slope = ground.gradient(hit.v.x(), hit.v.y());
+  if (!slope.allFinite()) return 0;
+  const Eigen::Vector3d normal = Eigen::Vector3d(-slope.x(), -slope.y(), 1).normalized();
+  // The cross product keeps small angles, which the cosine loses.
+  const double cosine = std::max(std::abs(normal.dot(beam.v)), kSmallestCosine);
+  const double sine = std::min(normal.cross(beam.v).norm(), std::sqrt(1 - kSmallestCosine * kSmallestCosine));
+  return sine / cosine;
+}
+
+}  // namespace landfall

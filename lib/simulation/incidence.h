@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geometry/frames.h"
+#include "terrain/triangulated_grid.h"
+
+namespace landfall {
+
+/// tan(theta), theta the angle between a beam and the normal of the triangle that it hits, at most 89 deg:
+/// the slope of a cliff seen edge on has no end. `hit` lies on `ground`; in or on the edge of a hole, where
+/// the triangle is not known, 0. NaN for a hit that is NaN.
+[[nodiscard]] double tan_incidence(const TriangulatedGrid& ground, const Point<DemFrame>& hit,
+                                   const Direction<DemFrame>& beam);
+
+}  // namespace landfall
