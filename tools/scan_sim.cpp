@@ -23,6 +23,7 @@
 #include "ray/heightfield_engine.h"
 #include "simulation/scan_pipeline.h"
 #include "simulation/scan_plan.h"
+#include "terrain/triangulated_grid.h"
 
 namespace landfall {
 namespace {
@@ -71,8 +72,8 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
       ->capture_default_str();
   app.add_option("--ranges-from", o.ranges_from,
-                 "Take the true ranges of an earlier scan and draw only the errors anew; --terrain is not "
-                 "needed then")
+                 "Take the true ranges of an earlier scan and draw only the errors anew; --terrain is needed "
+                 "only for noise that depends on the incidence")
       ->type_name("FILE");
   app.add_option("--batch-points", o.batch_points,
                  "Points that one thread works on at a time: more take more memory, the result is the same")
@@ -117,6 +118,7 @@ void count_points(cli::Session& session, const ScanWriter& writer) {
   session.count("miss_count", writer.count(PointStatus::miss));
   session.count("dropout_count", writer.count(PointStatus::dropout));
   session.count("dead_count", writer.count(PointStatus::dead));
+  session.count("false_return_count", writer.count(PointStatus::false_return));
 }
 
 /// The options that change what the scan file holds; null where none does.
@@ -135,12 +137,18 @@ class NoEngine final : public RayEngine {
   }
 };
 
-/// The terrain to scan; of a run that takes its ranges from a file, only its name.
+/// True where the errors need the terrain itself, not only the ranges to it.
+bool needs_surface(const nlohmann::json& config) { return config.at("noise").at("incidence_sigma_rad") != 0; }
+
+/// The terrain to scan; of a run that takes its ranges from a file, only its name unless its errors need
+/// more.
 TerrainInput open_terrain(cli::Session& session, const Options& o, const std::optional<RangeFile>& ranges) {
   TerrainInput terrain;
   if (ranges) terrain = ranges->terrain();
+  if (o.terrain.empty() && needs_surface(session.config()))
+    throw UsageError("--terrain is required with --ranges-from where /noise/incidence_sigma_rad is not 0");
   if (o.terrain.empty()) return terrain;
-  if (ranges) {
+  if (ranges && !needs_surface(session.config())) {
     const LandfallFileReader named(o.terrain, {"terrain"});
     terrain.file_id = named.file_id();
     terrain.chain = named.chain();
@@ -153,7 +161,7 @@ TerrainInput open_terrain(cli::Session& session, const Options& o, const std::op
 
 std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Options& o,
                                              const TerrainInput& terrain) {
-  if (terrain.surface == nullptr) {
+  if (!o.ranges_from.empty()) {
     session.count("engine", "none");
     return std::make_unique<NoEngine>();
   }
@@ -195,7 +203,8 @@ ExitCode run_plan(cli::Session& session, const Options& o) {
     file.emplace(session.output({session.options().config_path}), "plan", provenance);
   const double pulse_rate_hz = model.pulse_rate_hz;
   const FlatGround ground;
-  const Simulation simulation(std::move(model), ground);
+  const TriangulatedGrid level(Grid<double>(GridSpec::centered(1, 1)));  // only its slope is asked for
+  const Simulation simulation(std::move(model), ground, needs_surface(session.config()) ? &level : nullptr);
   session.phase("plan", [&](const ProgressCallback& progress) {
     run_scan(
         simulation, {}, [&](PulseBatch& batch) { plan.add(batch); }, o.batch_points, progress);

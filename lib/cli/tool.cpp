@@ -26,8 +26,9 @@ using Json = nlohmann::json;
 
 /// Anything that follows a path in a message or a file must not carry the machine's folders.
 void cut_paths(Json& value) {
-  if (value.is_object() && value.contains("path") && value["path"].is_string())
-    value["path"] = std::filesystem::path(value["path"].get<std::string>()).filename().string();
+  for (const char* const key : {"path", "table"})
+    if (value.is_object() && value.contains(key) && value[key].is_string())
+      value[key] = std::filesystem::path(value[key].get<std::string>()).filename().string();
   if (value.is_structured())
     for (Json& element : value) cut_paths(element);
 }

@@ -1,23 +1,91 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+
+#include "base/error.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
+#include "errors/random_navigation_error.h"
+#include "trajectory/constant_velocity.h"
+#include "trajectory/table_trajectory.h"
+#include "trajectory/trajectory_columns.h"
 
 namespace landfall {
+namespace {
 
 using Json = nlohmann::json;
 
+RandomWalkParameters random_walk(const Json& json) {
+  return {{vector3(json.at("position_m_per_sqrt_s"))},
+          {vector3(json.at("velocity_mps_per_sqrt_s"))},
+          roll_pitch_yaw(json.at("rpy_rad_per_sqrt_s"), 1)};
+}
+
+GaussMarkovParameters gauss_markov(const Json& json) {
+  return {{vector3(json.at("position_sigma_m"))},      json.at("position_time_s").get<double>(),
+          {vector3(json.at("velocity_sigma_mps"))},    json.at("velocity_time_s").get<double>(),
+          roll_pitch_yaw(json.at("rpy_sigma_rad"), 1), json.at("rpy_time_s").get<double>()};
+}
+
+void require_no_other_error(const Json& json) {
+  const auto refuse_if = [](bool is_on, const std::string& key) {
+    if (is_on) throw UsageError("navigation_error/table: excludes " + key);
+  };
+  const Json none = {0, 0, 0};
+  for (const char* const key : {"position_m", "velocity_mps", "rpy_rad", "rpy_rate_radps"})
+    refuse_if(json.at(key) != none, key);
+  refuse_if(random_walk(json.at("random_walk")) != RandomWalkParameters{}, "random_walk");
+  refuse_if(!gauss_markov(json.at("gauss_markov")).is_none(), "gauss_markov");
+}
+
+}  // namespace
+
 RangeErrors make_range_errors(const Json& noise, const ComponentContext& context) {
-  return {{noise.at("range_sigma_m").get<double>(), noise.at("range_bias_m").get<double>(),
-           noise.at("dead_pixel_frac").get<double>(), noise.at("dropout_frac").get<double>()},
+  const auto number = [&](const char* key) { return noise.at(key).get<double>(); };
+  const auto [false_min, false_max] = pair_of(noise.at("false_range_m"));
+  return {{.range_sigma_m = number("range_sigma_m"),
+           .range_bias_m = number("range_bias_m"),
+           .dead_pixel_frac = number("dead_pixel_frac"),
+           .dropout_frac = number("dropout_frac"),
+           .range_sigma_per_m = number("range_sigma_per_m"),
+           .incidence_sigma_rad = number("incidence_sigma_rad"),
+           .false_return_frac = number("false_return_frac"),
+           .false_range_min_m = false_min,
+           .false_range_max_m = false_max},
           context.seed};
 }
 
-std::unique_ptr<const NavigationError> make_navigation_error(const Json& json, const ComponentContext&) {
-  return std::make_unique<LinearNavigationError>(
-      NavigationErrorParameters{{vector3(json.at("position_m"))},
-                                {vector3(json.at("velocity_mps"))},
-                                roll_pitch_yaw(json.at("rpy_rad"), 1),
-                                roll_pitch_yaw(json.at("rpy_rate_radps"), 1)});
+PointingError make_pointing_error(const Json& json, const ComponentContext& context) {
+  const auto [jitter_x, jitter_y] = pair_of(json.at("jitter_sigma_rad"));
+  return {{.misalignment = roll_pitch_yaw(json.at("misalignment_rpy_rad"), 1),
+           .jitter_sigma_x_rad = jitter_x,
+           .jitter_sigma_y_rad = jitter_y,
+           .time_stamp_bias_s = json.at("time_stamp_bias_s").get<double>(),
+           .time_stamp_sigma_s = json.at("time_stamp_sigma_s").get<double>()},
+          context.seed};
+}
+
+std::unique_ptr<const NavigationError> make_navigation_error(const Json& json,
+                                                             const ComponentContext& context) {
+  const NavigationErrorParameters linear{{vector3(json.at("position_m"))},
+                                         {vector3(json.at("velocity_mps"))},
+                                         roll_pitch_yaw(json.at("rpy_rad"), 1),
+                                         roll_pitch_yaw(json.at("rpy_rate_radps"), 1)};
+  const RandomNavigationParameters random{random_walk(json.at("random_walk")),
+                                          gauss_markov(json.at("gauss_markov")),
+                                          json.at("interval_s").get<double>()};
+  if (random.random_walk == RandomWalkParameters{} && random.gauss_markov.is_none())
+    return std::make_unique<LinearNavigationError>(linear);
+  return std::make_unique<RandomNavigationError>(
+      linear, random, RandomNavigationError::Draw{context.seed, context.scan_time_s});
+}
+
+std::unique_ptr<const Trajectory> make_estimate(const Json& json, const ComponentContext& context) {
+  if (!json.contains("table")) return nullptr;
+  require_no_other_error(json);
+  if (!context.load_table) return std::make_unique<ConstantVelocity>(ConstantVelocityParameters{});
+  const NumberTable table =
+      context.load_table(json.at("table").get<std::string>(), "navigation", trajectory_columns());
+  return std::make_unique<TableTrajectory>(trajectory_samples(table), table.file() + ": navigation table");
 }
 
 }  // namespace landfall

@@ -10,6 +10,7 @@
 #include "base/number_table.h"
 #include "detector/detector.h"
 #include "errors/navigation_error.h"
+#include "errors/pointing_error.h"
 #include "errors/range_errors.h"
 #include "scanner/pattern.h"
 #include "scanner/scanner.h"
@@ -54,7 +55,13 @@ std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<C
 [[nodiscard]] std::unique_ptr<const Trajectory> make_trajectory(const nlohmann::json& trajectory,
                                                                 const ComponentContext& context);
 [[nodiscard]] RangeErrors make_range_errors(const nlohmann::json& noise, const ComponentContext& context);
+[[nodiscard]] PointingError make_pointing_error(const nlohmann::json& pointing_error,
+                                                const ComponentContext& context);
+/// Random errors are drawn for the context's scan time.
 [[nodiscard]] std::unique_ptr<const NavigationError> make_navigation_error(
     const nlohmann::json& navigation_error, const ComponentContext& context);
+/// The table of estimated poses; null where navigation_error names none.
+[[nodiscard]] std::unique_ptr<const Trajectory> make_estimate(const nlohmann::json& navigation_error,
+                                                              const ComponentContext& context);
 
 }  // namespace landfall

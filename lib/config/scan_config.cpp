@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/scan_config.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
@@ -16,18 +18,27 @@ Transform<BodyFrame, LidarFrame> mount_of(const Json& mount) {
           {vector3(mount.at("position_m"))}};
 }
 
+/// Poses are asked for at the pulses' times and their time-stamp errors.
+ComponentContext until_last_stamp(ComponentContext context, const PointingError& pointing) {
+  context.scan_time_s += std::max(0.0, pointing.largest_time_stamp_error_s());
+  return context;
+}
+
 ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& laser = resolved.at("laser");
   const ComponentContext context{load_table, resolved.at("seed").get<std::uint64_t>(),
                                  laser.at("scan_time_s").get<double>()};
   const Json& scanner = resolved.at("scanner");
+  const Json& navigation = resolved.at("navigation_error");
+  const PointingError pointing = make_pointing_error(resolved.at("pointing_error"), context);
   ScanModel model{{make_detector(resolved.at("detector"), context), make_scanner(scanner, context),
                    make_pattern(scanner, context), mount_of(resolved.at("mount")),
-                   make_range_errors(resolved.at("noise"), context)},
+                   make_range_errors(resolved.at("noise"), context), pointing},
                   make_trajectory(resolved.at("trajectory"), context),
-                  make_navigation_error(resolved.at("navigation_error"), context),
+                  make_navigation_error(navigation, until_last_stamp(context, pointing)),
                   laser.at("pulse_rate_hz").get<double>(),
-                  context.scan_time_s};
+                  context.scan_time_s,
+                  make_estimate(navigation, context)};
   static_cast<void>(pulse_count(model));
   return model;
 }

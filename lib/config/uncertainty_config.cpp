@@ -48,6 +48,12 @@ std::optional<double> number_at(const Json& config, const Json::json_pointer& wh
   return config.at(where).get<double>();
 }
 
+/// True where a part of the configuration differs from `none`; one that an older scan does not have is off.
+bool is_on(const Json& config, const char* where, const Json& none) {
+  const Json::json_pointer pointer(where);
+  return config.is_object() && config.contains(pointer) && config.at(pointer) != none;
+}
+
 double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   static const Json::json_pointer kWhere("/noise/range_sigma_m");
   const std::string remedy = "; give --range-sigma METRES or /uncertainty/range_sigma_m";
@@ -55,6 +61,10 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   for (const ScanOrigin& scan : scans) {
     const std::optional<double> sigma = number_at(scan.config, kWhere);
     if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not tell its range noise" + remedy);
+    for (const char* const where : {"/noise/range_sigma_per_m", "/noise/incidence_sigma_rad"})
+      if (is_on(scan.config, where, 0))
+        throw UsageError("--uncertainty: " + scan.name +
+                         " has a range noise that is not the same everywhere (" + where + ")" + remedy);
     if (common && *common != *sigma)
       throw UsageError("--uncertainty: range noise " + number_text(*common) + " m in " + scans.front().name +
                        ", " + number_text(*sigma) + " m in " + scan.name + remedy);
@@ -63,12 +73,25 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   return common.value_or(0);
 }
 
+/// Of those, too, a scan holds one draw.
+bool has_no_pointing_error(const Json& config) {
+  return !is_on(config, "/pointing_error/misalignment_rpy_rad", {0, 0, 0}) &&
+         !(is_on(config, "/pointing_error/jitter_sigma_rad", 0) &&
+           is_on(config, "/pointing_error/jitter_sigma_rad", {0, 0})) &&
+         !is_on(config, "/pointing_error/time_stamp_bias_s", 0) &&
+         !is_on(config, "/pointing_error/time_stamp_sigma_s", 0);
+}
+
 bool has_no_navigation_error(const Json& config) {
   if (!config.is_object() || !config.contains("navigation_error")) return false;
   const Json none = {0, 0, 0};
   for (const char* const key : kNavigationKeys)
     if (config["navigation_error"].value(key, Json()) != none) return false;
-  return true;
+  for (const char* const key : {"position_m_per_sqrt_s", "velocity_mps_per_sqrt_s", "rpy_rad_per_sqrt_s"})
+    if (is_on(config, ("/navigation_error/random_walk/" + std::string(key)).c_str(), none)) return false;
+  for (const char* const key : {"position_sigma_m", "velocity_sigma_mps", "rpy_sigma_rad"})
+    if (is_on(config, ("/navigation_error/gauss_markov/" + std::string(key)).c_str(), none)) return false;
+  return !config["navigation_error"].contains("table") && has_no_pointing_error(config);
 }
 
 void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
@@ -76,7 +99,7 @@ void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
     if (!has_no_navigation_error(scan.config))
       throw UsageError(
           "--uncertainty: " + scan.name +
-          " holds a navigation error or does not tell, and no scan tells its sigma; give "
+          " holds a navigation or pointing error or does not tell, and no scan tells its sigma; give "
           "--navigation-sigma position_m=METRES (or velocity_mps=, rpy_rad=, rpy_rate_radps=; 0 for "
           "none) or /uncertainty/navigation_sigma");
 }

@@ -21,9 +21,9 @@ struct ScanOrigin {
 void add_navigation_sigma(nlohmann::json& config, const std::string& assignment);
 
 /// The sigmas of regrid.json's /uncertainty, and what it leaves out from the scans: range_sigma_m is theirs
-/// where they agree, and navigation_sigma is 0 where they were made without navigation errors. Throws
-/// UsageError, saying what to give, where neither tells: a navigation error in a scan is one draw, not its
-/// sigma.
+/// where they agree, and navigation_sigma is 0 where they were made without navigation and pointing errors.
+/// Throws UsageError, saying what to give, where neither tells: a navigation error in a scan is one draw, not
+/// its sigma.
 [[nodiscard]] UncertaintyParameters uncertainty_parameters(const nlohmann::json& config,
                                                            const std::string& name,
                                                            const std::vector<ScanOrigin>& scans);

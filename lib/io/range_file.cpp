@@ -35,6 +35,32 @@ bool loses_nothing(const Json& config) {
   return is_zero("dropout_frac") && is_zero("dead_pixel_frac");
 }
 
+bool has_false_returns(const Json& config) {
+  return config.value(Json::json_pointer("/noise/false_return_frac"), 0.0) != 0;
+}
+
+/// Why the lidars' true pointing differs; empty where it does not.
+std::string turned_beams_differ(const Json& theirs, const Json& ours) {
+  for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
+    const Json::json_pointer where("/pointing_error/" + std::string(key));
+    if (theirs.value(where, Json()) != ours.value(where, Json()))
+      return where.to_string() + " differs from this configuration's";
+  }
+  const Json jitter = ours.value(Json::json_pointer("/pointing_error/jitter_sigma_rad"), Json(0));
+  if (jitter != 0 && jitter != Json({0, 0}) && theirs.value("seed", Json()) != ours.value("seed", Json()))
+    return "/seed differs from this configuration's, and the true beams follow it by "
+           "/pointing_error/jitter_sigma_rad";
+  return {};
+}
+
+/// The files that true ranges depend on.
+Json inputs_of_truth(const Json& inputs) {
+  Json kept = Json::array();
+  for (const Json& input : inputs)
+    if (input.value("role", "") != "navigation") kept.push_back(input);
+  return kept;
+}
+
 }  // namespace
 
 RangeFile::RangeFile(const std::filesystem::path& path)
@@ -64,7 +90,9 @@ void RangeFile::require_match(const Provenance& provenance) const {
                                                provenance.config.value(key, Json()), std::string("/") + key);
     if (!where.empty()) refuse(where + " differs from this configuration's");
   }
-  if (step.value("inputs", Json()) != provenance.as_step().at("inputs"))
+  const std::string turned = turned_beams_differ(theirs, provenance.config);
+  if (!turned.empty()) refuse(turned);
+  if (inputs_of_truth(step.value("inputs", Json())) != inputs_of_truth(provenance.as_step().at("inputs")))
     refuse("its terrain or a table (trajectory, pixels, ...) is another file than this run's");
   require_complete_ranges();
 }
@@ -85,6 +113,7 @@ bool RangeFile::misses_kept() const {
 
 bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
   if (keep_misses != misses_kept()) return false;
+  if (has_false_returns(config) || has_false_returns(file_.config())) return false;
   return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
 }
 

@@ -23,13 +23,13 @@ class RangeFile {
   explicit RangeFile(const std::filesystem::path& path);
 
   /// Throws UsageError, naming the key, unless the scan was made by this version with the same detector,
-  /// laser, scanner, mount, trajectory (also the bytes of its table) and terrain as `provenance` says, and
-  /// holds the true range of every pixel that hit, in double precision: --keep-misses, or neither dropouts
-  /// nor dead pixels.
+  /// laser, scanner, mount, trajectory (also the bytes of its table), turn of the true beams and terrain as
+  /// `provenance` says, and holds the true range of every pixel that hit, in double precision: --keep-misses,
+  /// or neither dropouts nor dead pixels.
   void require_match(const Provenance& provenance) const;
 
-  /// True where a scan with these errors has a row for the same pixels and pulses: both scans keep their
-  /// misses, or neither loses a pixel that hit.
+  /// True where a scan with these errors has a row for the same pixels and pulses, with the same truth: both
+  /// scans keep their misses, or neither loses a pixel that hit; and neither has false returns.
   [[nodiscard]] bool has_rows_of(const nlohmann::json& config, bool keep_misses) const;
   [[nodiscard]] const TableReader& points() const { return points_; }
 

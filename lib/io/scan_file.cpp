@@ -194,6 +194,7 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   h5::write_attribute(points_.group(), "miss_count", count(PointStatus::miss));
   h5::write_attribute(points_.group(), "dropout_count", count(PointStatus::dropout));
   h5::write_attribute(points_.group(), "dead_count", count(PointStatus::dead));
+  h5::write_attribute(points_.group(), "false_return_count", count(PointStatus::false_return));
   write_detector(file_, detector, dead_map);
   file_.commit();
 }

@@ -72,6 +72,37 @@ TEST(UncertaintyConfig, NavigationKeysLeftOutAre0) {
   EXPECT_EQ(parameters.navigation.position_m.v, Eigen::Vector3d::Zero());
 }
 
+ScanOrigin scan_with(const Json& config) {
+  return {"a.h5", resolve_config({"s.json", config}, embedded_schema("scan"))};
+}
+
+TEST(UncertaintyConfig, RefusesRangeNoiseThatIsNotTheSameEverywhere) {
+  for (const char* const key : {"range_sigma_per_m", "incidence_sigma_rad"}) {
+    const ScanOrigin scan = scan_with({{"noise", {{key, 1e-4}}}});
+    EXPECT_THAT(refusal_of("{}", {scan}),
+                AllOf(HasSubstr("a.h5"), HasSubstr(key), HasSubstr("--range-sigma")));
+    EXPECT_EQ(refusal_of(R"({"uncertainty": {"range_sigma_m": 0.1}})", {scan}), "accepted");
+  }
+}
+
+TEST(UncertaintyConfig, RefusesNavigationAndPointingErrorsWithoutASigma) {
+  EXPECT_EQ(refusal_of("{}", {scan_with(Json::object())}), "accepted");
+  EXPECT_EQ(refusal_of("{}", {scan_with({{"pointing_error", {{"jitter_sigma_rad", {0, 0}}}}})}), "accepted");
+  const std::vector<Json> errors = {
+      {{"navigation_error", {{"random_walk", {{"velocity_mps_per_sqrt_s", {0, 1, 0}}}}}}},
+      {{"navigation_error", {{"gauss_markov", {{"rpy_sigma_rad", {0, 0, 1}}}}}}},
+      {{"navigation_error", {{"table", "a.csv"}}}},
+      {{"pointing_error", {{"misalignment_rpy_rad", {0, 0, 1}}}}},
+      {{"pointing_error", {{"jitter_sigma_rad", 1e-5}}}},
+      {{"pointing_error", {{"jitter_sigma_rad", {0, 1e-5}}}}},
+      {{"pointing_error", {{"time_stamp_bias_s", 1e-3}}}},
+      {{"pointing_error", {{"time_stamp_sigma_s", 1e-3}}}}};
+  for (const Json& error : errors) {
+    EXPECT_THAT(refusal_of("{}", {scan_with(error)}), HasSubstr("--navigation-sigma")) << error;
+    EXPECT_EQ(refusal_of(R"({"uncertainty": {"navigation_sigma": {}}})", {scan_with(error)}), "accepted");
+  }
+}
+
 TEST(UncertaintyConfig, RefusesRangeNoiseThatNobodyTells) {
   EXPECT_THAT(refusal_of("{}", {{"a.h5", nullptr}}), AllOf(HasSubstr("a.h5"), HasSubstr("--range-sigma")));
   EXPECT_THAT(refusal_of("{}", {scan("a.h5", 0.02), scan("b.h5", 0.03)}),
