@@ -24,6 +24,11 @@ ComponentContext until_last_stamp(ComponentContext context, const PointingError&
   return context;
 }
 
+AttitudeKnowledge attitude_knowledge_of(const Json& navigation_error) {
+  return navigation_error.at("attitude") == "commanded" ? AttitudeKnowledge::commanded
+                                                        : AttitudeKnowledge::truth;
+}
+
 ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& laser = resolved.at("laser");
   const ComponentContext context{load_table, resolved.at("seed").get<std::uint64_t>(),
@@ -38,7 +43,8 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
                   make_navigation_error(navigation, until_last_stamp(context, pointing)),
                   laser.at("pulse_rate_hz").get<double>(),
                   context.scan_time_s,
-                  make_estimate(navigation, context)};
+                  make_estimate(navigation, context),
+                  attitude_knowledge_of(navigation)};
   static_cast<void>(pulse_count(model));
   return model;
 }

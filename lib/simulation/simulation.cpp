@@ -29,6 +29,7 @@ std::int64_t pulse_count(const ScanModel& model) {
 Simulation::Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground)
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
+      attitude_knowledge_(model.attitude_knowledge),
       first_nominal_pose_(model.trajectory->nominal_pose(model.trajectory->start_time_s())),
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),
@@ -43,8 +44,10 @@ Simulation::Simulation(ScanModel model, const RayEngine& engine, const Triangula
 Pose Simulation::believed_pose(double since_start_s) const {
   const double t_s = trajectory_->start_time_s() + since_start_s;
   if (estimate_) return estimate_->pose(t_s);
-  const Pose truth = trajectory_->pose(t_s);
-  return navigation_error_ ? navigation_error_->estimated(truth, since_start_s) : truth;
+  Pose known = trajectory_->pose(t_s);
+  if (attitude_knowledge_ == AttitudeKnowledge::commanded)
+    known.rotation = trajectory_->nominal_pose(t_s).rotation;
+  return navigation_error_ ? navigation_error_->estimated(known, since_start_s) : known;
 }
 
 double Simulation::stamped_time_s(const PulseTime& pulse) const {

@@ -11,6 +11,10 @@
 
 namespace landfall {
 
+/// What the lander takes for its attitude, before the navigation error's part: the true one, or, where it
+/// does not measure it, the trajectory's nominal one.
+enum class AttitudeKnowledge { truth, commanded };
+
 /// A whole scan.
 struct ScanModel {
   Lidar lidar;
@@ -20,6 +24,7 @@ struct ScanModel {
   double scan_time_s = 2;
   /// What the lander believes, in place of the truth with a navigation error.
   std::unique_ptr<const Trajectory> estimate{};
+  AttitudeKnowledge attitude_knowledge = AttitudeKnowledge::truth;
 };
 
 /// The pulses of a scan. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and positive or
@@ -71,6 +76,7 @@ class Simulation {
 
   double pulse_rate_hz_;
   std::int64_t pulse_count_;
+  AttitudeKnowledge attitude_knowledge_;
   Pose first_nominal_pose_;
   std::unique_ptr<const Trajectory> trajectory_;
   std::unique_ptr<const NavigationError> navigation_error_;

@@ -282,5 +282,29 @@ TEST(Simulation, NamesThePulseThatIsUnderground) {
   }
 }
 
+/// Yawed by 0.3 rad where it was planned to be level, and 1 m off its planned place.
+class Yawed : public ConstantVelocity {
+ public:
+  Yawed() : ConstantVelocity({.position_m = {{1, 0, 500}}, .rpy = {0, 0, 0.3}}) {}
+  [[nodiscard]] Pose nominal_pose(double t_s) const override { return ConstantVelocity({}).pose(t_s); }
+};
+
+// The commanded attitude replaces the true one before the errors come on it; the place stays the true one.
+TEST(Simulation, ALanderMayTakeItsCommandedAttitudeForTheTrueOne) {
+  const PlaneEngine engine;
+  for (const AttitudeKnowledge knowledge : {AttitudeKnowledge::truth, AttitudeKnowledge::commanded}) {
+    ScanModel model = flash_scan(10, 1);
+    model.trajectory = std::make_unique<Yawed>();
+    model.navigation_error = std::make_unique<LinearNavigationError>(
+        NavigationErrorParameters{.position_m = {{0.25, 0, 0}}, .rpy = {0, 0, 0.1}});
+    model.attitude_knowledge = knowledge;
+    const PulseBatch batch = Simulation(std::move(model), engine).simulate({3, 1});
+    const double known_rad = knowledge == AttitudeKnowledge::truth ? 0.3 : 0;
+    EXPECT_NEAR(2 * std::asin(batch.pulses.qz_est[0]), known_rad + 0.1, 1e-15);
+    EXPECT_NEAR(2 * std::asin(batch.pulses.qz_true[0]), 0.3, 1e-15);
+    EXPECT_EQ(batch.pulses.px_est[0], 0.75);
+  }
+}
+
 }  // namespace
 }  // namespace landfall
