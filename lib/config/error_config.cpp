@@ -33,6 +33,7 @@ void require_no_other_error(const Json& json) {
   const Json none = {0, 0, 0};
   for (const char* const key : {"position_m", "velocity_mps", "rpy_rad", "rpy_rate_radps"})
     refuse_if(json.at(key) != none, key);
+  refuse_if(json.at("attitude") != "truth", "attitude");
   refuse_if(random_walk(json.at("random_walk")) != RandomWalkParameters{}, "random_walk");
   refuse_if(!gauss_markov(json.at("gauss_markov")).is_none(), "gauss_markov");
 }

@@ -2,6 +2,7 @@
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "trajectory/constant_velocity.h"
+#include "trajectory/dynamics.h"
 #include "trajectory/table_trajectory.h"
 #include "trajectory/trajectory_columns.h"
 
@@ -25,9 +26,48 @@ std::unique_ptr<const Trajectory> make_table(const Json& json, const ComponentCo
   return std::make_unique<TableTrajectory>(trajectory_samples(table), table.file() + ": trajectory table");
 }
 
+RigidBody rigid_body_of(const Json& json) {
+  const Eigen::Vector3d moments = vector3(json.at("inertia_kgm2"));
+  const Eigen::Vector3d products = vector3(json.at("inertia_products_kgm2"));
+  RigidBody body{.mass_kg = json.at("mass_kg").get<double>()};
+  body.inertia_kgm2 << moments.x(), products.x(), products.y(),  //
+      products.x(), moments.y(), products.z(),                   //
+      products.y(), products.z(), moments.z();
+  return body;
+}
+
+DescentThrust thrust_of(const Json& json) {
+  return {json.at("descent_rate_mps").get<double>(), json.at("gain_per_s").get<double>(),
+          json.at("max_n").get<double>()};
+}
+
+AttitudeControl attitude_control_of(const Json& json) {
+  return {roll_pitch_yaw(json.at("command_rpy_deg"), kRadiansPerDegree), radians(json, "deadband_deg"),
+          json.at("rate_gain_s").get<double>(), vector3(json.at("torque_nm"))};
+}
+
+std::unique_ptr<const Trajectory> make_dynamics(const Json& json, const ComponentContext& context) {
+  const Json& disturbance = json.at("disturbance");
+  return std::make_unique<DynamicsTrajectory>(
+      DynamicsParameters{.body = rigid_body_of(json),
+                         .position_m = {vector3(json.at("position_m"))},
+                         .velocity_mps = {vector3(json.at("velocity_mps"))},
+                         .rpy = roll_pitch_yaw(json.at("rpy_deg"), kRadiansPerDegree),
+                         .rate_radps = {kRadiansPerDegree * vector3(json.at("rate_degps"))},
+                         .gravity_mps2 = json.at("gravity_mps2").get<double>(),
+                         .thrust = thrust_of(json.at("thrust")),
+                         .attitude_control = attitude_control_of(json.at("attitude_control")),
+                         .disturbance = {{vector3(disturbance.at("torque_nm"))},
+                                         {vector3(disturbance.at("torque_sigma_nm"))},
+                                         disturbance.at("seed").get<std::uint64_t>()},
+                         .control_period_s = json.at("control_period_s").get<double>(),
+                         .duration_s = context.scan_time_s});
+}
+
 constexpr ComponentMaker<Trajectory> kTrajectories[] = {
     {"constant_velocity", make_constant_velocity},
     {"table", make_table},
+    {"dynamics", make_dynamics},
 };
 
 }  // namespace

@@ -44,7 +44,7 @@ void check(const DynamicsParameters& p) {
 class Disturbance {
  public:
   explicit Disturbance(const DynamicsParameters& p)
-      : torque_(p.disturbance), draws_(p.seed, RandomStream::disturbance) {}
+      : torque_(p.disturbance), draws_(p.disturbance.seed, RandomStream::disturbance) {}
 
   [[nodiscard]] Vector<BodyFrame> torque(std::uint64_t period) const {
     Vector<BodyFrame> result = torque_.torque_nm;

@@ -14,6 +14,7 @@ namespace landfall {
 struct DisturbanceTorque {
   Vector<BodyFrame> torque_nm{};        ///< constant
   Vector<BodyFrame> torque_sigma_nm{};  ///< of a normal draw per control period and axis
+  std::uint64_t seed = 1;
 };
 
 struct DynamicsParameters {
@@ -28,7 +29,6 @@ struct DynamicsParameters {
   DisturbanceTorque disturbance{};
   double control_period_s = 0.01;
   double duration_s = 2;  ///< that shall have poses
-  std::uint64_t seed = 1;
 };
 
 /// A rigid body's descent in six degrees of freedom: gravity, an engine that holds the descent rate, on-off

@@ -13,6 +13,7 @@
 #include "scanner/fsm.h"
 #include "scanner/line_search.h"
 #include "trajectory/constant_velocity.h"
+#include "trajectory/dynamics.h"
 
 namespace landfall {
 namespace {
@@ -204,6 +205,58 @@ TEST(ScanModel, ATableIsReadByTheLoader) {
     EXPECT_THAT(error.what(), HasSubstr("b.csv: trajectory table: time 6"));
   }
   EXPECT_NO_THROW(static_cast<void>(scan_of(config)));  // only checked: nothing is read
+}
+
+TEST(ScanModel, DynamicsTakesEveryKey) {
+  const ScanModel model = scan_of(R"({"laser": {"scan_time_s": 3},
+      "trajectory": {"type": "dynamics", "position_m": [1, 2, 300], "velocity_mps": [4, 5, -20],
+        "rpy_deg": [0.9, 1.8, 180], "rate_degps": [1.8, 0, -3.6], "gravity_mps2": 1.6, "mass_kg": 700,
+        "inertia_kgm2": [100, 110, 120], "inertia_products_kgm2": [5, 6, 7],
+        "thrust": {"descent_rate_mps": 19, "gain_per_s": 2, "max_n": 3000},
+        "attitude_control": {"command_rpy_deg": [0, 0, 180], "deadband_deg": 0.18, "rate_gain_s": 0.3,
+                             "torque_nm": [11, 12, 13]},
+        "disturbance": {"torque_nm": [1, 2, 3], "torque_sigma_nm": [4, 5, 6], "seed": 9},
+        "control_period_s": 0.02}})");
+  DynamicsParameters expected{.body = {.mass_kg = 700},
+                              .position_m = {{1, 2, 300}},
+                              .velocity_mps = {{4, 5, -20}},
+                              .rpy = {0.005 * kPi, 0.01 * kPi, kPi},
+                              .rate_radps = {{0.01 * kPi, 0, -0.02 * kPi}},
+                              .gravity_mps2 = 1.6,
+                              .thrust = {19, 2, 3000},
+                              .attitude_control = {{0, 0, kPi}, 0.001 * kPi, 0.3, {11, 12, 13}},
+                              .disturbance = {{{1, 2, 3}}, {{4, 5, 6}}, 9},
+                              .control_period_s = 0.02,
+                              .duration_s = 3};
+  expected.body.inertia_kgm2 << 100, 5, 6, 5, 110, 7, 6, 7, 120;
+  const DynamicsTrajectory motion(expected);
+  EXPECT_EQ(model.trajectory->end_time_s(), motion.end_time_s());
+  for (const double t : {0.0, 1.234, 3.0}) {
+    EXPECT_LT((model.trajectory->pose(t).position - motion.pose(t).position).norm(), 1e-9);
+    EXPECT_LT((model.trajectory->pose(t).rotation.m - motion.pose(t).rotation.m).norm(), 1e-9);
+    EXPECT_LT((model.trajectory->nominal_pose(t).position - motion.nominal_pose(t).position).norm(), 1e-9);
+  }
+}
+
+TEST(ScanModel, DynamicsRefusalsNameFileAndKey) {
+  const auto refused = [](const std::string& keys) {
+    return refusal(
+        [&] { static_cast<void>(scan_of(R"({"trajectory": {"type": "dynamics", )" + keys + "}}")); });
+  };
+  EXPECT_THAT(refused(R"("mass_kg": 0)"), AllOf(HasSubstr("c.json: /trajectory/mass_kg"), HasSubstr("0")));
+  EXPECT_THAT(refused(R"("inertia_kgm2": [1, 1, 3])"),
+              AllOf(HasSubstr("c.json: /trajectory/inertia_kgm2"), HasSubstr("sum of the other two")));
+  EXPECT_THAT(refused(R"("thrust": {"gain_per_s": 101})"), HasSubstr("/trajectory/thrust/gain_per_s: 101"));
+  EXPECT_THAT(refused(R"("attitude_control": {"torque_nm": [1, -1, 1]})"),
+              HasSubstr("/trajectory/attitude_control/torque_nm/1: -1"));
+  EXPECT_THAT(refused(R"("control_period_s": 1e-7)"), HasSubstr("2000000 control periods"));
+  EXPECT_THAT(refused(R"("rate_degps": [0, 0, 6000])"), HasSubstr("turn by more than 1 rad"));
+}
+
+TEST(ScanModel, AttitudeKnowledgeIsAChoice) {
+  EXPECT_EQ(scan_of("{}").attitude_knowledge, AttitudeKnowledge::truth);
+  EXPECT_EQ(scan_of(R"({"navigation_error": {"attitude": "commanded"}})").attitude_knowledge,
+            AttitudeKnowledge::commanded);
 }
 
 TEST(ScanModel, BothFieldsOfViewAreRefused) {

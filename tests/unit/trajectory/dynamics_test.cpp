@@ -216,7 +216,7 @@ TEST(Dynamics, RandomTorqueHasItsSigma) {
   parameters.disturbance.torque_sigma_nm.v.y() = 0;
   EXPECT_NEAR(gains()[100].x(), first[100].x(), 1e-15);
   EXPECT_NEAR(gains()[100].y(), 0, 1e-15);
-  parameters.seed = 2;
+  parameters.disturbance.seed = 2;
   EXPECT_GT(std::abs(gains()[100].x() - first[100].x()), 1e-9);
 }
 
