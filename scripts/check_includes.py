@@ -16,7 +16,7 @@ LEVELS = {
     "ray": 3,
     "simulation": 4, "gridding": 4, "evaluation": 4,
     "config": 5, "io": 5,
-    "cli": 6,
+    "cli": 6, "lidar": 6,
 }
 
 # Header pattern -> folders that may include it. What is not listed here is free to all.
@@ -28,7 +28,7 @@ ONLY_IN = {
     r"(hdf5|H5)": {"io"},
     r"libdeflate": {"io"},
     r"zlib": {"io"},
-    r"nlohmann/": {"config", "io", "cli"},
+    r"nlohmann/": {"config", "io", "cli", "lidar"},
     r"valijson/": {"config"},
     r"CLI/": {"cli"},
     r"(iostream|fstream|chrono|ctime)$": {"config", "io", "cli"},

@@ -102,8 +102,11 @@ void assign(Json& root, const std::string& assignment) {
 
 JsonSource read_json(const std::string& path) {
   if (path.empty()) return {"config", Json::object()};
-  const std::string name = path == "-" ? "standard input" : path;
-  Json value = parse(read_text(path), name);
+  return parse_json(read_text(path), path == "-" ? "standard input" : path);
+}
+
+JsonSource parse_json(const std::string& text, const std::string& name) {
+  Json value = parse(text, name);
   if (!value.is_object()) throw UsageError(name + ": the configuration must be a JSON object");
   return {name, std::move(value)};
 }

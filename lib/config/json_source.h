@@ -18,6 +18,9 @@ struct JsonSource {
 /// is no object.
 [[nodiscard]] JsonSource read_json(const std::string& path);
 
+/// The same from a text; `name` stands for the file.
+[[nodiscard]] JsonSource parse_json(const std::string& text, const std::string& name);
+
 /// Applies `a.b.c=JSON` assignments in order; a number in the path is an array index, which must exist.
 /// Missing objects are made. Throws UsageError naming the assignment where it is not KEY=JSON or runs into a
 /// value that is no container.
