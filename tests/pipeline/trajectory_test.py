@@ -156,7 +156,8 @@ class Rover(ToolTest):
         self.assertLess(np.nanmedian(np.abs(errors)), 0.02)
 
 
-TORQUE, INERTIA, PERIOD, DEADBAND, GAIN = 40.0, 100.0, 0.01, 1.1e-3, 0.05
+# The deadband is no whole number of drifts per period: a switch must not hang on rounding.
+TORQUE, INERTIA, PERIOD, DEADBAND, GAIN = 40.0, 100.0, 0.01, 1.107e-3, 0.05
 FIRING = TORQUE * PERIOD / INERTIA  # rad/s
 
 
