@@ -79,7 +79,8 @@ bool has_no_pointing_error(const Json& config) {
          !(is_on(config, "/pointing_error/jitter_sigma_rad", 0) &&
            is_on(config, "/pointing_error/jitter_sigma_rad", {0, 0})) &&
          !is_on(config, "/pointing_error/time_stamp_bias_s", 0) &&
-         !is_on(config, "/pointing_error/time_stamp_sigma_s", 0);
+         !is_on(config, "/pointing_error/time_stamp_sigma_s", 0) &&
+         !is_on(config, "/scanner/encoder_sigma_rad", 0);
 }
 
 bool has_no_navigation_error(const Json& config) {

@@ -13,7 +13,8 @@ SCAN = {
     "detector": {"rows": 4, "columns": 6, "ifov_rad": 0.0022},
     "laser": {"pulse_rate_hz": 2000, "scan_time_s": 0.2},
     # Wider than the terrain, so that there are misses.
-    "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 12}},
+    "scanner": {"type": "fsm", "encoder_sigma_rad": 2e-4,
+                "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 12}},
     "trajectory": {"type": "constant_velocity", "position_m": [0.5, -0.3, 50], "velocity_mps": [0.4, 0.2, -5]},
     # False returns lie before all true ones: which rows they take depends on no range.
     "noise": {"range_sigma_m": 0.01, "range_sigma_per_m": 1e-4, "incidence_sigma_rad": 6e-4, "range_bias_m": 0.02,
@@ -32,7 +33,7 @@ SCAN = {
 }
 OFF = {"noise.range_sigma_m": 0, "noise.range_sigma_per_m": 0, "noise.incidence_sigma_rad": 0,
        "noise.dead_pixel_frac": 0, "noise.dropout_frac": 0, "noise.false_return_frac": 0,
-       "pointing_error.jitter_sigma_rad": 0, "pointing_error.time_stamp_sigma_s": 0,
+       "scanner.encoder_sigma_rad": 0, "pointing_error.jitter_sigma_rad": 0, "pointing_error.time_stamp_sigma_s": 0,
        "navigation_error.random_walk": {}, "navigation_error.gauss_markov": {}}
 RANGE_NOISE = ["noise.range_sigma_m", "noise.range_sigma_per_m", "noise.incidence_sigma_rad"]
 TRUTH = ["x_true", "y_true", "z_true", "range_true"]
@@ -141,6 +142,13 @@ class Errors(ChainTest):
             self.assertTrue(same(every.points, some.points, [*TRUTH, "status", "range_measured", "pulse", "pixel"]), key)
             self.assertTrue(same(every.pulses, some.pulses, set(every.pulses) - set(ESTIMATE)), key)
             self.assertFalse(same(every.pulses, some.pulses, POSITION), key)
+
+    def test_the_encoder_moves_estimated_points_only(self):
+        every, some = self.without(), self.without("scanner.encoder_sigma_rad")
+        self.assertTrue(same(every.points, some.points, [*TRUTH, "status", "range_measured", "pulse", "pixel"]))
+        self.assertTrue(same(every.pulses, some.pulses, every.pulses))
+        reported = np.isin(every.status, [0, 6])
+        self.assertTrue((every.points["x_est"] != some.points["x_est"])[reported].all())
 
     def test_walk_and_gauss_markov_add_up(self):
         stamps = "pointing_error.time_stamp_sigma_s"

@@ -92,6 +92,7 @@ TEST(UncertaintyConfig, RefusesNavigationAndPointingErrorsWithoutASigma) {
       {{"navigation_error", {{"random_walk", {{"velocity_mps_per_sqrt_s", {0, 1, 0}}}}}}},
       {{"navigation_error", {{"gauss_markov", {{"rpy_sigma_rad", {0, 0, 1}}}}}}},
       {{"navigation_error", {{"table", "a.csv"}}}},
+      {{"scanner", {{"type", "fsm"}, {"encoder_sigma_rad", 1e-5}}}},
       {{"pointing_error", {{"misalignment_rpy_rad", {0, 0, 1}}}}},
       {{"pointing_error", {{"jitter_sigma_rad", 1e-5}}}},
       {{"pointing_error", {{"jitter_sigma_rad", {0, 1e-5}}}}},
