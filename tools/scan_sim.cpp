@@ -206,8 +206,11 @@ ExitCode run_plan(cli::Session& session, const Options& o) {
   const TriangulatedGrid level(Grid<double>(GridSpec::centered(1, 1)));  // only its slope is asked for
   const Simulation simulation(std::move(model), ground, needs_surface(session.config()) ? &level : nullptr);
   session.phase("plan", [&](const ProgressCallback& progress) {
-    run_scan(
-        simulation, {}, [&](PulseBatch& batch) { plan.add(batch); }, o.batch_points, progress);
+    const auto add = [&](PulseBatch& batch) {
+      plan.add(batch);
+      return SinkWork{};
+    };
+    run_scan(simulation, {}, add, o.batch_points, progress);
   });
   nlohmann::ordered_json numbers;
   session.phase("coverage", [&](const ProgressCallback&) {
@@ -235,13 +238,15 @@ ExitCode run(cli::Session& session, const Options& o) {
   LandfallFileWriter file(output, "scan", provenance);
   const std::unique_ptr<const RayEngine> engine = open_engine(session, o, terrain);
   const Simulation simulation(std::move(model), *engine, terrain.surface.get());
-  RangeSource source;
-  if (ranges) source = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
+  Replay replay;
+  if (ranges)
+    replay.ranges = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
-  if (ranges && ranges->has_rows_of(session.config(), o.keep_misses)) writer.copy_truth(ranges->points());
+  const bool same_rows = ranges && ranges->has_rows_of(session.config(), o.keep_misses);
+  if (same_rows && writer.copy_truth(ranges->points())) replay.content = PointContent::estimate;
   const double scan_s = session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
     run_scan(
-        simulation, source, [&](PulseBatch& batch) { writer.append(batch); }, o.batch_points, progress);
+        simulation, replay, [&](PulseBatch& batch) { return writer.take(batch); }, o.batch_points, progress);
   });
   session.phase("finish", [&](const ProgressCallback&) {
     writer.commit(simulation.detector(), simulation.dead_map());

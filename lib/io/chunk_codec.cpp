@@ -164,10 +164,12 @@ std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, l
 
 std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) {
   if (level_ == 0) return raw;
-  if (planes_.size() != raw.size()) planes_.resize(raw.size());
-  shuffle_bytes(raw, element_size_, planes_);
+  thread_local std::vector<std::byte> room;
+  if (room.size() < raw.size()) room.resize(raw.size());
+  const std::span<std::byte> planes = std::span(room).first(raw.size());
+  shuffle_bytes(raw, element_size_, planes);
   libdeflate_compressor* const codec = compressor_for(level_);
-  return put_zlib_stream(planes_, noise_run(planes_, element_size_, level_, codec), codec, stream_);
+  return put_zlib_stream(planes, noise_run(planes, element_size_, level_, codec), codec, stream_);
 }
 
 }  // namespace landfall

@@ -15,7 +15,8 @@ namespace landfall {
 /// searching it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples,
 /// so a chunk may miss some of its compression, at most what those bytes could have saved.
 ///
-/// An encoder keeps its memory, about twice the chunk's, from one chunk to the next. One thread at a time.
+/// An encoder keeps its memory, about the chunk's, from one chunk to the next; so does the thread. One thread
+/// at a time.
 class ChunkEncoder {
  public:
   /// `level` in 0..9.
@@ -28,7 +29,6 @@ class ChunkEncoder {
  private:
   std::size_t element_size_;
   int level_;
-  std::vector<std::byte> planes_;
   std::vector<std::byte> stream_;
 };
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/chunk_source.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <functional>
 #include <numeric>
 
@@ -36,6 +39,17 @@ bool has_our_filters(hid_t properties) {
          filter_id(properties, 1) == H5Z_FILTER_DEFLATE;
 }
 
+bool read_fully(int descriptor, std::uint64_t offset, std::span<std::byte> out) {
+  while (!out.empty()) {
+    const ssize_t count = ::pread(descriptor, out.data(), out.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    out = out.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk) {
@@ -54,6 +68,20 @@ bool load_chunk(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chu
   if (H5Dget_chunk_storage_size(dataset, offset.data(), &size) < 0 || size == 0) return false;
   chunk.bytes.resize(size);
   return H5Dread_chunk(dataset, H5P_DEFAULT, offset.data(), &chunk.filter_mask, chunk.bytes.data()) >= 0;
+}
+
+bool ChunkFile::load(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chunk) const {
+  haddr_t address = HADDR_UNDEF;
+  hsize_t size = 0;
+  {
+    const std::lock_guard lock(h5::library_lock());
+    if (!descriptor_) return load_chunk(dataset, offset, chunk);
+    if (H5Dget_chunk_info_by_coord(dataset, offset.data(), &chunk.filter_mask, &address, &size) < 0 ||
+        address == HADDR_UNDEF || size == 0)
+      return false;
+  }
+  chunk.bytes.resize(size);
+  return read_fully(*descriptor_, address, chunk.bytes);
 }
 
 }  // namespace landfall

@@ -28,6 +28,20 @@ struct DecodableChunks {
 /// left to H5Dread: nothing is returned.
 [[nodiscard]] std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk);
 
+/// The file of a dataset's chunks. Many threads may load chunks at once: HDF5 tells, under
+/// h5::library_lock(), where they lie, and their bytes are read beside it.
+class ChunkFile {
+ public:
+  /// The file must stay open.
+  explicit ChunkFile(hid_t dataset) : descriptor_(h5::descriptor(dataset)) {}
+
+  /// As load_chunk().
+  [[nodiscard]] bool load(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chunk) const;
+
+ private:
+  std::optional<int> descriptor_;
+};
+
 /// Reads the chunk whose first element has the index `offset`, one number per dimension. False where the file
 /// holds no such chunk (its elements are the fill value) or HDF5 fails. HDF5 is not reentrant: one call at a
 /// time.

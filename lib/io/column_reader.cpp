@@ -74,7 +74,8 @@ ColumnReader::ColumnReader(const TableReader& table, const std::vector<std::stri
     const std::size_t row_count = table.row_count(name);
     h5::Handle dataset = table.open(name);
     const std::optional<DecodableChunks> chunks = decodable_chunks(dataset.get(), kChunk);
-    columns_.push_back({table.path_of(name), std::move(dataset), row_count, chunks, {}, {}});
+    const ChunkFile file(dataset.get());
+    columns_.push_back({table.path_of(name), std::move(dataset), file, row_count, chunks, {}, {}});
   }
 }
 
@@ -134,10 +135,9 @@ void ColumnReader::read_piece(const Piece& piece, const ColumnTarget& target) {
   const DecodableChunks& chunks = *column.chunks;
   thread_local StoredChunk stored;
   const std::array<hsize_t, 1> offset = {piece.chunk * kTableChunkRows};
-  {
+  if (!column.file.load(column.dataset.get(), offset, stored)) {
     const std::lock_guard lock(h5::library_lock());
-    if (!load_chunk(column.dataset.get(), offset, stored))
-      return read_plainly(column, piece.chunk * kTableChunkRows + piece.first, target);
+    return read_plainly(column, piece.chunk * kTableChunkRows + piece.first, target);
   }
   bool ok = false;
   if (piece.keep) {

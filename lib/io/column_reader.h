@@ -42,6 +42,7 @@ class ColumnReader {
   struct Column {
     std::string name;  ///< for messages: "file: ... /group/name"
     h5::Handle dataset;
+    ChunkFile file;
     std::size_t row_count;
     std::optional<DecodableChunks> chunks;
     std::optional<std::size_t> kept_chunk;  ///< the chunk that `kept` holds, decoded

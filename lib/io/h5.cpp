@@ -131,13 +131,21 @@ Handle create_file(const std::filesystem::path& path) {
   return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose, path.string());
 }
 
-void start_writeback(hid_t object) {
-#ifdef SYNC_FILE_RANGE_WRITE
+std::optional<int> descriptor(hid_t object) {
   const Handle file(H5Iget_file_id(object), H5Fclose);
   const Handle access(H5Fget_access_plist(file.get()), H5Pclose);
-  void* descriptor = nullptr;  // of the default driver, H5FD_SEC2
-  if (H5Fget_vfd_handle(file.get(), access.get(), &descriptor) < 0 || descriptor == nullptr) return;
-  static_cast<void>(::sync_file_range(*static_cast<int*>(descriptor), 0, 0, SYNC_FILE_RANGE_WRITE));
+  const Handle creation(H5Fget_create_plist(file.get()), H5Pclose);
+  hsize_t user_block = 0;
+  void* handle = nullptr;
+  if (H5Pget_driver(access.get()) != H5FD_SEC2 || H5Pget_userblock(creation.get(), &user_block) < 0 ||
+      user_block != 0 || H5Fget_vfd_handle(file.get(), access.get(), &handle) < 0 || handle == nullptr)
+    return std::nullopt;
+  return *static_cast<int*>(handle);
+}
+
+void start_writeback([[maybe_unused]] int descriptor) {
+#ifdef SYNC_FILE_RANGE_WRITE
+  static_cast<void>(::sync_file_range(descriptor, 0, 0, SYNC_FILE_RANGE_WRITE));
 #endif
 }
 

@@ -79,9 +79,12 @@ struct TypeOf<std::int8_t> {
   static constexpr Type value = Type::int8;
 };
 
+/// The descriptor of the file that holds the object, while that is open; none where addresses within the file
+/// are no offsets of the descriptor (another driver than H5FD_SEC2, a user block).
+[[nodiscard]] std::optional<int> descriptor(hid_t object);
 /// Has the system begin to write what it still holds of the file, without waiting for it: a long run's output
 /// is then nearly on the disk when it is complete. Does nothing where the system has no such call.
-void start_writeback(hid_t object);
+void start_writeback(int descriptor);
 
 /// Every creation below leaves out object times, so that equal content gives equal bytes. Each throws IoError
 /// naming `object` when HDF5 refuses.

@@ -140,20 +140,30 @@ ScanWriter::ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options,
   write_crs(file.root(), crs_wkt);
 }
 
-void ScanWriter::copy_truth(const TableReader& source) {
+bool ScanWriter::copy_truth(const TableReader& source) {
   constexpr std::array kUnchanged = {"x_true", "y_true", "z_true", "range_true", "pulse", "pixel"};
-  points_.copy_columns(source, kUnchanged);
+  return points_.copy_columns(source, kUnchanged);
 }
 
-void ScanWriter::append(PulseBatch& batch) {
+SinkWork ScanWriter::take(PulseBatch& batch) {
   const auto counts = batch.status_counts();
   for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] += counts[i];
   if (!options_.keep_misses) batch.keep_returns();
-  append_pulses(batch.pulses);
-  append_points(batch.points);
+  // Both tables are written in the order of the batches, for the file's layout follows from it.
+  const Chunks pulses = take_pulses(batch.pulses);
+  const Chunks points = take_points(batch.points);
+  if (pulses.empty() && points.empty()) return {};
+  return {[this, pulses, points] {
+            for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.encode(*chunk);
+            for (const TableWriter::ChunkPtr& chunk : points) points_.encode(*chunk);
+          },
+          [this, pulses, points] {
+            for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.write(chunk);
+            for (const TableWriter::ChunkPtr& chunk : points) points_.write(chunk);
+          }};
 }
 
-void ScanWriter::append_points(const PointColumns& points) {
+ScanWriter::Chunks ScanWriter::take_points(const PointColumns& points) {
   std::vector<ColumnRows> rows;
   PointColumns::for_each(points, [&](const char*, const auto& column) {
     using Value = typename std::decay_t<decltype(column)>::value_type;
@@ -163,10 +173,10 @@ void ScanWriter::append_points(const PointColumns& points) {
       rows.emplace_back(std::span<const Value>(column));
     }
   });
-  points_.append(rows);
+  return points_.take(rows);
 }
 
-void ScanWriter::append_pulses(const PulseColumns& pulses) {
+ScanWriter::Chunks ScanWriter::take_pulses(const PulseColumns& pulses) {
   std::vector<std::int64_t> begin;
   auto next = static_cast<std::int64_t>(points_.row_count());
   for (const std::int32_t count : pulses.point_count) {
@@ -178,7 +188,7 @@ void ScanWriter::append_pulses(const PulseColumns& pulses) {
     rows.emplace_back(std::span<const typename std::decay_t<decltype(column)>::value_type>(column));
   });
   rows.emplace_back(std::span<const std::int64_t>(begin));
-  pulses_.append(rows);
+  return pulses_.take(rows);
 }
 
 void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> dead_map) {

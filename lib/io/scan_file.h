@@ -11,7 +11,7 @@
 #include "io/column_reader.h"
 #include "io/landfall_file.h"
 #include "io/table.h"
-#include "simulation/simulation.h"
+#include "simulation/scan_pipeline.h"
 
 namespace landfall {
 
@@ -27,10 +27,11 @@ class ScanWriter {
   ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options, const std::string& crs_wkt);
 
   /// Before the first append: takes the columns that errors do not change, the truth and where it belongs,
-  /// from `source`, the points of a scan with the same rows.
-  void copy_truth(const TableReader& source);
-  /// Appends the next pulses. The batch's points are cut to the returns unless misses are kept.
-  void append(PulseBatch& batch);
+  /// from `source`, the points of a scan with the same rows. True where batches need not hold them any more.
+  bool copy_truth(const TableReader& source);
+  /// Takes the next pulses; the batch's points are cut to the returns unless misses are kept. What it returns
+  /// compresses and writes.
+  [[nodiscard]] SinkWork take(PulseBatch& batch);
   /// Writes /detector and the counts, and commits. Throws FormatError for a scan without a single return.
   void commit(const Detector& detector, std::span<const std::int8_t> dead_map);
 
@@ -39,8 +40,9 @@ class ScanWriter {
   }
 
  private:
-  void append_points(const PointColumns& points);
-  void append_pulses(const PulseColumns& pulses);
+  using Chunks = std::vector<TableWriter::ChunkPtr>;
+  [[nodiscard]] Chunks take_points(const PointColumns& points);
+  [[nodiscard]] Chunks take_pulses(const PulseColumns& pulses);
 
   LandfallFileWriter& file_;
   ScanFileOptions options_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -75,94 +76,141 @@ void describe(hid_t dataset, const ColumnSpec& spec) {
 
 TableWriter::TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
                          int compression)
-    : compression_(compression), group_(h5::create_group(parent, group)) {
+    : compression_(compression),
+      group_(h5::create_group(parent, group)),
+      descriptor_(h5::descriptor(parent)) {
   for (ColumnSpec& spec : columns) {
     h5::Handle dataset =
         h5::create_dataset(group_.get(), spec.name, spec.type,
                            {.size = {0}, .chunk = {kTableChunkRows}, .growing = true, .level = compression_});
     describe(dataset.get(), spec);
-    std::vector<std::byte> buffer(kTableChunkRows * h5::size_of(spec.type));
-    const ChunkEncoder encoder(h5::size_of(spec.type), compression_);
-    columns_.push_back({std::move(spec), std::move(dataset), std::move(buffer), encoder});
+    columns_.push_back({std::move(spec), std::move(dataset)});
   }
 }
 
-void TableWriter::copy_columns(const TableReader& source, std::span<const char* const> names) {
+bool TableWriter::copy_columns(const TableReader& source, std::span<const char* const> names) {
   source_ = &source;
+  source_file_.emplace(source.group());
+  bool all = true;
   for (Column& column : columns_) {
     if (std::find(names.begin(), names.end(), column.spec.name) == names.end()) continue;
     h5::Handle theirs = source.open(column.spec.name);
-    if (stored_alike(theirs.get(), column.dataset.get())) column.copied_from = std::move(theirs);
+    if (stored_alike(theirs.get(), column.dataset.get())) {
+      column.copied_from = std::move(theirs);
+      column.source_rows = source.row_count(column.spec.name);
+    } else {
+      all = false;
+    }
   }
+  return all;
+}
+
+TableWriter::ChunkPtr TableWriter::empty_chunk() {
+  {
+    const std::lock_guard lock(free_mutex_);
+    if (!free_.empty()) {
+      ChunkPtr chunk = std::move(free_.back());
+      free_.pop_back();
+      return chunk;
+    }
+  }
+  auto chunk = std::make_shared<TableChunk>();
+  for (const Column& column : columns_) {
+    const std::size_t size = h5::size_of(column.spec.type);
+    const std::size_t rows = column.copied_from ? 0 : kTableChunkRows;
+    chunk->parts.push_back({std::vector<std::byte>(rows * size), ChunkEncoder(size, compression_), {}, {}});
+  }
+  return chunk;
+}
+
+std::vector<TableWriter::ChunkPtr> TableWriter::take(std::span<const ColumnRows> rows) {
+  if (rows.size() != columns_.size()) throw std::logic_error("a table row needs every column");
+  std::vector<ChunkPtr> full;
+  const std::size_t count = length(rows.front());
+  for (std::size_t begin = 0; begin < count;) {
+    if (!filling_) {
+      filling_ = empty_chunk();
+      filling_->first_row = row_count_;
+      filling_->row_count = 0;
+    }
+    const std::size_t size = std::min(count - begin, kTableChunkRows - filling_->row_count);
+    add_rows(rows, begin, size);
+    begin += size;
+    if (filling_->row_count == kTableChunkRows) full.push_back(std::exchange(filling_, nullptr));
+  }
+  return full;
+}
+
+void TableWriter::add_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count) {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].copied_from) continue;
+    const h5::Type type = columns_[c].spec.type;
+    std::byte* const target = filling_->parts[c].rows.data() + filling_->row_count * h5::size_of(type);
+    std::visit([&](auto span) { copy_rows(span.subspan(begin, count), type, target); }, rows[c]);
+  }
+  filling_->row_count += count;
+  row_count_ += count;
+}
+
+void TableWriter::encode(TableChunk& chunk) const {
+  parallel_for(columns_.size(), 1, [&](std::size_t c, std::size_t) {
+    TableChunk::Part& part = chunk.parts[c];
+    if (columns_[c].copied_from) {
+      load_copy(columns_[c], chunk, part.copy);
+      part.stored = part.copy.bytes;
+    } else {
+      part.stored = part.encoder.encode(part.rows);
+    }
+  });
+}
+
+void TableWriter::write(ChunkPtr chunk) {
+  {
+    const std::lock_guard lock(h5::library_lock());
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      write_chunk(columns_[c].dataset.get(), chunk->first_row, chunk->first_row + chunk->row_count,
+                  chunk->parts[c].stored, columns_[c].spec.name);
+  }
+  if (descriptor_) h5::start_writeback(*descriptor_);
+  const std::lock_guard lock(free_mutex_);
+  free_.push_back(std::move(chunk));
 }
 
 void TableWriter::append(std::span<const ColumnRows> rows) {
-  if (rows.size() != columns_.size()) throw std::logic_error("a table row needs every column");
-  const std::size_t count = length(rows.front());
-  std::size_t begin = 0;
-  while (begin < count) {
-    const std::size_t take = std::min(count - begin, kTableChunkRows - buffered_rows_);
-    buffer_rows(rows, begin, take);
-    begin += take;
-    if (buffered_rows_ == kTableChunkRows) flush();
+  for (ChunkPtr& chunk : take(rows)) {
+    encode(*chunk);
+    write(std::move(chunk));
   }
 }
 
-void TableWriter::buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count) {
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    Column& column = columns_[c];
-    if (column.copied_from) continue;
-    std::byte* const target = column.buffer.data() + buffered_rows_ * h5::size_of(column.spec.type);
-    std::visit([&](auto span) { copy_rows(span.subspan(begin, count), column.spec.type, target); }, rows[c]);
-  }
-  buffered_rows_ += count;
-}
-
-void TableWriter::flush() {
-  std::vector<std::span<const std::byte>> encoded(columns_.size());
-  parallel_for(columns_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      if (!columns_[c].copied_from) encoded[c] = columns_[c].encoder.encode(columns_[c].buffer);
-  });
+void TableWriter::load_copy(const Column& column, const TableChunk& chunk, StoredChunk& copy) const {
+  const std::array<hsize_t, 1> offset = {chunk.first_row};
+  const bool exists = chunk.first_row < column.source_rows;
+  if (exists && source_file_->load(column.copied_from.get(), offset, copy) && copy.filter_mask == 0) return;
   const std::lock_guard lock(h5::library_lock());
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const Column& column = columns_[c];
-    write_chunk(column.dataset.get(), written_rows_, written_rows_ + buffered_rows_,
-                column.copied_from ? copied_chunk(column) : encoded[c], column.spec.name);
-  }
-  h5::start_writeback(group_.get());
-  written_rows_ += buffered_rows_;
-  buffered_rows_ = 0;
-}
-
-std::span<const std::byte> TableWriter::copied_chunk(const Column& column) {
-  const std::array<hsize_t, 1> offset = {written_rows_};
-  if (written_rows_ >= source_->row_count(column.spec.name))
-    source_->fail_reading(column.spec.name, "it ends after " + std::to_string(written_rows_) + " rows");
-  if (!load_chunk(column.copied_from.get(), offset, copied_) || copied_.filter_mask != 0)
-    source_->fail_reading(column.spec.name);
-  return copied_.bytes;
+  if (exists) source_->fail_reading(column.spec.name);
+  source_->fail_reading(column.spec.name, "it ends after " + std::to_string(chunk.first_row) + " rows");
 }
 
 void TableWriter::require_whole_copies() const {
   for (const Column& column : columns_) {
-    if (!column.copied_from) continue;
-    const std::size_t rows = source_->row_count(column.spec.name);
-    if (rows != row_count())
-      source_->fail_reading(column.spec.name, "it has " + std::to_string(rows) + " rows where " +
-                                                  std::to_string(row_count()) + " are needed");
+    if (!column.copied_from || column.source_rows == row_count_) continue;
+    source_->fail_reading(column.spec.name, "it has " + std::to_string(column.source_rows) + " rows where " +
+                                                std::to_string(row_count_) + " are needed");
   }
 }
 
 void TableWriter::finish() {
   require_whole_copies();
-  if (buffered_rows_ == 0) return;
-  for (Column& column : columns_) {  // the unused end of the last chunk: zeros, never old rows
-    if (column.copied_from) continue;
-    const std::size_t used = buffered_rows_ * h5::size_of(column.spec.type);
-    std::fill(column.buffer.begin() + static_cast<std::ptrdiff_t>(used), column.buffer.end(), std::byte{0});
+  if (!filling_) return;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {  // the unused end: zeros, never old rows
+    std::vector<std::byte>& rows = filling_->parts[c].rows;
+    const std::size_t used = filling_->row_count * h5::size_of(columns_[c].spec.type);
+    if (used < rows.size())
+      std::fill(rows.begin() + static_cast<std::ptrdiff_t>(used), rows.end(), std::byte{0});
   }
-  flush();
+  encode(*filling_);
+  write(std::exchange(filling_, nullptr));
 }
 
 void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,

@@ -3,6 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -32,47 +35,77 @@ using ColumnRows = std::variant<std::span<const double>, std::span<const std::in
 
 class TableReader;
 
-/// A group of 1-D columns of equal length that grows row by row in bounded memory. Full chunks are compressed
-/// in parallel and written in order; the bytes do not depend on how the rows were batched.
+/// Rows that make one chunk of every column, on their way into the file.
+struct TableChunk {
+  /// One column's part.
+  struct Part {
+    std::vector<std::byte> rows;
+    ChunkEncoder encoder;
+    StoredChunk copy;                   ///< of a copied column
+    std::span<const std::byte> stored;  ///< what the file gets, once encoded
+  };
+  std::size_t first_row = 0;
+  std::size_t row_count = 0;
+  std::vector<Part> parts;
+};
+
+/// A group of 1-D columns of equal length that grows row by row in bounded memory; the bytes do not depend on
+/// how the rows were batched.
+///
+/// A pipeline takes rows, encodes the chunks that they fill and writes those: take() and write() by one
+/// thread at a time each and in order, encode() by any thread, all three at the same time. append() does all
+/// of it. HDF5 is used under h5::library_lock().
 class TableWriter {
  public:
+  using ChunkPtr = std::shared_ptr<TableChunk>;
+
   TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
 
-  /// From now on the columns named are copied chunk by chunk, as `source` stores them, and append() leaves
-  /// their rows aside: for columns that are known to come out the same as in an earlier file. Call before the
-  /// first append; `source` must live until finish(), which throws FormatError unless it has as many rows. A
-  /// column that is stored otherwise there, in type, chunks or filters, is written as before.
-  void copy_columns(const TableReader& source, std::span<const char* const> names);
+  /// From now on the columns named are copied chunk by chunk, as `source` stores them, and their rows are
+  /// left aside, which may then be none: for columns that are known to come out the same as in an earlier
+  /// file. Call before the first rows; `source` must live until finish(), which throws FormatError unless it
+  /// has as many rows. A column that is stored otherwise there, in type, chunks or filters, is written as
+  /// before; false where there is such a column.
+  bool copy_columns(const TableReader& source, std::span<const char* const> names);
 
-  /// Adds rows; `rows` in the order of the columns, all of one length. Throws IoError when the disk refuses,
-  /// FormatError where a column to copy cannot be read. Uses HDF5 under h5::library_lock().
+  /// Adds rows; `rows` in the order of the columns, all of one length. Returns the chunks that became full,
+  /// to be encoded and written.
+  [[nodiscard]] std::vector<ChunkPtr> take(std::span<const ColumnRows> rows);
+  /// Compresses on all threads. Throws FormatError where a column to copy cannot be read.
+  void encode(TableChunk& chunk) const;
+  /// Throws IoError when the disk refuses.
+  void write(ChunkPtr chunk);
+  /// take(), encode() and write().
   void append(std::span<const ColumnRows> rows);
-  /// Writes what is buffered. Call once, after the last append.
+  /// Writes what is left. Call once, after everything else.
   void finish();
 
-  [[nodiscard]] std::size_t row_count() const { return written_rows_ + buffered_rows_; }
+  /// Rows taken.
+  [[nodiscard]] std::size_t row_count() const { return row_count_; }
   [[nodiscard]] hid_t group() const { return group_.get(); }
 
  private:
   struct Column {
     ColumnSpec spec;
     h5::Handle dataset;
-    std::vector<std::byte> buffer;
-    ChunkEncoder encoder;
     h5::Handle copied_from{};  ///< the dataset whose chunks this column takes
+    std::size_t source_rows = 0;
   };
-  [[nodiscard]] std::span<const std::byte> copied_chunk(const Column& column);
+  [[nodiscard]] ChunkPtr empty_chunk();
+  void add_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
+  void load_copy(const Column& column, const TableChunk& chunk, StoredChunk& copy) const;
   void require_whole_copies() const;
-  void buffer_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
-  void flush();
 
   int compression_;
   h5::Handle group_;
+  std::optional<int> descriptor_;
   std::vector<Column> columns_;
   const TableReader* source_ = nullptr;  ///< of copied columns
-  StoredChunk copied_;                   ///< the last one
-  std::size_t buffered_rows_ = 0;
-  std::size_t written_rows_ = 0;
+  std::optional<ChunkFile> source_file_;
+  ChunkPtr filling_;
+  std::size_t row_count_ = 0;
+  std::mutex free_mutex_;
+  std::vector<ChunkPtr> free_;  ///< written; their memory is used again
 };
 
 /// Writes whole columns at once.

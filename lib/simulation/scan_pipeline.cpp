@@ -49,11 +49,19 @@ class BatchPool {
   std::vector<BatchPtr> free_;
 };
 
-/// The three stages, and what they share.
+/// What became of a batch: work, and its pulses.
+struct Taken {
+  SinkWork work;
+  std::int64_t pulse_count = 0;
+};
+
+using TakenPtr = std::shared_ptr<Taken>;
+
+/// The stages, and what they share.
 class ScanPipeline {
  public:
-  ScanPipeline(const Simulation& simulation, const RangeSource& ranges, const BatchSink& sink)
-      : simulation_(simulation), ranges_(ranges), sink_(sink) {}
+  ScanPipeline(const Simulation& simulation, const Replay& replay, const BatchSink& sink)
+      : simulation_(simulation), replay_(replay), sink_(sink) {}
 
   TaskPtr next_task(std::int64_t pulses_per_batch, tbb::flow_control& control) {
     if (next_pulse_ >= simulation_.pulse_count()) {
@@ -62,15 +70,15 @@ class ScanPipeline {
     }
     const PulseRange pulses{next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
     next_pulse_ += pulses.count;
-    if (!ranges_) return std::make_shared<Task>(Task{pulses, {}});
-    return std::make_shared<Task>(Task{pulses, ranges_(pulses)});
+    if (!replay_.ranges) return std::make_shared<Task>(Task{pulses, {}});
+    return std::make_shared<Task>(Task{pulses, replay_.ranges(pulses)});
   }
 
   Simulated simulate(const Task& task) {
     Simulated result{pool_.take(), nullptr};
     try {
-      if (ranges_) {
-        simulation_.replay(task.pulses, task.ranges_true_m, *result.batch);
+      if (replay_.ranges) {
+        simulation_.replay(task.pulses, task.ranges_true_m, *result.batch, replay_.content);
       } else {
         simulation_.simulate(task.pulses, *result.batch);
       }
@@ -80,18 +88,23 @@ class ScanPipeline {
     return result;
   }
 
-  void give_to_sink(const Simulated& simulated, const ProgressCallback& progress) {
+  TakenPtr give_to_sink(const Simulated& simulated) {
     if (simulated.failure) std::rethrow_exception(simulated.failure);
-    BatchPtr batch = simulated.batch;
-    pulses_done_ += static_cast<std::int64_t>(batch->pulses.size());
-    sink_(*batch);
-    pool_.give_back(std::move(batch));
+    auto taken = std::make_shared<Taken>(
+        Taken{sink_(*simulated.batch), static_cast<std::int64_t>(simulated.batch->pulses.size())});
+    pool_.give_back(simulated.batch);
+    return taken;
+  }
+
+  void finish(const Taken& taken, const ProgressCallback& progress) {
+    if (taken.work.in_order) taken.work.in_order();
+    pulses_done_ += taken.pulse_count;
     report(progress, static_cast<double>(pulses_done_) / static_cast<double>(simulation_.pulse_count()));
   }
 
  private:
   const Simulation& simulation_;
-  const RangeSource& ranges_;
+  const Replay& replay_;
   const BatchSink& sink_;
   BatchPool pool_;
   std::int64_t next_pulse_ = 0;
@@ -100,21 +113,26 @@ class ScanPipeline {
 
 }  // namespace
 
-void run_scan(const Simulation& simulation, const RangeSource& ranges, const BatchSink& sink,
+void run_scan(const Simulation& simulation, const Replay& replay, const BatchSink& sink,
               std::int64_t points_per_batch, const ProgressCallback& progress) {
-  ScanPipeline pipeline(simulation, ranges, sink);
+  ScanPipeline pipeline(simulation, replay, sink);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   const std::int64_t pulses_per_batch = std::max<std::int64_t>(1, points_per_batch / pixels);
-  using tbb::filter_mode;
-  tbb::parallel_pipeline(
-      2 * thread_count(),
-      tbb::make_filter<void, TaskPtr>(filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-        return pipeline.next_task(pulses_per_batch, control);
-      }) & tbb::make_filter<TaskPtr, Simulated>(filter_mode::parallel, [&](const TaskPtr& task) {
-        return pipeline.simulate(*task);
-      }) & tbb::make_filter<Simulated, void>(filter_mode::serial_in_order, [&](const Simulated& simulated) {
-        pipeline.give_to_sink(simulated, progress);
-      }));
+  using enum tbb::filter_mode;
+  const auto next = tbb::make_filter<void, TaskPtr>(serial_in_order, [&](tbb::flow_control& control) {
+    return pipeline.next_task(pulses_per_batch, control);
+  });
+  const auto simulate = tbb::make_filter<TaskPtr, Simulated>(
+      parallel, [&](const TaskPtr& task) { return pipeline.simulate(*task); });
+  const auto take = tbb::make_filter<Simulated, TakenPtr>(
+      serial_in_order, [&](const Simulated& simulated) { return pipeline.give_to_sink(simulated); });
+  const auto work = tbb::make_filter<TakenPtr, TakenPtr>(parallel, [](const TakenPtr& taken) {
+    if (taken->work.in_parallel) taken->work.in_parallel();
+    return taken;
+  });
+  const auto finish = tbb::make_filter<TakenPtr, void>(
+      serial_in_order, [&](const TakenPtr& taken) { pipeline.finish(*taken, progress); });
+  tbb::parallel_pipeline(4 * thread_count(), next & simulate & take & work & finish);
 }
 
 }  // namespace landfall

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -82,6 +83,41 @@ TEST(Table, BytesDependOnNeitherBatchesNorThreads) {
   const ThreadLimit limit(1);
   write(folder / "b.h5", rows, rows.x.size(), 1);
   EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
+}
+
+/// Writes `rows` with the columns x and n as `source` stores them; n has no rows of its own.
+bool copy(const std::filesystem::path& path, const TableReader& source, const Rows& rows, int level) {
+  LandfallFileWriter file({path, true, level}, "scan", {.tool = "test"});
+  TableWriter table(file.root(), "points", columns(), level);
+  constexpr std::array kCopied = {"x", "n"};
+  if (!table.copy_columns(source, kCopied)) return false;
+  std::vector<std::vector<TableWriter::ChunkPtr>> taken;
+  for (const auto& [begin, count] : {std::pair<std::size_t, std::size_t>{0, 2 * kTableChunkRows + 1},
+                                     {2 * kTableChunkRows + 1, rows.x.size() - 2 * kTableChunkRows - 1}}) {
+    const std::array<ColumnRows, 4> piece = {
+        std::span(rows.x).subspan(begin, count), std::span(rows.x).subspan(begin, count),
+        std::span<const std::int32_t>(), std::span(rows.f).subspan(begin, count)};
+    taken.push_back(table.take(piece));
+  }
+  for (const auto& chunks : taken)  // all taken before the first is encoded
+    for (const TableWriter::ChunkPtr& chunk : chunks) table.encode(*chunk);
+  for (const auto& chunks : taken)
+    for (const TableWriter::ChunkPtr& chunk : chunks) table.write(chunk);
+  table.finish();
+  file.commit();
+  return true;
+}
+
+TEST(Table, CopiedColumnsGiveTheSameFile) {
+  const TemporaryFolder folder;
+  const Rows rows = make_rows(3 * kTableChunkRows + 17);
+  write(folder / "a.h5", rows, 1000, 1);
+  const LandfallFileReader file(folder / "a.h5", {"scan"});
+  const TableReader source(file.root(), "points", file.name());
+  EXPECT_TRUE(copy(folder / "b.h5", source, rows, 1));
+  EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
+  EXPECT_FALSE(copy(folder / "c.h5", source, rows, 2));
+  EXPECT_THROW(copy(folder / "c.h5", source, make_rows(3 * kTableChunkRows), 1), FormatError);
 }
 
 TEST(Table, NamesWhatIsMissing) {
