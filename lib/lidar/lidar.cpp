@@ -71,9 +71,23 @@ TableLoader loader_of(ReadTable read_table) {
   };
 }
 
+/// Throws UsageError for errors that are the host's own: it gives the estimated poses.
+void require_no_estimate(const nlohmann::json& config, const std::string& name) {
+  const auto refuse_if = [&](bool is_on, const std::string& key) {
+    if (is_on) throw UsageError(name + ": " + key + ": the host gives the estimated poses itself");
+  };
+  const nlohmann::json& navigation = config.at("navigation_error");
+  const nlohmann::json& pointing = config.at("pointing_error");
+  refuse_if(navigation.contains("table"), "/navigation_error/table");
+  refuse_if(navigation.at("attitude") != "truth", "/navigation_error/attitude");
+  for (const char* const key : {"time_stamp_bias_s", "time_stamp_sigma_s"})
+    refuse_if(pointing.at(key) != 0, std::string("/pointing_error/") + key);
+}
+
 ScanModel model_of(const std::string& text, const std::string& name, ReadTable read_table) {
   nlohmann::json config = resolve_config(parse_json(text, name), embedded_schema("scan"));
   complete_scan_config(config);
+  require_no_estimate(config, name);
   config["trajectory"] = nlohmann::json{{"type", "constant_velocity"}};  // the host moves the lander
   config = resolve_config({name, config}, embedded_schema("scan"));
   return scan_model(config, name, loader_of(std::move(read_table)));

@@ -146,6 +146,16 @@ TEST(Instrument, RefusesWhatIsWrongByName) {
   EXPECT_THAT(refused({.nominal = Pose{.attitude = {kNan, 0, 0, 0}}}), HasSubstr("pulse/nominal/attitude"));
 }
 
+TEST(Instrument, RefusesErrorsThatAreTheHosts) {
+  for (const auto& [config, key] : std::map<std::string, std::string>{
+           {R"({"navigation_error": {"table": "a.csv"}})", "/navigation_error/table"},
+           {R"({"navigation_error": {"attitude": "commanded"}})", "/navigation_error/attitude"},
+           {R"({"pointing_error": {"time_stamp_bias_s": 0.1}})", "/pointing_error/time_stamp_bias_s"},
+           {R"({"pointing_error": {"time_stamp_sigma_s": 0.1}})", "/pointing_error/time_stamp_sigma_s"},
+           {R"({"noise": {"incidence_sigma_rad": 0.1}})", "noise/incidence_sigma_rad"}})
+    EXPECT_THAT(refusal([&] { Instrument(config, plane, "c"); }), HasSubstr(key));
+}
+
 TEST(Instrument, MemoryIsUsedAgain) {
   const Instrument lidar = instrument(kFlash);
   PulseReturns returns;
