@@ -55,7 +55,8 @@ class Rasters(unittest.TestCase):
         self.assertAlmostEqual(self.invalid_bins(ramped=True), 77, delta=8)
 
     def test_rows_that_ramp_to_and_fro_leave_wedges(self):
-        self.assertAlmostEqual(self.invalid_bins(ramped=True, direction="boustrophedon"), 100520, delta=100)  # 3.2 %
+        # Millimetres in where a ramp begins change this count by some 300.
+        self.assertAlmostEqual(self.invalid_bins(ramped=True, direction="boustrophedon"), 100520, delta=300)  # 3.2 %
 
 
 if __name__ == "__main__":

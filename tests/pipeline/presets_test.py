@@ -1,0 +1,41 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The presets of studies/presets cover what docs/lidar/presets.md says, with the numbers it says."""
+import glob
+import json
+import os
+import re
+import unittest
+
+from chain import ToolTest
+
+ROOT = os.environ["LANDFALL_ROOT"]
+PAGE = os.path.join(ROOT, "docs", "lidar", "presets.md")
+ROW = re.compile(r"^\| `([\w-]+)` \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+) m \| ([\d.]+) \| ([\d.]+) % \|$", re.MULTILINE)
+
+
+def rows():
+    with open(PAGE, encoding="utf-8") as file:
+        return ROW.findall(file.read())
+
+
+class Presets(ToolTest):
+    def test_every_preset_is_in_the_table(self):
+        files = glob.glob(os.path.join(ROOT, "studies", "presets", "*.scan.json"))
+        self.assertEqual(sorted(os.path.basename(path).removesuffix(".scan.json") for path in files),
+                         sorted(row[0] for row in rows()))
+
+    def test_plans(self):
+        for name, returns, seconds, radius, resolution, per_bin, uncovered in rows():
+            with self.subTest(name):
+                config = os.path.join(ROOT, "studies", "presets", name + ".scan.json")
+                plan = json.loads(self.succeed("scan-sim", "-c", config, "--plan", "--plan-radius", radius,
+                                               "--plan-resolution", resolution, "--json").stdout)["plan"]
+                self.assertEqual(f"{plan['returns']['count']:,}", returns)
+                self.assertAlmostEqual(plan["time"]["total"]["time_s"], float(seconds))
+                self.assertEqual(f"{plan['returns_per_bin']['mean']:.2f}", per_bin)
+                self.assertEqual(f"{100 * plan['coverage']['uncovered_frac']:.2f}", uncovered)
+
+
+if __name__ == "__main__":
+    unittest.main()
