@@ -26,7 +26,7 @@ CASES = [("100 / -61.8 Hz", {"rates_hz": [100, -61.8], "phases_deg": [0, 180]}),
          ("80 / -79 Hz", {"rates_hz": [80, -79], "phases_deg": [0, 180]}),
          ("100 / 99.5 Hz", {"rates_hz": [100, 99.5], "phases_deg": [0, 180]}),
          ("100 / -99.5 Hz", {"rates_hz": [100, -99.5], "phases_deg": [0, 180]}),
-         ("steered spiral", {"pattern": {"type": "spiral", "radius_m": RADIUS_M, "pitch_m": 0.5}})]
+         ("steered spiral", {"pattern": {"type": "spiral", "radius_m": RADIUS_M + 0.25, "pitch_m": 0.5}})]
 
 
 def run(options, tool, *arguments):
