@@ -121,9 +121,10 @@ TEST(RisleyConfig, ValuesOutOfRangeAreRefusedByKey) {
       {R"("rates_hz": [1, 2e6])", "c.json: /scanner/rates_hz/1: 2000000"},
       {R"("encoder_sigma_rad": -1)", "c.json: /scanner/encoder_sigma_rad: -1"},
       {R"("wedge": 8)", "c.json: /scanner/wedge"}};
-  for (const auto& [key, text] : wrong)
-    EXPECT_THAT([&] { static_cast<void>(model_of(std::string(R"({"type": "risley", )") + key + "}")); },
-                ThrowsMessage<UsageError>(HasSubstr(text)));
+  for (const auto& [key, text] : wrong) {
+    const std::string scanner = std::string(R"({"type": "risley", )") + key + "}";
+    EXPECT_THAT([&] { static_cast<void>(model_of(scanner)); }, ThrowsMessage<UsageError>(HasSubstr(text)));
+  }
 }
 
 }  // namespace

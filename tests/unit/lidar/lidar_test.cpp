@@ -147,13 +147,14 @@ TEST(Instrument, RefusesWhatIsWrongByName) {
 }
 
 TEST(Instrument, RefusesErrorsThatAreTheHosts) {
-  for (const auto& [config, key] : std::map<std::string, std::string>{
-           {R"({"navigation_error": {"table": "a.csv"}})", "/navigation_error/table"},
-           {R"({"navigation_error": {"attitude": "commanded"}})", "/navigation_error/attitude"},
-           {R"({"pointing_error": {"time_stamp_bias_s": 0.1}})", "/pointing_error/time_stamp_bias_s"},
-           {R"({"pointing_error": {"time_stamp_sigma_s": 0.1}})", "/pointing_error/time_stamp_sigma_s"},
-           {R"({"noise": {"incidence_sigma_rad": 0.1}})", "noise/incidence_sigma_rad"}})
-    EXPECT_THAT(refusal([&] { Instrument(config, plane, "c"); }), HasSubstr(key));
+  const std::map<std::string, std::string> key_of = {
+      {R"({"navigation_error": {"table": "a.csv"}})", "/navigation_error/table"},
+      {R"({"navigation_error": {"attitude": "commanded"}})", "/navigation_error/attitude"},
+      {R"({"pointing_error": {"time_stamp_bias_s": 0.1}})", "/pointing_error/time_stamp_bias_s"},
+      {R"({"pointing_error": {"time_stamp_sigma_s": 0.1}})", "/pointing_error/time_stamp_sigma_s"},
+      {R"({"noise": {"incidence_sigma_rad": 0.1}})", "noise/incidence_sigma_rad"}};
+  for (const auto& entry : key_of)
+    EXPECT_THAT(refusal([&] { Instrument(entry.first, plane, "c"); }), HasSubstr(entry.second));
 }
 
 TEST(Instrument, MemoryIsUsedAgain) {
