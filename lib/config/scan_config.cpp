@@ -36,11 +36,12 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& scanner = resolved.at("scanner");
   const Json& navigation = resolved.at("navigation_error");
   const PointingError pointing = make_pointing_error(resolved.at("pointing_error"), context);
+  const ComponentContext stamped = until_last_stamp(context, pointing);
   ScanModel model{{make_detector(resolved.at("detector"), context), make_scanner(scanner, context),
                    make_pattern(scanner, context), mount_of(resolved.at("mount")),
                    make_range_errors(resolved.at("noise"), context), pointing},
-                  make_trajectory(resolved.at("trajectory"), context),
-                  make_navigation_error(navigation, until_last_stamp(context, pointing)),
+                  make_trajectory(resolved.at("trajectory"), stamped),
+                  make_navigation_error(navigation, stamped),
                   laser.at("pulse_rate_hz").get<double>(),
                   context.scan_time_s,
                   make_estimate(navigation, context),

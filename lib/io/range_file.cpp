@@ -39,6 +39,18 @@ bool has_false_returns(const Json& config) {
   return config.value(Json::json_pointer("/noise/false_return_frac"), 0.0) != 0;
 }
 
+/// The key, not zero, by which the seed moves the true beams; empty where it does not.
+std::string seed_moves_beams_by(const Json& config) {
+  const Json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
+  const Json sigma = config.value(jitter, Json(0));
+  if (sigma != 0 && sigma != Json({0, 0})) return jitter.to_string();
+  // The encoder of an fsm misleads only the lander; prisms themselves are off.
+  const Json::json_pointer encoder("/scanner/encoder_sigma_rad");
+  if (config.value(Json::json_pointer("/scanner/type"), "") == "risley" && config.value(encoder, 0.0) != 0)
+    return encoder.to_string();
+  return {};
+}
+
 /// Why the lidars' true pointing differs; empty where it does not.
 std::string turned_beams_differ(const Json& theirs, const Json& ours) {
   for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
@@ -46,10 +58,9 @@ std::string turned_beams_differ(const Json& theirs, const Json& ours) {
     if (theirs.value(where, Json()) != ours.value(where, Json()))
       return where.to_string() + " differs from this configuration's";
   }
-  const Json jitter = ours.value(Json::json_pointer("/pointing_error/jitter_sigma_rad"), Json(0));
-  if (jitter != 0 && jitter != Json({0, 0}) && theirs.value("seed", Json()) != ours.value("seed", Json()))
-    return "/seed differs from this configuration's, and the true beams follow it by "
-           "/pointing_error/jitter_sigma_rad";
+  const std::string key = seed_moves_beams_by(ours);
+  if (!key.empty() && theirs.value("seed", Json()) != ours.value("seed", Json()))
+    return "/seed differs from this configuration's, and the true beams follow it by " + key;
   return {};
 }
 

@@ -6,7 +6,8 @@ namespace landfall {
 struct MechanismTimingParameters {
   /// Pulses closer than this behind a jump of the aim are blanked; finite, >= 0.
   double turnaround_time_s = 0;
-  /// Until a step has died away to 5 %: 3/(zeta w_n); finite, >= 0. 0: the mechanism follows at once.
+  /// Three time constants, 3/(zeta w_n): a step has died away to about 5 % for damping up to 0.7, to 11 %
+  /// at 0.9 (e^-3/sqrt(1 - zeta^2)); finite, >= 0. 0: the mechanism follows at once.
   double settle_time_s = 0;
   double settle_damping = 0.7;  ///< zeta, in (0, 1)
 };

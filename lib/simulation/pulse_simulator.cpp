@@ -30,19 +30,38 @@ Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
   throw FormatError(message.str());
 }
 
-/// Where the pattern aims `later_s` after a pulse, moving evenly from one pulse's aim to the next. A pulse
-/// without an aim leaves it where it was.
+PulseTime pulse_ahead(const PulseInput& pulse, std::int64_t ahead) {
+  return {pulse.time.pulse + ahead, pulse.time.since_start_s + static_cast<double>(ahead) * pulse.interval_s};
+}
+
+/// The last of the next `most` pulses before the pattern jumps; `most` where it does not.
+std::int64_t pulses_without_jump(const Pattern& pattern, const PulseInput& pulse, std::int64_t most) {
+  while (const auto jump = pattern.last_jump(pulse_ahead(pulse, most))) {
+    const std::int64_t before = jump->before.pulse - pulse.time.pulse;
+    if (before < 0) break;
+    most = before;
+  }
+  return most;
+}
+
+/// Where the pattern aims `later_s` after a pulse, moving evenly from one pulse's aim to the next. Where a
+/// jump follows, or a pulse without an aim, it carries on as between the two pulses before.
 Point<DemFrame> aim_after(const Pattern& pattern, const PulseInput& pulse, double later_s) {
   const double pulses = pulse.interval_s > 0 ? later_s / pulse.interval_s : 0;
-  const auto whole = static_cast<std::int64_t>(pulses);
-  const auto aim = [&](std::int64_t ahead) {
-    return pattern.ground_aim(
-        {pulse.time.pulse + ahead, pulse.time.since_start_s + static_cast<double>(ahead) * pulse.interval_s});
-  };
-  const Point<DemFrame> here = *aim(0);
-  const Point<DemFrame> from = aim(whole).value_or(here);
-  const Point<DemFrame> to = aim(whole + 1).value_or(from);
-  return from + (pulses - static_cast<double>(whole)) * (to - from);
+  const auto aim = [&](std::int64_t ahead) { return pattern.ground_aim(pulse_ahead(pulse, ahead)); };
+  const std::int64_t wanted = static_cast<std::int64_t>(pulses) + 1;
+  const std::int64_t last = pulses_without_jump(pattern, pulse, wanted);
+  std::int64_t to = last;
+  while (to > 0 && !aim(to)) --to;
+  std::int64_t from = to - 1;
+  if (pulse.time.pulse + from < 0) return *aim(to);
+  if (to == 0) {
+    const auto jump = pattern.last_jump(pulse.time);
+    if (jump && jump->before.pulse == pulse.time.pulse - 1) return *aim(0);  // a step of one pulse
+  }
+  const auto start = aim(from);
+  if (!start) return *aim(to);
+  return *start + (pulses - static_cast<double>(from)) * (*aim(to) - *start);
 }
 
 /// The columns of a pose, whichever of the two it is.

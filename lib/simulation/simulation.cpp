@@ -55,7 +55,7 @@ double Simulation::stamped_time_s(const PulseTime& pulse) const {
   if (error_s == 0) return pulse.since_start_s;
   const Trajectory& known = estimate_ ? *estimate_ : *trajectory_;
   const double start_s = trajectory_->start_time_s();
-  return std::clamp(pulse.since_start_s + error_s, known.start_time_s() - start_s,
+  return std::clamp(pulse.since_start_s + error_s, known.earliest_time_s() - start_s,
                     known.end_time_s() - start_s);
 }
 

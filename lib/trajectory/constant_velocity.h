@@ -24,6 +24,7 @@ class ConstantVelocity : public Trajectory {
 
   [[nodiscard]] Pose pose(double t_s) const override;
   [[nodiscard]] double start_time_s() const override { return 0; }
+  [[nodiscard]] double earliest_time_s() const override { return -std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double end_time_s() const override { return std::numeric_limits<double>::infinity(); }
 
  private:

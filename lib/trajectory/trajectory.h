@@ -13,12 +13,14 @@ class Trajectory {
  public:
   virtual ~Trajectory() = default;
 
-  /// Throws FormatError, naming the time and the span, outside [start_time_s(), end_time_s()].
+  /// Throws FormatError, naming the time and the span, outside [earliest_time_s(), end_time_s()].
   [[nodiscard]] virtual Pose pose(double t_s) const = 0;
   /// What was planned for that time, whatever the lander does: where patterns aim from.
   [[nodiscard]] virtual Pose nominal_pose(double t_s) const { return pose(t_s); }
   /// t0: the time of the first pulse.
   [[nodiscard]] virtual double start_time_s() const = 0;
+  /// The first time that has a pose; minus infinity where the motion has no beginning.
+  [[nodiscard]] virtual double earliest_time_s() const { return start_time_s(); }
   /// The last time that has a pose; infinite where the motion has no end.
   [[nodiscard]] virtual double end_time_s() const = 0;
 };

@@ -5,7 +5,7 @@ import os
 import unittest
 
 import numpy as np
-from chain import CONFIGS, ChainTest, columns, run
+from chain import CONFIGS, ChainTest, columns, read_bytes, run
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
 
@@ -64,6 +64,18 @@ class Risley(ChainTest):
         believed = np.hypot(off["x_est"] - ideal["x_est"], off["y_est"] - ideal["y_est"])[hit]
         self.assertGreater(np.median(moved), 3 * np.median(believed))
         self.assertLess(np.median(moved), 50 * 0.0746 * 0.001 * 3)  # a wedge turns its 4.3 deg by 1 mrad
+
+    def test_a_redraw_keeps_the_seed_of_prisms_that_are_off(self):
+        config = os.path.join(FOLDER, "risley-rates.scan.json")
+        off = ["-c", config, "--set", "scanner.encoder_sigma_rad=0.001", "--seed", 3]
+        source, redrawn, traced = (self.path(name) for name in ("source.h5", "redrawn.h5", "traced.h5"))
+        self.succeed("scan-sim", *off, "--terrain", self.terrain, "-o", source)
+        noise = ["--set", "noise.range_sigma_m=0.02"]
+        self.refuse(2, "scan-sim", *off[:-1], 9, *noise, "--ranges-from", source, "-o", redrawn,
+                    words=["/seed", "/scanner/encoder_sigma_rad"], output=redrawn)
+        self.succeed("scan-sim", *off, *noise, "--ranges-from", source, "-o", redrawn)
+        self.succeed("scan-sim", *off, *noise, "--terrain", self.terrain, "-o", traced)
+        self.assertEqual(read_bytes(redrawn), read_bytes(traced))
 
 
 if __name__ == "__main__":

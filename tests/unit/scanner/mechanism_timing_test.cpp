@@ -59,7 +59,7 @@ TEST(MechanismTiming, StepSolvesTheOscillator) {
   }
 }
 
-TEST(MechanismTiming, SettlesToFivePercent) {
+TEST(MechanismTiming, SettlesWithinItsEnvelope) {
   for (const double zeta : {0.1, 0.4, 0.7, 0.9}) {
     const MechanismTiming timing({.settle_time_s = 2e-3, .settle_damping = zeta});
     const double envelope = std::exp(-3.0) / std::sqrt(1 - zeta * zeta);

@@ -111,12 +111,11 @@ TEST(ErrorEffects, ATimeStampThatIsLateMovesTheEstimateAhead) {
   }
 }
 
-TEST(ErrorEffects, TimeStampsStayWithinTheTrajectory) {
+TEST(ErrorEffects, TimeStampsReachBeforeTheFirstPulseOfAMotionWithoutBeginning) {
   const PlaneEngine engine;
   const PulseBatch batch = simulate({.pointing = {.time_stamp_bias_s = -0.0025}}, engine);
-  EXPECT_EQ(batch.pulses.pz_est[0], kHeight_m);  // the motion begins with the first pulse
-  EXPECT_EQ(batch.pulses.pz_est[2], kHeight_m);
-  EXPECT_NEAR(batch.pulses.pz_est[10], lander(10, -0.0025).z(), 1e-12);
+  for (const std::size_t k : {0U, 2U, 10U})
+    EXPECT_NEAR(batch.pulses.pz_est[k], lander(k, -0.0025).z(), 1e-12);
 }
 
 TEST(ErrorEffects, NavigationErrorsAreThoseOfTheStampedTime) {
@@ -132,6 +131,16 @@ std::unique_ptr<TableTrajectory> table(double first_s, double last_s) {
   return std::make_unique<TableTrajectory>(
       std::vector<TrajectorySample>{{first_s, {{1, 2, 503}}, level}, {last_s, {{1, 2, 403}}, level}},
       "estimates");
+}
+
+TEST(ErrorEffects, TimeStampsStayWithinATable) {
+  const PlaneEngine engine;
+  ScanModel model = scan({.pointing = {.time_stamp_bias_s = -0.0025}});
+  model.trajectory = table(0, 1);  // from 503 m, down by 100 m/s
+  const PulseBatch batch = simulate(std::move(model), engine);
+  EXPECT_EQ(batch.pulses.pz_est[0], 503);
+  const auto last = batch.pulses.size() - 1;
+  EXPECT_NEAR(batch.pulses.pz_est[last], batch.pulses.pz_true[last] + 0.25, 1e-12);
 }
 
 TEST(ErrorEffects, ATableOfEstimatesIsTheEstimate) {

@@ -426,7 +426,15 @@ TEST(PulseSimulator, TheAimAtTheEchoMovesEvenlyBetweenPulses) {
   EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 3e-6).aim_at_echo), 2 + flight_s / 3e-6, 1e-9);
   EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 1).aim_at_echo), 2 + flight_s, 1e-9);
   EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 0).aim_at_echo), 2, 1e-12);
-  EXPECT_NEAR(ground_x(*heard_at(4, {.echo = true}, 1e-6).aim_at_echo), 4, 1e-12);  // no aim after pulse 5
+}
+
+// Pulse 5 is the last with an aim, pulse 2 the last before a jump, and no aim comes before pulse 0.
+TEST(PulseSimulator, TheAimAtTheEchoCarriesOnOverJumpsAndEnds) {
+  const auto flight_s = [](double x) { return 2 * std::sqrt(500.0 * 500 + x * x) / 299792458; };
+  EXPECT_NEAR(ground_x(*heard_at(4, {.echo = true}, 1e-6).aim_at_echo), 4 + flight_s(4) / 1e-6, 1e-9);
+  EXPECT_NEAR(ground_x(*heard_at(5, {.echo = true}, 1e-5).aim_at_echo), 5 + flight_s(5) / 1e-5, 1e-9);
+  EXPECT_NEAR(ground_x(*heard_at(2, {.echo = true}, 1e-5).aim_at_echo), 2 + flight_s(2) / 1e-5, 1e-9);
+  EXPECT_NEAR(ground_x(*heard_at(0, {.echo = true}, 1e-6).aim_at_echo), flight_s(0) / 1e-6, 1e-9);
 }
 
 /// Leans its beams by angle_1 to +x; the lander believes twice as much.
