@@ -12,14 +12,14 @@ namespace landfall {
 namespace {
 
 BinMask valid_bins(const Grid<double>& z_est) {
-  BinMask valid(z_est.spec());
+  auto valid = BinMask::unset(z_est.spec());
   std::ranges::transform(z_est.values(), valid.values().begin(),
                          [](double z) -> std::int8_t { return std::isnan(z) ? 0 : 1; });
   return valid;
 }
 
 BinMask inside_but_not(const BinMask& region, const BinMask& valid) {
-  BinMask invalid(region.spec());
+  auto invalid = BinMask::unset(region.spec());
   std::ranges::transform(
       region.values(), valid.values(), invalid.values().begin(),
       [](std::int8_t inside, std::int8_t v) -> std::int8_t { return inside != 0 && v == 0 ? 1 : 0; });

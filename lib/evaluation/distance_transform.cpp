@@ -91,7 +91,7 @@ class RowEnvelope {
 
 Grid<std::int64_t> squared_distance(const BinMask& set) {
   const GridSpec& spec = set.spec();
-  Grid<std::int64_t> distance(spec);
+  auto distance = Grid<std::int64_t>::unset(spec);
   if (spec.size() == 0) return distance;
   parallel_for(
       static_cast<std::size_t>(spec.cols), kColumnsPerPiece, [&](std::size_t begin, std::size_t end) {

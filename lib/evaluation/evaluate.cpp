@@ -46,14 +46,14 @@ void check_layers(const DemLayers& dem) {
 }
 
 Grid<float> to_float(const Grid<double>& grid) {
-  Grid<float> result(grid.spec());
+  auto result = Grid<float>::unset(grid.spec());
   for_each_index(grid.values().size(),
                  [&](std::size_t i) { result.values()[i] = static_cast<float>(grid.values()[i]); });
   return result;
 }
 
 Grid<float> distance_layer(const Grid<std::int64_t>& squared) {
-  Grid<float> result(squared.spec());
+  auto result = Grid<float>::unset(squared.spec());
   for_each_index(squared.values().size(), [&](std::size_t i) {
     result.values()[i] = static_cast<float>(distance_bins(squared.values()[i]));
   });

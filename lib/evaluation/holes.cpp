@@ -85,11 +85,12 @@ void finish(Hole& hole, const GridSpec& spec) {
 
 HoleLabels label_holes(const BinMask& mask) {
   const GridSpec& spec = mask.spec();
-  HoleLabels result{Grid<std::int32_t>(spec), {}};
+  HoleLabels result{Grid<std::int32_t>::unset(spec), {}};
   LabelSets sets;
   for (std::int64_t row = 0; row < spec.rows; ++row)
     for (std::int64_t col = 0; col < spec.cols; ++col)
-      if (mask.at({row, col}) != 0) result.id.at({row, col}) = provisional_label(result.id, {row, col}, sets);
+      result.id.at({row, col}) =
+          mask.at({row, col}) != 0 ? provisional_label(result.id, {row, col}, sets) : 0;
 
   const std::vector<std::int32_t> ids = sets.final_ids();
   result.holes.resize(static_cast<std::size_t>(*std::max_element(ids.begin(), ids.end())));

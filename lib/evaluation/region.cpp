@@ -51,7 +51,7 @@ BinMask circular_region(const GridSpec& dem, double radius_m) {
     return whole ? squared < whole_radius * whole_radius
                  : static_cast<double>(squared) < radius_bins * radius_bins;
   };
-  BinMask region(dem);
+  auto region = BinMask::unset(dem);
   for (std::int64_t row = 0; row < dem.rows; ++row) {
     const std::int64_t i = dem.first_row + row;
     for (std::int64_t col = 0; col < dem.cols; ++col) {
@@ -68,7 +68,7 @@ BinMask square_region(const GridSpec& dem, double half_width_m) {
   if (!(half_bins >= 0) || margin < 0 || half_bins > static_cast<double>(margin))
     refuse(dem, "region/half_width_m", half_width_m, 0);
   const auto half = static_cast<std::int64_t>(half_bins);
-  BinMask region(dem);
+  auto region = BinMask::unset(dem);
   for (std::int64_t row = 0; row < dem.rows; ++row)
     for (std::int64_t col = 0; col < dem.cols; ++col)
       region.at({row, col}) =

@@ -145,6 +145,7 @@ class BandMeans {
   /// Each row that the band reaches is summed outwards once; each of its spans is added to the windows that
   /// hold the row in that width, from the lowest row up.
   void write_sums(Grid<double>& result) const {
+    for (std::int64_t row = band_.begin; row < band_.end; ++row) std::ranges::fill(result.row(row), 0.0);
     std::vector<double> padded = padded_row();
     std::vector<double> sums(static_cast<std::size_t>(values_.spec().cols));
     for (std::int64_t row = band_.first; row < band_.last; ++row) {
@@ -214,7 +215,7 @@ class BandMeans {
 
 WindowMeans window_means(const Grid<double>& values, const Footprint& footprint) {
   const GridSpec& spec = values.spec();
-  WindowMeans result{Grid<double>(spec), Grid<std::int32_t>(spec)};
+  WindowMeans result{Grid<double>::unset(spec), Grid<std::int32_t>::unset(spec)};
   parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     Band band{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), 0, 0};
     band.first = std::max<std::int64_t>(band.begin - footprint.half_bins(), 0);

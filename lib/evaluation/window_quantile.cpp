@@ -40,11 +40,12 @@ Grid<double> window_quantile(const WindowQuantileInput& input, const ProgressCal
                              const QuantileTile& tile) {
   if (may_overflow(input.error)) return window_quantile_naive(input, progress);
   const GridSpec& spec = input.error.spec();
-  Grid<double> result(spec, kNan);
+  auto result = Grid<double>::unset(spec);
   const auto piece = [&](std::size_t begin, std::size_t end) {
     TileQuantile tiles(input, result);
     const auto row = static_cast<std::int64_t>(begin);
     const std::int64_t rows = static_cast<std::int64_t>(end) - row;
+    for (std::int64_t r = row; r < row + rows; ++r) std::ranges::fill(result.row(r), kNan);
     for (std::int64_t col = 0; col < spec.cols; col += tile.cols)
       tiles.compute({row, col, rows, std::min(tile.cols, spec.cols - col)});
   };

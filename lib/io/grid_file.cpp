@@ -221,7 +221,7 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
       size[0] != static_cast<hsize_t>(spec_.rows) || size[1] != static_cast<hsize_t>(spec_.cols))
     file_.fail("layer /" + name + " is not of the shape (y, x) = (" + std::to_string(spec_.rows) + ", " +
                std::to_string(spec_.cols) + ")");
-  Grid<T> layer(spec_);
+  auto layer = Grid<T>::unset(spec_);
   if (!read_tiles(dataset.get(), layer, progress) &&
       H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
               layer.values().data()) < 0)

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "base/large_memory.h"
 #include "raster/grid_spec.h"
 
 namespace landfall {
@@ -14,6 +15,13 @@ class Grid {
  public:
   Grid() = default;
   explicit Grid(const GridSpec& spec, T fill = T{}) : spec_(spec), values_(spec.size(), fill) {}
+  /// Of values that are all to be written before one is read.
+  [[nodiscard]] static Grid unset(const GridSpec& spec) {
+    Grid grid;
+    grid.spec_ = spec;
+    grid.values_.resize(spec.size());
+    return grid;
+  }
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// The bin must lie in the grid.
@@ -30,7 +38,7 @@ class Grid {
 
  private:
   GridSpec spec_;
-  std::vector<T> values_;
+  std::vector<T, LargeAllocator<T>> values_;
 };
 
 }  // namespace landfall
