@@ -3,8 +3,21 @@
 
 #include <algorithm>
 
-namespace landfall {
-namespace {
+#include "evaluation/quantile.h"
+#include "evaluation/tail_cursor.h"
+
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "evaluation/tail_walk.cpp"
+#include <hwy/foreach_target.h>  // this file again, once for each instruction set
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace landfall::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -12,13 +25,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// is finite. Both tails are parted by the rounded deviation itself: a sum like centre + limit has a rounding
 /// of its own, under which the tails would disagree about nearly equal deviations. Most moves are short: the
 /// sixteen values around the place are compared without a branch.
-std::size_t part(const ErrorTail& tail, std::size_t place, double centre, double limit) {
+inline std::size_t part(const ErrorTail& tail, std::size_t place, double centre, double limit) {
   constexpr std::size_t kReach = 8;
   static_assert(kReach <= ErrorTail::kPad / 2);
   const double* const values = tail.values();
   const double* const around = values + place - kReach;
+  const auto centres = hn::Set(D(), centre);
+  const auto limits = hn::Set(D(), limit);
   std::size_t above = 0;
-  for (std::size_t i = 0; i < 2 * kReach; ++i) above += around[i] - centre > limit ? 1U : 0U;
+  for (std::size_t i = 0; i < 2 * kReach; i += hn::Lanes(D()))
+    above += hn::CountTrue(D(), hn::Gt(hn::Sub(hn::LoadU(D(), around + i), centres), limits));
   if (above > 0 && above < 2 * kReach) return place - kReach + above;
   const double* const end = values + tail.size() + 2 * ErrorTail::kPad;
   const double* const parted =
@@ -26,18 +42,44 @@ std::size_t part(const ErrorTail& tail, std::size_t place, double centre, double
   return static_cast<std::size_t>(parted - values);
 }
 
-}  // namespace
+/// One walk.
+class Walk {
+ public:
+  /// above: the order statistics of the row of windows before; so many as the tile has columns.
+  Walk(const WindowQuantileInput& input, Grid<double>& result, double floor, std::vector<double>& above)
+      : input_(input), result_(result), floor_(floor), above_(above) {}
 
-WalkOutcome TailWalk::run(ErrorTails& tails, const Tile& tile, double floor) {
-  floor_ = floor;
-  outcome_ = {};
-  places_ = {ErrorTail::kPad, ErrorTail::kPad};
-  above_.assign(static_cast<std::size_t>(tile.cols), floor);
-  for (std::int64_t row = 0; row < tile.rows; ++row) walk_row(tails, tile, row);
-  return outcome_;
-}
+  WalkOutcome run(ErrorTails& tails, const Tile& tile) {
+    for (std::int64_t row = 0; row < tile.rows; ++row) walk_row(tails, tile, row);
+    return outcome_;
+  }
 
-void TailWalk::walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row) {
+ private:
+  struct OrderStatistics {
+    double below = 0;  ///< -infinity when the tails hold too few bins
+    double above = 0;
+  };
+  struct Places {
+    std::size_t upper = ErrorTail::kPad;
+    std::size_t lower = ErrorTail::kPad;
+  };
+
+  void walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row);
+  [[nodiscard]] double settle(BinIndex bin, const OrderStatistics& found);
+  [[nodiscard]] OrderStatistics find(TailCursor upper, TailCursor lower) const;
+  void look_up_rank(BinIndex bin);
+
+  const WindowQuantileInput& input_;
+  Grid<double>& result_;
+  double floor_;
+  std::vector<double>& above_;
+  WalkOutcome outcome_;
+  Places places_;  ///< where the last window was parted
+  std::int32_t rank_count_ = 0;
+  QuantileRank rank_;  ///< of rank_count_ values
+};
+
+inline void Walk::walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row) {
   tails.upper.enter_row(row);
   tails.lower.enter_row(row);
   double left = above_[0];
@@ -59,7 +101,7 @@ void TailWalk::walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row) {
   }
 }
 
-void TailWalk::look_up_rank(BinIndex bin) {
+inline void Walk::look_up_rank(BinIndex bin) {
   const std::int32_t count = input_.windows.count.at(bin);
   if (count == rank_count_) return;
   rank_count_ = count;
@@ -67,7 +109,7 @@ void TailWalk::look_up_rank(BinIndex bin) {
 }
 
 /// Everything above the lower order statistic is taken; the members at the border are the two.
-TailWalk::OrderStatistics TailWalk::find(TailCursor upper, TailCursor lower) const {
+inline Walk::OrderStatistics Walk::find(TailCursor upper, TailCursor lower) const {
   // One padding place in each tail is always taken.
   const std::size_t target = static_cast<std::size_t>(rank_count_) - 1 - rank_.below + 2;
   std::size_t taken = upper.count_taken() + lower.count_taken();
@@ -86,7 +128,7 @@ TailWalk::OrderStatistics TailWalk::find(TailCursor upper, TailCursor lower) con
           std::min(upper.previous_deviation(), lower.previous_deviation())};
 }
 
-double TailWalk::settle(BinIndex bin, const OrderStatistics& found) {
+inline double Walk::settle(BinIndex bin, const OrderStatistics& found) {
   if (!(found.below >= floor_)) {
     ++outcome_.uncertified;
     outcome_.lower_bound = std::min(outcome_.lower_bound, found.below);
@@ -97,4 +139,23 @@ double TailWalk::settle(BinIndex bin, const OrderStatistics& found) {
   return found.below;
 }
 
+WalkOutcome RunWalk(const WindowQuantileInput& input, Grid<double>& result, ErrorTails& tails,
+                    const Tile& tile, double floor, std::vector<double>& above) {
+  return Walk(input, result, floor, above).run(tails, tile);
+}
+
+}  // namespace landfall::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace landfall {
+
+HWY_EXPORT(RunWalk);
+
+WalkOutcome TailWalk::run(ErrorTails& tails, const Tile& tile, double floor) {
+  above_.assign(static_cast<std::size_t>(tile.cols), floor);
+  return HWY_DYNAMIC_DISPATCH(RunWalk)(input_, result_, tails, tile, floor, above_);
+}
+
 }  // namespace landfall
+#endif

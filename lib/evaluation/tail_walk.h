@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "evaluation/error_tails.h"
-#include "evaluation/quantile.h"
-#include "evaluation/tail_cursor.h"
 #include "evaluation/window_quantile.h"
 
 namespace landfall {
@@ -35,28 +33,9 @@ class TailWalk {
   [[nodiscard]] WalkOutcome run(ErrorTails& tails, const Tile& tile, double floor);
 
  private:
-  struct OrderStatistics {
-    double below = 0;  ///< -infinity when the tails hold too few bins
-    double above = 0;
-  };
-  struct Places {
-    std::size_t upper = 0;
-    std::size_t lower = 0;
-  };
-
-  void walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row);
-  [[nodiscard]] double settle(BinIndex bin, const OrderStatistics& found);
-  [[nodiscard]] OrderStatistics find(TailCursor upper, TailCursor lower) const;
-  void look_up_rank(BinIndex bin);
-
   const WindowQuantileInput& input_;
   Grid<double>& result_;
-  double floor_ = 0;
-  WalkOutcome outcome_;
-  Places places_;              ///< where the last window was parted
   std::vector<double> above_;  ///< order statistics of the row of windows before
-  std::int32_t rank_count_ = 0;
-  QuantileRank rank_;  ///< of rank_count_ values
 };
 
 }  // namespace landfall

@@ -10,23 +10,48 @@
 
 #include "base/parallel.h"
 
-namespace landfall {
-namespace {
+// Vectors without a size at compile time cannot be members.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "evaluation/window_mean.cpp"
+#include <hwy/foreach_target.h>  // this file again, once for each instruction set
+#include <hwy/highway.h>
 
-constexpr std::size_t kRowsPerPiece = 128;
+HWY_BEFORE_NAMESPACE();
+namespace landfall::HWY_NAMESPACE {
 
-/// Columns that are summed at a time, in registers.
-constexpr std::int64_t kLanes = 16;
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+
+/// Columns that are summed at a time, in registers: four vectors hide the time that an addition takes.
+constexpr std::int64_t kVectorLanes = static_cast<std::int64_t>(hn::MaxLanes(D()));
+constexpr std::int64_t kLanes = 4 * kVectorLanes;
 
 template <class T>
 using Lanes = std::array<T, kLanes>;
 
-template <class T>
-void add(Lanes<T>& sums, const T* values) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += values[lane];
-}
+/// The sums of kLanes columns.
+struct LaneSums {
+  V v0, v1, v2, v3;
 
-std::int64_t whole_lanes(std::int64_t cols) { return (cols + kLanes - 1) / kLanes * kLanes; }
+  HWY_INLINE LaneSums() : v0(hn::Zero(D())), v1(v0), v2(v0), v3(v0) {}
+  HWY_INLINE void Add(const double* values) {
+    v0 = hn::Add(v0, hn::LoadU(D(), values));
+    v1 = hn::Add(v1, hn::LoadU(D(), values + kVectorLanes));
+    v2 = hn::Add(v2, hn::LoadU(D(), values + 2 * kVectorLanes));
+    v3 = hn::Add(v3, hn::LoadU(D(), values + 3 * kVectorLanes));
+  }
+  HWY_INLINE void Store(double* target) const {
+    hn::StoreU(v0, D(), target);
+    hn::StoreU(v1, D(), target + kVectorLanes);
+    hn::StoreU(v2, D(), target + 2 * kVectorLanes);
+    hn::StoreU(v3, D(), target + 3 * kVectorLanes);
+  }
+};
+
+inline std::int64_t whole_lanes(std::int64_t cols) { return (cols + kLanes - 1) / kLanes * kLanes; }
 
 /// Some rows of one width, one behind the other.
 template <class T>
@@ -108,7 +133,8 @@ class BandMeans {
           slide(row, count_row);
         } else {
           counts = {};
-          for_each_row(row, [&](std::int64_t r) { count_row(r, 1); });
+          const RowRange rows = rows_of(row);
+          for (std::int64_t r = rows.begin; r < rows.end; ++r) count_row(r, 1);
         }
         store(counts, result, {row, col});
       }
@@ -130,16 +156,22 @@ class BandMeans {
     for (std::int64_t row = band_.first; row < band_.last; ++row) {
       read_row(row, padded);
       for (std::int64_t col = 0; col < width_; col += kLanes) {
-        Lanes<double> sums{};
-        for (std::int64_t c = col; c <= col + 2 * reach_; ++c) add(sums, padded.data() + c);
-        std::ranges::copy(sums, row_sums.row(row - band_.first) + col);
+        LaneSums sums;
+        for (std::int64_t c = col; c <= col + 2 * reach_; ++c) sums.Add(padded.data() + c);
+        sums.Store(row_sums.row(row - band_.first) + col);
       }
     }
-    for_each_block([&](std::int64_t row, std::int64_t col) {
-      Lanes<double> sums{};
-      for_each_row(row, [&](std::int64_t r) { add(sums, row_sums.row(r - band_.first) + col); });
-      store(sums, result, {row, col});
-    });
+    for (std::int64_t col = 0; col < width_; col += kLanes)
+      for (std::int64_t row = band_.begin; row < band_.end; ++row) add_rows(row_sums, {row, col}, result);
+  }
+
+  void add_rows(const RowBuffer<double>& row_sums, BinIndex first, Grid<double>& result) const {
+    LaneSums sums;
+    const RowRange rows = rows_of(first.row);
+    for (std::int64_t r = rows.begin; r < rows.end; ++r) sums.Add(row_sums.row(r - band_.first) + first.col);
+    Lanes<double> lanes;
+    sums.Store(lanes.data());
+    store(lanes, result, first);
   }
 
   /// Each row that the band reaches is summed outwards once; each of its spans is added to the windows that
@@ -180,17 +212,14 @@ class BandMeans {
     for (std::size_t c = 0; c < sums.size(); ++c) target[c] += sums[c];
   }
 
-  template <class Work>
-  void for_each_block(const Work& work) const {
-    for (std::int64_t col = 0; col < width_; col += kLanes)
-      for (std::int64_t row = band_.begin; row < band_.end; ++row) work(row, col);
-  }
+  struct RowRange {
+    std::int64_t begin, end;
+  };
 
-  /// The rows of the grid that windows centred on `row` reach, from the lowest up.
-  template <class Work>
-  void for_each_row(std::int64_t row, const Work& work) const {
-    const std::int64_t last = std::min(row + footprint_.half_bins(), band_.last - 1);
-    for (std::int64_t r = std::max(row - footprint_.half_bins(), band_.first); r <= last; ++r) work(r);
+  /// The rows of the grid that windows centred on `row` reach.
+  [[nodiscard]] RowRange rows_of(std::int64_t row) const {
+    return {std::max(row - footprint_.half_bins(), band_.first),
+            std::min(row + footprint_.half_bins() + 1, band_.last)};
   }
 
   template <class T>
@@ -211,18 +240,36 @@ class BandMeans {
   std::int64_t width_;  ///< columns, filled up to whole lanes
 };
 
+void WriteBand(const Grid<double>& values, const Footprint& footprint, std::int64_t begin, std::int64_t end,
+               WindowMeans& result) {
+  Band band{begin, end, 0, 0};
+  band.first = std::max<std::int64_t>(band.begin - footprint.half_bins(), 0);
+  band.last = std::min(band.end + footprint.half_bins(), values.spec().rows);
+  BandMeans(values, footprint, band).write(result);
+}
+
+}  // namespace landfall::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace landfall {
+namespace {
+
+constexpr std::size_t kRowsPerPiece = 128;
+
 }  // namespace
+
+HWY_EXPORT(WriteBand);
 
 WindowMeans window_means(const Grid<double>& values, const Footprint& footprint) {
   const GridSpec& spec = values.spec();
   WindowMeans result{Grid<double>::unset(spec), Grid<std::int32_t>::unset(spec)};
   parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    Band band{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), 0, 0};
-    band.first = std::max<std::int64_t>(band.begin - footprint.half_bins(), 0);
-    band.last = std::min(band.end + footprint.half_bins(), spec.rows);
-    BandMeans(values, footprint, band).write(result);
+    HWY_DYNAMIC_DISPATCH(WriteBand)
+    (values, footprint, static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), result);
   });
   return result;
 }
 
 }  // namespace landfall
+#endif

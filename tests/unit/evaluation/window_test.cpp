@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Window means and quantiles: by hand, and to the last bit against direct sums and a full sort.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <bit>
@@ -142,6 +143,27 @@ TEST(WindowMeans, SumsLeftToRightThenUpwards) {
 TEST(WindowMeans, WindowLargerThanTheGrid) {
   const WindowMeans windows = window_means(grid_of({1, 0, 0, 2, 2}, {1, 2, 3, 4}), Footprint::square(100));
   for (const double mean : windows.mean.values()) EXPECT_EQ(mean, 2.5);
+}
+
+TEST(Windows, EveryInstructionSetGivesTheSameBits) {
+  const Grid<double> error = noise({1, 0, 0, 90, 153}, 0.1, 5);
+  const BinMask everywhere(error.spec(), 1);
+  for (const Footprint& footprint : {Footprint::square(6), Footprint::disc(40)}) {
+    hwy::SetSupportedTargetsForTest(0);
+    const WindowMeans expected = window_means(error, footprint);
+    const WindowQuantileInput input{
+        .error = error, .windows = expected, .footprint = footprint, .region = everywhere};
+    const Grid<double> expected_quantiles = window_quantile_naive(input);
+    for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+      const std::int64_t target = rest & -rest;
+      hwy::SetSupportedTargetsForTest(target);
+      const WindowMeans found = window_means(error, footprint);
+      EXPECT_TRUE(same_bits(found.mean, expected.mean)) << hwy::TargetName(target);
+      EXPECT_TRUE(std::ranges::equal(found.count.values(), expected.count.values()));
+      EXPECT_TRUE(same_bits(window_quantile(input), expected_quantiles)) << hwy::TargetName(target);
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 TEST(WindowQuantile, ByHand) {
