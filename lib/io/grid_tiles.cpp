@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -60,36 +61,28 @@ std::array<hsize_t, 2> offset_of(BinIndex first) {
 template <class T>
 void copy_tile(const Grid<T>& layer, BinIndex first, std::vector<T>& values) {
   const BinIndex tile = tile_of(layer.spec());
-  values.assign(static_cast<std::size_t>(tile.row * tile.col), fill_of<T>());
   const std::int64_t rows = std::min(tile.row, layer.spec().rows - first.row);
   const std::int64_t cols = std::min(tile.col, layer.spec().cols - first.col);
+  const auto bins = static_cast<std::size_t>(tile.row * tile.col);
+  if (rows < tile.row || cols < tile.col)
+    values.assign(bins, fill_of<T>());
+  else
+    values.resize(bins);
   for (std::int64_t r = 0; r < rows; ++r)
     std::memcpy(values.data() + r * tile.col, &layer.at({first.row + r, first.col}),
                 static_cast<std::size_t>(cols) * sizeof(T));
 }
-
-/// One thread's memory, kept from tile to tile.
-template <class T>
-struct TileEncoder {
-  ChunkEncoder encoder;
-  std::vector<T> values;
-};
-
-struct EncodedTile {
-  BinIndex first;
-  std::vector<std::byte> bytes;
-};
 
 struct LoadedTile {
   BinIndex first;
   StoredChunk chunk;
 };
 
-/// Decodes the tile and puts the bins that lie in the layer in their place.
+/// Decodes the tile into `values` and puts the bins that lie in the layer in their place.
 template <class T>
-bool place_tile(const LoadedTile& loaded, const ChunkFormat& format, Grid<T>& layer) {
+bool place_tile(const LoadedTile& loaded, const ChunkFormat& format, std::vector<T>& values, Grid<T>& layer) {
   const BinIndex tile = tile_of(layer.spec());
-  std::vector<T> values(format.element_count);
+  values.resize(format.element_count);
   if (!decode_chunk(loaded.chunk.bytes, loaded.chunk.filter_mask, format, 0,
                     std::as_writable_bytes(std::span(values))))
     return false;
@@ -108,30 +101,25 @@ BinIndex tile_of(const GridSpec& spec) { return {std::min(kTile, spec.rows), std
 
 template <class T>
 void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std::string& name) {
-  TileSequence tiles(layer.spec());
-  const auto next = [&](tbb::flow_control& control) {
-    if (!tiles.at_end()) return tiles.next();
-    control.stop();
-    return BinIndex{};
+  std::vector<BinIndex> todo;
+  for (TileSequence tiles(layer.spec()); !tiles.at_end();) todo.push_back(tiles.next());
+  struct Slot {
+    ChunkEncoder encoder;
+    std::vector<T> values;
+    std::span<const std::byte> bytes;
   };
-  tbb::enumerable_thread_specific<TileEncoder<T>> encoders([&] {
-    return TileEncoder<T>{ChunkEncoder(sizeof(T), compression), {}};
-  });
-  const auto encode = [&](BinIndex first) {
-    auto& [encoder, values] = encoders.local();
-    copy_tile(layer, first, values);
-    const auto bytes = encoder.encode(std::as_bytes(std::span(values)));
-    return EncodedTile{first, {bytes.begin(), bytes.end()}};
+  std::vector<Slot> slots(kTilesPerThread * thread_count(), {ChunkEncoder(sizeof(T), compression), {}, {}});
+  const auto encode = [&](std::size_t i, std::size_t number) {
+    Slot& slot = slots[number];
+    copy_tile(layer, todo[i], slot.values);
+    slot.bytes = slot.encoder.encode(std::as_bytes(std::span(slot.values)));
   };
-  const auto write = [&](const EncodedTile& encoded) {
-    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset_of(encoded.first).data(), encoded.bytes.size(),
-                       encoded.bytes.data()) < 0)
+  const auto write = [&](std::size_t i, std::size_t number) {
+    const std::span<const std::byte> bytes = slots[number].bytes;
+    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset_of(todo[i]).data(), bytes.size(), bytes.data()) < 0)
       throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
   };
-  tbb::parallel_pipeline(kTilesPerThread * thread_count(),
-                         tbb::make_filter<void, BinIndex>(filter_mode::serial_in_order, next) &
-                             tbb::make_filter<BinIndex, EncodedTile>(filter_mode::parallel, encode) &
-                             tbb::make_filter<EncodedTile, void>(filter_mode::serial_in_order, write));
+  produce_in_parallel(todo.size(), slots.size(), encode, write);
 }
 
 template <class T>
@@ -152,8 +140,9 @@ bool read_tiles(hid_t dataset, Grid<T>& layer, const ProgressCallback& progress)
     if (!load_chunk(dataset, offset_of(loaded.first), loaded.chunk)) good = false;
     return loaded;
   };
+  tbb::enumerable_thread_specific<std::vector<T>> values;  // kept from tile to tile
   const auto place = [&](const LoadedTile& loaded) {
-    if (!place_tile(loaded, chunks->format, layer)) good = false;
+    if (!place_tile(loaded, chunks->format, values.local(), layer)) good = false;
   };
   tbb::parallel_pipeline(kTilesPerThread * thread_count(),
                          tbb::make_filter<void, LoadedTile>(filter_mode::serial_in_order, load) &
