@@ -24,6 +24,13 @@ auto magnitudes_of(const Grid<double>& grid) {
   return [values = grid.values()](std::size_t i) { return std::abs(values[i]); };
 }
 
+/// Of magnitudes that were looked at; there is one.
+template <ValueAt F>
+double p95(const ValueLook& look, std::size_t bins, const F& magnitude_at) {
+  const BucketRange range = *find_buckets(look.counts, kSummaryQuantile);
+  return value_at_rank(values_in(bins, magnitude_at, range), range.rank);
+}
+
 }  // namespace
 
 Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est) {
@@ -57,30 +64,26 @@ FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMas
 
 AbsoluteMetrics summarise_absolute(const Grid<double>& mean) {
   const std::size_t bins = mean.spec().size();
-  const CountedSum sum = counted_sum(bins, values_of(mean));
-  if (sum.count == 0) return {};
-  return {.p95_m = quantile_of(bins, magnitudes_of(mean), kSummaryQuantile),
-          .mean_m = sum.mean(),
-          .max_m = largest_of(bins, magnitudes_of(mean))};
+  const ValueLook look = look_at(bins, values_of(mean), HUGE_VAL);
+  if (look.sum.count == 0) return {};
+  return {.p95_m = p95(look, bins, magnitudes_of(mean)), .mean_m = look.sum.mean(), .max_m = look.largest};
 }
 
 RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m) {
   const std::size_t bins = relative.spec().size();
-  const std::optional<double> p95_m = quantile_of(bins, values_of(relative), kSummaryQuantile);
-  if (!p95_m) return {};
-  return {.p95_m = p95_m,
-          .max_m = largest_of(bins, values_of(relative)),
-          .violation_count = count_above(bins, values_of(relative), limit_m)};
+  const ValueLook look = look_at(bins, values_of(relative), limit_m);
+  if (look.sum.count == 0) return {};
+  return {
+      .p95_m = p95(look, bins, values_of(relative)), .max_m = look.largest, .violation_count = look.above};
 }
 
 HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m) {
   const std::size_t bins = horizontal.spec().size();
-  const CountedSum sum = counted_sum(bins, values_of(horizontal));
-  if (sum.count == 0) return {};
-  const auto count = static_cast<double>(sum.count);
-  const auto above = static_cast<double>(count_above(bins, values_of(horizontal), limit_m));
-  return {.p95_m = quantile_of(bins, values_of(horizontal), kSummaryQuantile),
-          .within_limit_frac = (count - above) / count};
+  const ValueLook look = look_at(bins, values_of(horizontal), limit_m);
+  if (look.sum.count == 0) return {};
+  const auto count = static_cast<double>(look.sum.count);
+  return {.p95_m = p95(look, bins, values_of(horizontal)),
+          .within_limit_frac = (count - static_cast<double>(look.above)) / count};
 }
 
 Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y) {

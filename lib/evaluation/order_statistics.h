@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -53,6 +54,57 @@ struct BucketRange {
 /// The value at a rank of the pieces' values together. A zero is +0.
 [[nodiscard]] double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank);
 
+/// The values of the pieces whose buckets a range holds.
+template <ValueAt F>
+[[nodiscard]] std::vector<std::vector<double>> values_in(std::size_t count, const F& value_at,
+                                                         const BucketRange& range) {
+  return by_piece(count, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> piece;
+    for (std::size_t i = begin; i < end; ++i) {
+      const double value = value_at(i);
+      if (range.holds(ValueBucket::of(value))) piece.push_back(value);
+    }
+    return piece;
+  });
+}
+
+/// What one look at values tells: their sum, and of their magnitudes the largest (-infinity without a value),
+/// how many exceed a limit, and how they are spread.
+struct ValueLook {
+  CountedSum sum;
+  double largest = -HUGE_VAL;
+  std::int64_t above = 0;
+  BucketCounts counts;
+};
+
+template <ValueAt F>
+[[nodiscard]] ValueLook look_at(std::size_t count, const F& value_at, double limit) {
+  std::vector<ValueLook> pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
+    ValueLook piece;
+    piece.counts.resize(ValueBucket::kCount + 1);
+    for (std::size_t i = begin; i < end; ++i) {
+      const double value = value_at(i);
+      const double magnitude = std::abs(value);
+      piece.sum.add(value);
+      piece.largest = magnitude > piece.largest ? magnitude : piece.largest;
+      piece.above += magnitude > limit ? 1 : 0;
+      ++piece.counts[ValueBucket::of(magnitude)];
+    }
+    return piece;
+  });
+  ValueLook result;
+  result.counts.resize(ValueBucket::kCount + 1);
+  for (const ValueLook& piece : pieces) {
+    result.sum.count += piece.sum.count;
+    result.sum.sum += piece.sum.sum;
+    result.largest = std::max(result.largest, piece.largest);
+    result.above += piece.above;
+    for (std::size_t bucket = 0; bucket < result.counts.size(); ++bucket)
+      result.counts[bucket] += piece.counts[bucket];
+  }
+  return result;
+}
+
 /// One quantile (quantile.h) of the values that count; nothing without a value. A selection would copy all
 /// values and move them about; this counts them by bucket and copies those of one or two buckets.
 template <ValueAt F>
@@ -64,15 +116,7 @@ template <ValueAt F>
   });
   const std::optional<BucketRange> range = find_buckets(sum_of_counts(counts), q);
   if (!range) return std::nullopt;
-  const auto values = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> piece;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double value = value_at(i);
-      if (range->holds(ValueBucket::of(value))) piece.push_back(value);
-    }
-    return piece;
-  });
-  return value_at_rank(values, range->rank);
+  return value_at_rank(values_in(count, value_at, *range), range->rank);
 }
 
 }  // namespace landfall

@@ -70,33 +70,4 @@ template <ValueAt F>
   }));
 }
 
-/// The largest value; -infinity without one.
-template <ValueAt F>
-[[nodiscard]] double largest_of(std::size_t count, const F& value_at) {
-  const auto pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    double largest = -HUGE_VAL;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double value = value_at(i);
-      largest = value > largest ? value : largest;
-    }
-    return largest;
-  });
-  double result = -HUGE_VAL;
-  for (const double largest : pieces) result = largest > result ? largest : result;
-  return result;
-}
-
-/// How many values exceed the limit.
-template <ValueAt F>
-[[nodiscard]] std::int64_t count_above(std::size_t count, const F& value_at, double limit) {
-  const auto pieces = by_piece(count, [&](std::size_t begin, std::size_t end) {
-    std::int64_t above = 0;
-    for (std::size_t i = begin; i < end; ++i) above += value_at(i) > limit ? 1 : 0;
-    return above;
-  });
-  std::int64_t result = 0;
-  for (const std::int64_t above : pieces) result += above;
-  return result;
-}
-
 }  // namespace landfall

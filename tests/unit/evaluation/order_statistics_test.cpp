@@ -94,12 +94,18 @@ TEST(CountedSum, PieceByPieceInAFixedOrder) {
   EXPECT_TRUE(std::isnan(counted_sum(0, at(values)).mean()));
 }
 
-TEST(Piecewise, LargestAndCountAbove) {
+TEST(ValueLook, SumOfValuesButLargestAndAboveOfMagnitudes) {
   const std::vector<double> values{kNan, -3, 2, 2, kNan};
-  EXPECT_EQ(largest_of(values.size(), at(values)), 2);
-  EXPECT_EQ(largest_of(1, at(values)), -kInfinity);
-  EXPECT_EQ(count_above(values.size(), at(values), 2), 0);
-  EXPECT_EQ(count_above(values.size(), at(values), 1.5), 2);
+  const ValueLook look = look_at(values.size(), at(values), 2);
+  EXPECT_EQ(look.sum.count, 3);
+  EXPECT_EQ(look.sum.sum, 1);
+  EXPECT_EQ(look.largest, 3);
+  EXPECT_EQ(look.above, 1);
+  EXPECT_EQ(look.counts[ValueBucket::of(3)], 1U);
+  EXPECT_EQ(look.counts[ValueBucket::of(2)], 2U);
+  EXPECT_EQ(look.counts[ValueBucket::kCount], 2U);
+  EXPECT_EQ(look_at(values.size(), at(values), 1.5).above, 3);
+  EXPECT_EQ(look_at(1, at(values), 2).largest, -kInfinity);
 }
 
 }  // namespace
