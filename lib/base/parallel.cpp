@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -46,6 +47,10 @@ void parallel_for(std::size_t count, std::size_t grain,
   tbb::this_task_arena::isolate(
       [&] { tbb::parallel_for(std::size_t{0}, pieces, run_piece, tbb::simple_partitioner{}); });
   if (pieces == 0) report(progress, 1.0);
+}
+
+void run_both(const std::function<void()>& first, const std::function<void()>& second) {
+  tbb::this_task_arena::isolate([&] { tbb::parallel_invoke(first, second); });
 }
 
 namespace {

@@ -32,6 +32,10 @@ void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& work,
                   const ProgressCallback& progress = {});
 
+/// Calls both at the same time, where there are threads for it. An exception thrown by either is rethrown
+/// here.
+void run_both(const std::function<void()>& first, const std::function<void()>& second);
+
 /// Calls produce(item, slot), then consume(item, slot) for every item of [0, count), each of the two in order
 /// and never with itself at the same time, while later items are produced as earlier ones are consumed. At
 /// most `slots` (>= 1) items exist at a time, and slot = item % slots: memory for `slots` items is enough. An

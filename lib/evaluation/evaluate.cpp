@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/coverage.h"
 #include "evaluation/distance_transform.h"
@@ -137,12 +139,19 @@ class AccuracyPass {
         rule_{footprint_of(parameters, region.spec().resolution_m), parameters.quantile},
         out_(out) {}
 
+  /// Errors and their statistics, of x and y: they take the place of their truth. To be called before run().
+  void measure_horizontal_errors(DemLayers& dem) const {
+    measure_errors(kX, dem);
+    measure_errors(kY, dem);
+  }
+
   /// The DEM must have truth, which is used up.
   void run(DemLayers& dem, const ProgressCallback& progress) const {
     out_.metrics.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
     out_.metrics.quantile = rule_.quantile;
     const double share = 0.99 / (dem.z_corrected ? 4 : 3);  // the last hundredth is left to the summary
     if (dem.z_corrected) measure_corrected(dem, part(progress, 0, share));
+    measure_errors(kZ, dem);
     judge_axis(kZ, dem, part(progress, 0.99 - 3 * share, share));
     AxisResult x = judge_axis(kX, dem, part(progress, 0.99 - 2 * share, share));
     const AxisResult y = judge_axis(kY, dem, part(progress, 0.99 - share, share));
@@ -157,11 +166,16 @@ class AccuracyPass {
     Grid<double> mean;  ///< of the footprints
   };
 
+  void measure_errors(const AxisFields& fields, DemLayers& dem) const {
+    Grid<double>& layer = (*dem.truth).*fields.truth;
+    layer = error_of(fields.axis, std::move(layer), dem.z_est);
+    out_.statistics.*fields.statistics = error_statistics(layer, region_);
+  }
+
   AxisResult judge_axis(const AxisFields& fields, DemLayers& dem, const ProgressCallback& progress) const {
     const double limit_m = limits_.*fields.limit_m;
     AxisLayers layers;
-    layers.error = error_of(fields.axis, std::move((*dem.truth).*fields.truth), dem.z_est);
-    out_.statistics.*fields.statistics = error_statistics(layers.error, region_);
+    layers.error = std::move((*dem.truth).*fields.truth);
     FootprintStatistics statistics = footprint_statistics(layers.error, region_, rule_, progress);
     out_.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
     out_.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
@@ -200,10 +214,9 @@ class AccuracyPass {
   Output out_;
 };
 
-/// Judges coverage and gives its layers to the sink. The region comes back.
-BinMask judge_coverage(const Grid<double>& z_est, BinMask region, const EvaluationLimits& limits,
-                       LayerSink* sink, Evaluation& result, Grid<std::int8_t>& fail) {
-  Coverage coverage = assess_coverage(z_est, region, limits);
+/// Takes over what is known of the coverage and gives its layers to the sink. The region comes back.
+BinMask take_coverage(Coverage coverage, BinMask region, const EvaluationLimits& limits, LayerSink* sink,
+                      Evaluation& result, Grid<std::int8_t>& fail) {
   flag_coverage(coverage, limits, fail);
   result.holes = std::move(coverage.holes);
   result.metrics.coverage = std::move(coverage.metrics);
@@ -239,10 +252,17 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, Layer
   Grid<std::int8_t> fail(dem.z_est.spec());
   BinMask region = judged_region(dem, parameters);
   metrics.region = describe(parameters, region);
-  region = judge_coverage(dem.z_est, std::move(region), parameters.limits, sink, result, fail);
+  std::optional<AccuracyPass> accuracy;
   if (dem.truth)
-    AccuracyPass(parameters, region, {metrics.accuracy.emplace(), metrics.statistics, sink, fail})
-        .run(dem, progress);
+    accuracy.emplace(parameters, region,
+                     AccuracyPass::Output{metrics.accuracy.emplace(), metrics.statistics, sink, fail});
+  Coverage coverage;
+  run_both([&] { coverage = assess_coverage(dem.z_est, region, parameters.limits); },
+           [&] {
+             if (accuracy) accuracy->measure_horizontal_errors(dem);
+           });
+  region = take_coverage(std::move(coverage), std::move(region), parameters.limits, sink, result, fail);
+  if (accuracy) accuracy->run(dem, progress);
   if (sink != nullptr) sink->take(fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);

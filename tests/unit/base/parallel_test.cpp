@@ -72,6 +72,24 @@ TEST(ReadAhead, RethrowsTheErrorOfEitherSide) {
   EXPECT_NO_THROW(read_ahead(0, 2, fail, fail));
 }
 
+TEST(RunBoth, CallsEachOnceAlsoOnOneThread) {
+  for (const std::size_t threads : {1U, 4U}) {
+    const ThreadLimit limit(threads);
+    std::atomic<int> first = 0;
+    std::atomic<int> second = 0;
+    run_both([&] { ++first; }, [&] { parallel_for(100, 7, [&](std::size_t, std::size_t) { ++second; }); });
+    EXPECT_EQ(first, 1);
+    EXPECT_EQ(second, 15);
+  }
+}
+
+TEST(RunBoth, RethrowsTheErrorOfEither) {
+  const auto nothing = [] {};
+  const auto fail = [] { throw std::runtime_error("no"); };
+  EXPECT_THROW(run_both(fail, nothing), std::runtime_error);
+  EXPECT_THROW(run_both(nothing, fail), std::runtime_error);
+}
+
 TEST(ThreadLimit, HoldsWhileItLives) {
   const ThreadLimit limit(1);
   EXPECT_EQ(thread_count(), 1U);
