@@ -24,8 +24,9 @@ using M = hn::Mask<D>;
 using Whole = hn::Rebind<std::int32_t, D>;
 using Half = hn::CappedTag<double, 4>;
 
-/// Returns taken at a time, so that what is made of them stays in the first cache.
-constexpr std::size_t kBlock = 128;
+/// Returns taken at a time, so that what is made of them, their bins and the next ones stay in the first
+/// cache.
+constexpr std::size_t kBlock = 32;
 constexpr std::size_t kMostLanes = 8;
 static_assert(kBlock % kMostLanes == 0);
 
@@ -95,19 +96,22 @@ HWY_INLINE bool PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t c
   return hn::AllTrue(D(), hn::Eq(not_finite, hn::Zero(D())));
 }
 
-/// Counts the returns in their bins and sees to the first elevation of each. Returns how many lie outside;
-/// these are sent to `sink`.
-HWY_INLINE std::size_t EnterBlock(const GridPoints& p, std::size_t begin, std::size_t count,
-                                  std::span<BinSums> bins, BinSums& sink, Block& block) {
+/// Asks for the memory of the bins. Returns how many returns lie outside; these are sent to `sink`.
+HWY_INLINE std::size_t AskForBins(std::size_t count, std::span<BinSums> bins, BinSums& sink, Block& block) {
   std::size_t outside = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const bool inside = block.bin[i] >= 0;
     BinSums* const sums = inside ? &bins[static_cast<std::size_t>(block.bin[i])] : &sink;
     outside += inside ? 0 : 1;
-    hwy::Prefetch(sums);  // all bins are asked for before the first is waited for
+    hwy::Prefetch(sums);
     hwy::Prefetch(&sums->z_first);
     block.sums[i] = sums;
   }
+  return outside;
+}
+
+/// Counts the returns in their bins and sees to the first elevation of each.
+HWY_INLINE void CountBlock(const GridPoints& p, std::size_t begin, std::size_t count, Block& block) {
   for (std::size_t i = 0; i < count; ++i) {
     BinSums& sums = *block.sums[i];
     const double z = sums.count == 0 ? p.z_est[begin + i] : sums.z_first;
@@ -115,7 +119,6 @@ HWY_INLINE std::size_t EnterBlock(const GridPoints& p, std::size_t begin, std::s
     ++sums.count;
     block.z_first[i] = z;
   }
-  return outside;
 }
 
 /// The eight summands of each return, side by side in the order of BinSums.
@@ -147,12 +150,20 @@ HWY_INLINE void AddBlock(std::size_t count, const Block& block) {
 /// The columns must be readable up to a whole number of vectors.
 HWY_INLINE void AddReadable(const GridPoints& p, std::size_t count, const LaneGrid& grid, BinWeights weights,
                             std::span<BinSums> bins, AddedReturns& added) {
-  Block block;
+  std::array<Block, 2> blocks;
   BinSums sink{};
-  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+  const auto prepare = [&](std::size_t begin) HWY_ATTR {
     const std::size_t size = std::min(kBlock, count - begin);
+    Block& block = blocks[begin / kBlock % 2];
     added.finite &= PlaceBlock(p, begin, size, grid, weights, block);
-    added.outside += EnterBlock(p, begin, size, bins, sink, block);
+    added.outside += AskForBins(size, bins, sink, block);
+  };
+  if (count > 0) prepare(0);
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    if (begin + kBlock < count) prepare(begin + kBlock);  // its bins arrive meanwhile
+    const std::size_t size = std::min(kBlock, count - begin);
+    Block& block = blocks[begin / kBlock % 2];
+    CountBlock(p, begin, size, block);
     MultiplyBlock(p, begin, size, block);
     AddBlock(size, block);
   }
