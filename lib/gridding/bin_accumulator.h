@@ -3,13 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "base/zeroed_memory.h"
 #include "gridding/accumulator.h"
 #include "gridding/bin_kernel.h"
 #include "gridding/bin_sums.h"
-#include "gridding/run_partition.h"
+#include "gridding/tile_partition.h"
 
 namespace landfall {
 
@@ -23,7 +24,7 @@ namespace landfall {
 ///
 /// Sums are in double and each bin adds its returns in the order they came in: the same bits at any number of
 /// threads and for any cutting into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched
-/// until a return falls on them, and up to 24 bytes per point of at most 1 M points at a time.
+/// until a return falls on them, and up to 8 bytes per point of at most 1 M points at a time.
 class BinAccumulator final : public Accumulator {
  public:
   using Weights = BinWeights;
@@ -37,11 +38,11 @@ class BinAccumulator final : public Accumulator {
 
  private:
   AddedReturns add_piece(const GridPoints& points);
-  AddedReturns add_runs(const GridPoints& points, std::span<const PointRun> runs);
+  AddedReturns add_part(const GridPoints& points, std::span<const std::uint64_t> part);
 
   Weights weights_;
   ZeroedArray<BinSums> bins_;
-  RunPartition partition_;
+  std::optional<TilePartition> partition_;  ///< none on one thread
 };
 
 }  // namespace landfall

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 
 // Vectors without a size at compile time cannot be members.
@@ -24,8 +25,8 @@ using M = hn::Mask<D>;
 using Whole = hn::Rebind<std::int32_t, D>;
 using Half = hn::CappedTag<double, 4>;
 
-/// Returns taken at a time, so that what is made of them, their bins and the next ones stay in the first
-/// cache.
+/// Returns taken at a time, so that what is made of them, their bins and the
+/// next ones stay in the first cache.
 constexpr std::size_t kBlock = 32;
 constexpr std::size_t kMostLanes = 8;
 static_assert(kBlock % kMostLanes == 0);
@@ -96,7 +97,8 @@ HWY_INLINE bool PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t c
   return hn::AllTrue(D(), hn::Eq(not_finite, hn::Zero(D())));
 }
 
-/// Asks for the memory of the bins. Returns how many returns lie outside; these are sent to `sink`.
+/// Asks for the memory of the bins. Returns how many returns lie outside; these
+/// are sent to `sink`.
 HWY_INLINE std::size_t AskForBins(std::size_t count, std::span<BinSums> bins, BinSums& sink, Block& block) {
   std::size_t outside = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -186,19 +188,64 @@ AddedReturns AddReturns(const GridPoints& points, const GridSpec& spec, BinWeigh
   return added;
 }
 
-void FindRows(const GridSpec& spec, std::span<const double> x_m, std::span<const double> y_m,
-              std::span<std::int32_t> rows) {
-  const LaneGrid grid(spec);
-  const std::size_t whole = rows.size() / hn::Lanes(D()) * hn::Lanes(D());
-  for (std::size_t i = 0; i < whole; i += hn::Lanes(D())) {
-    const V col = hn::Sub(LaneGrid::nearest(hn::Div(LoadAt(x_m, i), grid.resolution)), grid.first_col);
-    const V row = hn::Sub(LaneGrid::nearest(hn::Div(LoadAt(y_m, i), grid.resolution)), grid.first_row);
-    const V found = hn::IfThenElse(grid.contains(row, col), row, constant(-1));
-    hn::StoreU(hn::DemoteTo(Whole(), found), Whole(), rows.data() + i);
+using Tile = hn::Rebind<std::uint32_t, D>;
+using Part = hn::Rebind<std::uint8_t, D>;
+using Bytes = hn::CappedTag<std::uint8_t, kPointsPerWord>;
+
+/// The parts of kPointsPerWord points. Tile numbers are multiplied by the
+/// fractions of the two-dimensional sequence R2, times 2^32: the parts of
+/// neighbouring tiles are spread evenly, along rows and columns.
+HWY_INLINE void FindPartsOfWord(const double* x, const double* y, const LaneGrid& grid, const Tiling& tiling,
+                                std::uint8_t* parts) {
+  const auto across = hn::Set(Tile(), 3242174889U);
+  const auto up = hn::Set(Tile(), 2447445414U);
+  for (std::size_t i = 0; i < kPointsPerWord; i += hn::Lanes(D())) {
+    const V u = hn::Div(hn::LoadU(D(), x + i), grid.resolution);
+    const V v = hn::Div(hn::LoadU(D(), y + i), grid.resolution);
+    const auto col = hn::DemoteTo(Whole(), hn::Sub(LaneGrid::nearest(u), grid.first_col));
+    const auto row = hn::DemoteTo(Whole(), hn::Sub(LaneGrid::nearest(v), grid.first_row));
+    const auto tile_col = hn::ShiftRightSame(hn::BitCast(Tile(), col), tiling.tile_bits);
+    const auto tile_row = hn::ShiftRightSame(hn::BitCast(Tile(), row), tiling.tile_bits);
+    const auto mixed = hn::Add(hn::Mul(tile_col, across), hn::Mul(tile_row, up));
+    // In two steps: a shift by all 32 bits is not defined.
+    const auto part = hn::ShiftRightSame(hn::ShiftRight<1>(mixed), 31 - tiling.part_bits);
+    hn::StoreU(hn::TruncateTo(Part(), part), Part(), parts + i);
   }
-  for (std::size_t i = whole; i < rows.size(); ++i) {
-    const BinIndex bin = spec.bin_of(x_m[i], y_m[i]);
-    rows[i] = spec.contains(bin) ? static_cast<std::int32_t>(bin.row) : -1;
+}
+
+HWY_INLINE std::uint64_t BitsOfPart(const std::uint8_t* parts, std::uint8_t part) {
+  static_assert(std::endian::native == std::endian::little);  // for the bytes of `some`
+  std::uint64_t bits = 0;
+  const auto wanted = hn::Set(Bytes(), part);
+  for (std::size_t i = 0; i < kPointsPerWord; i += hn::Lanes(Bytes())) {
+    std::uint64_t some = 0;
+    hn::StoreMaskBits(Bytes(), hn::Eq(hn::LoadU(Bytes(), parts + i), wanted),
+                      reinterpret_cast<std::uint8_t*>(&some));
+    bits |= some << i;
+  }
+  return bits;
+}
+
+void FindParts(const GridSpec& spec, const Tiling& tiling, std::span<const double> x_m,
+               std::span<const double> y_m, std::size_t stride, std::uint64_t* bits) {
+  const LaneGrid grid(spec);
+  const std::size_t part_count = std::size_t{1} << static_cast<unsigned>(tiling.part_bits);
+  alignas(64) std::array<std::uint8_t, kPointsPerWord> parts;
+  std::array<double, kPointsPerWord> last_x{};
+  std::array<double, kPointsPerWord> last_y{};
+  for (std::size_t begin = 0; begin < x_m.size(); begin += kPointsPerWord) {
+    const std::size_t rest = x_m.size() - begin;
+    const bool is_whole = rest >= kPointsPerWord;
+    if (!is_whole) {
+      std::ranges::copy(x_m.subspan(begin), last_x.begin());
+      std::ranges::copy(y_m.subspan(begin), last_y.begin());
+    }
+    FindPartsOfWord(is_whole ? &x_m[begin] : last_x.data(), is_whole ? &y_m[begin] : last_y.data(), grid,
+                    tiling, parts.data());
+    const std::uint64_t points = is_whole ? ~std::uint64_t{0} : (std::uint64_t{1} << rest) - 1;
+    for (std::size_t part = 0; part < part_count; ++part)
+      bits[part * stride + begin / kPointsPerWord] =
+          points & BitsOfPart(parts.data(), static_cast<std::uint8_t>(part));
   }
 }
 
@@ -209,7 +256,7 @@ HWY_AFTER_NAMESPACE();
 namespace landfall {
 
 HWY_EXPORT(AddReturns);
-HWY_EXPORT(FindRows);
+HWY_EXPORT(FindParts);
 
 AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
                          std::span<BinSums> bins) {
@@ -217,10 +264,10 @@ AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeig
   return HWY_DYNAMIC_DISPATCH(AddReturns)(points, spec, weights, bins);
 }
 
-void find_rows(const GridSpec& spec, std::span<const double> x_m, std::span<const double> y_m,
-               std::span<std::int32_t> rows) {
-  assert(x_m.size() == rows.size() && y_m.size() == rows.size());
-  HWY_DYNAMIC_DISPATCH(FindRows)(spec, x_m, y_m, rows);
+void find_parts(const GridSpec& spec, const Tiling& tiling, std::span<const double> x_m,
+                std::span<const double> y_m, std::size_t stride, std::uint64_t* bits) {
+  assert(x_m.size() == y_m.size());
+  HWY_DYNAMIC_DISPATCH(FindParts)(spec, tiling, x_m, y_m, stride, bits);
 }
 
 }  // namespace landfall

@@ -24,8 +24,16 @@ struct AddedReturns {
 AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
                          std::span<BinSums> bins);
 
-/// The row of the grid in which each return lies, -1 for one outside; x, y and rows have one length.
-void find_rows(const GridSpec& spec, std::span<const double> x_m, std::span<const double> y_m,
-               std::span<std::int32_t> rows);
+/// How bins are shared out: among 2^part_bits parts, by tiles of 2^tile_bits x 2^tile_bits bins.
+struct Tiling {
+  int tile_bits;
+  int part_bits;  ///< at most 6
+};
+inline constexpr std::size_t kPointsPerWord = 64;
+
+/// Point i belongs to part p where bit i % 64 of bits[p * stride + i / 64] is set: each to exactly one, those
+/// of one bin to the same. x and y have one length; bits behind the last point are 0.
+void find_parts(const GridSpec& spec, const Tiling& tiling, std::span<const double> x_m,
+                std::span<const double> y_m, std::size_t stride, std::uint64_t* bits);
 
 }  // namespace landfall

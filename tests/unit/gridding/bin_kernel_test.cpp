@@ -7,11 +7,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
-#include "gridding/run_partition.h"
 #include "point_columns.h"
 
 namespace landfall {
@@ -118,12 +119,34 @@ TEST(BinKernel, SameBitsAsOneByOne) { on_every_target(expect_same_bits_as_one_by
 
 TEST(BinKernel, AccumulatorHasTheSameBitsWithThreads) {
   const GridSpec spec = GridSpec::centered(3, 0.1);
-  const PointColumns columns = points_around(spec, 150'000);  // several pieces of a partition, short runs
+  const PointColumns columns = points_around(spec, 150'000);  // several pieces of a partition
   const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const ThreadLimit limit(threads);
     BinAccumulator bins(spec);
     bins.add(columns.view(), 0);
+    expect_same_bits(bins.bins(), expected.bins);
+    EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
+  }
+}
+
+// Lines of images of 18 x 18 points, as a scanner makes them: runs long and short, bins seen by several
+// lines.
+TEST(BinKernel, ScansHaveTheSameBitsWithThreads) {
+  const GridSpec spec = GridSpec::centered(30, 0.1);
+  PointColumns columns;
+  for (int i = 0; i < 100'000; ++i) {
+    const int pulse = i / 324;
+    const double x = -31 + 0.6 * (pulse % 103) + 0.0503 * (i % 18);
+    const double y = 5 - 0.5 * (pulse / 103) + 0.0497 * (i % 324 / 18);
+    columns.push_back({x, y, 0.1 * x * y, x + 0.01, y - 0.01, 0.1 * x, 1e-4 * i});
+  }
+  const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
+  for (const std::size_t threads : {1U, 2U, 5U}) {
+    const ThreadLimit limit(threads);
+    BinAccumulator bins(spec);
+    bins.add(columns.view().subset(0, 70'001), 0);
+    bins.add(columns.view().subset(70'001, 29'999), 70'001);
     expect_same_bits(bins.bins(), expected.bins);
     EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
   }
@@ -145,60 +168,33 @@ TEST(BinKernel, FindsWhatIsNotFinite) {
   }
 }
 
-TEST(BinKernel, RowsAreThoseOfTheBins) {
-  const GridSpec spec{0.3, -5, 4, 9, 17};
+// Every bit by the tile of GridSpec::bin_of, several words and the last of them not whole; what lies in no
+// bin is somewhere, once.
+TEST(BinKernel, PartsAreThoseOfTiles) {
+  const GridSpec spec{0.1, -50, -70, 300, 170};
   PointColumns columns = points_around(spec, 3001);
   columns.x_est[17] = kNan;
   columns.y_est[18] = kInfinity;
   columns.y_est[3000] = kNan;
+  const Tiling tiling{.tile_bits = 5, .part_bits = 2};
   on_every_target([&] {
-    std::vector<std::int32_t> rows(columns.x_est.size());
-    find_rows(spec, columns.x_est, columns.y_est, rows);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
+    constexpr std::size_t kStride = 47;  // words of 64 points
+    std::vector<std::uint64_t> bits(4 * kStride, 0x5555);
+    find_parts(spec, tiling, columns.x_est, columns.y_est, kStride, bits.data());
+    std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> part_of_tile;
+    for (std::size_t i = 0; i < kStride * 64; ++i) {
+      std::vector<std::size_t> parts;
+      for (std::size_t part = 0; part < 4; ++part)
+        if ((bits[part * kStride + i / 64] >> (i % 64) & 1U) != 0) parts.push_back(part);
+      ASSERT_EQ(parts.size(), i < columns.x_est.size() ? 1U : 0U) << i;
+      if (parts.empty()) continue;
       const BinIndex bin = spec.bin_of(columns.x_est[i], columns.y_est[i]);
-      ASSERT_EQ(rows[i], spec.contains(bin) ? bin.row : -1) << i;
+      if (!spec.contains(bin)) continue;
+      const auto known = part_of_tile.try_emplace({bin.row / 32, bin.col / 32}, parts[0]).first;
+      ASSERT_EQ(parts[0], known->second) << i;
     }
+    EXPECT_EQ(part_of_tile.size(), 30U);  // those within reach of the points
   });
-}
-
-TEST(RunPartition, ListsRunsByBand) {
-  RunPartition partition(GridSpec{1, 0, 0, 17, 1});  // rows 0-7, 8-15, 16
-  const std::vector<double> y = {3, 4, 16, 9, 8, 15.4, 99, 98, 7.4, 7.5, -0.6};
-  partition.assign(std::vector<double>(y.size(), 0.0), y);
-  const auto runs = [&](std::size_t band) {
-    const auto found = partition.runs_of_band(band);
-    return std::vector<PointRun>(found.begin(), found.end());
-  };
-  EXPECT_EQ(partition.band_count(), 3U);
-  EXPECT_EQ(runs(0), (std::vector<PointRun>{{0, 2}, {8, 1}}));
-  EXPECT_EQ(runs(1), (std::vector<PointRun>{{3, 3}, {9, 1}}));
-  EXPECT_EQ(runs(2), (std::vector<PointRun>{{2, 1}}));
-  EXPECT_EQ(runs(3), (std::vector<PointRun>{{6, 2}, {10, 1}}));
-  partition.assign(std::vector<double>{0}, std::vector<double>{9});
-  EXPECT_TRUE(runs(0).empty());
-  EXPECT_EQ(runs(1), (std::vector<PointRun>{{0, 1}}));
-}
-
-// More points than one piece of work holds.
-TEST(RunPartition, EveryPointIsInExactlyItsBand) {
-  const GridSpec spec = GridSpec::centered(4, 0.1);
-  const PointColumns columns = points_around(spec, 200'000);
-  RunPartition partition(spec);
-  partition.assign(columns.x_est, columns.y_est);
-  std::size_t all = 0;
-  for (std::size_t band = 0; band <= partition.band_count(); ++band) {
-    std::uint32_t end = 0;
-    for (const PointRun run : partition.runs_of_band(band)) {
-      ASSERT_GE(run.begin, end);
-      end = run.begin + run.count;
-      all += run.count;
-      for (std::uint32_t i = run.begin; i < end; ++i) {
-        const BinIndex bin = spec.bin_of(columns.x_est[i], columns.y_est[i]);
-        ASSERT_EQ(spec.contains(bin) ? static_cast<std::size_t>(bin.row) / 8 : partition.band_count(), band);
-      }
-    }
-  }
-  EXPECT_EQ(all, columns.x_est.size());
 }
 
 }  // namespace

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/tile_partition.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#include "base/parallel.h"
+
+namespace landfall {
+namespace {
+
+constexpr int kMostPartBits = 6;
+constexpr std::size_t kPointsPerPiece = std::size_t{1} << 14U;
+static_assert(kPointsPerPiece % kPointsPerWord == 0);
+
+/// So many tiles for each part along a row of the grid, unless tiles become too small: more even
+/// out the work of parts, but the points of a scanner's image then lie in more of them.
+constexpr std::uint64_t kTilesPerPart = 1;
+constexpr int kLeastTileBits = 5;
+
+int bits_of(std::uint64_t number) { return static_cast<int>(std::bit_width(number)) - 1; }
+
+Tiling tiling_of(const GridSpec& spec, std::size_t least_parts) {
+  const int part_bits = std::min(kMostPartBits, bits_of(std::bit_ceil(least_parts)));
+  const auto tile = static_cast<std::uint64_t>(spec.cols) / (kTilesPerPart << part_bits);
+  return {.tile_bits = std::max(kLeastTileBits, bits_of(tile)), .part_bits = part_bits};
+}
+
+}  // namespace
+
+TilePartition::TilePartition(const GridSpec& spec, std::size_t least_parts)
+    : spec_(spec), tiling_(tiling_of(spec, least_parts)) {}
+
+void TilePartition::assign(std::span<const double> x_m, std::span<const double> y_m) {
+  assert(x_m.size() == y_m.size());
+  words_ = (x_m.size() + kPointsPerWord - 1) / kPointsPerWord;
+  bits_.resize(words_ * part_count());
+  parallel_for(x_m.size(), kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
+    find_parts(spec_, tiling_, x_m.subspan(begin, end - begin), y_m.subspan(begin, end - begin), words_,
+               &bits_[begin / kPointsPerWord]);
+  });
+}
+
+}  // namespace landfall
