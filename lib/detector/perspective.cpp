@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/parameter_check.h"
+#include "geometry/parameter_check.h"
 
 namespace landfall {
 namespace {
@@ -24,21 +24,22 @@ struct Pitch {
   double y;
 };
 
-double pitch_of(double ifov_rad, const char* key) {
-  require_positive({"detector", key}, ifov_rad);
+double pitch_of(double ifov_rad) {
+  require_positive({"detector", "ifov_rad"}, ifov_rad);
   return ifov_rad;
 }
 
-double pitch_of(double fov_rad, int pixels, const char* key) {
-  require(fov_rad > 0 && fov_rad < std::numbers::pi, {"detector", key}, fov_rad, "between 0 and pi");
+double pitch_of(double fov_rad, int pixels) {
+  require_angle(fov_rad > 0 && fov_rad < std::numbers::pi, {"detector", "fov_deg"}, fov_rad,
+                "between 0 and 180");
   return 2 * std::tan(fov_rad / 2) / pixels;
 }
 
 Pitch pitch_of(const PerspectiveParameters& p) {
   if (const auto* ifov = std::get_if<PixelFieldOfView>(&p.field_of_view))
-    return {pitch_of(ifov->x_rad, "ifov_rad[0]"), pitch_of(ifov->y_rad, "ifov_rad[1]")};
+    return {pitch_of(ifov->x_rad), pitch_of(ifov->y_rad)};
   const auto& fov = std::get<FullFieldOfView>(p.field_of_view);
-  return {pitch_of(fov.x_rad, p.columns, "fov_rad[0]"), pitch_of(fov.y_rad, p.rows, "fov_rad[1]")};
+  return {pitch_of(fov.x_rad, p.columns), pitch_of(fov.y_rad, p.rows)};
 }
 
 void check(const PerspectiveParameters& p) {
@@ -49,7 +50,7 @@ void check(const PerspectiveParameters& p) {
   const std::int64_t samples = std::int64_t{p.rows} * p.columns * p.subpixels * p.subpixels;
   require(samples <= kMaxSamples, {"detector", "rows x columns x subpixels^2"}, static_cast<double>(samples),
           "at most 67108864");
-  require_finite({"detector", "roll_rad"}, p.roll_rad);
+  require_finite({"detector", "roll_deg"}, p.roll_rad);
   require(p.fill_factor > 0 && p.fill_factor <= 1, {"detector", "fill_factor"}, p.fill_factor, "in (0, 1]");
   require_finite({"detector/distortion", "k1"}, p.distortion.k1);
   require_finite({"detector/distortion", "k2"}, p.distortion.k2);

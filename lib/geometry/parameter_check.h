@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <numbers>
+
 #include "base/parameter_check.h"
 #include "geometry/rotation.h"
 
 namespace landfall {
+
+/// For people: to a billionth of a degree, so that pi/6 is 30.
+[[nodiscard]] inline double in_degrees(double angle_rad) {
+  return std::round(angle_rad * (180 / std::numbers::pi) * 1e9) / 1e9;
+}
+
+/// As require(), for an angle whose key is in degrees: the message has it so, as `bound` does.
+inline void require_angle(bool holds, const ParameterName& name_deg, double angle_rad, const char* bound) {
+  require(holds, name_deg, in_degrees(angle_rad), bound);
+}
 
 /// Each component must be finite; the message names its index.
 inline void require_finite(const ParameterName& name, const Eigen::Vector3d& v) {

@@ -2,19 +2,18 @@
 #include "scanner/deflection_limit.h"
 
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 #include "base/error.h"
+#include "geometry/parameter_check.h"
 
 namespace landfall {
 namespace {
 
 [[noreturn]] void refuse_aim(std::int64_t pulse, double angle_rad, double limit_rad) {
-  constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
   std::ostringstream message;
-  message << "scanner: pulse " << pulse << " aims " << angle_rad * kDegreesPerRadian
-          << " degrees off the boresight; max_deflection allows " << limit_rad * kDegreesPerRadian
+  message << "scanner: pulse " << pulse << " aims " << in_degrees(angle_rad)
+          << " degrees off the boresight; max_deflection_deg allows " << in_degrees(limit_rad)
           << " (raise it, or narrow the pattern)";
   throw FormatError(message.str());
 }

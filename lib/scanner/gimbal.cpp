@@ -3,14 +3,14 @@
 
 #include <cmath>
 
-#include "base/parameter_check.h"
+#include "geometry/parameter_check.h"
 
 namespace landfall {
 namespace {
 
 double checked_limit(double max_deflection_rad) {
-  require(max_deflection_rad > 0 && max_deflection_rad < std::numbers::pi / 2,
-          {"scanner", "max_deflection_rad"}, max_deflection_rad, "in (0, pi/2)");
+  require_angle(max_deflection_rad > 0 && max_deflection_rad < std::numbers::pi / 2,
+                {"scanner", "max_deflection_deg"}, max_deflection_rad, "in (0, 90)");
   return max_deflection_rad;
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "base/parameter_check.h"
+#include "geometry/parameter_check.h"
 
 namespace landfall {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 void check(const PalmerParameters& p) {
-  require(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < kPi / 2, {"scanner", "tilt_rad"}, p.tilt_rad,
-          ">= 0 and below pi/2 - incidence_rad");
+  require_angle(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < kPi / 2, {"scanner", "tilt_deg"},
+                p.tilt_rad, ">= 0 and below 90 - incidence_deg");
   require_positive({"scanner", "rate_hz"}, p.rate_hz);
-  require_finite({"scanner", "phase_rad"}, p.phase_rad);
+  require_finite({"scanner", "phase_deg"}, p.phase_rad);
 }
 
 }  // namespace

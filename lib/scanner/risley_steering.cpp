@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "base/parameter_check.h"
+#include "geometry/parameter_check.h"
 
 namespace landfall {
 namespace {
@@ -34,8 +34,8 @@ void check(const RisleyOptics& optics) {
       return ParameterName{"scanner", std::string(key) + "/" + std::to_string(i)};
     };
     require(prism.index > 1 && prism.index <= 10, name("index"), prism.index, "in (1, 10]");
-    require(prism.wedge_rad >= 0 && prism.wedge_rad < kPi / 2, name("wedge_rad"), prism.wedge_rad,
-            "in [0, pi/2)");
+    require_angle(prism.wedge_rad >= 0 && prism.wedge_rad < kPi / 2, name("wedge_deg"), prism.wedge_rad,
+                  "in [0, 90)");
     require(prism.thickness_m > 0 && prism.thickness_m <= 10, name("thickness_m"), prism.thickness_m,
             "in (0, 10]");
   }

@@ -11,7 +11,7 @@ namespace landfall {
 Rosette::Rosette(const RosetteParameters& parameters) : parameters_(parameters) {
   require_positive({"scanner/pattern", "radius_m"}, parameters.radius_m);
   for (const double rate : parameters.rates_hz) require_finite({"scanner/pattern", "rates_hz"}, rate);
-  for (const double phase : parameters.phases_rad) require_finite({"scanner/pattern", "phases_rad"}, phase);
+  for (const double phase : parameters.phases_rad) require_finite({"scanner/pattern", "phases_deg"}, phase);
 }
 
 std::optional<Point<DemFrame>> Rosette::ground_aim(const PulseTime& pulse) const {

@@ -45,8 +45,9 @@ void require_valid(const DescentThrust& thrust, double control_period_s) {
 
 void require_valid(const AttitudeControl& control) {
   const std::string owner = "trajectory/attitude_control";
-  require_finite({owner, "command_rpy"}, control.command);
-  require_not_negative({owner, "deadband"}, control.deadband_rad);
+  require_finite({owner, "command_rpy_deg"}, control.command);
+  require_angle(std::isfinite(control.deadband_rad) && control.deadband_rad >= 0, {owner, "deadband_deg"},
+                control.deadband_rad, "finite and >= 0");
   require_not_negative({owner, "rate_gain_s"}, control.rate_gain_s);
   for (int i = 0; i < 3; ++i)
     require_not_negative({owner, "torque_nm/" + std::to_string(i)}, control.torque_nm[i]);

@@ -25,8 +25,8 @@ void check(const DynamicsParameters& p) {
   const std::string owner = "trajectory";
   require_finite({owner, "position_m"}, p.position_m.v);
   require_finite({owner, "velocity_mps"}, p.velocity_mps.v);
-  require_finite({owner, "rpy"}, p.rpy);
-  require_finite({owner, "rate"}, p.rate_radps.v);
+  require_finite({owner, "rpy_deg"}, p.rpy);
+  require_finite({owner, "rate_degps"}, p.rate_radps.v);
   require_not_negative({owner, "gravity_mps2"}, p.gravity_mps2);
   require_positive({owner, "control_period_s"}, p.control_period_s);
   require_positive({owner, "duration_s"}, p.duration_s);

@@ -117,8 +117,14 @@ class Mirrors(ChainTest):
                "/scanner/max_deflection_deg": {"type": "gimbal", "max_deflection_deg": 90},
                "/scanner/facets": {"type": "polygon", "facets": 1},
                "/scanner/duty_frac": {"type": "polygon", "duty_frac": 1.5},
-               "/scanner/2 pi duty_frac / facets + frame_amplitude_rad": {"type": "polygon", "facets": 3},
-               "/scanner/tilt_rad": {"type": "palmer", "tilt_deg": 50, "incidence_deg": 45},
+               "/scanner/max_deflection_deg: 30 is not positive and below 180 - 2 incidence_deg":
+               self.fsm(incidence_deg=80),
+               "/scanner/max_deflection_deg: 180 ": self.fsm(incidence_deg=0, max_deflection_deg=180),
+               "/scanner/facets: 3 is not above 4 duty_frac": {"type": "polygon", "facets": 3},
+               "/scanner/frame_amplitude_deg: 50 is not >= 0 and below 90 - 360 duty_frac / facets":
+               {"type": "polygon", "facets": 6, "frame_amplitude_deg": 50},
+               "/scanner/tilt_deg: 50 is not >= 0 and below 90 - incidence_deg":
+               {"type": "palmer", "tilt_deg": 50, "incidence_deg": 45},
                "/scanner/rate_hz": {"type": "palmer", "rate_hz": 0},
                "/scanner/mechanism": {"type": "table", "path": "a.csv", "mechanism": "risley"},
                "/scanner/incidence_deg": {"type": "table", "path": "a.csv", "incidence_deg": 5}}

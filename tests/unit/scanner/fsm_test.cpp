@@ -129,7 +129,7 @@ TEST(Fsm, RefusesAnAimBeyondItsReach) {
     FAIL();
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("pulse 17 aims 20 degrees"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("max_deflection allows 11.4592"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("max_deflection_deg allows 11.4592"));
   }
 }
 

@@ -190,8 +190,8 @@ TEST(RisleySteering, RefusesOpticsOutOfRange) {
   };
   refused({.prisms = {{{.index = 1}, {}}}}, "scanner/index/0: 1 is not in (1, 10]");
   refused({.prisms = {{{}, {.index = std::nan("")}}}}, "scanner/index/1");
-  refused({.prisms = {{{.wedge_rad = -0.1}, {}}}}, "scanner/wedge_rad/0: -0.1 is not in [0, pi/2)");
-  refused({.prisms = {{{}, {.wedge_rad = kPi / 2}}}}, "scanner/wedge_rad/1");
+  refused({.prisms = {{{.wedge_rad = -kPi / 18}, {}}}}, "scanner/wedge_deg/0: -10 is not in [0, 90)");
+  refused({.prisms = {{{}, {.wedge_rad = kPi / 2}}}}, "scanner/wedge_deg/1");
   refused({.prisms = {{{.thickness_m = 0}, {}}}}, "scanner/thickness_m/0: 0 is not in (0, 10]");
   refused({.gap_m = -1e-9}, "scanner/gap_m: -1e-09 is not in [0, 10]");
   EXPECT_NO_THROW(check(RisleyOptics{.gap_m = 0}));

@@ -282,7 +282,7 @@ TEST(Risley, RefusesParametersOutOfRange) {
   refused({.drive = RisleyRotation{.rates_hz = {1, HUGE_VAL}}},
           "scanner/rates_hz/1: inf is not in [-1e6, 1e6]");
   refused({.drive = RisleyRotation{.phases_rad = {std::nan(""), 0}}},
-          "scanner/phases_rad/0: nan is not finite");
+          "scanner/phases_deg/0: nan is not finite");
   refused({.encoder_sigma_rad = -1e-6}, "scanner/encoder_sigma_rad: -1e-06 is not finite and >= 0");
 }
 

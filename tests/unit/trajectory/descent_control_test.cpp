@@ -78,11 +78,12 @@ TEST(DescentControl, RefusesBadNumbers) {
   EXPECT_THAT(message_of(DescentThrust{.gain_per_s = 11}, 0.1), testing::HasSubstr("thrust/gain_per_s: 11"));
   EXPECT_THAT(message_of(DescentThrust{.descent_rate_mps = std::nan("")}, 0.1),
               testing::HasSubstr("descent_rate_mps"));
-  EXPECT_THAT(message_of(AttitudeControl{.deadband_rad = -1}), testing::HasSubstr("deadband: -1"));
+  EXPECT_THAT(message_of(AttitudeControl{.deadband_rad = -std::numbers::pi}),
+              testing::HasSubstr("deadband_deg: -180 "));
   EXPECT_THAT(message_of(AttitudeControl{.rate_gain_s = HUGE_VAL}), testing::HasSubstr("rate_gain_s: inf"));
   EXPECT_THAT(message_of(AttitudeControl{.torque_nm = {1, -2, 3}}), testing::HasSubstr("torque_nm/1: -2"));
   EXPECT_THAT(message_of(AttitudeControl{.command = {0, std::nan(""), 0}}),
-              testing::HasSubstr("command_rpy/1: nan"));
+              testing::HasSubstr("command_rpy_deg/1: nan"));
 }
 
 }  // namespace

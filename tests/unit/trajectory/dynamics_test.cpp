@@ -234,12 +234,12 @@ TEST(Dynamics, RefusesBadNumbers) {
   EXPECT_THAT(message_of({.duration_s = HUGE_VAL}), testing::HasSubstr("duration_s: inf"));
   EXPECT_THAT(message_of({.position_m = {{0, 0, std::nan("")}}}), testing::HasSubstr("position_m/2: nan"));
   EXPECT_THAT(message_of({.velocity_mps = {{HUGE_VAL, 0, 0}}}), testing::HasSubstr("velocity_mps/0: inf"));
-  EXPECT_THAT(message_of({.rpy = {0, std::nan(""), 0}}), testing::HasSubstr("rpy/1: nan"));
+  EXPECT_THAT(message_of({.rpy = {0, std::nan(""), 0}}), testing::HasSubstr("trajectory/rpy_deg/1: nan"));
   EXPECT_THAT(message_of({.disturbance = {{}, {{0, -1, 0}}}}), testing::HasSubstr("torque_sigma_nm/1: -1"));
   EXPECT_THAT(message_of({.disturbance = {{{0, std::nan(""), 0}}, {}}}),
               testing::HasSubstr("torque_nm/1: nan"));
   EXPECT_THAT(message_of({.rate_radps = {{0, 0, 120}}}), testing::HasSubstr("more than 1 rad"));
-  EXPECT_THAT(message_of({.rate_radps = {{0, 0, std::nan("")}}}), testing::HasSubstr("rate/2: nan"));
+  EXPECT_THAT(message_of({.rate_radps = {{0, 0, std::nan("")}}}), testing::HasSubstr("rate_degps/2: nan"));
   EXPECT_THAT(message_of({.body = {.mass_kg = -1}}), testing::HasSubstr("mass_kg: -1"));
 }
 
