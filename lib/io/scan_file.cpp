@@ -191,12 +191,22 @@ ScanWriter::Chunks ScanWriter::take_pulses(const PulseColumns& pulses) {
   return pulses_.take(rows);
 }
 
+void ScanWriter::refuse_without_return() const {
+  std::string causes;
+  const auto name = [&](PointStatus status, const char* what) {
+    if (count(status) > 0) causes += (causes.empty() ? "" : ", ") + std::to_string(count(status)) + what;
+  };
+  name(PointStatus::miss, " misses");
+  name(PointStatus::dropout, " dropouts");
+  name(PointStatus::dead, " of dead pixels");
+  name(PointStatus::blanked, " of blanked pulses");
+  name(PointStatus::total_reflection, " lost in the scanner (total reflection)");
+  throw FormatError("the scan has no return: " + causes +
+                    (count(PointStatus::miss) > 0 ? "; does it look at the terrain?" : ""));
+}
+
 void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> dead_map) {
-  if (count(PointStatus::returned) + count(PointStatus::false_return) == 0)
-    throw FormatError("the scan has no return: " + std::to_string(count(PointStatus::miss)) + " misses, " +
-                      std::to_string(count(PointStatus::dropout)) + " dropouts, " +
-                      std::to_string(count(PointStatus::dead)) +
-                      " of dead pixels; does it look at the terrain?");
+  if (count(PointStatus::returned) + count(PointStatus::false_return) == 0) refuse_without_return();
   points_.finish();
   pulses_.finish();
   h5::write_attribute(points_.group(), "misses_kept", std::int64_t{options_.keep_misses ? 1 : 0});

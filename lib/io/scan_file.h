@@ -40,6 +40,7 @@ class ScanWriter {
   }
 
  private:
+  [[noreturn]] void refuse_without_return() const;
   using Chunks = std::vector<TableWriter::ChunkPtr>;
   [[nodiscard]] Chunks take_points(const PointColumns& points);
   [[nodiscard]] Chunks take_pulses(const PulseColumns& pulses);

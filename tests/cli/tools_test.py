@@ -91,6 +91,18 @@ class ScanSim(ChainTest):
         self.refuse_scan(1, "--set", "noise.dead_pixel_frac=1", words=["no return", "dead"])
         self.refuse_scan(1, "--keep-misses", "--set", "noise.dropout_frac=1", words=["no return"])
 
+    def test_a_scan_without_a_return_says_what_became_of_every_pixel(self):
+        def said_of(scanner):
+            result = self.refuse(1, "scan-sim", *self.chain.inputs("scan-sim"), "-o", self.path("s.h5"), "--set",
+                                 "scanner=" + json.dumps(scanner), "--set", "noise.dead_pixel_frac=0")
+            return result.stderr.partition("no return: ")[2].strip()
+
+        # Every pulse falls between two facets.
+        between = {"type": "polygon", "facets": 10, "rate_hz": 200, "phase_deg": 18, "duty_frac": 0.01}
+        self.assertEqual(said_of(between), "25600 of blanked pulses")
+        reflecting = {"type": "risley", "index": [1.5, 1.5], "wedge_deg": [60, 60]}
+        self.assertEqual(said_of(reflecting), "25600 lost in the scanner (total reflection)")
+
     def test_a_lidar_at_or_below_the_terrain_is_refused_by_pulse(self):
         place = ["--set", "mount.position_m=[0,0,0]", "--set", "trajectory.rpy_deg=[0,0,0]"]
         self.refuse_scan(1, *self.FLASH, *place, "--set", "trajectory.position_m=[0,0,-1]",
