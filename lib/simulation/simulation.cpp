@@ -35,8 +35,9 @@ Simulation::Simulation(ScanModel model, const RayEngine& engine, const Triangula
       navigation_error_(std::move(model.navigation_error)),
       estimate_(std::move(model.estimate)),
       simulator_(std::move(model.lidar), engine, ground) {
-  // A trajectory that is too short shall fail now, not after an hour.
-  static_cast<void>(pulse(pulse_count_ - 1));
+  // A trajectory or a table of angles that is too short shall fail now, not after an hour.
+  const PulseInput last = pulse(pulse_count_ - 1);
+  static_cast<void>(simulator_.lidar().scanner->state({.time = last.time}));
   static_cast<void>(believed_pose(0));
   static_cast<void>(believed_pose(static_cast<double>(pulse_count_ - 1) / pulse_rate_hz_));
 }

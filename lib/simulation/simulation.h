@@ -47,8 +47,8 @@ struct PulseRange {
 class Simulation {
  public:
   /// `engine` and `ground` must outlive this (see PulseSimulator). The model's scanner and trajectory must be
-  /// set. Throws as pulse_count() does, and FormatError where the trajectory ends before the last pulse or an
-  /// estimate does not hold all pulses.
+  /// set. Throws as pulse_count() does, and FormatError where the trajectory or a scanner that replays angles
+  /// ends before the last pulse or an estimate does not hold all pulses.
   Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }

@@ -59,7 +59,7 @@ class Mirrors(ChainTest):
         half = {name: values[:len(values) // 2] for name, values in pulses.items()}
         path = self.table(half)
         result = self.refuse(1, *self.arguments({"type": "table", "path": path}))
-        self.assertIn(f"{path}: scanner table: pulse 200", result.stderr)
+        self.assertIn(f"{path}: scanner table: pulse 399, 0.1995 s after the first", result.stderr)
 
     def test_pulses_in_a_turnaround_are_blanked(self):
         blanked_pulses = 5
