@@ -203,8 +203,9 @@ ExitCode run_plan(cli::Session& session, const Options& o) {
     file.emplace(session.output({session.options().config_path}), "plan", provenance);
   const double pulse_rate_hz = model.pulse_rate_hz;
   const FlatGround ground;
-  const TriangulatedGrid level(Grid<double>(GridSpec::centered(1, 1)));  // only its slope is asked for
-  const Simulation simulation(std::move(model), ground, needs_surface(session.config()) ? &level : nullptr);
+  constexpr double kBeyondAnyLander_m = 1e9;
+  const TriangulatedGrid level(Grid<double>(GridSpec::centered(kBeyondAnyLander_m, kBeyondAnyLander_m)));
+  const Simulation simulation(std::move(model), ground, &level);
   session.phase("plan", [&](const ProgressCallback& progress) {
     const auto add = [&](PulseBatch& batch) {
       plan.add(batch);

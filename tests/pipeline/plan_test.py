@@ -85,6 +85,13 @@ class Plan(ChainTest):
         self.refuse(2, "scan-sim", "--plan", "--plan-resolution", -1, words=["--plan-resolution", "-1"])
         self.refuse(2, "scan-sim", "--plan", "--plan-resolution", 1e-6, words=["2^30"])
 
+    def test_a_lander_below_the_ground_is_refused_by_pulse(self):
+        # 2.49 m up, sinking at 5 m/s: it meets the ground after 0.498 s, wherever it is.
+        for x_m in (0, -4000):
+            self.refuse(1, "scan-sim", "--plan", "--set", 'scanner={"type":"flash"}', "--set", "laser.pulse_rate_hz=100",
+                        "--set", f"trajectory.position_m=[{x_m},0,2.49]", "--set", "trajectory.velocity_mps=[0,0,-5]",
+                        words=["pulse 50:", "below the terrain"])
+
     def test_the_picture(self):
         self.plan("-o", self.path("plan.h5"))
         script = os.path.join(os.environ["LANDFALL_ROOT"], "scripts", "plot_plan.py")
