@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -106,14 +107,38 @@ class Resolver {
 
   const Json& alternative_of_json_type(const Json& schema, const Json& value,
                                        const std::string& pointer) const {
-    std::string wanted;
+    std::vector<std::string> wanted;
+    const std::vector<std::string> names = type_names(schema);
     for (const Json& option : schema["oneOf"]) {
       const Json& choice = dereferenced(option);
       const std::string type = choice.value("type", "object");
       if (has_type(value, type)) return choice.contains("oneOf") ? option : choice;
-      wanted += (wanted.empty() ? "" : " or ") + type;
+      const std::string kind = type == "object" && !names.empty() ? "object with a \"type\"" : type;
+      if (std::ranges::find(wanted, kind) == wanted.end()) wanted.push_back(kind);
     }
-    fail(pointer, shown(value) + " is no " + wanted);
+    std::string message = shown(value) + " is no " + wanted.front();
+    for (std::size_t i = 1; i < wanted.size(); ++i) message += " or " + wanted[i];
+    const std::string near = value.is_string() ? nearest_word(value.get<std::string>(), names) : "";
+    if (!near.empty())
+      message +=
+          "; did you mean "
+          R"({"type": ")" +
+          near + "\"}?";
+    fail(pointer, message);
+  }
+
+  /// What "type" may be in the objects among the alternatives.
+  std::vector<std::string> type_names(const Json& schema) const {
+    std::vector<std::string> names;
+    for (const Json& option : schema["oneOf"]) {
+      const Json& choice = dereferenced(option);
+      if (choice.contains("oneOf")) {
+        for (std::string& name : type_names(choice)) names.push_back(std::move(name));
+      } else if (choice.contains("properties") && choice["properties"].contains("type")) {
+        names.push_back(choice["properties"]["type"].at("const").get<std::string>());
+      }
+    }
+    return names;
   }
 
   [[noreturn]] void fail_choice(const Json& choices, const Json& value, const std::string& pointer) const {

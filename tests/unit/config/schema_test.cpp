@@ -75,6 +75,18 @@ TEST(Schema, VariantsAreChosenByType) {
             "c.json: /detector/ifov_rad: \"x\" is no number or array");
 }
 
+TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {
+  const std::string wanted = " is no object with a \"type\"";
+  EXPECT_EQ(refusal("scan", R"({"scanner": {"pattern": "spiral"}})"),
+            "c.json: /scanner/pattern: \"spiral\"" + wanted + R"(; did you mean {"type": "spiral"}?)");
+  EXPECT_EQ(refusal("scan", R"({"scanner": "fms"})"),
+            "c.json: /scanner: \"fms\"" + wanted + R"(; did you mean {"type": "fsm"}?)");
+  EXPECT_EQ(refusal("scan", R"({"scanner": "none of them"})"), "c.json: /scanner: \"none of them\"" + wanted);
+  EXPECT_EQ(refusal("scan", R"({"scanner": 3})"), "c.json: /scanner: 3" + wanted);
+  EXPECT_EQ(refusal("terrain", R"({"base": "plane"})"),
+            "c.json: /base: \"plane\"" + wanted + R"( or array; did you mean {"type": "plane"}?)");
+}
+
 TEST(Schema, BasesMayBeStacked) {
   const Json terrain = resolve_config(
       {"c", Json::parse(R"({"base": [{"type": "plane", "slope_x": 0.1}, {"type": "fractal"}]})")},
