@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "errors/pointing_error.h"
 
+#include <cmath>
+
 #include "geometry/parameter_check.h"
 
 namespace landfall {
@@ -15,8 +17,10 @@ PointingError::PointingError(const PointingErrorParameters& parameters, std::uin
   require_finite({"pointing_error", "misalignment_rpy_rad"}, parameters.misalignment);
   require_not_negative({"pointing_error", "jitter_sigma_rad"}, parameters.jitter_sigma_x_rad);
   require_not_negative({"pointing_error", "jitter_sigma_rad"}, parameters.jitter_sigma_y_rad);
-  require_finite({"pointing_error", "time_stamp_bias_s"}, parameters.time_stamp_bias_s);
-  require_not_negative({"pointing_error", "time_stamp_sigma_s"}, parameters.time_stamp_sigma_s);
+  require(std::abs(parameters.time_stamp_bias_s) <= 1e6, {"pointing_error", "time_stamp_bias_s"},
+          parameters.time_stamp_bias_s, "in [-1e6, 1e6]");
+  require(parameters.time_stamp_sigma_s >= 0 && parameters.time_stamp_sigma_s <= 1e6,
+          {"pointing_error", "time_stamp_sigma_s"}, parameters.time_stamp_sigma_s, "in [0, 1e6]");
 }
 
 Rotation<LidarFrame, LidarFrame> PointingError::turn(std::int64_t pulse) const {

@@ -13,8 +13,8 @@ struct PointingErrorParameters {
   RollPitchYaw misalignment{};    ///< of the true lidar against its nominal mount, about the nominal L's axes
   double jitter_sigma_x_rad = 0;  ///< about x_L, one sigma, per pulse
   double jitter_sigma_y_rad = 0;  ///< about y_L
-  double time_stamp_bias_s = 0;   ///< pose time - pulse time
-  double time_stamp_sigma_s = 0;  ///< one sigma, per pulse
+  double time_stamp_bias_s = 0;   ///< pose time - pulse time, in [-1e6, 1e6]
+  double time_stamp_sigma_s = 0;  ///< one sigma, per pulse, in [0, 1e6]
 };
 
 /// Where the lidar looks, and when, apart from what the lander believes.
@@ -32,7 +32,8 @@ class PointingError {
  public:
   /// None.
   PointingError() : PointingError({}, 0) {}
-  /// Throws UsageError, naming the key, where a sigma is negative or a number not finite.
+  /// Throws UsageError, naming the key, where a sigma is negative, a number not finite or a time out of
+  /// range.
   PointingError(const PointingErrorParameters& parameters, std::uint64_t seed);
 
   /// False: R_lidar_true is the identity at every pulse.

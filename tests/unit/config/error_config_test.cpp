@@ -111,6 +111,10 @@ TEST(ErrorConfig, RefusalsNameKeyValueAndBound) {
       refusal_of(
           R"({"navigation_error": {"interval_s": 1e-9, "random_walk": {"rpy_rad_per_sqrt_s": [0, 1, 0]}}})"),
       HasSubstr("c.json: /navigation_error/interval_s: 1e-09 is not long enough"));
+  EXPECT_THAT(refusal_of(R"({"pointing_error": {"time_stamp_bias_s": -2e6}})"),
+              HasSubstr("/pointing_error/time_stamp_bias_s: -2000000.0 is below the minimum -1000000"));
+  EXPECT_THAT(refusal_of(R"({"pointing_error": {"time_stamp_sigma_s": 2e6}})"),
+              HasSubstr("/pointing_error/time_stamp_sigma_s: 2000000.0 is above the maximum 1000000"));
 }
 
 }  // namespace

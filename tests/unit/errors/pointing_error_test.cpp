@@ -107,7 +107,9 @@ TEST(PointingError, RefusesWhatIsOutOfRange) {
   refused({.jitter_sigma_x_rad = -1}, "pointing_error/jitter_sigma_rad: -1 is not finite and >= 0");
   refused({.jitter_sigma_y_rad = HUGE_VAL}, "jitter_sigma_rad");
   refused({.time_stamp_bias_s = HUGE_VAL}, "time_stamp_bias_s");
+  refused({.time_stamp_bias_s = -1.5e6}, "time_stamp_bias_s: -1500000 is not in [-1e6, 1e6]");
   refused({.time_stamp_sigma_s = -1e-3}, "time_stamp_sigma_s: -0.001");
+  refused({.time_stamp_sigma_s = 1.5e6}, "time_stamp_sigma_s: 1500000 is not in [0, 1e6]");
 }
 
 }  // namespace
