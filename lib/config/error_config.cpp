@@ -76,6 +76,10 @@ std::unique_ptr<const NavigationError> make_navigation_error(const Json& json,
                                           json.at("interval_s").get<double>()};
   if (random.random_walk == RandomWalkParameters{} && random.gauss_markov.is_none())
     return std::make_unique<LinearNavigationError>(linear);
+  if (!context.load_table) {  // only checked: nothing is drawn
+    RandomNavigationError::require_valid(random, context.scan_time_s);
+    return std::make_unique<LinearNavigationError>(linear);
+  }
   return std::make_unique<RandomNavigationError>(
       linear, random, RandomNavigationError::Draw{context.seed, context.scan_time_s});
 }

@@ -21,7 +21,7 @@ namespace landfall {
 /// What a component may want to know besides its own part of the configuration.
 struct ComponentContext {
   /// Empty where only the configuration is checked: components that live in a file are then replaced by any
-  /// valid one.
+  /// valid one, and nothing is drawn.
   TableLoader load_table;
   std::uint64_t seed = 1;
   double scan_time_s = 2;

@@ -63,11 +63,16 @@ RandomNavigationError::Process RandomNavigationError::markov(const GaussMarkovPa
           gauss_markov(grid, {as_vector(p.rpy_sigma_rad), p.rpy_time_s}, {field, kAttitudeAxis})};
 }
 
+void RandomNavigationError::require_valid(const RandomNavigationParameters& random, double duration_s) {
+  check(random.random_walk);
+  check(random.gauss_markov);
+  static_cast<void>(TimeGrid::covering(duration_s, random.interval_s));
+}
+
 RandomNavigationError::RandomNavigationError(const NavigationErrorParameters& linear,
                                              const RandomNavigationParameters& random, const Draw& draw)
     : linear_(linear) {
-  check(random.random_walk);
-  check(random.gauss_markov);
+  require_valid(random, draw.duration_s);
   const TimeGrid grid = TimeGrid::covering(draw.duration_s, random.interval_s);
   if (random.random_walk != RandomWalkParameters{}) walk_ = walk(random.random_walk, grid, draw.seed);
   if (!random.gauss_markov.is_none()) markov_ = markov(random.gauss_markov, grid, draw.seed);

@@ -54,6 +54,9 @@ class RandomNavigationError : public NavigationError {
   RandomNavigationError(const NavigationErrorParameters& linear, const RandomNavigationParameters& random,
                         const Draw& draw);
 
+  /// Throws what the constructor would, but draws nothing.
+  static void require_valid(const RandomNavigationParameters& random, double duration_s);
+
   [[nodiscard]] Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& truth,
                                                          double since_start_s) const override;
   [[nodiscard]] PoseError error(double since_start_s) const;

@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/parameter_check.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kMostSteps = 1e7;  // 240 MB per path
+constexpr double kMostSteps = 1e6;  // 24 MB per path
 
 }  // namespace
 
@@ -19,8 +21,9 @@ TimeGrid TimeGrid::covering(double duration_s, double interval_s) {
   const ParameterName name{"navigation_error", "interval_s"};
   require_positive(name, interval_s);
   const double steps = std::max(1.0, std::ceil(duration_s / interval_s));
-  require(steps <= kMostSteps, name, interval_s,
-          "long enough: the scan would have more than 10 million steps");
+  const std::string bound = "long enough: " + number_text(duration_s) +
+                            " s, the scan and its time-stamp errors, would have more than a million steps";
+  require(steps <= kMostSteps, name, interval_s, bound.c_str());
   return {interval_s, static_cast<std::size_t>(steps)};
 }
 

@@ -16,7 +16,7 @@ struct TimeGrid {
   std::size_t steps = 0;
 
   /// The shortest grid that reaches `duration_s`. Throws UsageError, naming navigation_error/interval_s,
-  /// where the interval is not finite and positive or the grid would have more than 10 million steps.
+  /// where the interval is not finite and positive or the grid would have more than a million steps.
   [[nodiscard]] static TimeGrid covering(double duration_s, double interval_s);
 };
 

@@ -20,6 +20,11 @@ ScanModel scan_of(const std::string& text, const TableLoader& load_table = {}) {
   return scan_model(config, "c.json", load_table);
 }
 
+/// For configurations that name no table, but shall be built, not only checked.
+const TableLoader kNoTable = [](const std::string&, const std::string&, const TableColumns&) {
+  return NumberTable{};
+};
+
 std::string refusal_of(const std::string& text) {
   try {
     static_cast<void>(scan_of(text));
@@ -60,7 +65,8 @@ TEST(ErrorConfig, RandomNavigationErrorsAreReadAndReachOverTheScanAndItsStamps) 
       "navigation_error": {"position_m": [1, 2, 3], "interval_s": 0.5,
         "random_walk": {"position_m_per_sqrt_s": [1, 2, 3], "velocity_mps_per_sqrt_s": [4, 5, 6], "rpy_rad_per_sqrt_s": [0.1, 0.2, 0.3]},
         "gauss_markov": {"position_sigma_m": [7, 8, 9], "position_time_s": 2, "velocity_sigma_mps": [1, 1, 2], "velocity_time_s": 3,
-                         "rpy_sigma_rad": [0.3, 0.2, 0.1], "rpy_time_s": 4}}})");
+                         "rpy_sigma_rad": [0.3, 0.2, 0.1], "rpy_time_s": 4}}})",
+              kNoTable);
   const RandomNavigationError expected({.position_m = {{1, 2, 3}}},
                                        {{{{1, 2, 3}}, {{4, 5, 6}}, {0.1, 0.2, 0.3}},
                                         {{{7, 8, 9}}, 2, {{1, 1, 2}}, 3, {0.3, 0.2, 0.1}, 4},
@@ -115,6 +121,9 @@ TEST(ErrorConfig, RefusalsNameKeyValueAndBound) {
               HasSubstr("/pointing_error/time_stamp_bias_s: -2000000.0 is below the minimum -1000000"));
   EXPECT_THAT(refusal_of(R"({"pointing_error": {"time_stamp_sigma_s": 2e6}})"),
               HasSubstr("/pointing_error/time_stamp_sigma_s: 2000000.0 is above the maximum 1000000"));
+  EXPECT_THAT(refusal_of(R"({"pointing_error": {"time_stamp_bias_s": 5e5},
+                             "navigation_error": {"random_walk": {"rpy_rad_per_sqrt_s": [0, 1, 0]}}})"),
+              HasSubstr("500002 s, the scan and its time-stamp errors"));
 }
 
 }  // namespace

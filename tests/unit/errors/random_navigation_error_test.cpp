@@ -198,7 +198,8 @@ TEST(RandomNavigationError, RefusesWhatIsOutOfRange) {
   refused({.gauss_markov = {.rpy_sigma_rad = {-1, 0, 0}}}, "rpy_sigma_rad/0");
   refused({.gauss_markov = {.rpy_time_s = HUGE_VAL}}, "rpy_time_s");
   refused({.interval_s = 0}, "navigation_error/interval_s: 0 is not finite and positive");
-  refused({.interval_s = 1e-8}, "more than 10 million steps");
+  refused({.interval_s = 1.9e-6},
+          "long enough: 2 s, the scan and its time-stamp errors, would have more than a million steps");
 }
 
 }  // namespace
