@@ -23,8 +23,8 @@ struct OutputOptions {
 /// appears only when it is complete.
 class LandfallFileWriter {
  public:
-  /// `kind` is terrain, scan, dem, evaluation or plan. Refuses before any work is done: UsageError where the output
-  /// exists.
+  /// `kind` is terrain, scan, dem, evaluation or plan. Refuses before any work is done: UsageError where the
+  /// output exists.
   LandfallFileWriter(const OutputOptions& options, const std::string& kind, const Provenance& provenance);
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
