@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <string>
 #include <utility>
 
-#include "base/error.h"
 #include "base/number_text.h"
+#include "base/timed_rows.h"
 
 namespace landfall {
 namespace {
@@ -16,42 +15,20 @@ namespace {
 constexpr double kTimeSlack_s = 1e-9;
 constexpr double kClosed_m = 1e-3;
 
-bool is_finite(const AimSample& s) {
-  return std::isfinite(s.t_s) && std::isfinite(s.x_m) && std::isfinite(s.y_m);
-}
-
-/// Rows of a table that can be refused by its name.
-struct NamedRows {
-  std::span<const AimSample> samples;
-  const std::string& name;
-
-  [[noreturn]] void refuse(std::size_t index, const std::string& what) const {
-    throw FormatError(name + ": row " + std::to_string(index + 1) + ": " + what);
-  }
-};
-
-void check_rows(const NamedRows& rows) {
-  const auto samples = rows.samples;
-  if (samples.size() < 2)
-    throw FormatError(rows.name + ": " + std::to_string(samples.size()) + " rows, at least 2 are needed");
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!is_finite(samples[i])) rows.refuse(i, "a value is not finite");
-    if (i > 0 && !(samples[i].t_s > samples[i - 1].t_s))
-      rows.refuse(i, "t_s does not exceed that of the row before");
-  }
-  if (samples.front().t_s != 0)
-    rows.refuse(0,
-                "t_s is " + number_text(samples.front().t_s) + ", not 0: times count from the first pulse");
-}
-
-void check_closed(const NamedRows& rows) {
-  const AimSample& first = rows.samples.front();
-  const AimSample& last = rows.samples.back();
+void check(const TablePatternParameters& parameters, const std::string& name) {
+  require_timed_rows<AimSample>(parameters.samples, name, [](const AimSample& s) {
+    return std::isfinite(s.x_m) && std::isfinite(s.y_m);
+  });
+  const AimSample& first = parameters.samples.front();
+  const AimSample& last = parameters.samples.back();
+  if (first.t_s != 0)
+    refuse_row(name, 0, "t_s is " + number_text(first.t_s) + ", not 0: times count from the first pulse");
+  if (parameters.at_end != AtTableEnd::wrap) return;
   const double gap_m = std::hypot(last.x_m - first.x_m, last.y_m - first.y_m);
   if (gap_m <= kClosed_m) return;
-  rows.refuse(rows.samples.size() - 1,
-              "ends " + number_text(gap_m) +
-                  " m from the first row; a table that wraps must end within 0.001 m of it");
+  refuse_row(name, parameters.samples.size() - 1,
+             "ends " + number_text(gap_m) +
+                 " m from the first row; a table that wraps must end within 0.001 m of it");
 }
 
 }  // namespace
@@ -70,9 +47,7 @@ std::vector<AimSample> aim_samples(const NumberTable& table) {
 
 TablePattern::TablePattern(TablePatternParameters parameters, const std::string& name)
     : parameters_(std::move(parameters)) {
-  const NamedRows rows{parameters_.samples, name};
-  check_rows(rows);
-  if (parameters_.at_end == AtTableEnd::wrap) check_closed(rows);
+  check(parameters_, name);
 }
 
 std::optional<Point<DemFrame>> TablePattern::ground_aim(const PulseTime& pulse) const {

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/timed_rows.h"
 #include "scanner/gimbal.h"
 
 namespace landfall {
@@ -16,16 +17,9 @@ namespace {
 constexpr double kTimeRounding_s = 1e-9;
 
 void check(const std::vector<AngleSample>& samples, const std::string& name) {
-  if (samples.size() < 2)
-    throw FormatError(name + ": " + std::to_string(samples.size()) + " rows, at least 2 are needed");
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const std::string row = name + ": row " + std::to_string(i + 1) + ": ";
-    const auto& [t_s, angles] = samples[i];
-    if (!std::isfinite(t_s) || !std::isfinite(angles.angle_1_rad) || !std::isfinite(angles.angle_2_rad))
-      throw FormatError(row + "a value is not finite");
-    if (i > 0 && !(t_s > samples[i - 1].t_s))
-      throw FormatError(row + "t_s does not exceed that of the row before");
-  }
+  require_timed_rows<AngleSample>(samples, name, [](const AngleSample& s) {
+    return std::isfinite(s.angles.angle_1_rad) && std::isfinite(s.angles.angle_2_rad);
+  });
 }
 
 }  // namespace

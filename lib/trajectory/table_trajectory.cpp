@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/timed_rows.h"
 #include "trajectory/hermite.h"
 
 namespace landfall {
@@ -18,19 +19,14 @@ constexpr double kNormTolerance = 1e-3;
 constexpr double kTimeSlack_s = 1e-9;
 
 void check(const std::vector<TrajectorySample>& samples, const std::string& name) {
-  const auto refuse = [&](std::size_t index, const std::string& what) {
-    throw FormatError(name + ": row " + std::to_string(index + 1) + ": " + what);
-  };
-  if (samples.size() < 2)
-    throw FormatError(name + ": " + std::to_string(samples.size()) + " rows, at least 2 are needed");
+  require_timed_rows<TrajectorySample>(samples, name, [](const TrajectorySample& s) {
+    return s.position_m.v.allFinite() && s.attitude.coeffs().allFinite() &&
+           (!s.velocity_mps || s.velocity_mps->v.allFinite());
+  });
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const TrajectorySample& s = samples[i];
-    if (!std::isfinite(s.t_s) || !s.position_m.v.allFinite() || !s.attitude.coeffs().allFinite() ||
-        (s.velocity_mps && !s.velocity_mps->v.allFinite()))
-      refuse(i, "a value is not finite");
-    if (std::abs(s.attitude.norm() - 1) > kNormTolerance)
-      refuse(i, "the quaternion's norm is " + std::to_string(s.attitude.norm()) + ", not within 0.001 of 1");
-    if (i > 0 && !(s.t_s > samples[i - 1].t_s)) refuse(i, "t_s does not exceed that of the row before");
+    const double norm = samples[i].attitude.norm();
+    if (std::abs(norm - 1) > kNormTolerance)
+      refuse_row(name, i, "the quaternion's norm is " + std::to_string(norm) + ", not within 0.001 of 1");
   }
 }
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "base/error.h"
+
+namespace landfall {
+
+/// Throws FormatError "name: row 3: what"; rows are counted from 1.
+[[noreturn]] inline void refuse_row(const std::string& name, std::size_t index, const std::string& what) {
+  throw FormatError(name + ": row " + std::to_string(index + 1) + ": " + what);
+}
+
+/// What every table over time must be: at least 2 rows, t_s finite and strictly increasing, `is_finite` true
+/// for each row. Throws FormatError begun by `name` otherwise, for the first row at fault.
+template <class Row, class IsFinite>
+void require_timed_rows(std::span<const Row> rows, const std::string& name, const IsFinite& is_finite) {
+  if (rows.size() < 2)
+    throw FormatError(name + ": " + std::to_string(rows.size()) + " rows, at least 2 are needed");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!std::isfinite(rows[i].t_s) || !is_finite(rows[i])) refuse_row(name, i, "a value is not finite");
+    if (i > 0 && !(rows[i].t_s > rows[i - 1].t_s))
+      refuse_row(name, i, "t_s does not exceed that of the row before");
+  }
+}
+
+}  // namespace landfall
