@@ -74,7 +74,7 @@ void Fsm::steer(const ScannerState& state, std::span<const Direction<LidarFrame>
     return;
   }
   const Matrix3d turn = mirror_.steering(state.mirror_normal);
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+  turn_all(turn, pixels, beams);
 }
 
 void Fsm::steer_from_focal_point(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,

@@ -46,7 +46,7 @@ ScannerState Gimbal::state(const PulseContext& pulse) const {
 void Gimbal::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                    std::span<Beam> beams) const {
   const Eigen::Matrix3d turn = gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+  turn_all(turn, pixels, beams);
 }
 
 }  // namespace landfall

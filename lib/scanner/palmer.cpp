@@ -36,7 +36,7 @@ ScannerState Palmer::state(const PulseContext& pulse) const {
 void Palmer::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                    std::span<Beam> beams) const {
   const Eigen::Matrix3d turn = mirror_.steering(state.mirror_normal);
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+  turn_all(turn, pixels, beams);
 }
 
 }  // namespace landfall

@@ -56,7 +56,7 @@ void Polygon::steer(const ScannerState& state, std::span<const Direction<LidarFr
   const Eigen::Matrix3d turn =
       (Eigen::AngleAxisd(state.angle_2_rad, line_) * Eigen::AngleAxisd(2 * state.angle_1_rad, across_line_))
           .toRotationMatrix();
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+  turn_all(turn, pixels, beams);
 }
 
 }  // namespace landfall

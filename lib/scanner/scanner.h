@@ -46,6 +46,12 @@ struct Beam {
   bool lost = false;                  ///< total reflection: it never leaves; the rest has no meaning
 };
 
+/// beams[i] leaves the focal point along the turned direction of pixels[i]: d' = R d, b = 0.
+inline void turn_all(const Eigen::Matrix3d& turn, std::span<const Direction<LidarFrame>> pixels,
+                     std::span<Beam> beams) {
+  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+}
+
 /// Steers the rays of all pixels: a pure function of time, without stepping state. Any thread may ask for any
 /// pulse in any order.
 class Scanner {

@@ -76,7 +76,7 @@ void TableScanner::steer(const ScannerState& state, std::span<const Direction<Li
                          std::span<Beam> beams) const {
   const Eigen::Matrix3d turn = mirror_ ? mirror_->steering(state.mirror_normal)
                                        : gimbal_rotation({state.angle_1_rad, state.angle_2_rad});
-  for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
+  turn_all(turn, pixels, beams);
 }
 
 }  // namespace landfall
