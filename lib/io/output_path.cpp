@@ -83,6 +83,7 @@ OutputPath::~OutputPath() {
 
 void OutputPath::commit() {
   flush_to_disk(temporary_);
+  ignore_interrupts();
   if (overwrite_) {
     if (::rename(temporary_.c_str(), path_.c_str()) != 0)
       throw IoError("output " + path_.string() + ": renaming failed: " + system_message(errno));

@@ -14,6 +14,8 @@
 namespace landfall {
 namespace {
 
+constexpr std::array kInterrupts = {SIGINT, SIGTERM, SIGHUP};
+
 struct Slot {
   std::array<char, 4096> path{};
   std::atomic<bool> used{false};
@@ -60,12 +62,16 @@ void install_signal_cleanup(const std::string& program) {
   const std::string text =
       (::isatty(STDERR_FILENO) != 0 ? "\n" : "") + program + ": interrupted, no output was written\n";
   std::memcpy(farewell.data(), text.c_str(), std::min(text.size() + 1, farewell.size() - 1));
-  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal_number : kInterrupts) {
     // What the parent chose to ignore (nohup) stays ignored.
     if (std::signal(signal_number, remove_temporaries_and_die) == SIG_IGN)
       std::signal(signal_number, SIG_IGN);
   }
   std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void ignore_interrupts() {
+  for (const int signal_number : kInterrupts) std::signal(signal_number, SIG_IGN);
 }
 
 }  // namespace landfall

@@ -15,4 +15,7 @@ void forget_temporary_file(const std::string& path);
 /// by that signal. A file-size limit (ulimit -f) becomes a failed write, as a full disk is.
 void install_signal_cleanup(const std::string& program);
 
+/// From now on the run ends whole: for the moment when an output is about to get its name.
+void ignore_interrupts();
+
 }  // namespace landfall
