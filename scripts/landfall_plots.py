@@ -47,6 +47,11 @@ def add_output_options(parser):
     parser.add_argument("--dpi", type=dots_per_inch, default=150, help="50..600, default 150")
 
 
+def require_png(path):
+    if not path.endswith(".png"):
+        raise UsageError(f"--output {path}: the name must end in .png")
+
+
 def dots_per_inch(text):
     value = int(text)
     if not 50 <= value <= 600:

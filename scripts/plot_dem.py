@@ -21,8 +21,7 @@ def parse(arguments):
     lp.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.dem)[0] + ".png"
-    if not options.output.endswith(".png"):
-        raise lp.UsageError(f"--output {options.output}: the name must end in .png")
+    lp.require_png(options.output)
     return options
 
 

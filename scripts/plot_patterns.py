@@ -53,8 +53,7 @@ def parse(arguments):
     parser.add_argument("--bin", metavar="DIR", default="build/release/bin", help="where the tools are")
     lp.add_output_options(parser)
     options = parser.parse_args(arguments)
-    if not options.output.endswith(".png"):
-        raise lp.UsageError(f"--output {options.output}: the name must end in .png")
+    lp.require_png(options.output)
     return options
 
 

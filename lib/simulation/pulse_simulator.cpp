@@ -253,7 +253,6 @@ void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatc
 }
 
 // A range that is NaN makes its point NaN.
-
 void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                      const PulseWorkspace& workspace) const {
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
