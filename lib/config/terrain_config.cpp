@@ -2,6 +2,7 @@
 #include "config/terrain_config.h"
 
 #include "base/error.h"
+#include "config/feature_config.h"
 #include "config/json_values.h"
 
 namespace landfall {
@@ -41,23 +42,6 @@ Base base_of(const Json& json) {
   return PlaneBase{number("elevation_m"), number("slope_x"), number("slope_y")};
 }
 
-FeatureShape shape_of(const Json& json) {
-  const auto number = [&](const char* key) { return json.at(key).get<double>(); };
-  if (json.at("type") == "cone") return Cone{number("radius_m"), number("height_m")};
-  if (json.at("type") == "hemisphere") return Hemisphere{number("radius_m")};
-  return Pyramid{number("base_width_m"), number("height_m"), kRadiansPerDegree * number("yaw_deg")};
-}
-
-Feature feature_of(const Json& json) {
-  return {json.at("x_m").get<double>(), json.at("y_m").get<double>(), shape_of(json)};
-}
-
-FeaturePattern pattern_of(const Json& json) {
-  return RingPattern{json.at("count").get<std::int64_t>(), json.at("radius_m").get<double>(),
-                     kRadiansPerDegree * json.at("first_azimuth_deg").get<double>(),
-                     shape_of(json.at("feature"))};
-}
-
 TerrainModel model_of(const Json& json) {
   TerrainModel model;
   model.bases.clear();
@@ -65,8 +49,8 @@ TerrainModel model_of(const Json& json) {
   if (base.is_object()) model.bases.push_back(base_of(base));
   if (base.is_array())
     for (const Json& layer : base) model.bases.push_back(base_of(layer));
-  for (const Json& feature : json.at("features")) model.features.push_back(feature_of(feature));
-  for (const Json& pattern : json.at("patterns")) model.patterns.push_back(pattern_of(pattern));
+  for (const Json& feature : json.at("features")) model.features.push_back(placed_feature(feature));
+  for (const Json& pattern : json.at("patterns")) model.patterns.push_back(feature_pattern(pattern));
   model.seed = json.at("seed").get<std::uint64_t>();
   return model;
 }

@@ -9,14 +9,14 @@
 #include "gridding/layers.h"
 #include "gridding/uncertainty.h"
 #include "io/landfall_file.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/surface.h"
 
 namespace landfall {
 
 /// Which layers of a DEM to write, and from what.
 struct DemRequest {
-  std::vector<std::string> layers;          ///< names; empty: all that can be made
-  const TriangulatedGrid* truth = nullptr;  ///< the terrain; without it z_true, z_true_map are left out
+  std::vector<std::string> layers;        ///< names; empty: all that can be made
+  const TerrainSurface* truth = nullptr;  ///< the terrain; without it z_true, z_true_map are left out
   TruthAt truth_at = TruthAt::bin_center;
   bool uncertainty = false;  ///< also z_true_map and the sigmas
   bool corrected = false;    ///< also z_corrected

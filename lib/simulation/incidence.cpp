@@ -12,12 +12,11 @@ constexpr double kSmallestCosine = 0.017452406437283512;  // of 89 deg
 
 }  // namespace
 
-double tan_incidence(const TriangulatedGrid& ground, const Point<DemFrame>& hit,
+double tan_incidence(const TerrainSurface& ground, const Point<DemFrame>& hit,
                      const Direction<DemFrame>& beam) {
   if (!hit.v.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Vector2d slope = ground.gradient(hit.v.x(), hit.v.y());
-  if (!slope.allFinite()) return 0;
-  const Eigen::Vector3d normal = Eigen::Vector3d(-slope.x(), -slope.y(), 1).normalized();
+  const Eigen::Vector3d normal = ground.normal(hit.v);
+  if (!normal.allFinite()) return 0;
   // The cross product keeps small angles, which the cosine loses.
   const double cosine = std::max(std::abs(normal.dot(beam.v)), kSmallestCosine);
   const double sine = std::min(normal.cross(beam.v).norm(), std::sqrt(1 - kSmallestCosine * kSmallestCosine));

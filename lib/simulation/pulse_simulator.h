@@ -15,7 +15,7 @@
 #include "scanner/pattern.h"
 #include "scanner/scanner.h"
 #include "simulation/pulse_batch.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/surface.h"
 #include "trajectory/trajectory.h"
 
 namespace landfall {
@@ -70,7 +70,7 @@ class PulseSimulator {
  public:
   /// `engine` must outlive this. So must `ground`; where given, a beam that starts at or below it is refused.
   /// Throws UsageError where it is not and the noise depends on the incidence.
-  PulseSimulator(Lidar lidar, const RayEngine& engine, const TriangulatedGrid* ground);
+  PulseSimulator(Lidar lidar, const RayEngine& engine, const TerrainSurface* ground);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
   /// 1 for each dead pixel, 0 for the others, row-major.
@@ -109,7 +109,7 @@ class PulseSimulator {
 
   Lidar lidar_;
   const RayEngine* engine_;
-  const TriangulatedGrid* ground_;
+  const TerrainSurface* ground_;
   std::vector<std::int8_t> dead_map_;
 };
 

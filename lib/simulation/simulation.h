@@ -49,7 +49,7 @@ class Simulation {
   /// `engine` and `ground` must outlive this (see PulseSimulator). The model's scanner and trajectory must be
   /// set. Throws as pulse_count() does, and FormatError where the trajectory or a scanner that replays angles
   /// ends before the last pulse or an estimate does not hold all pulses.
-  Simulation(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr);
+  Simulation(ScanModel model, const RayEngine& engine, const TerrainSurface* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
   /// Pulses over pulse rate, seconds.

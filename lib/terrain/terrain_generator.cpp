@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "terrain/terrain_generator.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <sstream>
@@ -9,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "terrain/feature_field.h"
 #include "terrain/fractal.h"
 #include "terrain/triangulated_grid.h"
 
@@ -76,86 +76,6 @@ struct BaseAdder {
   }
 };
 
-/// A feature and the elevation that it stands on.
-struct Seated {
-  Feature feature;
-  double at_centre_m;
-};
-
-Seated seat(const TriangulatedGrid& base, const Feature& feature, const std::string& name) {
-  const double z_m = base.elevation(feature.x_m, feature.y_m);
-  if (std::isfinite(z_m)) return {feature, z_m};
-  const GridSpec& spec = base.nodes().spec();
-  const bool on_grid = feature.x_m >= spec.x(0) && feature.x_m <= spec.x(spec.cols - 1) &&
-                       feature.y_m >= spec.y(0) && feature.y_m <= spec.y(spec.rows - 1);
-  std::ostringstream message;
-  message << name << ": its centre (" << feature.x_m << ", " << feature.y_m << ") m is "
-          << (on_grid ? "on a hole of the base" : "outside the grid");
-  if (on_grid) throw FormatError(message.str());
-  throw UsageError(message.str());
-}
-
-std::vector<Seated> seat_all(const TriangulatedGrid& base, const TerrainModel& model) {
-  std::vector<Seated> seated;
-  for (std::size_t i = 0; i < model.features.size(); ++i)
-    seated.push_back(seat(base, model.features[i], "features/" + std::to_string(i)));
-  for (std::size_t p = 0; p < model.patterns.size(); ++p) {
-    const auto features =
-        std::visit([](const auto& pattern) { return pattern.features(); }, model.patterns[p]);
-    for (std::size_t i = 0; i < features.size(); ++i)
-      seated.push_back(
-          seat(base, features[i], "patterns/" + std::to_string(p) + " feature " + std::to_string(i)));
-  }
-  return seated;
-}
-
-/// A half-open range of node numbers along one axis.
-struct NodeRange {
-  std::int64_t begin;
-  std::int64_t end;
-};
-
-/// The nodes within `reach` of `center` (both in node spacings from node 0), one more on each side, cut to
-/// `limits`.
-NodeRange nodes_within(double center, double reach, const NodeRange& limits) {
-  const auto clamped = [&](double node) {
-    return static_cast<std::int64_t>(
-        std::clamp(node, static_cast<double>(limits.begin), static_cast<double>(limits.end)));
-  };
-  return {clamped(std::floor(center - reach)), clamped(std::ceil(center + reach) + 1)};
-}
-
-/// Applies one feature to the rows of a piece.
-void stamp(Grid<double>& z, const Seated& seated, const NodeRange& rows) {
-  const GridSpec& spec = z.spec();
-  const Feature& feature = seated.feature;
-  std::visit(
-      [&](const auto& shape) {
-        const double reach = shape.reach_m() / spec.resolution_m;
-        const NodeRange r =
-            nodes_within(feature.y_m / spec.resolution_m - static_cast<double>(spec.first_row), reach, rows);
-        const NodeRange c = nodes_within(
-            feature.x_m / spec.resolution_m - static_cast<double>(spec.first_col), reach, {0, spec.cols});
-        for (std::int64_t row = r.begin; row < r.end; ++row)
-          for (std::int64_t col = c.begin; col < c.end; ++col) {
-            double& node = z.at({row, col});
-            node = shape.elevation_m({node, seated.at_centre_m},
-                                     {spec.x(col) - feature.x_m, spec.y(row) - feature.y_m});
-          }
-      },
-      feature.shape);
-}
-
-void add_features(Grid<double>& z, const std::vector<Seated>& features, const ProgressCallback& progress) {
-  parallel_for(
-      static_cast<std::size_t>(z.spec().rows), kRowGrain,
-      [&](std::size_t begin, std::size_t end) {
-        const NodeRange rows{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end)};
-        for (const Seated& seated : features) stamp(z, seated, rows);
-      },
-      progress);
-}
-
 }  // namespace
 
 GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec, const DemLoader& load_dem,
@@ -170,13 +90,22 @@ GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spe
       report(progress, (static_cast<double>(step) + fraction) / steps);
     };
   };
-  GeneratedTerrain terrain{Grid<double>(spec), kLocalSiteCrsWkt, {}};
+  GeneratedTerrain terrain{Grid<double>(spec), kLocalSiteCrsWkt, {}, {}};
   for (std::size_t i = 0; i < model.bases.size(); ++i)
     std::visit(BaseAdder{terrain, load_dem, step_progress(i), {model.seed, i}}, model.bases[i]);
-  TriangulatedGrid base(std::move(terrain.nodes));
-  const std::vector<Seated> features = seat_all(base, model);
-  terrain.nodes = std::move(base).take_nodes();
-  add_features(terrain.nodes, features, step_progress(model.bases.size()));
+  FeatureField features(model, spec);
+  const double last = static_cast<double>(model.bases.size());
+  const auto half_progress = [&](double from) -> ProgressCallback {
+    return [&progress, steps, last, from](double fraction) {
+      report(progress, (last + from + fraction / 2) / steps);
+    };
+  };
+  features.shape_ground(terrain.nodes, half_progress(0));
+  TriangulatedGrid ground(std::move(terrain.nodes));
+  features.seat(ground);
+  terrain.nodes = std::move(ground).take_nodes();
+  features.stand(terrain.nodes, half_progress(0.5));
+  terrain.features = features.features();
   return terrain;
 }
 

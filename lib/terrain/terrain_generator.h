@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "raster/grid.h"
 #include "terrain/dem_raster.h"
+#include "terrain/feature_field.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -16,12 +17,12 @@ struct GeneratedTerrain {
   Grid<double> nodes;
   std::string crs_wkt;                 ///< of the first imported DEM's site frame, else kLocalSiteCrsWkt
   std::vector<DemSource> dem_sources;  ///< one per DemBase, in their order
+  std::vector<PlacedFeature> features;
 };
 
-/// Builds a gridded terrain: the sum of the bases at each node, then the features, each standing on that
-/// sum's triangulated surface under its own centre and evaluated at nodes only. Fractal base number i
-/// (counted among all bases) draws its own waves. Holes of any base are holes of the terrain, whatever stands
-/// there.
+/// Builds a gridded terrain: the sum of the bases at each node, then the features (feature_field.h). Fractal
+/// base number i (counted among all bases) draws its own waves. Holes of any base are holes of the terrain,
+/// whatever stands there.
 ///
 /// Throws UsageError on a parameter without sense (validate()), more than 2^30 nodes, or a feature whose
 /// centre is off the grid; FormatError where a DEM is refused (no finite node, NaN at the centre with

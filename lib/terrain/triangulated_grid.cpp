@@ -74,6 +74,11 @@ Eigen::Vector2d TriangulatedGrid::gradient(double x_m, double y_m) const {
   return rise / spec.resolution_m;
 }
 
+Eigen::Vector3d TriangulatedGrid::normal(const Eigen::Vector3d& place) const {
+  const Eigen::Vector2d slope = gradient(place.x(), place.y());
+  return Eigen::Vector3d(-slope.x(), -slope.y(), 1).normalized();
+}
+
 std::size_t TriangulatedGrid::triangle_count() const {
   return 2 * static_cast<std::size_t>((nodes_.spec().rows - 1) * (nodes_.spec().cols - 1));
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "raster/grid.h"
+#include "terrain/surface.h"
 
 namespace landfall {
 
@@ -15,7 +16,7 @@ namespace landfall {
 /// another interpolation.
 ///
 /// A triangle with a NaN node is a hole; the other triangle of its cell stays (docs/decisions.md).
-class TriangulatedGrid {
+class TriangulatedGrid final : public TerrainSurface {
  public:
   /// Throws FormatError unless the grid has at least 2 x 2 nodes.
   explicit TriangulatedGrid(Grid<double> nodes);
@@ -26,11 +27,14 @@ class TriangulatedGrid {
 
   /// H(x, y), metres, frame D; NaN off the grid and in holes. The surface is closed: on an edge or node that
   /// a hole shares with a triangle, the triangle counts.
-  [[nodiscard]] double elevation(double x_m, double y_m) const;
+  [[nodiscard]] double elevation(double x_m, double y_m) const override;
 
   /// (dH/dx, dH/dy) of the triangle at (x, y), both finite. A place off the grid has that of the nearest
   /// cell's; NaN in holes. On an edge or node one of the triangles that share it decides.
   [[nodiscard]] Eigen::Vector2d gradient(double x_m, double y_m) const;
+
+  /// Upward, from gradient() at the place's x and y.
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& place) const override;
 
   /// Triangles are numbered by cell, row-major: 2 cell is the lower left one, 2 cell + 1 the upper right one.
   /// Holes keep their numbers.

@@ -4,13 +4,16 @@
 #include <cmath>
 #include <string>
 
-#include "terrain/features/ground.h"
 #include "base/parameter_check.h"
+#include "terrain/features/relief.h"
 
 namespace landfall {
 
 /// A right circular cone: height_m (1 - r / radius_m) for r <= radius_m.
 struct Cone {
+  static constexpr const char* kName = "cone";
+  static constexpr FeatureRole kRole = FeatureRole::stands;
+
   double radius_m = 3;
   double height_m = 10;
 
@@ -20,9 +23,10 @@ struct Cone {
     require_positive({owner, "height_m"}, height_m);
   }
   [[nodiscard]] double reach_m() const { return radius_m; }
-  [[nodiscard]] double elevation_m(const Ground& ground, const Offset& offset) const {
+  [[nodiscard]] FeatureSize size() const { return {2 * radius_m, height_m, 0}; }
+  [[nodiscard]] double relief_m(const Offset& offset) const {
     const double r_m = std::hypot(offset.x_m, offset.y_m);
-    return r_m <= radius_m ? standing(ground, height_m * (1 - r_m / radius_m)) : ground.here_m;
+    return r_m <= radius_m ? height_m * (1 - r_m / radius_m) : kNoRelief;
   }
   friend bool operator==(const Cone&, const Cone&) = default;
 };

@@ -17,7 +17,7 @@ void RingPattern::validate(const std::string& owner) const {
   landfall::validate(shape, owner + "/feature");
 }
 
-std::vector<Feature> RingPattern::features() const {
+std::vector<Feature> RingPattern::features(const PatternSite& /*site*/) const {
   std::vector<Feature> ring;
   ring.reserve(static_cast<std::size_t>(count));
   const double step_rad = 2 * std::numbers::pi / static_cast<double>(count);

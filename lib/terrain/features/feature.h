@@ -12,17 +12,31 @@
 
 namespace landfall {
 
-/// Each shape says how far it reaches from its centre (reach_m: half the width of a box that holds its
-/// footprint), what the elevation becomes at a place (elevation_m: ground.here_m outside the footprint), and
-/// whether its parameters make sense (validate). A new shape is a file here and a name in this list.
+/// Each shape says what it is called (kName, the word of configurations and object lists), what it does with
+/// its relief (kRole), how far it reaches from its centre (reach_m: half the width of a box that holds its
+/// footprint), how high it is at a place (relief_m: kNoRelief outside the footprint), its size for a list of
+/// objects, and whether its parameters make sense (validate). A new shape is a file here and a name in this
+/// list.
 using FeatureShape = std::variant<Cone, Hemisphere, Pyramid>;
 
-/// A shape at a place, metres, frame D. It stands on the summed base under its centre.
+/// A shape at a place, metres, frame D.
 struct Feature {
   double x_m = 0;
   double y_m = 0;
   FeatureShape shape = Cone{};
   friend bool operator==(const Feature&, const Feature&) = default;
+};
+
+/// The site that a pattern fills, metres, frame D, and its chance.
+struct PatternSite {
+  double west_m = 0;
+  double east_m = 0;
+  double south_m = 0;
+  double north_m = 0;
+  std::uint64_t seed = 1;
+  std::uint64_t pattern = 0;  ///< its number: patterns of one seed draw independently
+
+  [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }
 };
 
 /// `count` equal features on a circle about the origin, evenly spaced counter-clockwise from
@@ -35,11 +49,12 @@ struct RingPattern {
 
   /// Throws UsageError unless 1 <= count <= 1e6, radius_m is finite and >= 0 and the azimuth is finite.
   void validate(const std::string& owner) const;
-  [[nodiscard]] std::vector<Feature> features() const;
+  [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;
   friend bool operator==(const RingPattern&, const RingPattern&) = default;
 };
 
-/// A pattern stands for many features: features() lists them in a fixed order.
+/// A pattern stands for many features: features() lists them in a fixed order, a pure function of pattern and
+/// site. A new pattern is a file here and a name in this list.
 using FeaturePattern = std::variant<RingPattern>;
 
 /// Throws UsageError, its message begun by `owner`, where a parameter makes no sense.

@@ -5,14 +5,17 @@
 #include <cmath>
 #include <string>
 
-#include "terrain/features/ground.h"
 #include "base/parameter_check.h"
+#include "terrain/features/relief.h"
 
 namespace landfall {
 
 /// A pyramid on a square base of edge base_width_m, turned counter-clockwise by yaw_rad:
 /// height_m (1 - 2 max(|u|, |v|) / base_width_m), (u, v) the place in the base's own axes.
 struct Pyramid {
+  static constexpr const char* kName = "pyramid";
+  static constexpr FeatureRole kRole = FeatureRole::stands;
+
   double base_width_m = 2;
   double height_m = 1;
   double yaw_rad = 0;
@@ -25,13 +28,14 @@ struct Pyramid {
   }
   /// Half the diagonal, for any yaw.
   [[nodiscard]] double reach_m() const { return std::hypot(base_width_m, base_width_m) / 2; }
-  [[nodiscard]] double elevation_m(const Ground& ground, const Offset& offset) const {
+  [[nodiscard]] FeatureSize size() const { return {base_width_m, height_m, yaw_rad}; }
+  [[nodiscard]] double relief_m(const Offset& offset) const {
     const double c = std::cos(yaw_rad);
     const double s = std::sin(yaw_rad);
     const double u_m = std::abs(c * offset.x_m + s * offset.y_m);
     const double v_m = std::abs(c * offset.y_m - s * offset.x_m);
     const double edge_frac = 2 * std::max(u_m, v_m) / base_width_m;
-    return edge_frac <= 1 ? standing(ground, height_m * (1 - edge_frac)) : ground.here_m;
+    return edge_frac <= 1 ? height_m * (1 - edge_frac) : kNoRelief;
   }
   friend bool operator==(const Pyramid&, const Pyramid&) = default;
 };

@@ -13,6 +13,7 @@
 #include "detector/perspective.h"
 #include "scanner/flash.h"
 #include "scanner/fsm.h"
+#include "terrain/triangulated_grid.h"
 
 namespace landfall {
 namespace {

@@ -14,56 +14,47 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr Ground kFlat{0, 0};
 
 TEST(Cone, ClosedForm) {
   const Cone cone{3, 10};
-  EXPECT_EQ(cone.elevation_m(kFlat, {0, 0}), 10);
-  EXPECT_EQ(cone.elevation_m(kFlat, {1.5, 0}), 5);
-  EXPECT_NEAR(cone.elevation_m(kFlat, {-1.2, 1.6}), 10.0 / 3, 1e-14);  // r = 2
-  EXPECT_EQ(cone.elevation_m(kFlat, {0, -3}), 0);
-  EXPECT_EQ(cone.elevation_m({-7, 0}, {0, 3.0000001}), -7);
+  EXPECT_EQ(cone.relief_m({0, 0}), 10);
+  EXPECT_EQ(cone.relief_m({1.5, 0}), 5);
+  EXPECT_NEAR(cone.relief_m({-1.2, 1.6}), 10.0 / 3, 1e-14);  // r = 2
+  EXPECT_EQ(cone.relief_m({0, -3}), 0);
+  EXPECT_TRUE(std::isnan(cone.relief_m({0, 3.0000001})));
 }
 
 TEST(Hemisphere, ClosedForm) {
   const Hemisphere ball{5};
-  EXPECT_EQ(ball.elevation_m(kFlat, {0, 0}), 5);
-  EXPECT_EQ(ball.elevation_m(kFlat, {0, -3}), 4);
-  EXPECT_EQ(ball.elevation_m(kFlat, {5, 0}), 0);
-  EXPECT_EQ(ball.elevation_m({-7, 0}, {4, 3.0000001}), -7);
+  EXPECT_EQ(ball.relief_m({0, 0}), 5);
+  EXPECT_EQ(ball.relief_m({0, -3}), 4);
+  EXPECT_EQ(ball.relief_m({5, 0}), 0);
+  EXPECT_TRUE(std::isnan(ball.relief_m({4, 3.0000001})));
 }
 
 TEST(Pyramid, ClosedForm) {
   const Pyramid pyramid{4, 6, 0};
-  EXPECT_EQ(pyramid.elevation_m(kFlat, {0, 0}), 6);
-  EXPECT_EQ(pyramid.elevation_m(kFlat, {1, 0.5}), 3);
-  EXPECT_EQ(pyramid.elevation_m(kFlat, {-0.5, -1}), 3);
-  EXPECT_EQ(pyramid.elevation_m(kFlat, {2, 2}), 0);  // a corner of the base
-  EXPECT_EQ(pyramid.elevation_m({-7, 0}, {2.0000001, 0}), -7);
+  EXPECT_EQ(pyramid.relief_m({0, 0}), 6);
+  EXPECT_EQ(pyramid.relief_m({1, 0.5}), 3);
+  EXPECT_EQ(pyramid.relief_m({-0.5, -1}), 3);
+  EXPECT_EQ(pyramid.relief_m({2, 2}), 0);  // a corner of the base
+  EXPECT_TRUE(std::isnan(pyramid.relief_m({2.0000001, 0})));
 }
 
 // Turned by 45 deg, the corners point along the axes; 30 deg counter-clockwise brings the middle of the +x
 // edge to azimuth 30 deg.
 TEST(Pyramid, YawTurnsCounterClockwise) {
   const Pyramid diamond{4, 6, kPi / 4};
-  EXPECT_NEAR(diamond.elevation_m(kFlat, {std::sqrt(2.0), 0}), 3, 1e-14);
-  EXPECT_NEAR(diamond.elevation_m(kFlat, {0, 2 * std::sqrt(2.0) * (1 - 1e-12)}), 0, 1e-10);
+  EXPECT_NEAR(diamond.relief_m({std::sqrt(2.0), 0}), 3, 1e-14);
+  EXPECT_NEAR(diamond.relief_m({0, 2 * std::sqrt(2.0) * (1 - 1e-12)}), 0, 1e-10);
   const Pyramid turned{4, 6, kPi / 6};
-  EXPECT_NEAR(turned.elevation_m(kFlat, {std::cos(kPi / 6), std::sin(kPi / 6)}), 3, 1e-14);
-  EXPECT_NEAR(turned.elevation_m(kFlat, {std::cos(kPi / 6), -std::sin(kPi / 6)}),
-              6 * (1 - std::sin(kPi / 3) / 2), 1e-14);
-}
-
-TEST(Shapes, StandOnTheirCentreAndWinByMax) {
-  EXPECT_EQ(Cone({3, 10}).elevation_m({2, 1}, {1.5, 0}), 6);  // 1 + 5 over ground at 2
-  EXPECT_EQ(Cone({3, 10}).elevation_m({9, 1}, {1.5, 0}), 9);  // the ground is higher
-  EXPECT_TRUE(std::isnan(Cone({3, 10}).elevation_m({kNan, 1}, {0, 0})));
-  EXPECT_TRUE(std::isnan(Hemisphere{1}.elevation_m({kNan, 1}, {0, 0})));
-  EXPECT_TRUE(std::isnan(Pyramid{}.elevation_m({kNan, 1}, {0, 0})));
+  EXPECT_NEAR(turned.relief_m({std::cos(kPi / 6), std::sin(kPi / 6)}), 3, 1e-14);
+  EXPECT_NEAR(turned.relief_m({std::cos(kPi / 6), -std::sin(kPi / 6)}), 6 * (1 - std::sin(kPi / 3) / 2),
+              1e-14);
 }
 
 TEST(RingPattern, CounterClockwiseFromPlusX) {
-  const auto ring = RingPattern{4, 25, 0, Hemisphere{2}}.features();
+  const auto ring = RingPattern{4, 25, 0, Hemisphere{2}}.features({});
   ASSERT_EQ(ring.size(), 4U);
   const double expected[4][2] = {{25, 0}, {0, 25}, {-25, 0}, {0, -25}};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -71,7 +62,7 @@ TEST(RingPattern, CounterClockwiseFromPlusX) {
     EXPECT_NEAR(ring[i].y_m, expected[i][1], 1e-13);
     EXPECT_EQ(ring[i].shape, FeatureShape(Hemisphere{2}));
   }
-  const auto turned = RingPattern{10, 25, kPi / 5, Cone{}}.features();
+  const auto turned = RingPattern{10, 25, kPi / 5, Cone{}}.features({});
   EXPECT_NEAR(turned[0].x_m, 25 * std::cos(kPi / 5), 1e-13);
   EXPECT_NEAR(turned[9].x_m, 25, 1e-13);  // the tenth of 36 deg steps from 36 deg is back on +x
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/feature_config.h"
+
+#include <iterator>
+#include <stdexcept>
+
+#include "config/json_values.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
+
+/// A kind of feature by its "type". To add one: its class (lib/terrain/features), a maker and an entry here,
+/// two definitions in schemas/terrain.schema.json.
+struct ShapeMaker {
+  const char* type;
+  FeatureShape (*make)(const Json& json);
+};
+
+FeatureShape make_cone(const Json& json) { return Cone{number(json, "radius_m"), number(json, "height_m")}; }
+
+FeatureShape make_hemisphere(const Json& json) { return Hemisphere{number(json, "radius_m")}; }
+
+FeatureShape make_pyramid(const Json& json) {
+  return Pyramid{number(json, "base_width_m"), number(json, "height_m"), radians(json, "yaw_deg")};
+}
+
+constexpr ShapeMaker kShapes[] = {
+    {Cone::kName, make_cone},
+    {Hemisphere::kName, make_hemisphere},
+    {Pyramid::kName, make_pyramid},
+};
+static_assert(std::size(kShapes) == std::variant_size_v<FeatureShape>);
+
+}  // namespace
+
+FeatureShape feature_shape(const Json& feature) {
+  for (const ShapeMaker& maker : kShapes)
+    if (feature.at("type") == maker.type) return maker.make(feature);
+  throw std::logic_error("no maker for " + feature.at("type").dump());
+}
+
+Feature placed_feature(const Json& feature) {
+  return {number(feature, "x_m"), number(feature, "y_m"), feature_shape(feature)};
+}
+
+}  // namespace landfall

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/progress.h"
+#include "raster/grid.h"
+#include "terrain/features/feature.h"
+#include "terrain/terrain_model.h"
+#include "terrain/triangulated_grid.h"
+
+namespace landfall {
+
+/// A feature of a terrain.
+struct PlacedFeature {
+  Feature feature;
+  std::int32_t pattern = -1;       ///< number of the pattern that it comes from; -1: listed by itself
+  std::int64_t number = 0;         ///< among the listed ones, or those of its pattern
+  std::optional<double> ground_m;  ///< elevation of the ground under its centre, once seated
+
+  friend bool operator==(const PlacedFeature&, const PlacedFeature&) = default;
+};
+
+/// All features of a terrain: those that are listed, then those of the patterns, each in their order. The
+/// ground is the sum of the bases with what features of the roles `adds` and `drapes` change; then come those
+/// that stand on it. Everything is evaluated at nodes only.
+///
+/// A terrain may be made in one grid or in parts, whose nodes get the same elevations: first shape_ground()
+/// of every part, then seat() with every part, then stand() of every part.
+class FeatureField {
+ public:
+  /// Places the features of a validated model on `grid`. Throws UsageError, naming it, for a standing feature
+  /// whose centre is off the grid.
+  FeatureField(const TerrainModel& model, const GridSpec& grid);
+
+  /// `part`: some of the grid's nodes, with the sum of the bases.
+  void shape_ground(Grid<double>& part, const ProgressCallback& progress = {}) const;
+  /// Asks `part` for the ground under the centres that lie on it. Throws FormatError, naming the feature,
+  /// where one that stands finds a hole.
+  void seat(const TriangulatedGrid& part);
+  /// Throws std::logic_error unless all standing features are seated. A hole of the ground stays one.
+  void stand(Grid<double>& part, const ProgressCallback& progress = {}) const;
+
+  [[nodiscard]] const std::vector<PlacedFeature>& features() const { return features_; }
+
+ private:
+  std::vector<PlacedFeature> features_;
+};
+
+}  // namespace landfall

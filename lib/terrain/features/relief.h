@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+
+namespace landfall {
+
+/// A place relative to a feature's centre, metres, axes of frame D.
+struct Offset {
+  double x_m = 0;
+  double y_m = 0;
+};
+
+/// What a feature does with its relief, the height that it has at a place (docs/decisions.md, D98).
+enum class FeatureRole {
+  adds,    ///< changes the ground: craters, pits. Where several meet, all add.
+  drapes,  ///< lies on the ground, place by place, as long objects do. Where several meet, the highest
+           ///< counts.
+  stands,  ///< stands on the ground under its own centre, and shows where it is higher than all else.
+};
+
+/// The relief outside a feature's footprint.
+inline constexpr double kNoRelief = std::numeric_limits<double>::quiet_NaN();
+
+/// What a list of objects says of one. Metres; counter-clockwise from +x.
+struct FeatureSize {
+  double diameter_m = 0;  ///< the greatest extent along the ground
+  double height_m = 0;    ///< above the ground; below it where negative (a crater's depth)
+  double yaw_rad = 0;     ///< of the axis that has the greatest extent; 0 where round
+};
+
+}  // namespace landfall

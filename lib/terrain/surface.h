@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+
+namespace landfall {
+
+/// The true surface of a terrain, frame D, metres: what rays hit and what a DEM is compared with. Immutable:
+/// any number of threads may ask.
+class TerrainSurface {
+ public:
+  virtual ~TerrainSurface() = default;
+
+  /// H(x, y): the highest elevation of the surface on the vertical through (x, y); NaN where it has none.
+  [[nodiscard]] virtual double elevation(double x_m, double y_m) const = 0;
+
+  /// A unit normal, of either sense, of the triangle that `place`, a point of the surface, lies on: on an
+  /// edge or node of one of those that share it. NaN where there is no triangle.
+  [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& place) const = 0;
+
+ protected:
+  TerrainSurface() = default;
+  TerrainSurface(const TerrainSurface&) = default;
+  TerrainSurface(TerrainSurface&&) = default;
+  TerrainSurface& operator=(const TerrainSurface&) = default;
+  TerrainSurface& operator=(TerrainSurface&&) = default;
+};
+
+}  // namespace landfall
