@@ -37,7 +37,7 @@ TEST(FoldRadius, NoneWithoutOrBelowTheFold) {
 
 // Against a walk along the radius.
 TEST(FoldRadius, RandomCoefficients) {
-  std::mt19937 random(test_seed());
+  std::mt19937_64 random(test_seed());
   std::uniform_real_distribution<double> k(-1, 1);
   int folded = 0;
   for (int round = 0; round < 300; ++round) {

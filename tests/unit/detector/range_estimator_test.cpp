@@ -125,7 +125,7 @@ double slow_strongest(std::vector<double> ranges, double width) {
 }
 
 TEST(RangeEstimator, RandomSamples) {
-  std::mt19937 random(test_seed());
+  std::mt19937_64 random(test_seed());
   for (int round = 0; round < 2000; ++round) {
     std::vector<double> ranges(1 + random() % 16);
     for (double& range : ranges)

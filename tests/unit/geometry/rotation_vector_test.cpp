@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/rotation_vector.h"
+#include "test_seed.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <iostream>
 #include <numbers>
 #include <random>
 
@@ -35,12 +34,6 @@ TEST(RotationVector, BothSignsOfAQuaternionAreOneRotation) {
 
 class RandomRotation : public testing::Test {
  protected:
-  void SetUp() override {
-    const char* const given = std::getenv("LANDFALL_TEST_SEED");
-    const auto seed = given == nullptr ? 20240607U : static_cast<unsigned>(std::strtoul(given, nullptr, 10));
-    std::cout << "LANDFALL_TEST_SEED=" << seed << '\n';
-    random_.seed(seed);
-  }
   /// A vector of length below `length`.
   Eigen::Vector3d vector(double length) {
     std::uniform_real_distribution<double> unit(-1, 1);
@@ -49,7 +42,7 @@ class RandomRotation : public testing::Test {
   }
 
  private:
-  std::mt19937 random_;
+  std::mt19937_64 random_{test_seed()};
 };
 
 TEST_F(RandomRotation, RoundTrip) {

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <iostream>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -19,6 +17,7 @@
 #include "gridding/median_accumulator.h"
 #include "map_layers.h"
 #include "point_columns.h"
+#include "test_seed.h"
 
 namespace landfall {
 namespace {
@@ -29,10 +28,7 @@ constexpr Method kMethods[] = {
 
 // Random returns, some outside the grid, some on edges and centres, elevations often equal.
 std::vector<ReturnPoint> random_points(const GridSpec& spec, std::size_t count) {
-  const char* const given = std::getenv("LANDFALL_TEST_SEED");
-  const std::uint64_t seed = given == nullptr ? 20261121U : std::stoull(given);
-  std::cout << "LANDFALL_TEST_SEED=" << seed << '\n';
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(test_seed());
   const double reach = spec.x(spec.cols - 1) * 1.2;
   std::uniform_real_distribution<double> coordinate(-reach, reach);
   std::uniform_int_distribution<int> step(0, 12);

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <iostream>
 #include <map>
 #include <random>
 #include <string>
@@ -14,18 +12,13 @@
 #include "base/parallel.h"
 #include "map_layers.h"
 #include "point_columns.h"
+#include "test_seed.h"
 
 namespace landfall {
 namespace {
 
-std::uint64_t test_seed() {
-  const char* given = std::getenv("LANDFALL_TEST_SEED");
-  return given == nullptr ? 20261121U : std::stoull(given);
-}
-
 // Random returns, some outside the grid, every tenth on an edge or a centre.
 std::vector<ReturnPoint> random_points(const GridSpec& spec, std::size_t count) {
-  std::cout << "LANDFALL_TEST_SEED=" << test_seed() << '\n';
   std::mt19937_64 random(test_seed());
   const double reach = spec.x(spec.cols - 1) * 1.1;
   std::uniform_real_distribution<double> coordinate(-reach, reach);

@@ -30,10 +30,7 @@ constexpr std::span<const EngineKind> kFastEngines = std::span(kEngines).subspan
 
 class Agreement : public testing::TestWithParam<Scene> {
  protected:
-  void SetUp() override {
-    std::cout << "LANDFALL_TEST_SEED=" << test_seed() << '\n';
-    terrain_ = GetParam().make(random_);
-  }
+  void SetUp() override { terrain_ = GetParam().make(random_); }
 
   void expect_same_answers(const std::vector<Ray>& rays) const {
     const std::vector<double> expected = ranges_of(*make_brute_force_engine(terrain_), rays);

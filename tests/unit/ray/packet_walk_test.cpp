@@ -6,7 +6,6 @@
 
 #include <hwy/targets.h>
 #include <bit>
-#include <iostream>
 
 #include "scenes.h"
 
@@ -28,10 +27,7 @@ std::vector<Ray> pulse(const Ray& boresight, double half_angle_rad) {
 
 class PacketWalk : public testing::TestWithParam<Scene> {
  protected:
-  void SetUp() override {
-    std::cout << "LANDFALL_TEST_SEED=" << test_seed() << '\n';
-    terrain_ = GetParam().make(random_);
-  }
+  void SetUp() override { terrain_ = GetParam().make(random_); }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
   /// How many of the rays the lanes decide; each of those must be Descent's answer.

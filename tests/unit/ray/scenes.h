@@ -17,6 +17,7 @@
 #include "ray/engine.h"
 #include "ray/heightfield_engine.h"
 #include "terrain/triangulated_grid.h"
+#include "test_seed.h"
 
 namespace landfall {
 
@@ -52,12 +53,6 @@ inline std::unique_ptr<RayEngine> make_heightfield(Terrain terrain) {
   return make_heightfield_engine(std::move(terrain));
 }
 inline std::unique_ptr<RayEngine> make_cgal(Terrain terrain) { return make_cgal_engine(std::move(terrain)); }
-
-/// The seed of this run's random tests: LANDFALL_TEST_SEED, or a fixed one.
-inline std::uint64_t test_seed() {
-  const char* given = std::getenv("LANDFALL_TEST_SEED");
-  return given == nullptr ? 20261121U : std::stoull(given);
-}
 
 /// How many rays the tests with many rays take: LANDFALL_TEST_RAYS, or 10^5.
 inline std::size_t test_rays() {

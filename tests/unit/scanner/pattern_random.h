@@ -1,31 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdint>
-#include <cstdlib>
-#include <iostream>
 #include <random>
-#include <string>
 
 #include "scanner/pattern.h"
+#include "test_seed.h"
 
 namespace landfall {
 
-/// Random numbers of a property test. The seed, LANDFALL_TEST_SEED or a fixed one, is printed.
+/// Random numbers of a property test.
 class PatternRandom {
  public:
   double real(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
   int whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
 
  private:
-  static std::uint64_t seed() {
-    const char* const given = std::getenv("LANDFALL_TEST_SEED");
-    const std::uint64_t value = given == nullptr ? 20240607 : std::stoull(given);
-    std::cout << "LANDFALL_TEST_SEED=" << value << '\n';
-    return value;
-  }
-
-  std::mt19937_64 engine_{seed()};
+  std::mt19937_64 engine_{test_seed()};
 };
 
 /// The aim of a pulse that has one.

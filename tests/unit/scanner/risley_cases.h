@@ -3,13 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
-#include <iostream>
 #include <numbers>
 #include <random>
 #include <string>
 
 #include "scanner/risley_steering.h"
+#include "test_seed.h"
 
 namespace landfall {
 
@@ -27,8 +26,6 @@ inline std::string letters(RisleyConfiguration configuration) {
 /// Random prisms and angles; LANDFALL_TEST_SEED sets the seed.
 class RisleyDraws {
  public:
-  RisleyDraws() : random_(seed()) { std::cout << "LANDFALL_TEST_SEED=" << seed() << '\n'; }
-
   double uniform(double from, double to) { return std::uniform_real_distribution(from, to)(random_); }
   RisleyOptics optics(RisleyConfiguration configuration) {
     return {.prisms = {prism(), prism()}, .gap_m = uniform(0, 0.02), .configuration = configuration};
@@ -36,13 +33,9 @@ class RisleyDraws {
   RisleyAngles angles() { return {uniform(-4, 4), uniform(-4, 4)}; }
 
  private:
-  static std::uint64_t seed() {
-    const char* given = std::getenv("LANDFALL_TEST_SEED");
-    return given == nullptr ? 20240917 : std::strtoull(given, nullptr, 10);
-  }
   RisleyPrism prism() { return {uniform(1.3, 2), uniform(1, 15) * kDegree, uniform(0.001, 0.02)}; }
 
-  std::mt19937_64 random_;
+  std::mt19937_64 random_{test_seed()};
 };
 
 }  // namespace landfall

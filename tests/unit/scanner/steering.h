@@ -5,13 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <iostream>
 #include <numbers>
 #include <random>
 #include <string>
 
 #include "scanner/scanner.h"
+#include "test_seed.h"
 
 // What the tests of the scanners share.
 namespace landfall {
@@ -59,19 +58,13 @@ inline Eigen::Vector3d reflected(const Eigen::Vector3d& d, const Eigen::Vector3d
 /// Random cases of a property test: LANDFALL_TEST_SEED, or a fixed seed, which is logged.
 class RandomCases {
  public:
-  RandomCases() {
-    const char* const given = std::getenv("LANDFALL_TEST_SEED");
-    const std::uint64_t seed = given == nullptr ? 20261121U : std::stoull(given);
-    std::cout << "LANDFALL_TEST_SEED=" << seed << '\n';
-    engine_.seed(seed);
-  }
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);
   }
   Direction<LidarFrame> within(double max_off_rad) { return towards(uniform(0, max_off_rad), uniform(0, 7)); }
 
  private:
-  std::mt19937_64 engine_;
+  std::mt19937_64 engine_{test_seed()};
 };
 
 }  // namespace landfall

@@ -5,14 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <functional>
-#include <iostream>
 #include <random>
 #include <string>
 
 #include "base/error.h"
 #include "geometry/rotation_vector.h"
+#include "test_seed.h"
 
 namespace landfall {
 namespace {
@@ -118,10 +117,7 @@ TEST(RigidBody, RefusesWhatNoBodyHas) {
 
 // Random bodies that tumble and fall for 20 s: energy, angular momentum and the path of the centre of mass.
 TEST(RigidBodyProperty, TumblingBodiesKeepWhatMustStay) {
-  const char* const given = std::getenv("LANDFALL_TEST_SEED");
-  const auto seed = given == nullptr ? 20240607U : static_cast<unsigned>(std::strtoul(given, nullptr, 10));
-  std::cout << "LANDFALL_TEST_SEED=" << seed << '\n';
-  std::mt19937 random(seed);
+  std::mt19937_64 random(test_seed());
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto vector = [&] { return Eigen::Vector3d(unit(random), unit(random), unit(random)); };
   for (int i = 0; i < 50; ++i) {

@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <iostream>
 #include <map>
 #include <numbers>
 #include <random>
@@ -14,6 +12,7 @@
 
 #include "base/error.h"
 #include "geometry/rotation.h"
+#include "test_seed.h"
 
 namespace landfall {
 namespace {
@@ -91,10 +90,7 @@ Eigen::Matrix3d dcm_bn(const Eigen::Vector3d& sigma) {
 // Random attitudes: R_dem_body = [BN]^T, and so of the shadow set; a table that changes from one set to the
 // other turns no further than one that stays in one.
 TEST(TrajectoryColumnsProperty, RodriguesParametersAndTheirShadowsAreBasilisks) {
-  const char* const given = std::getenv("LANDFALL_TEST_SEED");
-  const auto seed = given == nullptr ? 20240607U : static_cast<unsigned>(std::strtoul(given, nullptr, 10));
-  std::cout << "LANDFALL_TEST_SEED=" << seed << '\n';
-  std::mt19937 random(seed);
+  std::mt19937_64 random(test_seed());
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector3d sigma(unit(random), unit(random), unit(random));
