@@ -13,6 +13,11 @@ using Json = nlohmann::json;
 
 double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
 
+/// Of a key that may be absent.
+double number_or(const Json& json, const char* key, double otherwise) {
+  return json.contains(key) ? number(json, key) : otherwise;
+}
+
 /// A kind of feature by its "type". To add one: its class (lib/terrain/features), a maker and an entry here,
 /// two definitions in schemas/terrain.schema.json.
 struct ShapeMaker {
@@ -28,10 +33,24 @@ FeatureShape make_pyramid(const Json& json) {
   return Pyramid{number(json, "base_width_m"), number(json, "height_m"), radians(json, "yaw_deg")};
 }
 
+FeatureShape make_rock(const Json& json) {
+  const double diameter_m = number(json, "diameter_m");
+  return Rock{diameter_m, number_or(json, "height_m", diameter_m / 2), number(json, "axis_ratio"),
+              radians(json, "yaw_deg")};
+}
+
+FeatureShape make_crater(const Json& json) {
+  return Crater{number(json, "diameter_m"), number_or(json, "depth_m", 0), number(json, "freshness")};
+}
+
+FeatureShape make_ice_block(const Json& json) {
+  return IceBlock{number(json, "length_m"), number(json, "width_m"), number(json, "height_m"),
+                  radians(json, "yaw_deg"), radians(json, "tilt_deg")};
+}
+
 constexpr ShapeMaker kShapes[] = {
-    {Cone::kName, make_cone},
-    {Hemisphere::kName, make_hemisphere},
-    {Pyramid::kName, make_pyramid},
+    {Cone::kName, make_cone}, {Hemisphere::kName, make_hemisphere}, {Pyramid::kName, make_pyramid},
+    {Rock::kName, make_rock}, {Crater::kName, make_crater},         {IceBlock::kName, make_ice_block},
 };
 static_assert(std::size(kShapes) == std::variant_size_v<FeatureShape>);
 

@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "terrain/features/cone.h"
+#include "terrain/features/crater.h"
 #include "terrain/features/hemisphere.h"
+#include "terrain/features/ice_block.h"
 #include "terrain/features/pyramid.h"
+#include "terrain/features/rock.h"
 
 namespace landfall {
 
@@ -17,7 +20,7 @@ namespace landfall {
 /// footprint), how high it is at a place (relief_m: kNoRelief outside the footprint), its size for a list of
 /// objects, and whether its parameters make sense (validate). A new shape is a file here and a name in this
 /// list.
-using FeatureShape = std::variant<Cone, Hemisphere, Pyramid>;
+using FeatureShape = std::variant<Cone, Hemisphere, Pyramid, Rock, Crater, IceBlock>;
 
 /// A shape at a place, metres, frame D.
 struct Feature {

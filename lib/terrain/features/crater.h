@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "terrain/features/relief.h"
+
+namespace landfall {
+
+/// A bowl crater with a raised rim: the fresh profile of Fassett and Thomson (2014, J. Geophys. Res. Planets
+/// 119, 2255-2271) with the level rim that NASA's synthterrain gives it; h D in metres, D = diameter_m (rim
+/// to rim), x = r / (D / 2):
+///
+///   x <= 0.98         -0.228809953 + 0.227533882 x + 0.083116795 x^2 - 0.039499407 x^3
+///   0.98 < x <= 1.02   0.036822095
+///   1.02 < x <= 1.5    0.188253307 - 0.187050452 x + 0.01844746 x^2 + 0.01505647 x^3
+///   beyond             none
+///
+/// The floor is level at depth_m below the rim, where the first would go deeper: the rim keeps its height.
+/// As published, the pieces meet at 0.98 and end in 0 at 1.5 (both within 1e-9 D), but fall by 0.00418947 D
+/// at 1.02. Degradation is cheap: all of it is multiplied by `freshness`.
+struct Crater {
+  static constexpr const char* kName = "crater";
+  static constexpr FeatureRole kRole = FeatureRole::adds;
+  static constexpr double kRimPerDiameter = 0.036822095;
+  /// The profile's own depth below the rim at the centre: the greatest that there is.
+  static constexpr double kDeepestPerDiameter = 0.228809953 + kRimPerDiameter;
+
+  double diameter_m = 10;
+  double depth_m = 0;  ///< rim to floor before `freshness`; 0: that of a fresh crater of this size
+  double freshness = 1;
+
+  /// Of a fresh crater, rim to floor. The depth over the diameter goes by classes of diameter: 0.13 from 40
+  /// m, 0.15 from 100 m, 0.17 from 200 m, 0.21 from 400 m (Stopar et al. 2017, Icarus 298, 34-48); below
+  /// them, as synthterrain continues it, 0.11 from 10 m, 0.10 under that.
+  [[nodiscard]] static double fresh_depth_m(double diameter_m);
+
+  /// Throws UsageError unless the diameter is finite and positive, 0 <= depth_m <= kDeepestPerDiameter
+  /// diameter_m, and the freshness in (0, 1].
+  void validate(const std::string& owner) const;
+  [[nodiscard]] double reach_m() const { return 0.75 * diameter_m; }
+  /// The height is minus the depth that is left, rim to floor.
+  [[nodiscard]] FeatureSize size() const { return {diameter_m, -freshness * full_depth_m(), 0}; }
+  [[nodiscard]] double relief_m(const Offset& offset) const;
+  friend bool operator==(const Crater&, const Crater&) = default;
+
+ private:
+  [[nodiscard]] double full_depth_m() const { return depth_m > 0 ? depth_m : fresh_depth_m(diameter_m); }
+};
+
+}  // namespace landfall

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "terrain/features/relief.h"
+
+namespace landfall {
+
+/// The axes (u, v) of an object whose u axis is turned counter-clockwise from +x by a yaw.
+class TurnedAxes {
+ public:
+  explicit TurnedAxes(double yaw_rad) : cos_(std::cos(yaw_rad)), sin_(std::sin(yaw_rad)) {}
+
+  [[nodiscard]] double u_m(const Offset& offset) const { return cos_ * offset.x_m + sin_ * offset.y_m; }
+  [[nodiscard]] double v_m(const Offset& offset) const { return cos_ * offset.y_m - sin_ * offset.x_m; }
+
+ private:
+  double cos_;
+  double sin_;
+};
+
+}  // namespace landfall

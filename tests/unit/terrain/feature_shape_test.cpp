@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/error.h"
+#include "terrain/features/feature.h"
+
+namespace landfall {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+std::string refusal(const FeatureShape& shape) {
+  try {
+    validate(shape, "it");
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Rock, ClosedForm) {
+  const Rock rock{4, 3, 0.5, 0};
+  EXPECT_EQ(rock.relief_m({0, 0}), 3);
+  EXPECT_NEAR(rock.relief_m({1.2, 0}), 2.4, 1e-14);   // (1.2 / 2)^2 = 1 - 0.8^2
+  EXPECT_NEAR(rock.relief_m({0, -0.8}), 1.8, 1e-14);  // (0.8 / 1)^2 = 1 - 0.6^2
+  EXPECT_EQ(rock.relief_m({-2, 0}), 0);
+  EXPECT_TRUE(std::isnan(rock.relief_m({0, 1.0000001})));
+  EXPECT_TRUE(std::isnan(rock.relief_m({2.0000001, 0})));
+  const FeatureSize size = Rock{4, 3, 0.5, 0.3}.size();
+  EXPECT_EQ(size.diameter_m, 4);
+  EXPECT_EQ(size.height_m, 3);
+  EXPECT_EQ(size.yaw_rad, 0.3);
+}
+
+TEST(Rock, YawTurnsCounterClockwise) {
+  const Rock rock{4, 3, 0.5, kPi / 6};
+  const double c = std::cos(kPi / 6);
+  EXPECT_NEAR(rock.relief_m({1.2 * c, 0.6}), 2.4, 1e-14);
+  EXPECT_TRUE(std::isnan(rock.relief_m({1.2 * c, -0.6})));
+}
+
+TEST(Rock, Validates) {
+  EXPECT_EQ(refusal(Rock{}), "accepted");
+  EXPECT_EQ(refusal(Rock{0, 1, 1, 0}), "it/diameter_m: 0 is not finite and positive");
+  EXPECT_THAT(refusal(Rock{1, kNan, 1, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(refusal(Rock{1, 1, 1.1, 0}), HasSubstr("axis_ratio: 1.1 is not in (0, 1]"));
+  EXPECT_THAT(refusal(Rock{1, 1, 0, 0}), HasSubstr("axis_ratio"));
+  EXPECT_THAT(refusal(Rock{1, 1, 1, kNan}), HasSubstr("yaw_rad"));
+}
+
+// The sums of the published coefficients at x = 0, 0.5, 1, 1.25.
+TEST(Crater, ClosedForm) {
+  const Crater deep{100, 100 * Crater::kDeepestPerDiameter, 1};
+  EXPECT_NEAR(deep.relief_m({0, 0}), -22.8809953, 1e-12);
+  EXPECT_NEAR(deep.relief_m({-25, 0}), 100 * (-0.228809953 + 0.113766941 + 0.02077919875 - 0.004937425875),
+              1e-12);
+  EXPECT_NEAR(deep.relief_m({0, 50}), 3.6822095, 1e-12);
+  EXPECT_NEAR(deep.relief_m({37.5, 50}), 100 * (0.188253307 - 0.233813065 + 0.02882415625 + 0.02940716796875),
+              1e-12);
+  EXPECT_TRUE(std::isnan(deep.relief_m({75.0001, 0})));
+}
+
+TEST(Crater, PiecesMeetButForThePublishedStep) {
+  const Crater crater{2, 0, 1};  // x is r in metres
+  const auto step_at = [&](double x) {
+    return crater.relief_m({x + 1e-12, 0}) / 2 - crater.relief_m({x - 1e-12, 0}) / 2;
+  };
+  EXPECT_NEAR(step_at(0.98), 0, 1e-9);
+  EXPECT_NEAR(step_at(1.02), -0.004189465, 1e-9);
+  EXPECT_NEAR(crater.relief_m({1.5, 0}), 0, 1e-9);
+}
+
+TEST(Crater, FloorIsLevelAtTheDepthBelowTheRim) {
+  const Crater shallow{10, 1.5, 1};
+  EXPECT_NEAR(shallow.relief_m({0, 0}), 0.36822095 - 1.5, 1e-14);
+  EXPECT_EQ(shallow.relief_m({0.7, 0}), shallow.relief_m({0, 0}));
+  EXPECT_NEAR(shallow.relief_m({5, 0}), 0.36822095, 1e-14);
+  EXPECT_EQ(shallow.size().height_m, -1.5);
+  const Crater old{10, 1.5, 0.25};
+  for (const double r_m : {0.0, 3.0, 5.0, 6.0})
+    EXPECT_NEAR(old.relief_m({0, r_m}), shallow.relief_m({0, r_m}) / 4, 1e-15);
+  EXPECT_EQ(old.size().height_m, -0.375);
+}
+
+TEST(Crater, FreshDepthByClasses) {
+  const double expected[][2] = {{1, 0.1},  {9.999, 0.9999}, {10, 1.1}, {39, 4.29}, {40, 5.2},
+                                {100, 15}, {199, 29.85},    {200, 34}, {400, 84},  {1000, 210}};
+  for (const auto& [diameter_m, depth_m] : expected)
+    EXPECT_NEAR(Crater::fresh_depth_m(diameter_m), depth_m, 1e-12) << diameter_m;
+  EXPECT_NEAR((Crater{40, 0, 0.5}.size().height_m), -2.6, 1e-12);
+  EXPECT_NEAR((Crater{40, 0, 1}.relief_m({0, 0})), 40 * 0.036822095 - 5.2, 1e-12);
+}
+
+TEST(Crater, Validates) {
+  EXPECT_EQ(refusal(Crater{}), "accepted");
+  EXPECT_EQ(refusal(Crater{10, 10 * Crater::kDeepestPerDiameter, 1}), "accepted");
+  EXPECT_THAT(refusal(Crater{-1, 0, 1}), HasSubstr("it/diameter_m: -1"));
+  EXPECT_THAT(refusal(Crater{10, 2.7, 1}), HasSubstr("it/depth_m: 2.7 is not in [0, 2.656"));
+  EXPECT_THAT(refusal(Crater{10, -1, 1}), HasSubstr("depth_m: -1"));
+  EXPECT_THAT(refusal(Crater{10, 1, 0}), HasSubstr("freshness: 0"));
+  EXPECT_THAT(refusal(Crater{10, 1, 1.5}), HasSubstr("freshness: 1.5"));
+}
+
+TEST(IceBlock, AnUprightBoxIsLevelOnTop) {
+  const IceBlock block{4, 2, 1.5, 0, 0};
+  EXPECT_EQ(block.relief_m({0, 0}), 1.5);
+  EXPECT_EQ(block.relief_m({-2, 1}), 1.5);
+  EXPECT_TRUE(std::isnan(block.relief_m({2.0000001, 0})));
+  EXPECT_TRUE(std::isnan(block.relief_m({0, -1.0000001})));
+  const IceBlock turned{4, 2, 1.5, kPi / 2, 0};
+  EXPECT_EQ(turned.relief_m({0.5, 1.9}), 1.5);
+  EXPECT_TRUE(std::isnan(turned.relief_m({1.9, 0.5})));
+}
+
+/// The highest point of the box over v, by walking up: inside is where all four half-planes of the turned
+/// rectangle hold.
+double top_of_turned_rectangle(double width_m, double height_m, double tilt_rad, double v_m) {
+  double top = kNan;
+  for (double z = -4; z < 4; z += 1e-4) {
+    const double across = v_m * std::cos(tilt_rad) + z * std::sin(tilt_rad);
+    const double up = -v_m * std::sin(tilt_rad) + z * std::cos(tilt_rad);
+    if (std::abs(across) <= width_m / 2 && up >= 0 && up <= height_m) top = z;
+  }
+  return top;
+}
+
+TEST(IceBlock, ATiltedBoxIsTheTopOfATurnedRectangle) {
+  for (const double tilt_rad : {0.2, -0.5, 1.2}) {
+    const IceBlock block{6, 2, 1, 0, tilt_rad};
+    const double span_m = std::cos(tilt_rad) + std::abs(std::sin(tilt_rad));
+    for (double v_m = -2.4; v_m < 2.4; v_m += 0.013) {
+      if (std::abs(std::abs(v_m) - span_m) < 1e-3) continue;  // thinner there than a step of the walk
+      const double expected = top_of_turned_rectangle(2, 1, tilt_rad, v_m);
+      const double relief = block.relief_m({1, v_m});
+      if (std::isnan(expected))
+        EXPECT_TRUE(std::isnan(relief)) << tilt_rad << " " << v_m;
+      else
+        EXPECT_NEAR(relief, expected, 2e-4) << tilt_rad << " " << v_m;
+    }
+    EXPECT_GE(block.reach_m(), std::hypot(3, span_m) - 1e-12);
+  }
+}
+
+TEST(IceBlock, SizeIsTheLongerSideAndTheHighestEdge) {
+  const FeatureSize along = IceBlock{4, 2, 1, 0.1, 0}.size();
+  EXPECT_EQ(along.diameter_m, 4);
+  EXPECT_EQ(along.height_m, 1);
+  EXPECT_EQ(along.yaw_rad, 0.1);
+  const FeatureSize across = IceBlock{1, 2, 1, 0.1, kPi / 6}.size();
+  EXPECT_NEAR(across.diameter_m, std::sqrt(3.0) + 0.5, 1e-14);
+  EXPECT_NEAR(across.height_m, std::sqrt(0.75) + 0.5, 1e-14);
+  EXPECT_NEAR(across.yaw_rad, 0.1 + kPi / 2, 1e-15);
+}
+
+TEST(IceBlock, Validates) {
+  EXPECT_EQ(refusal(IceBlock{}), "accepted");
+  EXPECT_EQ(refusal(IceBlock{1, 1, 1, 0, -80 * kPi / 180}), "accepted");
+  EXPECT_THAT(refusal(IceBlock{0, 1, 1, 0, 0}), HasSubstr("length_m"));
+  EXPECT_THAT(refusal(IceBlock{1, 0, 1, 0, 0}), HasSubstr("width_m"));
+  EXPECT_THAT(refusal(IceBlock{1, 1, 0, 0, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(refusal(IceBlock{1, 1, 1, kNan, 0}), HasSubstr("yaw_rad"));
+  EXPECT_THAT(refusal(IceBlock{1, 1, 1, 0, 1.5}), HasSubstr("tilt_rad"));
+}
+
+}  // namespace
+}  // namespace landfall
