@@ -40,9 +40,16 @@ class RandomField {
   [[nodiscard]] double normal(std::uint64_t i, std::uint64_t j = 0) const;
   /// The draws (i, first_j), (i, first_j + 1), ...: the bits that normal() gives, many times as fast.
   void normals(std::uint64_t i, std::uint64_t first_j, std::span<double> out) const;
+  /// Likewise the draws (first_i, j), (first_i + 1, j), ...
+  void normals_along_i(std::uint64_t first_i, std::uint64_t j, std::span<double> out) const;
 
  private:
   using Generator = r123::Philox4x64;
+
+  struct Place {
+    std::uint64_t i, j;
+  };
+  void normals(Place first, Place step, std::span<double> out) const;
 
   [[nodiscard]] Generator::ctr_type block(std::uint64_t i, std::uint64_t j) const {
     return Generator{}(Generator::ctr_type{{i, j, 0, 0}}, key_);

@@ -38,6 +38,8 @@ TEST(RandomField, ManyNormalsAreTheSingleOnes) {
     std::vector<double> many(count);
     field.normals(5, 11, many);
     for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(many[k], field.normal(5, 11 + k)) << count << ' ' << k;
+    field.normals_along_i(5, 11, many);
+    for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(many[k], field.normal(5 + k, 11)) << count << ' ' << k;
   }
 }
 
