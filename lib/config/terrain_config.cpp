@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/terrain_config.h"
 
+#include <limits>
+
 #include "base/error.h"
 #include "config/feature_config.h"
 #include "config/json_values.h"
@@ -34,11 +36,19 @@ DemBase dem_base(const Json& json) {
   return base;
 }
 
+/// Metres, or "dem" or "none".
+std::optional<double> longest_wavelength_m(const Json& json) {
+  if (json.is_number()) return json.get<double>();
+  if (json == "none") return std::numeric_limits<double>::infinity();
+  return std::nullopt;
+}
+
 Base base_of(const Json& json) {
   const auto number = [&](const char* key) { return json.at(key).get<double>(); };
   if (json.at("type") == "dem") return dem_base(json);
   if (json.at("type") == "fractal")
-    return FractalBase{number("hurst_exponent"), number("rms_deviation_m"), number("reference_length_m")};
+    return FractalBase{number("hurst_exponent"), number("rms_deviation_m"), number("reference_length_m"),
+                       longest_wavelength_m(json.at("longest_wavelength_m"))};
   return PlaneBase{number("elevation_m"), number("slope_x"), number("slope_y")};
 }
 

@@ -71,6 +71,18 @@ PixelPosition SiteMapping::pixel(const SitePoint& point) const {
   return {center_.col + pixels.x(), center_.row + pixels.y()};
 }
 
+double SiteMapping::posting_m() const {
+  constexpr double kStep_m = 1;
+  const PixelPosition east = pixel({kStep_m, 0});
+  const PixelPosition west = pixel({-kStep_m, 0});
+  const PixelPosition north = pixel({0, kStep_m});
+  const PixelPosition south = pixel({0, -kStep_m});
+  Eigen::Matrix2d pixels_per_m;
+  pixels_per_m << east.col - west.col, north.col - south.col, east.row - west.row, north.row - south.row;
+  const Eigen::Matrix2d m_per_pixel = (pixels_per_m / (2 * kStep_m)).inverse();
+  return m_per_pixel.colwise().norm().minCoeff();
+}
+
 SiteMapping SiteMapping::in_window(const PixelPosition& first) const {
   SiteMapping mapping = *this;
   mapping.center_ = {center_.col - first.col, center_.row - first.row};

@@ -83,6 +83,9 @@ class SiteMapping {
               double radians_per_unit);
 
   [[nodiscard]] PixelPosition pixel(const SitePoint& point) const;
+  /// Metres on the site, at its centre, from a pixel's centre to the nearer of its neighbours in the row and
+  /// in the column; not finite or 0 where the centre is a pole of the raster's longitudes.
+  [[nodiscard]] double posting_m() const;
   /// The same site in a window of the raster that begins at pixel `first`.
   [[nodiscard]] SiteMapping in_window(const PixelPosition& first) const;
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "terrain/terrain_generator.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -55,10 +57,32 @@ void add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem,
   if (!any_finite) throw FormatError(dem.path + ": no node of the site has an elevation");
 }
 
+/// The rasters of a model's DEMs, in their order.
+std::vector<DemRaster> load_rasters(const TerrainModel& model, const GridSpec& spec,
+                                    const DemLoader& load_dem) {
+  std::vector<DemRaster> rasters;
+  for (const Base& base : model.bases)
+    if (const auto* const dem = std::get_if<DemBase>(&base)) rasters.push_back(load_dem(*dem, spec));
+  return rasters;
+}
+
+/// A raster of posting p holds wavelengths down to 2 p: fractal waves shorter than this lie in no raster.
+double waves_without_raster_m(const std::vector<DemRaster>& rasters) {
+  double longest_m = std::numeric_limits<double>::infinity();
+  for (const DemRaster& raster : rasters) {
+    const double posting_m = raster.mapping.posting_m();
+    if (!(posting_m > 0) || !std::isfinite(posting_m))
+      throw FormatError(raster.source.path + ": has no posting at the site centre, which is a pole of its " +
+                        "longitudes; give the fractal's longest_wavelength_m in metres");
+    longest_m = std::min(longest_m, 2 * posting_m);
+  }
+  return longest_m;
+}
+
 /// Adds one base after the other to a terrain.
 struct BaseAdder {
   GeneratedTerrain& terrain;
-  const DemLoader& load_dem;
+  const std::vector<DemRaster>& rasters;
   ProgressCallback progress;
   FractalDraw draw;
 
@@ -67,9 +91,12 @@ struct BaseAdder {
       node += plane.elevation_m + plane.slope_x * x_m + plane.slope_y * y_m;
     });
   }
-  void operator()(const FractalBase& fractal) const { add_fractal(terrain.nodes, fractal, draw, progress); }
+  void operator()(FractalBase fractal) const {
+    if (!fractal.longest_wavelength_m) fractal.longest_wavelength_m = waves_without_raster_m(rasters);
+    add_fractal(terrain.nodes, fractal, draw, progress);
+  }
   void operator()(const DemBase& dem) const {
-    const DemRaster raster = load_dem(dem, terrain.nodes.spec());
+    const DemRaster& raster = rasters[terrain.dem_sources.size()];
     add_raster(terrain.nodes, raster, dem, progress);
     if (terrain.dem_sources.empty()) terrain.crs_wkt = raster.crs_wkt;
     terrain.dem_sources.push_back(raster.source);
@@ -90,9 +117,10 @@ GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spe
       report(progress, (static_cast<double>(step) + fraction) / steps);
     };
   };
+  const std::vector<DemRaster> rasters = load_rasters(model, spec, load_dem);
   GeneratedTerrain terrain{Grid<double>(spec), kLocalSiteCrsWkt, {}, {}};
   for (std::size_t i = 0; i < model.bases.size(); ++i)
-    std::visit(BaseAdder{terrain, load_dem, step_progress(i), {model.seed, i}}, model.bases[i]);
+    std::visit(BaseAdder{terrain, rasters, step_progress(i), {model.seed, i}}, model.bases[i]);
   FeatureField features(model, spec);
   const double last = static_cast<double>(model.bases.size());
   const auto half_progress = [&](double from) -> ProgressCallback {

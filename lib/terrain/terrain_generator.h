@@ -21,8 +21,9 @@ struct GeneratedTerrain {
 };
 
 /// Builds a gridded terrain: the sum of the bases at each node, then the features (feature_field.h). Fractal
-/// base number i (counted among all bases) draws its own waves. Holes of any base are holes of the terrain,
-/// whatever stands there.
+/// base number i (counted among all bases) draws its own waves; one without a longest wavelength those that
+/// no DEM has, shorter than twice the finest posting. Holes of any base are holes of the terrain, whatever
+/// stands there.
 ///
 /// Throws UsageError on a parameter without sense (validate()), more than 2^30 nodes, or a feature whose
 /// centre is off the grid; FormatError where a DEM is refused (no finite node, NaN at the centre with

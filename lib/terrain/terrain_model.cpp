@@ -21,6 +21,8 @@ void validate_base(const FractalBase& fractal, const std::string& owner) {
   const double rms_m = fractal.rms_deviation_m;
   require(std::isfinite(rms_m) && rms_m >= 0, {owner, "rms_deviation_m"}, rms_m, "finite and >= 0");
   require_positive({owner, "reference_length_m"}, fractal.reference_length_m);
+  const double longest_m = fractal.longest_wavelength_m.value_or(1);
+  require(longest_m > 0, {owner, "longest_wavelength_m"}, longest_m, "> 0");
 }
 
 void validate_base(const DemBase& dem, const std::string& owner) {

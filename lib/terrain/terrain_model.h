@@ -27,6 +27,9 @@ struct FractalBase {
   double hurst_exponent = 0.8;
   double rms_deviation_m = 2.13;
   double reference_length_m = 10;
+  /// Only shorter waves are made; infinity: all that the grid holds. None: those that the DEMs of the same
+  /// model lack, shorter than twice the posting of the finest; all without a DEM.
+  std::optional<double> longest_wavelength_m{};
   friend bool operator==(const FractalBase&, const FractalBase&) = default;
 };
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "base/error.h"
@@ -57,6 +58,19 @@ TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {
   DemBase dem;
   dem.path = "a.tif";
   EXPECT_EQ(config.model.bases, (std::vector<Base>{FractalBase{}, dem}));
+}
+
+TEST(TerrainConfig, LongestWavelengthIsANumberOrAWord) {
+  const auto longest_m = [](const std::string& value) {
+    const Json config =
+        resolved("terrain", R"({"base": {"type": "fractal", "longest_wavelength_m": )" + value + "}}");
+    return std::get<FractalBase>(terrain_config(config, "c.json").model.bases[0]).longest_wavelength_m;
+  };
+  EXPECT_EQ(longest_m("25.5"), 25.5);
+  EXPECT_EQ(longest_m(R"("none")"), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(longest_m(R"("dem")"), std::nullopt);
+  EXPECT_THAT(refusal([&] { longest_m("0"); }), HasSubstr("longest_wavelength_m: 0"));
+  EXPECT_THAT(refusal([&] { longest_m(R"("DEM")"); }), HasSubstr(R"("DEM" is not one of "dem", "none")"));
 }
 
 TEST(TerrainConfig, DegreesBecomeRadians) {

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "base/parallel.h"
+#include "terrain/fractal_waves.h"
 
 namespace landfall {
 namespace {
@@ -63,6 +66,90 @@ TEST_P(StructureFunction, FollowsTheLaw) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Hurst, StructureFunction, ::testing::Values(0.5, 0.6, 0.7, 0.8));
+
+/// The law's structure function with waves shorter than `longest_m` alone:
+/// (C / pi) integral of k^(-2 H - 1) (1 - J0(k L)) over k > 2 pi / longest_m, C of law_amplitude(). By
+/// Simpson's rule in log k, and beyond k = 1e4 / L, where J0 adds nothing, in closed form.
+double band_deviation_m(const FractalBase& law, double longest_m, double lag_m) {
+  const double hurst = law.hurst_exponent;
+  const double gamma = std::tgamma(1 + hurst);
+  const double constant = std::pow(law.rms_deviation_m, 2) * std::pow(law.reference_length_m, -2 * hurst) *
+                          std::pow(2, 2 * hurst + 1) * gamma * gamma * std::sin(std::numbers::pi * hurst);
+  const double first = std::log(2 * std::numbers::pi / longest_m);
+  const double last = std::log(1e4 / lag_m);
+  constexpr int kPieces = 400000;
+  double sum = 0;
+  for (int i = 0; i <= kPieces; ++i) {
+    const double k = std::exp(first + (last - first) * i / kPieces);
+    const double weight = i == 0 || i == kPieces ? 1 : i % 2 == 1 ? 4 : 2;
+    sum += weight * std::pow(k, -2 * hurst) * (1 - ::j0(k * lag_m));
+  }
+  const double integral = sum * (last - first) / kPieces / 3;
+  const double rest = std::exp(-2 * hurst * last) / (2 * hurst);
+  return std::sqrt(constant / std::numbers::pi * (integral + rest));
+}
+
+TEST(BandOracle, WithoutACutIsTheLaw) {
+  for (const double hurst : {0.5, 0.8})
+    EXPECT_NEAR(band_deviation_m({hurst, 0.3, 5}, 1e12, 7), 0.3 * std::pow(7.0 / 5, hurst),
+                1e-4);  // lacks 8e-5 beyond 1e12 m
+}
+
+// Waves shorter than 32 nodes keep the amplitude of the full law. Waves shorter than 2 nodes are missing:
+// 4 nodes have less than the law, H = 0.5 most.
+TEST_P(StructureFunction, OfABandFollowsTheLaw) {
+  const GridSpec spec = GridSpec::centered(64, 0.5);
+  const FractalBase law{GetParam(), 0.3, 5, 16};
+  constexpr int kSeeds = 12;
+  for (const std::int64_t lag : {6, 10, 16, 25, 40}) {
+    double squares = 0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
+      squares += squared_deviation(fractal(spec, law, {seed, 0}), lag) / kSeeds;
+    const double expected_m = band_deviation_m(law, 16, static_cast<double>(lag) * spec.resolution_m);
+    EXPECT_NEAR(std::sqrt(squares) / expected_m, 1, 0.05) << "lag " << lag;
+  }
+}
+
+// The amplitude does not depend on the size of the grid, nor on what the reference length is to it.
+TEST(Fractal, ABandHasTheFullLawsAmplitude) {
+  const double near = deviation_ratios({0.7, 0.3, 5, 8}, {4}, 4)[0];
+  const double far = deviation_ratios({0.7, 0.3 * std::pow(1000 / 5.0, 0.7), 1000, 8}, {4}, 4)[0];
+  EXPECT_NEAR(far / near, 1, 1e-12);
+}
+
+/// The part of a periodic field that the wave (i, j) has.
+double wave_amplitude(const Grid<double>& z, std::int64_t i, std::int64_t j) {
+  std::complex<double> sum = 0;
+  const GridSpec& spec = z.spec();
+  for (std::int64_t r = 0; r < spec.rows; ++r)
+    for (std::int64_t c = 0; c < spec.cols; ++c)
+      sum +=
+          z.at({r, c}) * std::polar(1.0, -2 * std::numbers::pi *
+                                             (static_cast<double>(i * c) / static_cast<double>(spec.cols) +
+                                              static_cast<double>(j * r) / static_cast<double>(spec.rows)));
+  return std::abs(sum) / static_cast<double>(spec.size());
+}
+
+// 96 x 80 nodes of 0.5 m, waves in [6, 12) m: in cycles per metre hypot(i / 48, j / 40) in (1/12, 1/6].
+TEST(FractalWaves, HaveNothingOutsideTheirBand) {
+  const WaveDomain domain{0.5, 96, 80};
+  FractalWaves waves(domain, {6, 12}, 0.7, 80, 96);
+  waves.draw({3, 1});
+  Grid<double> z(GridSpec{0.5, 0, 0, 80, 96});
+  waves.add_to(z, 1);
+  for (std::int64_t i = 0; i < 14; ++i)
+    for (std::int64_t j = -12; j < 12; ++j) {
+      const double cycles_per_m = std::hypot(static_cast<double>(i) / 48, static_cast<double>(j) / 40);
+      const bool in_band = cycles_per_m > 1.0 / 12 + 1e-9 && cycles_per_m < 1.0 / 6 - 1e-9;
+      const bool out = cycles_per_m < 1.0 / 12 - 1e-9 || cycles_per_m > 1.0 / 6 + 1e-9;
+      if (in_band) {
+        EXPECT_GT(wave_amplitude(z, i, j), 1e-3) << i << ' ' << j;
+      }
+      if (out) {
+        EXPECT_LT(wave_amplitude(z, i, j), 1e-12) << i << ' ' << j;
+      }
+    }
+}
 
 // The law is scaled, not cut off, where the domain cannot carry the reference length itself.
 TEST(Fractal, ReferenceLengthBeyondTheGrid) {

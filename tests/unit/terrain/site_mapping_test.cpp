@@ -47,6 +47,21 @@ TEST(SiteMapping, WindowMovesTheOrigin) {
   EXPECT_EQ(mapping.pixel({2, 1}).row, 4);
 }
 
+TEST(SiteMapping, PostingIsThatOfTheNearerNeighbour) {
+  const SiteMapping feet(GeoTransform({0, 10, 0, 0, 0, -20}), {7, 9}, 0.3048);
+  EXPECT_NEAR(feet.posting_m(), 3.048, 1e-12);
+  const SiteMapping rotated(GeoTransform({10, 3, -8, 20, 4, 6}), {0, 0}, 1);  // cells of 5 m x 10 m
+  EXPECT_NEAR(rotated.posting_m(), 5, 1e-12);
+  // 1/100 degree at 60 deg of latitude on a sphere of 1000 km: half as long to the east as to the north.
+  const OrthographicFrame frame({1e6, 0}, {1, kPi / 3});
+  const SiteMapping degrees(GeoTransform({0, 0.01, 0, 0, 0, -0.01}), {5, 5}, frame, kPi / 180);
+  EXPECT_NEAR(degrees.posting_m(), 1e6 * 0.01 * kPi / 180 * 0.5, 1e-4);
+  const OrthographicFrame pole({1e6, 0}, {1, kPi / 2});
+  const double none_m =
+      SiteMapping(GeoTransform({0, 0.01, 0, 0, 0, -0.01}), {5, 5}, pole, kPi / 180).posting_m();
+  EXPECT_FALSE(none_m > 1e-3 && std::isfinite(none_m)) << none_m;
+}
+
 // On a sphere an orthographic place at distance d along a meridian is the angle asin(d / R).
 TEST(OrthographicFrame, SphereInClosedForm) {
   const double radius_m = 500;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "terrain/fractal.h"
 
 namespace landfall {
 namespace {
@@ -211,6 +212,37 @@ TEST(GenerateTerrain, FractalLayersDiffer) {
   const Grid<double> single = nodes_of(one, spec);
   const Grid<double> both = nodes_of(two, spec);
   EXPECT_GT(std::abs(both.at({4, 4}) - 2 * single.at({4, 4})), 1e-6);
+}
+
+// The raster's posting is 1 m: the fractal adds waves shorter than 2 m, wherever it stands in the list, and
+// nothing of the raster changes.
+TEST(GenerateTerrain, AFractalAddsWhatTheDemLacks) {
+  const GridSpec spec = GridSpec::centered(4, 0.25);
+  TerrainModel model;
+  model.bases = {dem_base()};
+  const Grid<double> dem = nodes_of(model, spec, slope_raster);
+  const FractalBase law{0.7, 0.3, 1};
+  FractalBase band = law;
+  band.longest_wavelength_m = 2;
+  for (const std::size_t place : {0U, 1U}) {
+    model.bases = {dem_base(), dem_base()};
+    model.bases[place] = law;
+    const Grid<double> both = nodes_of(model, spec, slope_raster);
+    Grid<double> expected(spec);
+    add_fractal(expected, band, {model.seed, place});
+    for (std::size_t i = 0; i < both.values().size(); ++i)
+      ASSERT_NEAR(both.values()[i] - dem.values()[i], expected.values()[i], 1e-13);
+  }
+}
+
+TEST(GenerateTerrain, AFractalWithoutADemHasAllWaves) {
+  TerrainModel model;
+  model.bases = {FractalBase{}};
+  FractalBase all;
+  all.longest_wavelength_m = std::numeric_limits<double>::infinity();
+  const Grid<double> by_default = nodes_of(model, GridSpec::centered(4, 0.5));
+  model.bases = {all};
+  EXPECT_TRUE(std::ranges::equal(by_default.values(), nodes_of(model, by_default.spec()).values()));
 }
 
 TEST(GenerateTerrain, ProgressRisesToOne) {

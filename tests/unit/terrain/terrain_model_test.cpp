@@ -116,6 +116,8 @@ TEST(Validate, NamesPlaceKeyAndValue) {
   EXPECT_THAT(refusal(FractalBase{1, 1, 1}), HasSubstr("hurst_exponent"));
   EXPECT_THAT(refusal(FractalBase{0.5, -1, 1}), HasSubstr("rms_deviation_m"));
   EXPECT_THAT(refusal(FractalBase{0.5, 1, 0}), HasSubstr("reference_length_m"));
+  EXPECT_THAT(refusal(FractalBase{0.5, 1, 1, 0}), HasSubstr("longest_wavelength_m"));
+  EXPECT_EQ(refusal(FractalBase{0.5, 1, 1, std::numeric_limits<double>::infinity()}), "accepted");
 }
 
 TEST(Validate, RefusesADemWithoutSense) {
