@@ -151,10 +151,13 @@ void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Int
           << " m, does not lie inside the raster of " << size.cols << " x " << size.rows << " pixels; ";
   const std::int64_t half = fitting_half(mapping, size, method, site);
   if (half < 0)
-    message << "its centre is outside too";
+    message << "its centre is outside too: give another center";
+  else if (half == 0)
+    message << "not one cell of " << site.resolution_m
+            << " m fits around this centre: give another center or a finer resolution";
   else
     message << "around this centre a half width of " << static_cast<double>(half) * site.resolution_m
-            << " m would fit";
+            << " m would fit (grid.half_width_m, --half-width)";
   throw FormatError(message.str());
 }
 

@@ -41,7 +41,9 @@ void add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem,
   };
   const double datum_m = dem.datum == Datum::center ? elevation_m({0, 0}) : 0;
   if (!std::isfinite(datum_m))
-    throw FormatError(dem.path + ": has no elevation at the site centre, which datum \"center\" needs");
+    throw FormatError(dem.path +
+                      ": has no elevation at the site centre, which datum \"center\" needs; give another "
+                      "center, or datum \"none\"");
   std::atomic<bool> any_finite = false;
   for_each_node(z, progress, [&](double& node, double x_m, double y_m) {
     const PixelPosition pixel = raster.mapping.pixel({x_m, y_m});
@@ -54,7 +56,8 @@ void add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem,
     if (std::isfinite(elevation) && !any_finite.load(std::memory_order_relaxed)) any_finite = true;
     node += elevation - datum_m;
   });
-  if (!any_finite) throw FormatError(dem.path + ": no node of the site has an elevation");
+  if (!any_finite)
+    throw FormatError(dem.path + ": no node of the site has an elevation; give another center");
 }
 
 /// The rasters of a model's DEMs, in their order.

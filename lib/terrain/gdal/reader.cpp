@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The only code that opens rasters: GDAL's side of load_dem() (lib/terrain/gdal_loader.h).
-#include <cpl_error.h>
-#include <gdal_priv.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
-#include "terrain/gdal/site_frame.h"
 
 namespace landfall {
 namespace {
@@ -25,87 +20,12 @@ constexpr std::int64_t kWholeLimit = 64 * kMebi;
 constexpr std::int64_t kWindowLimit = 256 * kMebi;
 constexpr std::int64_t kStripSamples = 4 * kMebi;
 
-/// Keeps GDAL's first error instead of printing it, for as long as it lives.
-class GdalErrors {
- public:
-  GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
-  ~GdalErrors() { CPLPopErrorHandler(); }
-  GdalErrors(const GdalErrors&) = delete;
-  GdalErrors& operator=(const GdalErrors&) = delete;
-
-  [[nodiscard]] bool any() const { return !first_.empty(); }
-  [[nodiscard]] std::string reason() const { return any() ? first_ : "GDAL gives no reason"; }
-  void clear() { first_.clear(); }
-
- private:
-  static void CPL_STDCALL keep(CPLErr level, CPLErrorNum /*number*/, const char* message) {
-    auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
-    if (level < CE_Failure || self.any()) return;
-    self.first_ = message;
-    std::replace(self.first_.begin(), self.first_.end(), '\n', ' ');
-    self.first_.erase(self.first_.find_last_not_of(' ') + 1);
-  }
-  std::string first_;
-};
-
-struct OpenRaster {
-  GDALDatasetUniquePtr dataset;
-  GDALRasterBand* band;
-  RasterSize size;
-};
-
 /// A rectangle of a raster's samples.
 struct Window {
   std::int64_t row = 0;
   std::int64_t col = 0;
   RasterSize size;
 };
-
-/// Names what the file holds instead of a band, since a container of several rasters is a common slip.
-std::string subdataset_hint(GDALDataset& dataset) {
-  const char* const first = CSLFetchNameValue(dataset.GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
-  return first != nullptr ? std::string("; it holds several rasters, name one, such as ") + first : "";
-}
-
-OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors) {
-  constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
-  GDALDatasetUniquePtr dataset(GDALDataset::Open(dem.path.c_str(), kFlags));
-  if (!dataset) throw FormatError(dem.path + ": cannot open: " + errors.reason());
-  const int bands = dataset->GetRasterCount();
-  if (bands < 1) throw FormatError(dem.path + ": has no raster band" + subdataset_hint(*dataset));
-  if (dem.band < 1 || dem.band > bands)
-    throw UsageError(dem.path + ": band " + std::to_string(dem.band) + " is not in 1.." +
-                     std::to_string(bands));
-  GDALRasterBand* band = dataset->GetRasterBand(dem.band);
-  const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
-  return {std::move(dataset), band, size};
-}
-
-void require_usable(const OpenRaster& raster, const DemBase& dem) {
-  const auto [rows, cols] = raster.size;
-  if (rows < 2 || cols < 2)
-    throw FormatError(dem.path + ": " + std::to_string(cols) + " x " + std::to_string(rows) +
-                      " pixels are fewer than 2 x 2");
-  if (GDALDataTypeIsComplex(raster.band->GetRasterDataType()) != 0)
-    throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " holds complex numbers");
-  int block_cols = 0;
-  int block_rows = 0;
-  raster.band->GetBlockSize(&block_cols, &block_rows);
-  if (std::int64_t{block_cols} * block_rows > kWindowLimit)
-    throw FormatError(dem.path + ": one block has " + std::to_string(std::int64_t{block_cols} * block_rows) +
-                      " samples, more than can be handled");
-}
-
-Georeference georeference(const OpenRaster& raster) {
-  std::array<double, 6> coefficients{};
-  Georeference result;
-  if (raster.dataset->GetGeoTransform(coefficients.data()) == CE_None)
-    result.transform = GeoTransform(coefficients);
-  const OGRSpatialReference* crs = raster.dataset->GetSpatialRef();
-  if (crs != nullptr && !crs->IsEmpty()) result.crs = crs;
-  result.size = raster.size;
-  return result;
-}
 
 /// All of a raster of ordinary size, else what the site needs and the ring that interpolation adds.
 Window window_to_read(const OpenRaster& raster, const SiteMapping& mapping, const GridSpec& site,
@@ -122,8 +42,10 @@ Window window_to_read(const OpenRaster& raster, const SiteMapping& mapping, cons
   const std::int64_t col = first(box.low.col);
   const Window window{row, col, {count(box.high.row, row, rows), count(box.high.col, col, cols)}};
   if (window.size.rows * window.size.cols > kWindowLimit)
-    throw FormatError(dem.path + ": the site needs " + std::to_string(window.size.cols) + " x " +
-                      std::to_string(window.size.rows) + " pixels, more than 256 Mpx");
+    throw FormatError(
+        dem.path + ": the site needs " + std::to_string(window.size.cols) + " x " +
+        std::to_string(window.size.rows) +
+        " pixels, more than 256 Mpx; ask for a smaller half width, or a coarser raster (gdalwarp -tr)");
   return window;
 }
 
@@ -184,11 +106,13 @@ class WindowReader {
   }
 
   DemSamples read(const Window& window) {
-    DemSamples samples{window.size, std::vector<double>(static_cast<std::size_t>(window.size.rows) *
-                                                        static_cast<std::size_t>(window.size.cols))};
+    // Grown strip by strip: a file that claims more than it holds costs no more than what it holds.
+    DemSamples samples{window.size, {}};
+    samples.values.reserve(static_cast<std::size_t>(window.size.rows * window.size.cols));
     const std::int64_t step = std::max<std::int64_t>(1, kStripSamples / window.size.cols);
     for (std::int64_t row = 0; row < window.size.rows; row += step) {
       const std::int64_t rows = std::min(step, window.size.rows - row);
+      samples.values.resize(static_cast<std::size_t>((row + rows) * window.size.cols));
       double* out = samples.values.data() + row * window.size.cols;
       read_strip({window.row + row, window.col, {rows, window.size.cols}}, out);
     }
@@ -219,7 +143,9 @@ class WindowReader {
                       static_cast<int>(w.size.cols), static_cast<int>(w.size.rows), type, 0, 0, nullptr);
     if (status != CE_None || errors_.any())
       throw FormatError(dem_.path + ": cannot read rows " + std::to_string(w.row) + " .. " +
-                        std::to_string(w.row + w.size.rows - 1) + ": " + errors_.reason());
+                        std::to_string(w.row + w.size.rows - 1) +
+                        ": the file, or one that it names, is missing, truncated or damaged (" +
+                        errors_.reason() + "); get or export it again");
   }
 
   GDALRasterBand& band_;
@@ -231,13 +157,18 @@ class WindowReader {
   std::vector<unsigned char> mask_values_;
 };
 
+/// That a file is damaged is said before what it lacks besides: a horizontal scale would not help it.
+SiteFrame frame_of(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors) {
+  const Georeference place = georeference(raster);
+  if (place.crs == nullptr && !dem.horizontal_scale_m)
+    (void)WindowReader(raster, dem, errors).read({raster.size.rows / 2, raster.size.cols / 2, {1, 1}});
+  return site_frame(place, dem);
+}
+
 DemRaster read_dem(const DemBase& dem, const GridSpec& site) {
-  static std::once_flag registered;
-  std::call_once(registered, GDALAllRegister);
   GdalErrors errors;
   const OpenRaster raster = open_raster(dem, errors);
-  require_usable(raster, dem);
-  SiteFrame frame = site_frame(georeference(raster), dem);
+  SiteFrame frame = frame_of(raster, dem, errors);
   require_site_inside(frame.mapping, raster.size, dem.interpolation, site, dem.path);
   const Window window = window_to_read(raster, frame.mapping, site, dem);
   DemSamples samples = WindowReader(raster, dem, errors).read(window);

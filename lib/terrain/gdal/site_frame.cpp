@@ -127,9 +127,10 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
 
 double unreferenced_scale(const DemBase& dem) {
   if (!dem.horizontal_scale_m)
-    throw UsageError(dem.path +
-                     ": has no CRS; horizontal_scale_m must say how many metres a unit of its "
-                     "coordinates (a pixel, without a georeference) is");
+    throw UsageError(
+        dem.path +
+        ": has no CRS; horizontal_scale_m (--horizontal-scale) must say how many metres a unit of "
+        "its coordinates (a pixel, without a georeference) is, or gdal_translate -a_srs give it a CRS");
   if (!(std::isfinite(*dem.horizontal_scale_m) && *dem.horizontal_scale_m > 0))
     throw UsageError(dem.path + ": horizontal_scale_m is not finite and positive");
   return *dem.horizontal_scale_m;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "terrain/gdal_loader.h"
 
+#include <gdal.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -284,6 +286,59 @@ TEST_F(LoadDem, RefusesWhatTheFileCannotGive) {
   const std::array<double, 6> beyond{0, 0.001, 0, 95, 0, -0.001};
   EXPECT_THAT(refusal(written({9, 9, plane, "Float32", beyond, "EPSG:4326", {}, 1, 0, {}}), spec),
               AllOf(HasSubstr("format: "), HasSubstr("beyond a pole")));
+}
+
+void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// What GDAL does not know is told apart, for each calls for something else.
+TEST_F(LoadDem, SaysWhatAFileThatIsNoRasterNeeds) {
+  const GridSpec spec = GridSpec::centered(1, 1);
+  const auto told = [&](const char* name, const std::string& bytes) {
+    DemBase dem;
+    dem.path = (folder_ / name).string();
+    write_bytes(dem.path, bytes);
+    return refusal(dem, spec);
+  };
+  EXPECT_THAT(told("raw.img", std::string(100, 7)),
+              AllOf(HasSubstr("format: "), HasSubstr("VRTRawRasterBand")));
+  EXPECT_THAT(told("cut.nc", "CDF\x01 and no more"), HasSubstr("begins as a netCDF file does"));
+  EXPECT_THAT(told("cut.h5", "\x89HDF\r\n\x1a\n and no more"), HasSubstr("begins as a HDF5 file does"));
+  EXPECT_THAT(told("rock.PLY", "ply\n"), HasSubstr("is a mesh by its name"));
+}
+
+// Each header is read; none of the samples that it promises is.
+TEST_F(LoadDem, RefusesBlocksBeyondAllMemory) {
+  GDALAllRegister();
+  DemBase dem;
+  dem.path = (folder_ / "blocks.tif").string();
+  dem.horizontal_scale_m = 1;
+  const char* const options[] = {"TILED=YES", "BLOCKXSIZE=65536", "BLOCKYSIZE=8192", "SPARSE_OK=TRUE",
+                                 nullptr};
+  GDALClose(GDALCreate(GDALGetDriverByName("GTiff"), dem.path.c_str(), 65536, 65536, 1, GDT_Byte,
+                       const_cast<char**>(options)));
+  EXPECT_THAT(refusal(dem, GridSpec::centered(1, 1)),
+              AllOf(HasSubstr("format: "), HasSubstr("blocks of 512 MiB")));
+}
+
+// A cell of 121 columns that calls itself complete, cut after 100 of them: 100 still open and read well.
+TEST_F(LoadDem, RefusesATruncatedDtedCell) {
+  const double post = 1.0 / 120;
+  const std::array<double, 6> cell{9.0 - post / 2, post, 0, 44.0 + post / 2, 0, -post};
+  const DemBase source =
+      written({121, 121, [](int c, int r) { return c + r; }, "Int16", cell, "EPSG:4326", {}, 1, 0, {}});
+  GDALDatasetH const raster = GDALOpen(source.path.c_str(), GA_ReadOnly);
+  DemBase dem = source;
+  dem.path = (folder_ / "n43.dt0").string();
+  GDALClose(
+      GDALCreateCopy(GDALGetDriverByName("DTED"), dem.path.c_str(), raster, 0, nullptr, nullptr, nullptr));
+  GDALClose(raster);
+  dem.center = {9.2, 43.5};
+  const GridSpec spec = GridSpec::centered(2000, 500);
+  EXPECT_EQ(refusal(dem, spec), "accepted");
+  std::filesystem::resize_file(dem.path, 3428 + 100 * (12 + 2 * 121));
+  EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("100 of the 121 columns")));
 }
 
 // 8200 x 8200 exceed 64 Mpx: only a window is read (1 MB here, not 538 MB), and it says the same.

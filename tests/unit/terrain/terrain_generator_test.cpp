@@ -164,7 +164,8 @@ TEST(GenerateTerrain, RefusesADemThatCannotServe) {
   TerrainModel model;
   model.bases = {dem_base()};
   EXPECT_EQ(refusal(model, with_hole(10, 10)),
-            "format: slope: has no elevation at the site centre, which datum \"center\" needs");
+            "format: slope: has no elevation at the site centre, which datum \"center\" needs; give another "
+            "center, or datum \"none\"");
   model.features = {{1, 1, Cone{1, 1}}};
   EXPECT_EQ(refusal(model, with_hole(9, 11)),
             "format: features/0: its centre (1, 1) m is on a hole of the base");
@@ -177,7 +178,8 @@ TEST(GenerateTerrain, RefusesADemThatCannotServe) {
     std::ranges::fill(raster.samples.values, kNan);
     return raster;
   };
-  EXPECT_EQ(refusal(model, empty), "format: slope: no node of the site has an elevation");
+  EXPECT_EQ(refusal(model, empty),
+            "format: slope: no node of the site has an elevation; give another center");
   const DemLoader tiny = [](const DemBase& base, const GridSpec& site) {
     DemRaster raster = slope_raster(base, site);
     raster.samples = {{15, 15}, std::vector<double>(225)};

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/gdal/open_raster.h"
+
+#include <cpl_conv.h>
+#include <cpl_string.h>
+#include <cpl_vsi.h>
+
+#include <array>
+#include <cstring>
+#include <string>
+
+#include "base/error.h"
+#include "terrain/gdal/registry.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::int64_t kBlockBytesLimit = std::int64_t{256} << 20U;
+
+/// Names what the file holds instead of a band, since a container of several rasters is a common slip.
+std::string subdataset_hint(GDALDataset& dataset) {
+  const char* const first = CSLFetchNameValue(dataset.GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
+  return first != nullptr ? std::string("; it holds several rasters, name one, such as ") + first : "";
+}
+
+struct Magic {
+  std::string bytes;
+  const char* format;
+};
+
+/// The format that the first bytes of a file promise, empty where they promise none.
+std::string promised_format(const std::string& path) {
+  static const Magic kMagics[] = {{"CDF", "netCDF"},
+                                  {"\x89HDF", "HDF5"},
+                                  {std::string("II*\0", 4), "TIFF"},
+                                  {std::string("MM\0*", 4), "TIFF"},
+                                  {"\x89PNG", "PNG"}};
+  std::array<char, 8> head{};
+  VSILFILE* const file = VSIFOpenL(path.c_str(), "rb");
+  if (file == nullptr) return "";
+  VSIFReadL(head.data(), 1, head.size(), file);
+  VSIFCloseL(file);
+  for (const Magic& magic : kMagics)
+    if (std::memcmp(head.data(), magic.bytes.data(), magic.bytes.size()) == 0) return magic.format;
+  return "";
+}
+
+bool named_as_mesh(const std::string& path) {
+  for (const char* const suffix : {".obj", ".ply", ".off", ".stl"})
+    if (EQUAL(CPLGetExtension(path.c_str()), suffix + 1)) return true;
+  return false;
+}
+
+[[noreturn]] void refuse_unopened(const DemBase& dem, const GdalErrors& errors) {
+  const std::string reason = errors.reason();
+  if (reason.find("not recognized as a supported file format") == std::string::npos)
+    throw FormatError(dem.path + ": GDAL cannot open it (" + reason + "); get or export it again");
+  if (named_as_mesh(dem.path))
+    throw FormatError(
+        dem.path +
+        R"(: is a mesh by its name; a mesh is configured as "mesh": {"path": ..}, not as a raster)");
+  const std::string format = promised_format(dem.path);
+  if (!format.empty())
+    throw FormatError(dem.path + ": begins as a " + format +
+                      " file does but cannot be opened: it is truncated or damaged; get or export it again");
+  throw FormatError(
+      dem.path +
+      ": no raster format that GDAL knows; a raw file without a header needs a .vrt that says its "
+      "size, type and byte order (VRTRawRasterBand), any other one gdal_translate or its own tool");
+}
+
+std::int64_t block_bytes(const OpenRaster& raster) {
+  int cols = 0;
+  int rows = 0;
+  raster.band->GetBlockSize(&cols, &rows);
+  const std::int64_t sample_bytes = GDALGetDataTypeSizeBytes(raster.band->GetRasterDataType());
+  const char* const interleave = raster.dataset->GetMetadataItem("INTERLEAVE", "IMAGE_STRUCTURE");
+  const bool together = interleave != nullptr && std::strcmp(interleave, "PIXEL") == 0;
+  // Beyond any limit, two products of 32-bit numbers and a few bands could overflow: a double cannot.
+  const double bytes = static_cast<double>(cols) * rows * static_cast<double>(sample_bytes) *
+                       (together ? raster.dataset->GetRasterCount() : 1);
+  return bytes < 0x1p62 ? static_cast<std::int64_t>(bytes) : std::int64_t{1} << 62U;
+}
+
+/// A DTED cell stores whole columns, so its length tells how many there are; GDAL takes those that are
+/// missing for holes. A cell that calls itself complete must not lack any.
+void require_whole_dted(const OpenRaster& raster, const DemBase& dem) {
+  const char* const partial = raster.dataset->GetMetadataItem("DTED_PartialCellIndicator");
+  if (partial == nullptr || std::strcmp(partial, "00") != 0) return;
+  constexpr std::int64_t kHeaderBytes = 3428;
+  const std::int64_t column_bytes = 12 + 2 * raster.size.rows;
+  VSIStatBufL status{};
+  if (VSIStatL(dem.path.c_str(), &status) != 0) return;
+  const std::int64_t columns = (static_cast<std::int64_t>(status.st_size) - kHeaderBytes) / column_bytes;
+  if (columns < raster.size.cols)
+    throw FormatError(dem.path + ": holds " + std::to_string(columns) + " of the " +
+                      std::to_string(raster.size.cols) +
+                      " columns of a complete DTED cell: it is truncated; get or export it again");
+}
+
+void require_usable(const OpenRaster& raster, const DemBase& dem) {
+  const auto [rows, cols] = raster.size;
+  if (rows < 2 || cols < 2)
+    throw FormatError(dem.path + ": " + std::to_string(cols) + " x " + std::to_string(rows) +
+                      " pixels are fewer than 2 x 2, which a surface needs; is it a cut or truncated file?");
+  if (GDALDataTypeIsComplex(raster.band->GetRasterDataType()) != 0)
+    throw FormatError(
+        dem.path + ": band " + std::to_string(dem.band) +
+        " holds complex numbers, not elevations; gdal_translate -ot Float32 keeps their real part");
+  if (const std::int64_t bytes = block_bytes(raster); bytes > kBlockBytesLimit)
+    throw FormatError(dem.path + ": is stored in blocks of " + std::to_string(bytes >> 20U) +
+                      " MiB, more than 256; gdal_translate -co TILED=YES makes smaller ones");
+  require_whole_dted(raster, dem);
+}
+
+}  // namespace
+
+OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors) {
+  prepare_gdal(dem.path);
+  constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
+  GDALDatasetUniquePtr dataset(GDALDataset::Open(dem.path.c_str(), kFlags));
+  if (!dataset) refuse_unopened(dem, errors);
+  const int bands = dataset->GetRasterCount();
+  if (bands < 1) throw FormatError(dem.path + ": has no raster band" + subdataset_hint(*dataset));
+  if (dem.band < 1 || dem.band > bands)
+    throw UsageError(dem.path + ": band " + std::to_string(dem.band) + " is not in 1.." +
+                     std::to_string(bands));
+  GDALRasterBand* band = dataset->GetRasterBand(dem.band);
+  const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
+  OpenRaster raster{std::move(dataset), band, size};
+  require_usable(raster, dem);
+  return raster;
+}
+
+Georeference georeference(const OpenRaster& raster) {
+  std::array<double, 6> coefficients{};
+  Georeference result;
+  if (raster.dataset->GetGeoTransform(coefficients.data()) == CE_None)
+    result.transform = GeoTransform(coefficients);
+  const OGRSpatialReference* crs = raster.dataset->GetSpatialRef();
+  if (crs != nullptr && !crs->IsEmpty()) result.crs = crs;
+  result.size = raster.size;
+  return result;
+}
+
+}  // namespace landfall
