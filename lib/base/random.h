@@ -24,6 +24,7 @@ enum class RandomStream : std::uint64_t {
   disturbance = 11,
   risley_encoder = 12,
   gauss_markov = 13,
+  penitente = 20,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/feature_config.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <stdexcept>
 
@@ -48,9 +50,55 @@ FeatureShape make_ice_block(const Json& json) {
                   radians(json, "yaw_deg"), radians(json, "tilt_deg")};
 }
 
+FeatureShape make_ridge(const Json& json) {
+  const double length_m = number(json, "length_m");
+  return Ridge{length_m,
+               number(json, "width_m"),
+               number(json, "height_m"),
+               number(json, "spacing_m"),
+               number_or(json, "taper_m", length_m / 10),
+               radians(json, "yaw_deg")};
+}
+
+FeatureShape make_fracture(const Json& json) {
+  const double length_m = number(json, "length_m");
+  return Fracture{length_m,
+                  number(json, "width_m"),
+                  number(json, "depth_m"),
+                  number(json, "throw_m"),
+                  number_or(json, "fade_m", length_m / 2),
+                  radians(json, "wall_slope_deg"),
+                  number_or(json, "taper_m", length_m / 10),
+                  radians(json, "yaw_deg")};
+}
+
+FeatureShape make_pit(const Json& json) {
+  return Pit{number(json, "diameter_m"), number(json, "depth_m"), radians(json, "wall_slope_deg")};
+}
+
+FeatureShape make_penitente_field(const Json& json) {
+  PenitenteField field;
+  field.length_m = number_or(json, "length_m", 0);
+  field.width_m = number_or(json, "width_m", 0);
+  field.diameter_m = number_or(json, "diameter_m", 0);
+  field.amplitude_m = number(json, "amplitude_m");
+  field.wavelength_m = number(json, "wavelength_m");
+  field.exponent = number(json, "exponent");
+  const double least_m = field.diameter_m > 0 ? field.diameter_m : std::min(field.length_m, field.width_m);
+  field.edge_m = number_or(json, "edge_m", std::min(field.wavelength_m, least_m / 2));
+  field.yaw_rad = radians(json, "yaw_deg");
+  field.wobble_m = number(json, "wobble_m");
+  field.wobble_length_m = number_or(json, "wobble_length_m", 2 * field.wavelength_m);
+  field.seed = json.at("seed").get<std::uint64_t>();
+  return field;
+}
+
 constexpr ShapeMaker kShapes[] = {
-    {Cone::kName, make_cone}, {Hemisphere::kName, make_hemisphere}, {Pyramid::kName, make_pyramid},
-    {Rock::kName, make_rock}, {Crater::kName, make_crater},         {IceBlock::kName, make_ice_block},
+    {Cone::kName, make_cone},       {Hemisphere::kName, make_hemisphere},
+    {Pyramid::kName, make_pyramid}, {Rock::kName, make_rock},
+    {Crater::kName, make_crater},   {IceBlock::kName, make_ice_block},
+    {Ridge::kName, make_ridge},     {Fracture::kName, make_fracture},
+    {Pit::kName, make_pit},         {PenitenteField::kName, make_penitente_field},
 };
 static_assert(std::size(kShapes) == std::variant_size_v<FeatureShape>);
 

@@ -6,6 +6,20 @@
 
 namespace landfall {
 
+namespace {
+
+template <class... Shapes>
+std::vector<std::string> names_of(const std::variant<Shapes...>& /*any*/) {
+  return {Shapes::kName...};
+}
+
+}  // namespace
+
+const std::vector<std::string>& feature_kinds() {
+  static const std::vector<std::string> kKinds = names_of(FeatureShape{});
+  return kKinds;
+}
+
 void validate(const FeatureShape& shape, const std::string& owner) {
   std::visit([&](const auto& s) { s.validate(owner); }, shape);
 }

@@ -8,9 +8,13 @@
 
 #include "terrain/features/cone.h"
 #include "terrain/features/crater.h"
+#include "terrain/features/fracture.h"
 #include "terrain/features/hemisphere.h"
 #include "terrain/features/ice_block.h"
+#include "terrain/features/penitente_field.h"
+#include "terrain/features/pit.h"
 #include "terrain/features/pyramid.h"
+#include "terrain/features/ridge.h"
 #include "terrain/features/rock.h"
 
 namespace landfall {
@@ -18,9 +22,14 @@ namespace landfall {
 /// Each shape says what it is called (kName, the word of configurations and object lists), what it does with
 /// its relief (kRole), how far it reaches from its centre (reach_m: half the width of a box that holds its
 /// footprint), how high it is at a place (relief_m: kNoRelief outside the footprint), its size for a list of
-/// objects, and whether its parameters make sense (validate). A new shape is a file here and a name in this
-/// list.
-using FeatureShape = std::variant<Cone, Hemisphere, Pyramid, Rock, Crater, IceBlock>;
+/// objects, and whether its parameters make sense (validate). One that has a yaw_rad also gives own_relief_m,
+/// the relief at a place in its own axes (turned_axes.h), so that the turn is found once for all nodes. A new
+/// shape is a file here and a name in this list.
+using FeatureShape =
+    std::variant<Cone, Hemisphere, Pyramid, Rock, Crater, IceBlock, Ridge, Fracture, Pit, PenitenteField>;
+
+/// The kNames, in the order of FeatureShape's alternatives.
+[[nodiscard]] const std::vector<std::string>& feature_kinds();
 
 /// A shape at a place, metres, frame D.
 struct Feature {

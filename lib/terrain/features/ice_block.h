@@ -50,13 +50,15 @@ struct IceBlock {
     return {span_m, top_m, yaw_rad + std::numbers::pi / 2};
   }
   [[nodiscard]] double relief_m(const Offset& offset) const {
-    const TurnedAxes axes(yaw_rad);
+    return own_relief_m(TurnedAxes(yaw_rad).own(offset));
+  }
+  [[nodiscard]] double own_relief_m(const Offset& own) const {
     const double sin_t = std::sin(std::abs(tilt_rad));
     const double cos_t = std::cos(tilt_rad);
-    const double v_m = tilt_rad < 0 ? -axes.v_m(offset) : axes.v_m(offset);
+    const double v_m = tilt_rad < 0 ? -own.y_m : own.y_m;
     const double w_m = width_m / 2 * cos_t;
     const double s_m = height_m * sin_t;
-    if (std::abs(axes.u_m(offset)) > length_m / 2 || v_m < -w_m - s_m || v_m > w_m) return kNoRelief;
+    if (std::abs(own.x_m) > length_m / 2 || v_m < -w_m - s_m || v_m > w_m) return kNoRelief;
     return v_m <= w_m - s_m ? (height_m + v_m * sin_t) / cos_t : (width_m / 2 - v_m * cos_t) / sin_t;
   }
   friend bool operator==(const IceBlock&, const IceBlock&) = default;

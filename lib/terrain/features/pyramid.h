@@ -7,6 +7,7 @@
 
 #include "base/parameter_check.h"
 #include "terrain/features/relief.h"
+#include "terrain/features/turned_axes.h"
 
 namespace landfall {
 
@@ -30,11 +31,10 @@ struct Pyramid {
   [[nodiscard]] double reach_m() const { return std::hypot(base_width_m, base_width_m) / 2; }
   [[nodiscard]] FeatureSize size() const { return {base_width_m, height_m, yaw_rad}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {
-    const double c = std::cos(yaw_rad);
-    const double s = std::sin(yaw_rad);
-    const double u_m = std::abs(c * offset.x_m + s * offset.y_m);
-    const double v_m = std::abs(c * offset.y_m - s * offset.x_m);
-    const double edge_frac = 2 * std::max(u_m, v_m) / base_width_m;
+    return own_relief_m(TurnedAxes(yaw_rad).own(offset));
+  }
+  [[nodiscard]] double own_relief_m(const Offset& own) const {
+    const double edge_frac = 2 * std::max(std::abs(own.x_m), std::abs(own.y_m)) / base_width_m;
     return edge_frac <= 1 ? height_m * (1 - edge_frac) : kNoRelief;
   }
   friend bool operator==(const Pyramid&, const Pyramid&) = default;

@@ -32,10 +32,12 @@ struct Rock {
   [[nodiscard]] double reach_m() const { return diameter_m / 2; }
   [[nodiscard]] FeatureSize size() const { return {diameter_m, height_m, yaw_rad}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {
-    const TurnedAxes axes(yaw_rad);
+    return own_relief_m(TurnedAxes(yaw_rad).own(offset));
+  }
+  [[nodiscard]] double own_relief_m(const Offset& own) const {
     const double a_m = diameter_m / 2;
-    const double u = axes.u_m(offset) / a_m;
-    const double v = axes.v_m(offset) / (axis_ratio * a_m);
+    const double u = own.x_m / a_m;
+    const double v = own.y_m / (axis_ratio * a_m);
     const double r2 = u * u + v * v;
     return r2 <= 1 ? height_m * std::sqrt(1 - r2) : kNoRelief;
   }

@@ -12,8 +12,10 @@ class TurnedAxes {
  public:
   explicit TurnedAxes(double yaw_rad) : cos_(std::cos(yaw_rad)), sin_(std::sin(yaw_rad)) {}
 
-  [[nodiscard]] double u_m(const Offset& offset) const { return cos_ * offset.x_m + sin_ * offset.y_m; }
-  [[nodiscard]] double v_m(const Offset& offset) const { return cos_ * offset.y_m - sin_ * offset.x_m; }
+  /// A place in these axes, (u, v).
+  [[nodiscard]] Offset own(const Offset& offset) const {
+    return {cos_ * offset.x_m + sin_ * offset.y_m, cos_ * offset.y_m - sin_ * offset.x_m};
+  }
 
  private:
   double cos_;

@@ -2,9 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "base/error.h"
 #include "terrain/features/feature.h"
@@ -168,6 +170,192 @@ TEST(IceBlock, Validates) {
   EXPECT_THAT(refusal(IceBlock{1, 1, 0, 0, 0}), HasSubstr("height_m"));
   EXPECT_THAT(refusal(IceBlock{1, 1, 1, kNan, 0}), HasSubstr("yaw_rad"));
   EXPECT_THAT(refusal(IceBlock{1, 1, 1, 0, 1.5}), HasSubstr("tilt_rad"));
+}
+
+TEST(Pit, ClosedForm) {
+  const Pit well{4, 3, kPi / 2};
+  EXPECT_EQ(well.relief_m({0, 0}), -3);
+  EXPECT_EQ(well.relief_m({1.999, 0}), -3);
+  EXPECT_EQ(well.relief_m({0, 2}), 0);
+  EXPECT_TRUE(std::isnan(well.relief_m({0, 2.0000001})));
+  const Pit funnel{4, 3, std::atan(2.0)};
+  EXPECT_NEAR(funnel.relief_m({0, -1.5}), -1, 1e-14);
+  EXPECT_NEAR(funnel.relief_m({0.3, 0.4}), -3, 1e-14);
+  EXPECT_NEAR((Pit{4, 3, kPi / 4}.size().height_m), -2, 1e-14);  // its walls meet
+  EXPECT_EQ(refusal(Pit{}), "accepted");
+  EXPECT_THAT(refusal(Pit{0, 1, 1}), HasSubstr("diameter_m"));
+  EXPECT_THAT(refusal(Pit{1, 0, 1}), HasSubstr("depth_m"));
+  EXPECT_THAT(refusal(Pit{1, 1, 0}), HasSubstr("wall_slope_rad"));
+  EXPECT_THAT(refusal(Pit{1, 1, 1.6}), HasSubstr("wall_slope_rad"));
+}
+
+TEST(Ridge, ClosedForm) {
+  const Ridge single{100, 8, 4, 0, 20, 0};
+  EXPECT_EQ(single.relief_m({30, 0}), 4);
+  EXPECT_NEAR(single.relief_m({-30, 4}), 2, 1e-14);            // half the height at half the width
+  EXPECT_NEAR(single.relief_m({0, -8}), 4.0 / 16, 1e-14);      // 2^-4
+  EXPECT_NEAR(single.relief_m({40, 0}), 2, 1e-14);             // the middle of the end
+  EXPECT_NEAR(single.relief_m({-45, 4}), 2 * 0.15625, 1e-14);  // 1/16 (3 - 1/2)
+  EXPECT_EQ(single.relief_m({50, 0}), 0);
+  EXPECT_TRUE(std::isnan(single.relief_m({50.001, 0})));
+  EXPECT_NEAR(single.relief_m({0, 24}), 4 * std::exp2(-36), 1e-24);
+  EXPECT_TRUE(std::isnan(single.relief_m({0, 24.001})));
+}
+
+TEST(Ridge, TwoCrests) {
+  const Ridge pair{100, 8, 4, 12, 20, 0};
+  EXPECT_EQ(pair.relief_m({0, 6}), 4);
+  EXPECT_EQ(pair.relief_m({0, -6}), 4);
+  EXPECT_NEAR(pair.relief_m({0, 0}), 4 * std::exp2(-2.25), 1e-14);
+  EXPECT_NEAR(pair.relief_m({0, 10}), 2, 1e-14);
+  const Ridge turned{100, 8, 4, 12, 20, kPi / 2};
+  EXPECT_NEAR(turned.relief_m({-6, 20}), 4, 1e-14);
+}
+
+TEST(Ridge, Validates) {
+  EXPECT_EQ(refusal(Ridge{}), "accepted");
+  EXPECT_THAT(refusal(Ridge{0, 1, 1, 0, 0, 0}), HasSubstr("length_m"));
+  EXPECT_THAT(refusal(Ridge{9, 0, 1, 0, 0, 0}), HasSubstr("width_m"));
+  EXPECT_THAT(refusal(Ridge{9, 1, 0, 0, 0, 0}), HasSubstr("height_m"));
+  EXPECT_THAT(refusal(Ridge{9, 1, 1, -1, 0, 0}), HasSubstr("spacing_m"));
+  EXPECT_THAT(refusal(Ridge{9, 1, 1, 0, 5, 0}), HasSubstr("taper_m: 5 is not in [0, length_m / 2]"));
+  EXPECT_THAT(refusal(Ridge{9, 1, 1, 0, 0, kNan}), HasSubstr("yaw_rad"));
+}
+
+TEST(Fracture, Trough) {
+  const Fracture trough{100, 6, 2, 0, 0, std::atan(2.0), 20, 0};
+  EXPECT_EQ(trough.relief_m({0, 0}), -2);
+  EXPECT_EQ(trough.relief_m({0, -1.9}), -2);
+  EXPECT_NEAR(trough.relief_m({0, 2.5}), -1, 1e-14);
+  EXPECT_EQ(trough.relief_m({0, 3}), 0);
+  EXPECT_TRUE(std::isnan(trough.relief_m({0, 3.001})));
+  EXPECT_NEAR(trough.relief_m({-40, 0}), -1, 1e-14);
+  EXPECT_TRUE(std::isnan(trough.relief_m({50.001, 0})));
+  EXPECT_EQ(trough.size().height_m, -2);
+  EXPECT_NEAR((Fracture{100, 6, 20, 0, 0, kPi / 4, 20, 0}.size().height_m), -3, 1e-14);  // a V
+}
+
+TEST(Fracture, Cliff) {
+  const Fracture cliff{100, 0, 0, 3, 40, kPi / 2, 20, 0};
+  EXPECT_EQ(cliff.relief_m({0, 0}), 0);
+  EXPECT_NEAR(cliff.relief_m({0, 1e-6}), 3, 1e-12);
+  EXPECT_NEAR(cliff.relief_m({0, 20}), 1.5, 1e-14);
+  EXPECT_EQ(cliff.relief_m({0, 40}), 0);
+  EXPECT_TRUE(std::isnan(cliff.relief_m({0, -1e-6})));
+  EXPECT_TRUE(std::isnan(cliff.relief_m({0, 40.001})));
+  EXPECT_EQ(cliff.size().height_m, 3);
+  const Fracture down{100, 0, 0, -3, 40, kPi / 4, 20, 0};
+  EXPECT_NEAR(down.relief_m({0, 1}), -(1 - (3 * 0.025 * 0.025 - 2 * std::pow(0.025, 3))), 1e-14);
+}
+
+TEST(Fracture, TroughAndCliffAdd) {
+  const Fracture both{100, 6, 2, 3, 40, kPi / 2, 0, 0};
+  EXPECT_EQ(both.relief_m({0, -1}), -2);
+  EXPECT_NEAR(both.relief_m({0, 1e-6}), 1, 1e-12);
+  EXPECT_NEAR(both.relief_m({0, 20}), 1.5, 1e-14);
+}
+
+TEST(Fracture, Validates) {
+  EXPECT_EQ(refusal(Fracture{}), "accepted");
+  EXPECT_THAT(refusal(Fracture{0, 1, 1, 0, 0, 1, 0, 0}), HasSubstr("length_m"));
+  EXPECT_THAT(refusal(Fracture{9, 0, 1, 0, 0, 1, 0, 0}),
+              HasSubstr("width_m: 0 is not positive, as a trough"));
+  EXPECT_THAT(refusal(Fracture{9, 1, 0, 1, 1, 1, 0, 0}),
+              HasSubstr("width_m: 1 is not 0, where depth_m is 0"));
+  EXPECT_THAT(refusal(Fracture{9, 0, 0, 0, 0, 1, 0, 0}), HasSubstr("depth_m: 0 is not positive"));
+  EXPECT_THAT(refusal(Fracture{9, 0, 0, 1, 0, 1, 0, 0}), HasSubstr("fade_m: 0"));
+  EXPECT_THAT(refusal(Fracture{9, 0, 0, kNan, 1, 1, 0, 0}), HasSubstr("throw_m"));
+  EXPECT_THAT(refusal(Fracture{9, 1, 1, 0, 0, 2, 0, 0}), HasSubstr("wall_slope_rad"));
+  EXPECT_THAT(refusal(Fracture{9, 1, 1, 0, 0, 1, 5, 0}), HasSubstr("taper_m"));
+  EXPECT_THAT(refusal(Fracture{9, 1, 1, 0, 0, 1, 0, kNan}), HasSubstr("yaw_rad"));
+}
+
+TEST(PenitenteField, ClosedForm) {
+  const PenitenteField blades{100, 60, 0, 3, 8, 0.5, 10, 0, 0, 1, 1};
+  EXPECT_EQ(blades.relief_m({0, 0}), 0);
+  EXPECT_EQ(blades.relief_m({30, 4}), 3);
+  EXPECT_EQ(blades.relief_m({30, -12}), 3);
+  EXPECT_NEAR(blades.relief_m({0, 9}), 1.5, 1e-14);   // sqrt(1 - 3/4)
+  EXPECT_NEAR(blades.relief_m({45, 4}), 1.5, 1e-14);  // the middle of the edge
+  EXPECT_NEAR(blades.relief_m({-45, 28}), 3 * 0.5 * (0.04 * 2.6), 1e-14);
+  EXPECT_TRUE(std::isnan(blades.relief_m({50.001, 0})));
+  EXPECT_TRUE(std::isnan(blades.relief_m({0, -30.001})));
+  const PenitenteField disc{0, 0, 60, 3, 8, 1, 10, 0, 0, 1, 1};
+  EXPECT_NEAR(disc.relief_m({15, 20}), 0.5 * 3, 1e-14);  // r = 25; 20 is half a wave past a trough
+  EXPECT_TRUE(std::isnan(disc.relief_m({24, 18.001})));
+  EXPECT_FALSE(std::isnan(disc.relief_m({24, 17.999})));
+}
+
+TEST(PenitenteField, YawTurnsTheBlades) {
+  const PenitenteField blades{100, 60, 0, 3, 8, 1, 0, kPi / 2, 0, 1, 1};
+  EXPECT_NEAR(blades.relief_m({-4, 40}), 3, 1e-12);
+  EXPECT_TRUE(std::isnan(blades.relief_m({40, 0})));
+}
+
+// The wander is bounded, smooth, other for another seed, and moves a blade by no more than wobble_m.
+TEST(PenitenteField, Wobble) {
+  const PenitenteField still{100, 100, 0, 1, 8, 1, 0, 0, 0, 5, 1};
+  PenitenteField wandering = still;
+  wandering.wobble_m = 1;
+  PenitenteField other = wandering;
+  other.seed = 2;
+  double most = 0;
+  double differing = 0;
+  for (double x_m = -49; x_m < 49; x_m += 0.25) {
+    const double here = wandering.relief_m({x_m, 2});  // the middle of a flank: 1/4 m per metre of wander
+    EXPECT_LE(std::abs(here - 0.5), 0.25);
+    EXPECT_NEAR(here, wandering.relief_m({x_m + 1e-6, 2}), 1e-6);
+    most = std::max(most, std::abs(here - 0.5));
+    differing = std::max(differing, std::abs(here - other.relief_m({x_m, 2})));
+  }
+  EXPECT_GT(most, 0.1);
+  EXPECT_GT(differing, 0.1);
+}
+
+TEST(PenitenteField, Validates) {
+  const auto with = [](auto change) {
+    PenitenteField field;
+    change(field);
+    return refusal(field);
+  };
+  EXPECT_EQ(refusal(PenitenteField{}), "accepted");
+  EXPECT_EQ(with([](auto& f) { f.length_m = f.width_m = 0, f.diameter_m = 30; }), "accepted");
+  EXPECT_THAT(with([](auto& f) { f.length_m = 0; }), HasSubstr("length_m: 0 is not finite and positive"));
+  EXPECT_THAT(with([](auto& f) { f.diameter_m = 30; }), HasSubstr("length_m: 50 is not absent"));
+  EXPECT_THAT(with([](auto& f) { f.diameter_m = 30, f.length_m = 0; }),
+              HasSubstr("width_m: 50 is not absent"));
+  EXPECT_THAT(with([](auto& f) { f.amplitude_m = 0; }), HasSubstr("amplitude_m"));
+  EXPECT_THAT(with([](auto& f) { f.wavelength_m = kNan; }), HasSubstr("wavelength_m"));
+  EXPECT_THAT(with([](auto& f) { f.exponent = 0; }), HasSubstr("exponent"));
+  EXPECT_THAT(with([](auto& f) { f.edge_m = 26; }), HasSubstr("edge_m"));
+  EXPECT_THAT(with([](auto& f) { f.yaw_rad = kNan; }), HasSubstr("yaw_rad"));
+  EXPECT_THAT(with([](auto& f) { f.wobble_m = -1; }), HasSubstr("wobble_m"));
+  EXPECT_THAT(with([](auto& f) { f.wobble_length_m = 1e-9; }), HasSubstr("wobble_length_m"));
+}
+
+/// No place beyond the reach has a relief.
+TEST(Shapes, ReachHoldsTheFootprint) {
+  const std::vector<FeatureShape> shapes = {Rock{3, 1, 0.6, 0.4},
+                                            Crater{5, 0, 0.8},
+                                            IceBlock{2, 1, 1, 0.3, 0.7},
+                                            Ridge{9, 1, 1, 2, 1, 0.5},
+                                            Fracture{7, 1, 2, 0.5, 3, 1.1, 2, -0.4},
+                                            Pit{2, 1, 1.2},
+                                            PenitenteField{6, 4, 0, 0.4, 1.3, 0.7, 0.5, 0.3, 0.2, 2, 9},
+                                            PenitenteField{0, 0, 6, 0.4, 1.3, 0.7, 0.5, 0.3, 0.2, 2, 9}};
+  for (const FeatureShape& shape : shapes)
+    std::visit(
+        [](const auto& s) {
+          int inside = 0;
+          for (double x_m = -9; x_m <= 9; x_m += 0.06)
+            for (double y_m = -9; y_m <= 9; y_m += 0.06) {
+              if (std::isnan(s.relief_m({x_m, y_m}))) continue;
+              ++inside;
+              EXPECT_LE(std::max(std::abs(x_m), std::abs(y_m)), s.reach_m()) << s.kName;
+            }
+          EXPECT_GT(inside, 100) << s.kName;
+        },
+        shape);
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "terrain/features/relief.h"
+
+namespace landfall {
+
+/// Blades of ice along the u axis (turned counter-clockwise from +x by yaw_rad; 0: east-west, as Hobley et
+/// al. 2018, Nature Geoscience 11, 901-904, expect near Europa's equator: 7.5 m apart and up to 15 m deep):
+///
+///   amplitude_m (1 - |2 frac(v' / wavelength_m) - 1|)^exponent edge,   v' = v + wobble_m n(u, v)
+///
+/// frac is the part after the whole number; 1 is a triangle, less is blunter with sharper troughs. n in
+/// [-1, 1] is smooth noise: uniform values on a square lattice of wobble_length_m, functions of `seed` and
+/// the lattice place only, blended by t^2 (3 - 2 t) along u and v. The field is a rectangle, length_m along u
+/// and width_m along v, or a disc of diameter_m; `edge` is taper.h's taper over edge_m inside its border
+/// (that along u times that along v for a rectangle).
+struct PenitenteField {
+  static constexpr const char* kName = "penitente_field";
+  static constexpr FeatureRole kRole = FeatureRole::drapes;
+
+  double length_m = 50;
+  double width_m = 50;
+  double diameter_m = 0;  ///< of a disc, whose length_m and width_m are 0; 0: a rectangle
+  double amplitude_m = 1;
+  double wavelength_m = 7.5;
+  double exponent = 1;
+  double edge_m = 7.5;
+  double yaw_rad = 0;
+  double wobble_m = 0;
+  double wobble_length_m = 15;
+  std::uint64_t seed = 1;
+
+  /// Throws UsageError unless either the diameter or both length and width are positive and the other 0; the
+  /// amplitude, wavelength, exponent and wobble length are finite and positive; 0 <= edge_m <= half the least
+  /// extent; wobble_m is finite and >= 0; the extent is at most 1e9 wobble lengths; the yaw is finite.
+  void validate(const std::string& owner) const;
+  [[nodiscard]] double reach_m() const;
+  [[nodiscard]] FeatureSize size() const;
+  [[nodiscard]] double relief_m(const Offset& offset) const;
+  [[nodiscard]] double own_relief_m(const Offset& own) const;
+  friend bool operator==(const PenitenteField&, const PenitenteField&) = default;
+
+ private:
+  /// Negative outside.
+  [[nodiscard]] double edge(const Offset& own) const;
+  [[nodiscard]] double noise(const Offset& own) const;
+};
+
+}  // namespace landfall

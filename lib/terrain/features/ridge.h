@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/parameter_check.h"
+#include "terrain/features/relief.h"
+#include "terrain/features/taper.h"
+#include "terrain/features/turned_axes.h"
+
+namespace landfall {
+
+/// A ridge along its u axis (turned counter-clockwise from +x by yaw_rad), with one crest or with two, as
+/// Europa's double ridges have. With d the distance across it, |v|, to the nearest crest (which lie at
+/// v = +-spacing_m / 2):
+///
+///   height_m 2^(-(2 d / width_m)^2) taper(length_m / 2 - |u|, taper_m)     for |u| <= length_m / 2, d <= 3
+///   width_m
+///
+/// a Gaussian whose full width at half height is width_m, and taper.h's smooth ends. Where the cross-section
+/// ends it has fallen to 2^-36 of the height. Between two crests the flanks meet in a V.
+struct Ridge {
+  static constexpr const char* kName = "ridge";
+  static constexpr FeatureRole kRole = FeatureRole::drapes;
+
+  double length_m = 100;
+  double width_m = 10;
+  double height_m = 3;
+  double spacing_m = 0;  ///< between the crests; 0: a single one
+  double taper_m = 10;   ///< length of each tapered end
+  double yaw_rad = 0;
+
+  /// Throws UsageError unless length, width and height are finite and positive, the spacing is finite and not
+  /// negative, 0 <= taper_m <= length_m / 2 and the yaw is finite.
+  void validate(const std::string& owner) const {
+    require_positive({owner, "length_m"}, length_m);
+    require_positive({owner, "width_m"}, width_m);
+    require_positive({owner, "height_m"}, height_m);
+    require_not_negative({owner, "spacing_m"}, spacing_m);
+    require(taper_m >= 0 && taper_m <= length_m / 2, {owner, "taper_m"}, taper_m, "in [0, length_m / 2]");
+    require_finite({owner, "yaw_rad"}, yaw_rad);
+  }
+  [[nodiscard]] double reach_m() const { return std::hypot(length_m / 2, spacing_m / 2 + 3 * width_m); }
+  [[nodiscard]] FeatureSize size() const { return {length_m, height_m, yaw_rad}; }
+  [[nodiscard]] double relief_m(const Offset& offset) const {
+    return own_relief_m(TurnedAxes(yaw_rad).own(offset));
+  }
+  [[nodiscard]] double own_relief_m(const Offset& own) const {
+    const double inside_m = length_m / 2 - std::abs(own.x_m);
+    const double across = std::abs(std::abs(own.y_m) - spacing_m / 2) / width_m;
+    if (!(inside_m >= 0) || across > 3) return kNoRelief;
+    return height_m * std::exp2(-4 * across * across) * taper(inside_m, taper_m);
+  }
+  friend bool operator==(const Ridge&, const Ridge&) = default;
+};
+
+}  // namespace landfall
