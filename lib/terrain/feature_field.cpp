@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -45,44 +47,159 @@ struct NodeRange {
 };
 
 /// The nodes within `reach` of `center` (both in node spacings from node 0), one more on each side, cut to
-/// `limits`.
-NodeRange nodes_within(double center, double reach, const NodeRange& limits) {
+/// the first `count` nodes.
+NodeRange nodes_within(double center, double reach, std::int64_t count) {
   const auto clamped = [&](double node) {
-    return static_cast<std::int64_t>(
-        std::clamp(node, static_cast<double>(limits.begin), static_cast<double>(limits.end)));
+    if (!(node > 0)) return std::int64_t{0};
+    return node < static_cast<double>(count) ? static_cast<std::int64_t>(node) : count;
   };
   return {clamped(std::floor(center - reach)), clamped(std::ceil(center + reach) + 1)};
 }
 
+struct NodeBox {
+  NodeRange rows;
+  NodeRange cols;
+  [[nodiscard]] bool empty() const { return rows.begin >= rows.end || cols.begin >= cols.end; }
+};
+
+/// Nodes of a grid that hold all those of a feature's footprint.
+NodeBox box_of(const Feature& feature, const GridSpec& spec) {
+  const double reach_m = std::visit([](const auto& shape) { return shape.reach_m(); }, feature.shape);
+  const double reach = reach_m / spec.resolution_m;
+  return {
+      nodes_within(feature.y_m / spec.resolution_m - static_cast<double>(spec.first_row), reach, spec.rows),
+      nodes_within(feature.x_m / spec.resolution_m - static_cast<double>(spec.first_col), reach, spec.cols)};
+}
+
+/// The relief of a shape as a function of the offset from its centre, what all places share computed once.
+template <class Shape>
+auto relief_of(const Shape& shape) {
+  if constexpr (requires { shape.own_relief_m(Offset{}); })
+    return [shape, axes = TurnedAxes(shape.yaw_rad)](const Offset& offset) {
+      return shape.own_relief_m(axes.own(offset));
+    };
+  else
+    return [shape](const Offset& offset) { return shape.relief_m(offset); };
+}
+
 /// Calls change(node, relief) for the nodes of some rows that lie on a feature's footprint.
 template <class F>
-void stamp(Grid<double>& z, const Feature& feature, const NodeRange& rows, const F& change) {
-  const GridSpec& spec = z.spec();
+void stamp(const GridSpec& spec, const Feature& feature, const NodeRange& rows, const F& change) {
+  const NodeBox box = box_of(feature, spec);
+  const NodeRange own_rows{std::max(box.rows.begin, rows.begin), std::min(box.rows.end, rows.end)};
   std::visit(
       [&](const auto& shape) {
-        const double reach = shape.reach_m() / spec.resolution_m;
-        const NodeRange r =
-            nodes_within(feature.y_m / spec.resolution_m - static_cast<double>(spec.first_row), reach, rows);
-        const NodeRange c = nodes_within(
-            feature.x_m / spec.resolution_m - static_cast<double>(spec.first_col), reach, {0, spec.cols});
-        for (std::int64_t row = r.begin; row < r.end; ++row)
-          for (std::int64_t col = c.begin; col < c.end; ++col) {
-            const double relief_m = shape.relief_m({spec.x(col) - feature.x_m, spec.y(row) - feature.y_m});
-            if (!std::isnan(relief_m)) change(z.at({row, col}), relief_m);
+        const auto relief_m = relief_of(shape);
+        for (std::int64_t row = own_rows.begin; row < own_rows.end; ++row)
+          for (std::int64_t col = box.cols.begin; col < box.cols.end; ++col) {
+            const double here_m = relief_m({spec.x(col) - feature.x_m, spec.y(row) - feature.y_m});
+            if (!std::isnan(here_m)) change(BinIndex{row, col}, here_m);
           }
       },
       feature.shape);
 }
 
-/// Calls work(rows) for pieces of the grid's rows, on all threads.
-template <class F>
-void for_row_ranges(const GridSpec& spec, const ProgressCallback& progress, const F& work) {
-  parallel_for(
-      static_cast<std::size_t>(spec.rows), kRowGrain,
-      [&](std::size_t begin, std::size_t end) {
-        work(NodeRange{static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end)});
-      },
-      progress);
+/// The features of one role that may reach a band of kRowGrain rows of a grid, for each of its bands, in the
+/// order of the features: what a node gets depends on neither the bands nor the threads.
+class FeatureBands {
+ public:
+  FeatureBands(const std::vector<PlacedFeature>& features, FeatureRole role, const GridSpec& spec)
+      : features_(features), rows_(spec.rows), first_(band_count() + 1) {
+    const auto for_each_entry = [&](const auto& take) {
+      for (std::size_t i = 0; i < features.size(); ++i) {
+        if (role_of(features[i].feature) != role) continue;
+        const NodeBox box = box_of(features[i].feature, spec);
+        if (box.empty()) continue;
+        const auto last = static_cast<std::size_t>(box.rows.end - 1) / kRowGrain;
+        for (auto band = static_cast<std::size_t>(box.rows.begin) / kRowGrain; band <= last; ++band)
+          take(band, i);
+      }
+    };
+    for_each_entry([&](std::size_t band, std::size_t) { ++first_[band + 1]; });
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    entries_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for_each_entry([&](std::size_t band, std::size_t i) { entries_[next[band]++] = i; });
+  }
+
+  /// Calls work(rows, entries) for every band that has features, on all threads; feature() says what an entry
+  /// is.
+  template <class F>
+  void for_each(const ProgressCallback& progress, const F& work) const {
+    parallel_for(
+        band_count(), 1,
+        [&](std::size_t band, std::size_t) {
+          const std::span all(entries_);
+          const auto entries = all.subspan(first_[band], first_[band + 1] - first_[band]);
+          const auto begin = static_cast<std::int64_t>(band * kRowGrain);
+          const auto end = std::min(begin + static_cast<std::int64_t>(kRowGrain), rows_);
+          if (!entries.empty()) work(NodeRange{begin, end}, entries);
+        },
+        progress);
+  }
+  [[nodiscard]] const PlacedFeature& feature(std::size_t entry) const { return features_[entry]; }
+
+ private:
+  [[nodiscard]] std::size_t band_count() const {
+    return (static_cast<std::size_t>(rows_) + kRowGrain - 1) / kRowGrain;
+  }
+
+  const std::vector<PlacedFeature>& features_;
+  std::int64_t rows_;
+  std::vector<std::size_t> first_;
+  std::vector<std::size_t> entries_;
+};
+
+/// Adds the highest relief of all draped features to the ground.
+void drape(Grid<double>& part, const FeatureBands& bands, const ProgressCallback& progress) {
+  const GridSpec& spec = part.spec();
+  bands.for_each(progress, [&](const NodeRange& rows, std::span<const std::size_t> entries) {
+    std::vector<double> highest_m(static_cast<std::size_t>((rows.end - rows.begin) * spec.cols), kNoRelief);
+    const auto place = [&](const BinIndex& node) {
+      return static_cast<std::size_t>((node.row - rows.begin) * spec.cols + node.col);
+    };
+    for (const std::size_t entry : entries)
+      stamp(spec, bands.feature(entry).feature, rows, [&](const BinIndex& node, double relief_m) {
+        double& highest = highest_m[place(node)];
+        if (!(highest >= relief_m)) highest = relief_m;
+      });
+    for (std::int64_t row = rows.begin; row < rows.end; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const double relief_m = highest_m[place({row, col})];
+        if (!std::isnan(relief_m)) part.at({row, col}) += relief_m;
+      }
+  });
+}
+
+/// A place in node spacings from the origin, a node where it is within 1e-9 of one.
+double node_place(double place_m, double resolution_m) {
+  const double place = place_m / resolution_m;
+  const double node = std::round(place);
+  return std::abs(place - node) < 1e-9 ? node : place;
+}
+
+/// The elevation of the ground at a place, the same to the bit for every part that has the place's cell: the
+/// place in the cell does not come from the part's first node. NaN where the part lacks the cell or the cell
+/// has a hole there.
+double ground_in_cell(const Grid<double>& part, const Feature& feature) {
+  const GridSpec& spec = part.spec();
+  const double x = node_place(feature.x_m, spec.resolution_m);
+  const double y = node_place(feature.y_m, spec.resolution_m);
+  const double u = x - std::floor(x);
+  const double v = y - std::floor(y);
+  const BinIndex cell{static_cast<std::int64_t>(std::floor(y)) - spec.first_row,
+                      static_cast<std::int64_t>(std::floor(x)) - spec.first_col};
+  const std::int64_t right = cell.col + (u > 0 ? 1 : 0);
+  const std::int64_t top = cell.row + (v > 0 ? 1 : 0);
+  if (cell.row < 0 || cell.col < 0 || right >= spec.cols || top >= spec.rows) return kNoRelief;
+  const double b = part.at({cell.row, right});
+  const double c = part.at({top, cell.col});
+  if (u + v <= 1) {
+    const double a = part.at(cell);
+    return a + u * (b - a) + v * (c - a);
+  }
+  const double d = part.at({top, right});
+  return d + (1 - u) * (c - d) + (1 - v) * (b - d);
 }
 
 }  // namespace
@@ -104,17 +221,22 @@ FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) {
 }
 
 void FeatureField::shape_ground(Grid<double>& part, const ProgressCallback& progress) const {
-  for_row_ranges(part.spec(), progress, [&](const NodeRange& rows) {
-    for (const PlacedFeature& placed : features_)
-      if (role_of(placed.feature) == FeatureRole::adds)
-        stamp(part, placed.feature, rows, [](double& z, double relief_m) { z += relief_m; });
-  });
+  const FeatureBands adding(features_, FeatureRole::adds, part.spec());
+  adding.for_each([&](double fraction) { report(progress, fraction / 2); },
+                  [&](const NodeRange& rows, std::span<const std::size_t> entries) {
+                    for (const std::size_t entry : entries)
+                      stamp(part.spec(), adding.feature(entry).feature, rows,
+                            [&](const BinIndex& node, double relief_m) { part.at(node) += relief_m; });
+                  });
+  drape(part, FeatureBands(features_, FeatureRole::drapes, part.spec()),
+        [&](double fraction) { report(progress, 0.5 + fraction / 2); });
 }
 
 void FeatureField::seat(const TriangulatedGrid& part) {
   for (PlacedFeature& placed : features_) {
     if (placed.ground_m || !on_grid(part.nodes().spec(), placed.feature)) continue;
-    const double z_m = part.elevation(placed.feature.x_m, placed.feature.y_m);
+    double z_m = ground_in_cell(part.nodes(), placed.feature);
+    if (!std::isfinite(z_m)) z_m = part.elevation(placed.feature.x_m, placed.feature.y_m);
     if (std::isfinite(z_m))
       placed.ground_m = z_m;
     else if (role_of(placed.feature) == FeatureRole::stands)
@@ -123,11 +245,13 @@ void FeatureField::seat(const TriangulatedGrid& part) {
 }
 
 void FeatureField::stand(Grid<double>& part, const ProgressCallback& progress) const {
-  for_row_ranges(part.spec(), progress, [&](const NodeRange& rows) {
-    for (const PlacedFeature& placed : features_) {
-      if (role_of(placed.feature) != FeatureRole::stands) continue;
+  const FeatureBands standing(features_, FeatureRole::stands, part.spec());
+  standing.for_each(progress, [&](const NodeRange& rows, std::span<const std::size_t> entries) {
+    for (const std::size_t entry : entries) {
+      const PlacedFeature& placed = standing.feature(entry);
       if (!placed.ground_m) throw std::logic_error("a standing feature was not seated");
-      stamp(part, placed.feature, rows, [&](double& z, double relief_m) {
+      stamp(part.spec(), placed.feature, rows, [&](const BinIndex& node, double relief_m) {
+        double& z = part.at(node);
         const double top_m = *placed.ground_m + relief_m;
         if (z < top_m) z = top_m;
       });

@@ -24,8 +24,8 @@ struct PlacedFeature {
 };
 
 /// All features of a terrain: those that are listed, then those of the patterns, each in their order. The
-/// ground is the sum of the bases with what features of the roles `adds` and `drapes` change; then come those
-/// that stand on it. Everything is evaluated at nodes only.
+/// ground is the sum of the bases, plus what features of the role `adds` add in their order, plus the highest
+/// relief of those that drape; then come those that stand on it. Everything is evaluated at nodes only.
 ///
 /// A terrain may be made in one grid or in parts, whose nodes get the same elevations: first shape_ground()
 /// of every part, then seat() with every part, then stand() of every part.
@@ -40,7 +40,8 @@ class FeatureField {
   /// Asks `part` for the ground under the centres that lie on it. Throws FormatError, naming the feature,
   /// where one that stands finds a hole.
   void seat(const TriangulatedGrid& part);
-  /// Throws std::logic_error unless all standing features are seated. A hole of the ground stays one.
+  /// Throws std::logic_error where a standing feature that may reach the part is not seated. A hole of the
+  /// ground stays one.
   void stand(Grid<double>& part, const ProgressCallback& progress = {}) const;
 
   [[nodiscard]] const std::vector<PlacedFeature>& features() const { return features_; }
