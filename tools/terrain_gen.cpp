@@ -31,6 +31,16 @@ void count_holes(cli::Session& session, const Grid<double>& nodes) {
   session.count("hole_node_count", holes);
 }
 
+void count_features(cli::Session& session, const std::vector<PlacedFeature>& features) {
+  std::vector<std::int64_t> counts(feature_kinds().size());
+  for (const PlacedFeature& placed : features) ++counts[placed.feature.shape.index()];
+  nlohmann::json by_kind = nlohmann::json::object();
+  for (std::size_t kind = 0; kind < counts.size(); ++kind)
+    if (counts[kind] > 0) by_kind[feature_kinds()[kind]] = counts[kind];
+  session.count("feature_count", features.size());
+  session.count("feature_count_by_kind", std::move(by_kind));
+}
+
 ExitCode run(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   const OutputOptions output = session.output(raster_paths(config.model));
@@ -47,6 +57,7 @@ ExitCode run(cli::Session& session) {
   LandfallFileWriter file(output, "terrain", provenance);
   session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
   count_holes(session, terrain.nodes);
+  count_features(session, terrain.features);
   return ExitCode::done;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "io/feature_file.h"
 #include "io/grid_file.h"
 
 namespace landfall {
@@ -14,6 +15,7 @@ namespace landfall {
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
   layers.write("z", terrain.nodes, {"m", "true elevation at the grid node"});
+  write_features(file, terrain.features);
   file.commit();
 }
 

@@ -11,7 +11,8 @@
 
 namespace landfall {
 
-/// Writes terrain.h5: /x /y /z (float64) and the site frame (SPEC section 8).
+/// Writes terrain.h5: /x /y /z (float64), the site frame (SPEC section 8) and the list of objects
+/// (feature_file.h).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
 /// The id of an imported raster: a hash of what was read of it, samples, place and frame. Files beside the
