@@ -25,10 +25,10 @@ struct GeneratedTerrain {
 /// no DEM has, shorter than twice the finest posting. Holes of any base are holes of the terrain, whatever
 /// stands there.
 ///
-/// Throws UsageError on a parameter without sense (validate()), more than 2^30 nodes, or a feature whose
-/// centre is off the grid; FormatError where a DEM is refused (no finite node, NaN at the centre with
-/// Datum::center, a node outside the raster, or by the loader itself) or a feature's centre is on a hole;
-/// both name the culprit. The result does not depend on the number of threads.
+/// Throws UsageError on a parameter without sense (validate()), more than 2^30 nodes, or a standing feature
+/// whose centre is off the grid; FormatError where a DEM is refused (no finite node, NaN at the centre with
+/// Datum::center, a node outside the raster, or by the loader itself) or a standing feature's centre is on a
+/// hole; both name the culprit. The result does not depend on the number of threads.
 [[nodiscard]] GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec,
                                                 const DemLoader& load_dem,
                                                 const ProgressCallback& progress = {});

@@ -55,8 +55,8 @@ struct DemBase {
 
 using Base = std::variant<PlaneBase, FractalBase, DemBase>;
 
-/// A gridded terrain: the sum of the bases, then what stands on it: features in their order, then those of
-/// the patterns in theirs.
+/// A gridded terrain: the sum of the bases, then what lies and stands on it (feature_field.h): features in
+/// their order, then those of the patterns in theirs.
 struct TerrainModel {
   std::vector<Base> bases = {PlaneBase{}};
   std::vector<Feature> features;
