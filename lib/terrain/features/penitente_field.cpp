@@ -22,8 +22,9 @@ std::uint64_t counter(double whole) { return static_cast<std::uint64_t>(static_c
 
 void PenitenteField::validate(const std::string& owner) const {
   if (diameter_m == 0) {
-    require_positive({owner, "length_m"}, length_m);
-    require_positive({owner, "width_m"}, width_m);
+    const char* const kBound = "finite and positive, as a field without diameter_m needs";
+    require(std::isfinite(length_m) && length_m > 0, {owner, "length_m"}, length_m, kBound);
+    require(std::isfinite(width_m) && width_m > 0, {owner, "width_m"}, width_m, kBound);
   } else {
     require_positive({owner, "diameter_m"}, diameter_m);
     require(length_m == 0, {owner, "length_m"}, length_m, "absent, as a disc has diameter_m alone");
