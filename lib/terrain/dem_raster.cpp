@@ -94,19 +94,6 @@ void extend(PixelBox& box, const PixelPosition& p) {
   if (!(p.row <= box.high.row)) box.high.row = p.row;
 }
 
-/// The largest half width around the same centre that fits, in nodes; -1 where the centre itself does not.
-std::int64_t fitting_half(const SiteMapping& mapping, const RasterSize& size, Interpolation method,
-                          const GridSpec& site) {
-  std::int64_t fits = -1;
-  std::int64_t fails = std::max(site.rows, site.cols);
-  while (fails - fits > 1) {
-    const std::int64_t half = fits + (fails - fits) / 2;
-    const GridSpec square{site.resolution_m, -half, -half, 2 * half + 1, 2 * half + 1};
-    (inside(size, method, pixel_box(mapping, square)) ? fits : fails) = half;
-  }
-  return fits;
-}
-
 }  // namespace
 
 double interpolate(const DemSamples& samples, Interpolation method, const PixelPosition& pixel) {
@@ -142,6 +129,18 @@ PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site) {
   return box;
 }
 
+std::int64_t largest_half(const SiteMapping& mapping, const RasterSize& size, Interpolation method,
+                          double resolution_m, std::int64_t limit) {
+  std::int64_t fits = -1;
+  std::int64_t fails = limit + 1;
+  while (fails - fits > 1) {
+    const std::int64_t half = fits + (fails - fits) / 2;
+    const GridSpec square{resolution_m, -half, -half, 2 * half + 1, 2 * half + 1};
+    (inside(size, method, pixel_box(mapping, square)) ? fits : fails) = half;
+  }
+  return fits;
+}
+
 void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Interpolation method,
                          const GridSpec& site, const std::string& what) {
   if (inside(size, method, pixel_box(mapping, site))) return;
@@ -149,7 +148,8 @@ void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Int
   message.precision(10);
   message << what << ": the site, " << site.x(0) << " .. " << site.x(site.cols - 1)
           << " m, does not lie inside the raster of " << size.cols << " x " << size.rows << " pixels; ";
-  const std::int64_t half = fitting_half(mapping, size, method, site);
+  const std::int64_t half =
+      largest_half(mapping, size, method, site.resolution_m, std::max(site.rows, site.cols));
   if (half < 0)
     message << "its centre is outside too: give another center";
   else if (half == 0)

@@ -77,6 +77,11 @@ struct PixelBox {
 /// the raster's coordinates.
 [[nodiscard]] PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site);
 
+/// The largest half width around the site's centre, in nodes of `resolution_m` and up to `limit`, whose
+/// square lies inside a raster of this size; -1 where the centre does not.
+[[nodiscard]] std::int64_t largest_half(const SiteMapping& mapping, const RasterSize& size,
+                                        Interpolation method, double resolution_m, std::int64_t limit);
+
 /// Throws FormatError unless all of the site lies inside a raster of this size; the message begins with
 /// `what` and names the size and the largest half width (a multiple of the resolution) that fits around the
 /// same centre.

@@ -58,12 +58,23 @@ const GdalPlugin& find_plugin() {
   throw IoError("the GDAL plugin is not there; tried " + tried + "; LANDFALL_PLUGIN_DIR can name its folder");
 }
 
+/// Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.
+const GdalPlugin& plugin() {
+  static const GdalPlugin& found = find_plugin();
+  return found;
+}
+
 }  // namespace
 
-DemRaster load_dem(const DemBase& dem, const GridSpec& site) {
-  // Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.
-  static const GdalPlugin& plugin = find_plugin();
-  return plugin.read_dem(dem, site);
+DemRaster load_dem(const DemBase& dem, const GridSpec& site) { return plugin().read_dem(dem, site); }
+
+SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request) {
+  return plugin().fit_dem_site(dem, request);
+}
+
+void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
+                  const ProgressCallback& progress) {
+  plugin().write_geotiff(path, content, options, progress);
 }
 
 }  // namespace landfall

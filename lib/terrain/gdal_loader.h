@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "terrain/dem_raster.h"
+#include "terrain/geotiff.h"
+#include "terrain/site_fit.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -25,5 +28,18 @@ namespace landfall {
 /// smaller than 2 x 2, has no usable georeference, or does not hold all of the site; IoError, naming the
 /// places tried, without the plugin. Safe from any thread.
 [[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
+
+/// The size of a site that leaves its half width or resolution to the raster (site_fit.h). Reads the header;
+/// throws as load_dem() and fit_site() do.
+[[nodiscard]] SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request);
+
+/// Writes a grid as a cloud-optimized GeoTIFF: float64, deflate with the floating-point predictor, tiles of
+/// 512 x 512, overviews (means of the nodes that are no holes), nodata NaN, each node the centre of its
+/// pixel, row 0 the northern. The grid is not copied: tiles and GDAL's block cache (64 MiB) are all that it
+/// needs besides. `path` is written in place and holds nothing useful after a failure.
+///
+/// Throws IoError with GDAL's reason, or without the plugin.
+void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
+                  const ProgressCallback& progress = {});
 
 }  // namespace landfall

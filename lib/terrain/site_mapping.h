@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace landfall {
@@ -35,6 +36,10 @@ class GeoTransform {
   [[nodiscard]] bool invertible() const;
   [[nodiscard]] MapPoint map_point(const PixelPosition& pixel) const;
   [[nodiscard]] PixelPosition pixel(const MapPoint& point) const;
+  /// The lengths of a pixel's edges, along a row and along a column, map units.
+  [[nodiscard]] std::array<double, 2> edges() const {
+    return {std::hypot(cell_(0, 0), cell_(1, 0)), std::hypot(cell_(0, 1), cell_(1, 1))};
+  }
   /// Pixels (col, row) per map unit (x, y).
   [[nodiscard]] Eigen::Matrix2d pixels_per_unit() const { return cell_.inverse(); }
 

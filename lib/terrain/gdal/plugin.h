@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "terrain/dem_raster.h"
+#include "terrain/geotiff.h"
+#include "terrain/site_fit.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -11,6 +14,9 @@ namespace landfall {
 struct GdalPlugin {
   const char* version;
   DemRaster (*read_dem)(const DemBase& dem, const GridSpec& site);
+  SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request);
+  void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
+                        const ProgressCallback& progress);
 };
 
 /// The name of the plugin's one object, of type GdalPlugin.

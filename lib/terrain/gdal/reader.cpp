@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only code that opens rasters: GDAL's side of load_dem() (lib/terrain/gdal_loader.h).
+// GDAL's side of load_dem() (lib/terrain/gdal_loader.h), and the plugin's table.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "terrain/gdal/geotiff_writer.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
 
@@ -180,8 +181,16 @@ DemRaster read_dem(const DemBase& dem, const GridSpec& site) {
           {dem.path, driver, raster.size, dem.band}};
 }
 
+SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request) {
+  GdalErrors errors;
+  const OpenRaster raster = open_raster(dem, errors);
+  const SiteFrame frame = frame_of(raster, dem, errors);
+  return fit_site({frame.mapping, raster.size, frame.posting_m}, dem.interpolation, request, dem.path);
+}
+
 }  // namespace
 }  // namespace landfall
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
-const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION, &landfall::read_dem};
+const landfall::GdalPlugin landfall_gdal_plugin{
+    LANDFALL_VERSION, &landfall::read_dem, &landfall::fit_dem_site, &landfall::write_cloud_optimized_geotiff};

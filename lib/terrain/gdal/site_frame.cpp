@@ -4,6 +4,7 @@
 #include <cpl_conv.h>
 #include <ogr_spatialref.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -122,7 +123,8 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
   const OrthographicFrame frame(body, {place.x * radians, place.y * radians});
   const double turn = 2 * std::numbers::pi / radians;
   const MapPoint wrapped{std::remainder(place.x, turn), place.y};
-  return {SiteMapping(transform, center, frame, radians), orthographic_wkt(crs, wrapped)};
+  const double posting_m = std::ranges::max(transform.edges()) * radians * body.semi_major_m;
+  return {SiteMapping(transform, center, frame, radians), orthographic_wkt(crs, wrapped), posting_m};
 }
 
 double unreferenced_scale(const DemBase& dem) {
@@ -142,7 +144,11 @@ SiteFrame site_frame(const Georeference& georeference, const DemBase& dem) {
   const GeoTransform transform = usable_transform(georeference, dem);
   const PixelPosition center = center_pixel(georeference, transform, dem);
   const OGRSpatialReference* crs = georeference.crs;
-  if (crs == nullptr) return {SiteMapping(transform, center, unreferenced_scale(dem)), kLocalSiteCrsWkt};
+  const double shorter_edge = std::ranges::min(transform.edges());
+  if (crs == nullptr) {
+    const double scale_m = unreferenced_scale(dem);
+    return {SiteMapping(transform, center, scale_m), kLocalSiteCrsWkt, shorter_edge * scale_m};
+  }
   if (dem.horizontal_scale_m) {
     const char* name = crs->GetName();
     throw UsageError(dem.path + ": horizontal_scale_m is for rasters without a CRS, this one has \"" +
@@ -153,7 +159,8 @@ SiteFrame site_frame(const Georeference& georeference, const DemBase& dem) {
   const double metres_per_unit = crs->GetLinearUnits();
   if (!(std::isfinite(metres_per_unit) && metres_per_unit > 0))
     throw FormatError(dem.path + ": its CRS has no linear unit");
-  return {SiteMapping(transform, center, metres_per_unit), shifted_wkt(*crs, transform.map_point(center))};
+  return {SiteMapping(transform, center, metres_per_unit), shifted_wkt(*crs, transform.map_point(center)),
+          shorter_edge * metres_per_unit};
 }
 
 }  // namespace landfall

@@ -24,6 +24,9 @@ struct Georeference {
 struct SiteFrame {
   SiteMapping mapping;
   std::string crs_wkt;
+  /// Distance of the pixels, metres: the shorter edge of a cell, of a geographic raster the longer one, for
+  /// its meridians draw together.
+  double posting_m = 0;
 };
 
 /// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal_loader.h) says.

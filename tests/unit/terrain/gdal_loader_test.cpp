@@ -341,6 +341,18 @@ TEST_F(LoadDem, RefusesATruncatedDtedCell) {
   EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("format: "), HasSubstr("100 of the 121 columns")));
 }
 
+// The shorter edge of a cell; of one in degrees the longer, whatever the latitude.
+TEST_F(LoadDem, TellsThePostingOfItsPixels) {
+  const auto posting = [&](const std::array<double, 6>& transform, const char* crs) {
+    const DemBase dem = written({21, 21, map_plane(transform), "Float32", transform, crs, {}, 1, 0, {}});
+    return fit_dem_site(dem, {}).resolution_m;
+  };
+  EXPECT_EQ(posting({0, 0.3, 0, 0, 0, -0.3}, "EPSG:32631"), 0.3);
+  EXPECT_EQ(posting({0, 5, 0, 0, 0, -7}, "EPSG:32631"), 5);
+  EXPECT_EQ(posting({0, 3, -4, 0, 4, 3}, "EPSG:32631"), 5);  // turned by 53 degrees
+  EXPECT_DOUBLE_EQ(posting({0, 1, 0, 80, 0, -1}, "+proj=longlat +R=180000"), 1000 * std::numbers::pi);
+}
+
 // 8200 x 8200 exceed 64 Mpx: only a window is read (1 MB here, not 538 MB), and it says the same.
 TEST_F(LoadDem, LargeRastersAreReadByWindow) {
   const std::array<double, 6> transform{0, 1, 0, 0, 0, -1};

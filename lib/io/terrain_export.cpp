@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/terrain_export.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "terrain/gdal_loader.h"
+
+namespace landfall {
+
+TerrainFormat terrain_format(const std::filesystem::path& output) {
+  std::string extension = output.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (extension == ".h5") return TerrainFormat::landfall;
+  if (extension == ".tif" || extension == ".tiff") return TerrainFormat::geotiff;
+  if (extension == ".obj" || extension == ".ply")
+    throw UsageError("output " + output.string() +
+                     ": this version writes no meshes, only .h5, .tif and .tiff");
+  throw UsageError("output " + output.string() + ": extension '" + extension +
+                   "' is none of .h5 (terrain), .tif and .tiff (GeoTIFF)");
+}
+
+void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
+                   const ProgressCallback& progress) {
+  OutputPath output(options.path, options.overwrite);
+  save_geotiff(output.temporary().string(), content, {options.compression, thread_count()}, progress);
+  output.commit();
+}
+
+bool is_landfall_file(const std::filesystem::path& path) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) return false;
+  h5::initialise();
+  const h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  return file && h5::read_text_attribute(file.get(), "format_name").value_or("").starts_with("landfall.");
+}
+
+}  // namespace landfall
