@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// terrain-gen: builds the true terrain of a landing site.
+// terrain-gen: builds the true terrain of a landing site, or exports one.
+#include <CLI/CLI.hpp>
 #include <variant>
 
 #include "cli/tool.h"
+#include "config/import_config.h"
 #include "config/terrain_config.h"
+#include "io/terrain_export.h"
 #include "io/terrain_file.h"
 #include "terrain/gdal_loader.h"
 #include "terrain/terrain_generator.h"
@@ -14,8 +17,68 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   terrain-gen -c terrain.json -o terrain.h5
   terrain-gen -o slope.h5 --set base.slope_x=0.1 --set 'features=[{"type":"cone","radius_m":3,"height_m":10}]'
-  terrain-gen -o europa.h5 --set 'base={"type":"dem","path":"europa.tif"}' --set grid.resolution_m=0.1
+  terrain-gen --from europa.tif -o europa.h5 --center 3800,3380 --half-width 60 --resolution 0.05
+  terrain-gen --from apollo15.png -o apollo.h5 --horizontal-scale 2 --vertical-scale 0.192
+  terrain-gen --from europa.h5 -o europa.tif
+The output's extension decides: .h5 terrain, .tif or .tiff cloud-optimized GeoTIFF.
 Configuration: docs/terrain-gen.md and --print-schema.)";
+
+void bind(CLI::App& app, ImportOptions& import) {
+  CLI::Option* const from =
+      app.add_option("--from", import.from, "Raster to import, or terrain.h5 to export")->type_name("FILE");
+  const auto of_raster = [&](const char* name, std::string& text, const char* type, const char* meaning) {
+    return app.add_option(name, text, meaning)->type_name(type)->needs(from);
+  };
+  CLI::Option* const center =
+      of_raster("--center", import.center, "X,Y", "Site centre in the raster's CRS; default: its middle");
+  of_raster("--center-pixel", import.center_pixel, "COLUMN,ROW", "Site centre as a pixel")->excludes(center);
+  of_raster("--band", import.band, "N", "Band of the raster, from 1");
+  of_raster("--interpolation", import.interpolation, "METHOD", "nearest, bilinear or bicubic (default)");
+  of_raster("--datum", import.datum, "DATUM", "z = 0 is the centre's elevation (center, default), or none");
+  of_raster("--vertical-scale", import.vertical_scale, "FACTOR", "Metres per unit of the elevations");
+  of_raster("--horizontal-scale", import.horizontal_scale, "M",
+            "Metres per unit of the coordinates (per pixel), for a raster without a CRS");
+  app.add_option("--half-width", import.half_width,
+                 "grid.half_width_m; with --from by default the largest that fits")
+      ->type_name("M");
+  app.add_option("--resolution", import.resolution,
+                 "grid.resolution_m; with --from by default the raster's own")
+      ->type_name("M");
+}
+
+/// --from names a terrain, which is exported as it is.
+bool is_export(const ImportOptions& import) { return !import.from.empty() && is_landfall_file(import.from); }
+
+/// Throws UsageError for an option that has no part in an export.
+void require_plain_export(const ImportOptions& import, const cli::CommonOptions& common) {
+  ImportOptions only_from;
+  only_from.from = import.from;
+  const bool configured =
+      !common.config_path.empty() || !common.assignments.empty() || common.seed || common.print_config;
+  if (configured || !(import == only_from))
+    throw UsageError("--from " + import.from +
+                     ": a landfall file is exported as it is, without configuration; to cut or interpolate a "
+                     "terrain, name its layer as a raster: NETCDF:\"" +
+                     import.from + "\":z");
+}
+
+void expand(JsonSource& source, const ImportOptions& import, const cli::CommonOptions& common) {
+  if (is_export(import))
+    require_plain_export(import, common);
+  else
+    apply_import(source, import);
+}
+
+void complete(JsonSource& source, const ImportOptions& import) {
+  if (!import.from.empty() && !is_export(import)) complete_import(source, import, fit_dem_site);
+}
+
+void check(const cli::Session& session, const ImportOptions& import) {
+  if (is_export(import))
+    static_cast<void>(LandfallFileReader(import.from, {"terrain"}));
+  else
+    static_cast<void>(terrain_config(session.config(), session.config_name()));
+}
 
 std::vector<std::string> raster_paths(const TerrainModel& model) {
   std::vector<std::string> paths;
@@ -41,9 +104,33 @@ void count_features(cli::Session& session, const std::vector<PlacedFeature>& fea
   session.count("feature_count_by_kind", std::move(by_kind));
 }
 
-ExitCode run(cli::Session& session) {
+/// A GeoTIFF of a terrain with this id.
+struct GeotiffOutput {
+  const OutputOptions& options;
+  std::string file_id;
+
+  void write(cli::Session& session, const Grid<double>& nodes, const std::string& crs_wkt) const {
+    session.phase("write", [&](const ProgressCallback& progress) {
+      write_geotiff(options, {nodes, crs_wkt, source_line(session.tool()), file_id}, progress);
+    });
+  }
+};
+
+ExitCode export_terrain(cli::Session& session, const std::string& path) {
+  const OutputOptions output = session.output({path});
+  if (terrain_format(output.path) == TerrainFormat::landfall)
+    throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif output");
+  TerrainInput terrain;
+  session.phase("read", [&](const ProgressCallback& progress) { terrain = read_terrain(path, progress); });
+  GeotiffOutput{output, terrain.file_id}.write(session, terrain.surface->nodes(), terrain.crs_wkt);
+  count_holes(session, terrain.surface->nodes());
+  return ExitCode::done;
+}
+
+ExitCode generate(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   const OutputOptions output = session.output(raster_paths(config.model));
+  const TerrainFormat format = terrain_format(output.path);
   Provenance provenance = session.provenance();
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
     DemRaster raster = load_dem(dem, site);
@@ -54,8 +141,12 @@ ExitCode run(cli::Session& session) {
   session.phase("terrain", [&](const ProgressCallback& progress) {
     terrain = generate_terrain(config.model, config.grid, load, progress);
   });
-  LandfallFileWriter file(output, "terrain", provenance);
-  session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
+  if (format == TerrainFormat::geotiff) {
+    GeotiffOutput{output, provenance.file_id()}.write(session, terrain.nodes, terrain.crs_wkt);
+  } else {
+    LandfallFileWriter file(output, "terrain", provenance);
+    session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
+  }
   count_holes(session, terrain.nodes);
   count_features(session, terrain.features);
   return ExitCode::done;
@@ -66,6 +157,7 @@ ExitCode run(cli::Session& session) {
 
 int main(int argc, char** argv) {
   using namespace landfall;
+  ImportOptions import;
   cli::Tool tool;
   tool.name = "terrain-gen";
   tool.summary =
@@ -73,8 +165,12 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "terrain";
   tool.has_seed = true;
-  tool.bind = [](CLI::App&) {};
-  tool.check = [](const cli::Session& s) { static_cast<void>(terrain_config(s.config(), s.config_name())); };
-  tool.run = run;
+  tool.bind = [&](CLI::App& app) { bind(app, import); };
+  tool.expand = [&](JsonSource& source, const cli::CommonOptions& common) { expand(source, import, common); };
+  tool.complete = [&](JsonSource& source) { complete(source, import); };
+  tool.check = [&](const cli::Session& session) { check(session, import); };
+  tool.run = [&](cli::Session& session) {
+    return is_export(import) ? export_terrain(session, import.from) : generate(session);
+  };
   return cli::tool_main(argc, argv, tool);
 }

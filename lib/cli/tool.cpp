@@ -107,7 +107,7 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
     return ExitCode::done;
   }
   Session session(tool.name, tool.schema, options);
-  session.resolve_config();
+  session.resolve_config(tool);
   tool.check(session);
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
@@ -142,9 +142,11 @@ int fail(const std::string& tool, const std::string& message, ExitCode code) {
 Session::Session(std::string tool, std::string schema, const CommonOptions& options)
     : tool_(std::move(tool)), schema_(std::move(schema)), options_(options), start_s_(wall_seconds()) {}
 
-void Session::resolve_config() {
+void Session::resolve_config(const Tool& tool) {
   JsonSource source = read_json(options_.config_path);
+  if (tool.expand) tool.expand(source, options_);
   apply_assignments(source, options_.assignments);
+  if (tool.complete) tool.complete(source);
   if (options_.seed) source.value["seed"] = *options_.seed;
   config_name_ = source.name;
   config_ = landfall::resolve_config(source, embedded_schema(schema_));

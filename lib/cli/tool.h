@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "config/json_source.h"
 #include "io/landfall_file.h"
 
 namespace CLI {
@@ -37,6 +38,8 @@ struct CommonOptions {
   int compression = 1;
 };
 
+struct Tool;
+
 /// What one run of a tool has at hand.
 class Session {
  public:
@@ -63,8 +66,8 @@ class Session {
   /// A line on stderr, only with --verbose.
   void log(const std::string& line) const;
 
-  /// Resolves the configuration; throws UsageError.
-  void resolve_config();
+  /// Resolves the configuration of `tool`; throws UsageError.
+  void resolve_config(const Tool& tool);
   [[nodiscard]] nlohmann::json summary() const;
 
  private:
@@ -86,6 +89,10 @@ struct Tool {
   std::string schema;    ///< of embedded_schema()
   bool has_seed = false;
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
+  /// Writes what the tool's own options stand for into the configuration, before --set; may be empty.
+  std::function<void(JsonSource&, const CommonOptions&)> expand;
+  /// Fills in what --set left open, from the inputs; may be empty.
+  std::function<void(JsonSource&)> complete;
   /// Builds the typed configuration, so that --check refuses what the schema cannot express.
   std::function<void(const Session&)> check;
   std::function<ExitCode(Session&)> run;

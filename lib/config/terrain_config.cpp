@@ -22,20 +22,6 @@ Interpolation interpolation_of(const std::string& word) {
   return word == "bilinear" ? Interpolation::bilinear : Interpolation::bicubic;
 }
 
-DemBase dem_base(const Json& json) {
-  DemBase base;
-  base.path = json.at("path").get<std::string>();
-  base.band = json.at("band").get<int>();
-  base.center = optional_pair(json, "center");
-  base.center_pixel = optional_pair(json, "center_pixel");
-  base.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
-  base.datum = json.at("datum") == "center" ? Datum::center : Datum::none;
-  base.vertical_scale = json.at("vertical_scale").get<double>();
-  if (json.contains("horizontal_scale_m"))
-    base.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
-  return base;
-}
-
 /// Metres, or "dem" or "none".
 std::optional<double> longest_wavelength_m(const Json& json) {
   if (json.is_number()) return json.get<double>();
@@ -66,6 +52,20 @@ TerrainModel model_of(const Json& json) {
 }
 
 }  // namespace
+
+DemBase dem_base(const Json& json) {
+  DemBase base;
+  base.path = json.at("path").get<std::string>();
+  base.band = json.at("band").get<int>();
+  base.center = optional_pair(json, "center");
+  base.center_pixel = optional_pair(json, "center_pixel");
+  base.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
+  base.datum = json.at("datum") == "center" ? Datum::center : Datum::none;
+  base.vertical_scale = json.at("vertical_scale").get<double>();
+  if (json.contains("horizontal_scale_m"))
+    base.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
+  return base;
+}
 
 TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
   const Json& grid = resolved.at("grid");

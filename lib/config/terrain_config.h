@@ -15,6 +15,9 @@ struct TerrainConfig {
   TerrainModel model;
 };
 
+/// A base of type "dem", resolved.
+[[nodiscard]] DemBase dem_base(const nlohmann::json& resolved);
+
 /// `resolved` comes from resolve_config(); `name` begins the message of the UsageError that a combination of
 /// values makes which the schema cannot refuse.
 [[nodiscard]] TerrainConfig terrain_config(const nlohmann::json& resolved, const std::string& name);

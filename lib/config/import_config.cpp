@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/import_config.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "config/schema.h"
+#include "config/terrain_config.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+/// 60 stays an integer and 60.0 none: both are hashed as a file would have them.
+Json number_of(const std::string& text, const char* option) {
+  const Json value = Json::parse(text, nullptr, false);
+  if (value.is_number()) return value;
+  double number = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(number))
+    throw UsageError(std::string(option) + ": '" + text + "' is not a number");
+  return number;
+}
+
+Json pair_of(const std::string& text, const char* option) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos)
+    throw UsageError(std::string(option) + ": '" + text + "' is not two numbers with a comma between them");
+  return {number_of(text.substr(0, comma), option), number_of(text.substr(comma + 1), option)};
+}
+
+Json base_of(const ImportOptions& options) {
+  Json base = {{"type", "dem"}, {"path", options.from}};
+  if (!options.center.empty()) base["center"] = pair_of(options.center, "--center");
+  if (!options.center_pixel.empty()) base["center_pixel"] = pair_of(options.center_pixel, "--center-pixel");
+  if (!options.band.empty()) base["band"] = number_of(options.band, "--band");
+  if (!options.interpolation.empty()) base["interpolation"] = options.interpolation;
+  if (!options.datum.empty()) base["datum"] = options.datum;
+  if (!options.vertical_scale.empty())
+    base["vertical_scale"] = number_of(options.vertical_scale, "--vertical-scale");
+  if (!options.horizontal_scale.empty())
+    base["horizontal_scale_m"] = number_of(options.horizontal_scale, "--horizontal-scale");
+  return base;
+}
+
+std::optional<double> number_at(const Json& grid, const char* key) {
+  if (!grid.is_object() || !grid.contains(key)) return std::nullopt;
+  return grid.at(key).get<double>();
+}
+
+/// 60, not 60.0: as one would write it.
+Json plain(double number) {
+  if (number == std::floor(number) && std::abs(number) < 0x1p53) return static_cast<std::int64_t>(number);
+  return number;
+}
+
+}  // namespace
+
+void apply_import(JsonSource& source, const ImportOptions& options) {
+  if (!options.from.empty()) {
+    if (source.value.contains("base"))
+      throw UsageError(source.name +
+                       ": /base: the configuration has a base and --from makes one; leave one out");
+    source.value["base"] = base_of(options);
+  }
+  if (!options.half_width.empty())
+    source.value["grid"]["half_width_m"] = number_of(options.half_width, "--half-width");
+  if (!options.resolution.empty())
+    source.value["grid"]["resolution_m"] = number_of(options.resolution, "--resolution");
+}
+
+void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit) {
+  const Json& base = source.value.at("base");
+  if (!base.is_object() || base.value("path", Json()) != options.from)
+    throw UsageError("--set base: --from " + options.from + " makes the base; set keys of it (base.datum)");
+  // Refuses what is wrong anywhere, before the raster is opened; the numbers that are open have defaults
+  // here.
+  const Json resolved = resolve_config(source, embedded_schema("terrain"));
+  const Json grid = source.value.value("grid", Json::object());
+  const SiteRequest request{number_at(grid, "half_width_m"), number_at(grid, "resolution_m")};
+  if (request.half_width_m && request.resolution_m) return;
+  const SiteSize size = fit(dem_base(resolved.at("base")), request);
+  if (!request.half_width_m) source.value["grid"]["half_width_m"] = plain(size.half_width_m);
+  if (!request.resolution_m) source.value["grid"]["resolution_m"] = plain(size.resolution_m);
+}
+
+}  // namespace landfall
