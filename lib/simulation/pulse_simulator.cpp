@@ -197,7 +197,7 @@ void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) c
 }
 
 void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
-  if (ground_ == nullptr) return;
+  if (ground_ == nullptr || !ground_->is_ground_below()) return;
   const Point<DemFrame>* checked = nullptr;
   for (const Ray& ray : rays) {
     if (checked != nullptr && ray.origin == *checked) continue;

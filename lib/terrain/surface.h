@@ -18,6 +18,9 @@ class TerrainSurface {
   /// edge or node of one of those that share it. NaN where there is no triangle.
   [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& place) const = 0;
 
+  /// Whether all that lies below elevation() is underground: no lidar can be there.
+  [[nodiscard]] virtual bool is_ground_below() const { return true; }
+
  protected:
   TerrainSurface() = default;
   TerrainSurface(const TerrainSurface&) = default;

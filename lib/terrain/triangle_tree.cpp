@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/triangle_tree.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "base/parallel.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kLeafSize = 4;
+constexpr std::size_t kWorthAThread = 1U << 14U;
+constexpr std::size_t kGrain = 1U << 12U;
+
+float rounded_down(double value) {
+  const auto nearest = static_cast<float>(value);
+  return double{nearest} > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
+}
+
+TriangleBox box_of(const std::array<Eigen::Vector3d, 3>& corners) {
+  const Eigen::Vector3d low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
+  const Eigen::Vector3d high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
+  TriangleBox box{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    box.low[axis] = rounded_down(low[i]);
+    box.high[axis] = -rounded_down(-high[i]);
+  }
+  return box;
+}
+
+TriangleBox joined(const TriangleBox& a, const TriangleBox& b) {
+  TriangleBox box{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::min(a.low[axis], b.low[axis]);
+    box.high[axis] = std::max(a.high[axis], b.high[axis]);
+  }
+  return box;
+}
+
+std::size_t widest_axis(const TriangleBox& box) {
+  std::size_t widest = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+    if (box.high[axis] - box.low[axis] > box.high[widest] - box.low[widest]) widest = axis;
+  return widest;
+}
+
+}  // namespace
+
+struct TriangleTree::Builder {
+  TriangleTree& tree;
+  std::vector<TriangleBox> triangle_boxes;
+
+  [[nodiscard]] TriangleBox box_around(const Branch& branch) const {
+    TriangleBox box = triangle_boxes[tree.order_[branch.begin]];
+    for (std::size_t i = branch.begin + 1; i < branch.end; ++i)
+      box = joined(box, triangle_boxes[tree.order_[i]]);
+    return box;
+  }
+
+  void build(const Branch& branch) {
+    tree.boxes_[branch.node] = box_around(branch);
+    if (branch.node >= tree.first_leaf_) return;
+    const std::pair<Branch, Branch> children = halves(branch);
+    split(branch, children.second.begin);
+    const auto build_first = [&] { build(children.first); };
+    const auto build_second = [&] { build(children.second); };
+    if (branch.end - branch.begin > kWorthAThread) {
+      run_both(build_first, build_second);
+    } else {
+      build_first();
+      build_second();
+    }
+  }
+
+  void split(const Branch& branch, std::size_t middle) {
+    const std::size_t axis = widest_axis(tree.boxes_[branch.node]);
+    const auto centre = [&](std::uint32_t triangle) {
+      return triangle_boxes[triangle].low[axis] + triangle_boxes[triangle].high[axis];
+    };
+    const auto place = [&](std::size_t i) { return tree.order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(place(branch.begin), place(middle), place(branch.end),
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       return centre(a) != centre(b) ? centre(a) < centre(b) : a < b;
+                     });
+  }
+};
+
+TriangleTree::TriangleTree(const IndexedTriangles& mesh) : order_(mesh.triangles.size()) {
+  std::iota(order_.begin(), order_.end(), 0U);
+  std::size_t leaves = 1;
+  while ((order_.size() + leaves - 1) / leaves > kLeafSize) leaves *= 2;
+  first_leaf_ = leaves - 1;
+  boxes_.resize(2 * leaves - 1);
+  Builder builder{*this, std::vector<TriangleBox>(order_.size())};
+  parallel_for(order_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) builder.triangle_boxes[i] = box_of(mesh.corners(i));
+  });
+  builder.build({0, 0, order_.size()});
+}
+
+}  // namespace landfall
