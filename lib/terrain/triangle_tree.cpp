@@ -39,13 +39,6 @@ TriangleBox joined(const TriangleBox& a, const TriangleBox& b) {
   return box;
 }
 
-std::size_t widest_axis(const TriangleBox& box) {
-  std::size_t widest = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis)
-    if (box.high[axis] - box.low[axis] > box.high[widest] - box.low[widest]) widest = axis;
-  return widest;
-}
-
 }  // namespace
 
 struct TriangleTree::Builder {
@@ -74,15 +67,37 @@ struct TriangleTree::Builder {
     }
   }
 
+  [[nodiscard]] float centre(std::uint32_t triangle, std::size_t axis) const {
+    return triangle_boxes[triangle].low[axis] + triangle_boxes[triangle].high[axis];
+  }
+
+  /// How many triangles lie side by side along an axis: the span of their centres in mean widths.
+  [[nodiscard]] double layers(const Branch& branch, std::size_t axis) const {
+    double width = 0;
+    float low = std::numeric_limits<float>::infinity();
+    float high = -low;
+    for (std::size_t i = branch.begin; i < branch.end; ++i) {
+      const std::uint32_t triangle = tree.order_[i];
+      width += double{triangle_boxes[triangle].high[axis]} - double{triangle_boxes[triangle].low[axis]};
+      low = std::min(low, centre(triangle, axis));
+      high = std::max(high, centre(triangle, axis));
+    }
+    return high > low ? (double{high} - double{low}) * static_cast<double>(branch.end - branch.begin) / width
+                      : 0;
+  }
+
   void split(const Branch& branch, std::size_t middle) {
-    const std::size_t axis = widest_axis(tree.boxes_[branch.node]);
-    const auto centre = [&](std::uint32_t triangle) {
-      return triangle_boxes[triangle].low[axis] + triangle_boxes[triangle].high[axis];
-    };
+    std::size_t axis = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const double found = layers(branch, i); found > most) {
+        most = found;
+        axis = i;
+      }
     const auto place = [&](std::size_t i) { return tree.order_.begin() + static_cast<std::ptrdiff_t>(i); };
     std::nth_element(place(branch.begin), place(middle), place(branch.end),
                      [&](std::uint32_t a, std::uint32_t b) {
-                       return centre(a) != centre(b) ? centre(a) < centre(b) : a < b;
+                       return centre(a, axis) != centre(b, axis) ? centre(a, axis) < centre(b, axis) : a < b;
                      });
   }
 };

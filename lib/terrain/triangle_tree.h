@@ -38,7 +38,9 @@ struct TriangleBox {
 /// depth and at most four triangles. It does not depend on the number of threads.
 class TriangleTree {
  public:
-  /// The mesh must be sound. Halves the triangles at the median of their centres along the widest axis.
+  /// The mesh must be sound. Halves the triangles at the median of their centres, along the axis on which
+  /// most of them lie side by side: along the longest one, the tall triangles of a rough surface would stay
+  /// together.
   explicit TriangleTree(const IndexedTriangles& mesh);
 
   /// Calls leaf(triangles) for every leaf that may matter, the one with the least rank first: rank(box) is a
