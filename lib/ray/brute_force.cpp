@@ -12,9 +12,11 @@
 namespace landfall {
 namespace {
 
+/// Over any surface that numbers its triangles.
+template <class Surface>
 class BruteForceEngine final : public RayEngine {
  public:
-  explicit BruteForceEngine(std::shared_ptr<const TriangulatedGrid> terrain) : terrain_(std::move(terrain)) {}
+  explicit BruteForceEngine(std::shared_ptr<const Surface> terrain) : terrain_(std::move(terrain)) {}
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
     assert(rays.size() == ranges.size());
@@ -32,13 +34,17 @@ class BruteForceEngine final : public RayEngine {
     return std::isinf(best) ? kNan : best;
   }
 
-  std::shared_ptr<const TriangulatedGrid> terrain_;
+  std::shared_ptr<const Surface> terrain_;
 };
 
 }  // namespace
 
 std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const TriangulatedGrid> terrain) {
-  return std::make_unique<BruteForceEngine>(std::move(terrain));
+  return std::make_unique<BruteForceEngine<TriangulatedGrid>>(std::move(terrain));
+}
+
+std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const TriangleMesh> terrain) {
+  return std::make_unique<BruteForceEngine<TriangleMesh>>(std::move(terrain));
 }
 
 }  // namespace landfall

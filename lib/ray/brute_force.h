@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "ray/engine.h"
+#include "terrain/triangle_mesh.h"
 #include "terrain/triangulated_grid.h"
 
 namespace landfall {
@@ -13,5 +14,6 @@ namespace landfall {
 /// The test is WatertightRay's. A ray that is not finite misses. O(triangles) per ray.
 [[nodiscard]] std::unique_ptr<RayEngine> make_brute_force_engine(
     std::shared_ptr<const TriangulatedGrid> terrain);
+[[nodiscard]] std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const TriangleMesh> terrain);
 
 }  // namespace landfall

@@ -61,6 +61,30 @@ class GridTriangle {
   Id id_;
 };
 
+/// One triangle of a mesh, likewise.
+class MeshTriangle {
+ public:
+  using Id = std::size_t;
+  using Point = Kernel::Point_3;
+  using Datum = Kernel::Triangle_3;
+  using Shared_data = const TriangleMesh*;
+
+  explicit MeshTriangle(Id id) : id_(id) {}
+  static Shared_data construct_shared_data(const TriangleMesh& terrain) { return &terrain; }
+
+  [[nodiscard]] Id id() const { return id_; }
+  [[nodiscard]] std::array<Eigen::Vector3d, 3> corners(Shared_data terrain) const {
+    return terrain->triangle(id_);
+  }
+  [[nodiscard]] Datum datum(Shared_data terrain) const { return cgal_triangle<Kernel>(corners(terrain)); }
+  [[nodiscard]] Point reference_point(Shared_data terrain) const {
+    return cgal_point<Kernel>(terrain->data().vertices[terrain->data().triangles[id_][0]]);
+  }
+
+ private:
+  Id id_;
+};
+
 /// A ray as the tree is asked: from `origin` through `second`.
 struct Query {
   Eigen::Vector3d origin;
@@ -234,6 +258,11 @@ class AabbTreeEngine final : public RayEngine {
 std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
                                             const ProgressCallback& progress) {
   return std::make_unique<AabbTreeEngine<GridTriangle, TriangulatedGrid>>(std::move(terrain), progress);
+}
+
+std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangleMesh> terrain,
+                                            const ProgressCallback& progress) {
+  return std::make_unique<AabbTreeEngine<MeshTriangle, TriangleMesh>>(std::move(terrain), progress);
 }
 
 }  // namespace landfall

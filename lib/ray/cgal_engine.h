@@ -5,6 +5,7 @@
 
 #include "base/progress.h"
 #include "ray/engine.h"
+#include "terrain/triangle_mesh.h"
 #include "terrain/triangulated_grid.h"
 
 namespace landfall {
@@ -23,6 +24,8 @@ namespace landfall {
 /// Progress: the triangles are counted to a tenth; building the tree, most of the time, tells nothing until
 /// it is done.
 [[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
+                                                          const ProgressCallback& progress = {});
+[[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangleMesh> terrain,
                                                           const ProgressCallback& progress = {});
 
 }  // namespace landfall
