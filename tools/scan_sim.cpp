@@ -65,10 +65,10 @@ void bind_plan(CLI::App& app, Options& o) {
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("--terrain", o.terrain, "Terrain to scan (terrain.h5)")->type_name("FILE");
-  app.add_option(
-         "--engine", o.engine,
-         "Ray engine: heightfield (fast), cgal (AABB tree, exact predicates; slow, much memory), or auto: "
-         "heightfield. Their ranges agree within 1e-9 m")
+  app.add_option("--engine", o.engine,
+                 "Ray engine: heightfield (fast, grids only), cgal (AABB tree, exact predicates; slow, much "
+                 "memory), or "
+                 "auto: cgal on a mesh, else heightfield. Their ranges agree within 1e-9 m")
       ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
       ->capture_default_str();
   app.add_option("--ranges-from", o.ranges_from,
@@ -93,14 +93,19 @@ TableLoader table_loader(Provenance& provenance) {
   };
 }
 
-/// The name of the engine that `asked` stands for.
-std::string engine_name(const std::string& asked) { return asked == "auto" ? "heightfield" : asked; }
+/// The name of the engine that `asked` stands for on this terrain.
+std::string engine_name(const std::string& asked, const TerrainInput& terrain) {
+  if (terrain.mesh && asked == "heightfield")
+    throw UsageError("--engine heightfield: the terrain is a mesh, which it cannot trace; use cgal or auto");
+  if (asked != "auto") return asked;
+  return terrain.mesh ? "cgal" : "heightfield";
+}
 
-std::unique_ptr<const RayEngine> make_engine(const std::string& name,
-                                             std::shared_ptr<const TriangulatedGrid> surface,
+std::unique_ptr<const RayEngine> make_engine(const std::string& name, const TerrainInput& terrain,
                                              const ProgressCallback& progress) {
-  return name == "cgal" ? make_cgal_engine(std::move(surface), progress)
-                        : make_heightfield_engine(std::move(surface), progress);
+  if (terrain.mesh) return make_cgal_engine(terrain.mesh, progress);
+  return name == "cgal" ? make_cgal_engine(terrain.grid, progress)
+                        : make_heightfield_engine(terrain.grid, progress);
 }
 
 /// `trace_s`: how long tracing took; none where the ranges came from a file.
@@ -165,12 +170,11 @@ std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Option
     session.count("engine", "none");
     return std::make_unique<NoEngine>();
   }
-  const std::string name = engine_name(o.engine);
+  const std::string name = engine_name(o.engine, terrain);
   session.count("engine", name);
   std::unique_ptr<const RayEngine> engine;
-  session.phase("engine", [&](const ProgressCallback& progress) {
-    engine = make_engine(name, terrain.surface, progress);
-  });
+  session.phase("engine",
+                [&](const ProgressCallback& progress) { engine = make_engine(name, terrain, progress); });
   return engine;
 }
 

@@ -6,6 +6,8 @@
 #include "cli/tool.h"
 #include "config/import_config.h"
 #include "config/terrain_config.h"
+#include "io/mesh_file.h"
+#include "io/mesh_terrain_file.h"
 #include "io/terrain_export.h"
 #include "io/terrain_file.h"
 #include "terrain/gdal_loader.h"
@@ -122,13 +124,40 @@ ExitCode export_terrain(cli::Session& session, const std::string& path) {
     throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif output");
   TerrainInput terrain;
   session.phase("read", [&](const ProgressCallback& progress) { terrain = read_terrain(path, progress); });
-  GeotiffOutput{output, terrain.file_id}.write(session, terrain.surface->nodes(), terrain.crs_wkt);
-  count_holes(session, terrain.surface->nodes());
+  if (terrain.mesh) throw UsageError("--from " + path + ": a mesh has no grid to write as GeoTIFF");
+  GeotiffOutput{output, terrain.file_id}.write(session, terrain.grid->nodes(), terrain.crs_wkt);
+  count_holes(session, terrain.grid->nodes());
+  return ExitCode::done;
+}
+
+void count_mesh(cli::Session& session, const CleanMesh& mesh) {
+  session.count("vertex_count", mesh.mesh.vertices.size());
+  session.count("triangle_count", mesh.mesh.triangles.size());
+  session.count("welded_vertex_count", mesh.welded_vertex_count);
+  session.count("unreferenced_vertex_count", mesh.unreferenced_vertex_count);
+  session.count("degenerate_facet_count", mesh.degenerate_facet_count);
+}
+
+ExitCode run_mesh(cli::Session& session, const MeshImport& import) {
+  const OutputOptions output = session.output({import.path, session.options().config_path});
+  Provenance provenance = session.provenance();
+  CleanMesh mesh;
+  session.phase("mesh", [&](const ProgressCallback& progress) {
+    MeshFile read = read_mesh_file(import.path);
+    report(progress, 0.5);
+    provenance.add_input("mesh", read.content_id, nlohmann::json::array());
+    mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
+    report(progress, 1);
+  });
+  LandfallFileWriter file(output, "terrain", provenance);
+  session.phase("write", [&](const ProgressCallback&) { write_mesh_terrain(file, mesh.mesh); });
+  count_mesh(session, mesh);
   return ExitCode::done;
 }
 
 ExitCode generate(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
+  if (config.mesh) return run_mesh(session, *config.mesh);
   const OutputOptions output = session.output(raster_paths(config.model));
   const TerrainFormat format = terrain_format(output.path);
   Provenance provenance = session.provenance();

@@ -17,6 +17,7 @@
 #include "config/json_source.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "config/terrain_config.h"
 #include "io/temporary_files.h"
 
 namespace landfall::cli {
@@ -149,7 +150,8 @@ void Session::resolve_config(const Tool& tool) {
   if (tool.complete) tool.complete(source);
   if (options_.seed) source.value["seed"] = *options_.seed;
   config_name_ = source.name;
-  config_ = landfall::resolve_config(source, embedded_schema(schema_));
+  config_ = schema_ == "terrain" ? resolve_terrain_config(source)
+                                 : landfall::resolve_config(source, embedded_schema(schema_));
   if (schema_ == "scan") complete_scan_config(config_);
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/terrain_config.h"
 
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"
 #include "config/feature_config.h"
 #include "config/json_values.h"
+#include "config/schema.h"
 
 namespace landfall {
 namespace {
@@ -51,6 +53,19 @@ TerrainModel model_of(const Json& json) {
   return model;
 }
 
+MeshImport mesh_import(const Json& json, const std::string& name) {
+  MeshImport mesh;
+  mesh.path = json.at("path").get<std::string>();
+  mesh.placement.scale_m = json.at("scale_m").get<double>();
+  mesh.placement.rotate = roll_pitch_yaw(json.at("rotate_rpy_deg"), kRadiansPerDegree);
+  const auto translate = json.at("translate_m").get<std::array<double, 3>>();
+  mesh.placement.translate_m = Eigen::Vector3d(translate[0], translate[1], translate[2]);
+  if (!(std::abs(mesh.placement.scale_m) <= kLargestCoordinate_m) ||
+      !(mesh.placement.translate_m.cwiseAbs().maxCoeff() <= kLargestCoordinate_m))
+    throw UsageError(name + ": /mesh: scale_m and translate_m must stay within 1e12");
+  return mesh;
+}
+
 }  // namespace
 
 DemBase dem_base(const Json& json) {
@@ -67,9 +82,25 @@ DemBase dem_base(const Json& json) {
   return base;
 }
 
+Json resolve_terrain_config(const JsonSource& source) {
+  const bool is_mesh = source.value.is_object() && source.value.contains("mesh");
+  for (const char* const key : {"grid", "base", "features", "patterns"})
+    if (is_mesh && source.value.contains(key))
+      throw UsageError(source.name + ": /" + key +
+                       ": stands beside /mesh, which replaces it; give one of them");
+  Json resolved = resolve_config(source, embedded_schema("terrain"));
+  if (is_mesh)
+    for (const char* const key : {"grid", "base", "features", "patterns", "seed"}) resolved.erase(key);
+  return resolved;
+}
+
 TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
-  const Json& grid = resolved.at("grid");
   TerrainConfig config;
+  if (resolved.contains("mesh")) {
+    config.mesh = mesh_import(resolved.at("mesh"), name);
+    return config;
+  }
+  const Json& grid = resolved.at("grid");
   config.grid = GridSpec::centered(grid.at("half_width_m").get<double>(),
                                    grid.at("resolution_m").get<double>(), (name + ": /grid").c_str());
   config.model = model_of(resolved);

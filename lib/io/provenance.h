@@ -10,7 +10,7 @@ namespace landfall {
 
 /// One file that a step read.
 struct InputRecord {
-  std::string role;     ///< "terrain", "scan", "dem", "raster", "trajectory"
+  std::string role;     ///< "terrain", "scan", "dem", "raster", "mesh", "trajectory"
   std::string file_id;  ///< of a landfall file; otherwise the hash of the bytes
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };

@@ -129,7 +129,7 @@ bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
 }
 
 TerrainInput RangeFile::terrain() const {
-  TerrainInput terrain{nullptr, read_crs(file_.root()), "", Json::array()};
+  TerrainInput terrain{nullptr, nullptr, nullptr, read_crs(file_.root()), "", Json::array()};
   if (file_.chain().empty()) return terrain;
   for (const Json& input : file_.chain().back().value("inputs", Json::array()))
     if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");

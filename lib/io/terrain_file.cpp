@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "io/crs.h"
 #include "io/feature_file.h"
 #include "io/grid_file.h"
+#include "io/mesh_terrain_file.h"
 
 namespace landfall {
 
@@ -32,8 +34,11 @@ std::string raster_id(const DemRaster& raster) {
 
 TerrainInput read_terrain(const std::filesystem::path& path, const ProgressCallback& progress) {
   const LandfallFileReader file(path, {"terrain"});
-  if (!h5::exists(file.root(), "z") && h5::exists(file.root(), "mesh"))
-    file.fail("is a mesh terrain; this version reads gridded terrain (/x /y /z)");
+  if (!h5::exists(file.root(), "z") && h5::exists(file.root(), "mesh")) {
+    auto mesh = read_mesh_terrain(file);
+    report(progress, 1);
+    return {mesh, nullptr, mesh, read_crs(file.root()), file.file_id(), file.chain()};
+  }
   const GridLayerReader layers(file);
   Grid<double> nodes = layers.read<double>("z", progress);
   const auto values = nodes.values();
@@ -41,8 +46,8 @@ TerrainInput read_terrain(const std::filesystem::path& path, const ProgressCallb
     file.fail("/z holds an infinite elevation");
   if (std::none_of(values.begin(), values.end(), [](double z) { return std::isfinite(z); }))
     file.fail("/z has no finite node");
-  return {std::make_shared<const TriangulatedGrid>(std::move(nodes)), layers.crs_wkt(), file.file_id(),
-          file.chain()};
+  auto grid = std::make_shared<const TriangulatedGrid>(std::move(nodes));
+  return {grid, grid, nullptr, layers.crs_wkt(), file.file_id(), file.chain()};
 }
 
 }  // namespace landfall

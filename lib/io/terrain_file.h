@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "io/landfall_file.h"
 #include "terrain/terrain_generator.h"
+#include "terrain/triangle_mesh.h"
 #include "terrain/triangulated_grid.h"
 
 namespace landfall {
@@ -21,14 +22,16 @@ void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
 /// A terrain as other tools use it.
 struct TerrainInput {
-  std::shared_ptr<const TriangulatedGrid> surface;
+  std::shared_ptr<const TerrainSurface> surface;
+  std::shared_ptr<const TriangulatedGrid> grid;  ///< the surface, where it is gridded; else null
+  std::shared_ptr<const TriangleMesh> mesh;      ///< the surface, where it is a mesh; else null
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;
 };
 
-/// Throws FormatError unless the file is a complete gridded terrain with at least one finite node and no
-/// infinite one.
+/// Throws FormatError unless the file is a complete terrain: gridded, with at least one finite node and no
+/// infinite one, or a sound mesh.
 [[nodiscard]] TerrainInput read_terrain(const std::filesystem::path& path,
                                         const ProgressCallback& progress = {});
 

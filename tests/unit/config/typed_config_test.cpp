@@ -52,6 +52,37 @@ TEST(TerrainConfig, EmptyIsTheDefault) {
   EXPECT_EQ(config.model.seed, TerrainModel{}.seed);
 }
 
+TEST(TerrainConfig, MeshReplacesTheGrid) {
+  const JsonSource source{
+      "c.json", Json::parse(R"({"mesh": {"path": "a/m.stl", "rotate_rpy_deg": [0, 180, 90]}, "seed": 4})")};
+  const Json config = resolve_terrain_config(source);
+  EXPECT_EQ(config, Json::parse(R"({"mesh": {"path": "a/m.stl", "scale_m": 1, "translate_m": [0, 0, 0],
+                                             "rotate_rpy_deg": [0, 180, 90]}})"));
+  const TerrainConfig typed = terrain_config(config, "c.json");
+  ASSERT_TRUE(typed.mesh);
+  EXPECT_EQ(typed.mesh->path, "a/m.stl");
+  EXPECT_EQ(typed.mesh->placement.rotate, (RollPitchYaw{0, kPi, kPi / 2}));
+  EXPECT_FALSE(terrain_config(resolve_terrain_config({"c.json", Json::object()}), "c.json").mesh);
+}
+
+TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
+  const auto refused = [](const std::string& text) {
+    return refusal([&] { static_cast<void>(resolve_terrain_config({"c.json", Json::parse(text)})); });
+  };
+  for (const std::string key : {"grid", "base", "features", "patterns"})
+    EXPECT_EQ(refused(R"({"mesh": {"path": "m.obj"}, ")" + key + R"(": {}})"),
+              "c.json: /" + key + ": stands beside /mesh, which replaces it; give one of them");
+  EXPECT_THAT(refused(R"({"mesh": {}})"), HasSubstr("/mesh: needs the key \"path\""));
+  EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 0}})"), HasSubstr("/mesh/scale_m"));
+  EXPECT_THAT(
+      refusal([] {
+        static_cast<void>(terrain_config(
+            resolve_terrain_config({"c.json", Json::parse(R"({"mesh": {"path": "m", "scale_m": 1e13}})")}),
+            "c.json"));
+      }),
+      HasSubstr("c.json: /mesh: scale_m and translate_m must stay within 1e12"));
+}
+
 TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {
   const TerrainConfig config = terrain_config(
       resolved("terrain", R"({"base": [{"type": "fractal"}, {"type": "dem", "path": "a.tif"}]})"), "c.json");
