@@ -22,7 +22,8 @@ LEVELS = {
 # Header pattern -> folders that may include it. What is not listed here is free to all.
 ONLY_IN = {
     r"CGAL/": {"ray"},
-    r"boost/(?!numeric/odeint/)": {"ray"},
+    r"boost/(?!numeric/odeint/|math/)": {"ray"},
+    r"boost/math/": {"terrain"},
     r"boost/numeric/odeint/": {"trajectory"},
     r"(gdal|ogr|cpl_|vrt)": {"terrain"},
     r"(hdf5|H5)": {"io"},
