@@ -25,6 +25,9 @@ enum class RandomStream : std::uint64_t {
   risley_encoder = 12,
   gauss_markov = 13,
   penitente = 20,
+  rock_population = 21,
+  ice_block_population = 22,
+  crater_population = 23,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/random.h"
+#include "terrain/features/feature.h"
+#include "terrain/populations/region.h"
+#include "terrain/populations/size_law.h"
+
+namespace landfall {
+
+/// Objects scattered by chance: how many of which size per area, and where.
+struct Population {
+  SizeLaw law;
+  DiameterRange diameters;
+  Region region = SiteRegion{};
+  double clear_radius_m = 0;  ///< no object reaches into this circle about the origin; 0: no such circle
+  bool overlap = true;        ///< false: no two objects of this population overlap
+  /// Draws are functions of the site's seed and of this; empty: of the pattern's number.
+  std::optional<std::uint64_t> seed = std::nullopt;
+
+  /// Throws UsageError unless the law's parameters make sense, 0 < min_m < max_m < 1e6, the region makes
+  /// sense, the clear radius is finite and >= 0, and the seed is below 2^32.
+  void validate(const std::string& owner) const;
+  friend bool operator==(const Population&, const Population&) = default;
+};
+
+/// What the objects of a population are.
+struct PopulationKind {
+  const char* name;     ///< of one, for messages: "rock"
+  RandomStream stream;  ///< their chance
+  double reach;         ///< of an object about its centre, in diameters
+  bool from_outside;    ///< objects whose centre is off the site count where they reach into it
+};
+
+/// One of a population. `key` tells it from all others: its further draws are functions of it.
+struct ScatteredObject {
+  Place place;
+  double diameter_m = 0;
+  std::uint64_t key = 0;
+};
+
+/// Draws a population on a site: a Poisson process in place and size, of density dN(>D) per area. Within
+/// each octave (2^n, 2^(n+1)] of D in metres, from the largest down, the numbers N(>D) of the objects are
+/// sums of independent exponential draws divided by the area, so that counts are Poisson's and sizes descend
+/// (docs/decisions.md, D112). Object i of an octave is a function of (seed, octave, i), whatever the other
+/// octaves are: another least or greatest diameter only takes objects away or adds some.
+///
+/// With overlap == false an object, as the disc of its reach, that overlaps a larger one is drawn again at
+/// another place, up to 1000 times.
+class PopulationSampler {
+ public:
+  /// The population must be valid. Throws UsageError, naming pattern and number, where the region does not
+  /// meet the site or more than kMostObjects are expected in the rectangles that hold it.
+  PopulationSampler(const Population& population, const PopulationKind& kind, const PatternSite& site);
+
+  static constexpr double kMostObjects = 1e7;
+
+  /// All objects, in descending order of diameter. The result does not depend on the number of threads.
+  /// Throws UsageError where an object finds no free place.
+  [[nodiscard]] std::vector<ScatteredObject> objects() const;
+
+  /// Further draws of an object: `draw` in 0..7.
+  [[nodiscard]] double uniform(const ScatteredObject& object, std::uint64_t draw) const;
+  [[nodiscard]] double normal(const ScatteredObject& object, std::uint64_t draw) const;
+
+ private:
+  /// An octave of diameters, and where its objects may lie.
+  struct Octave {
+    int exponent;
+    DiameterRange diameters;
+    Box box;
+  };
+
+  [[nodiscard]] std::string name() const;
+  [[nodiscard]] Octave octave(int exponent) const;
+  [[nodiscard]] std::vector<Octave> octaves() const;
+  void require_bounded() const;
+  [[nodiscard]] std::vector<ScatteredObject> draw(const Octave& octave) const;
+  [[nodiscard]] Place place(std::uint64_t key, std::uint64_t attempt, const Box& box) const;
+  [[nodiscard]] bool admits(const ScatteredObject& object) const;
+  void spread(std::vector<ScatteredObject>& objects) const;
+
+  Population population_;
+  PopulationKind kind_;
+  Box site_;
+  std::uint64_t pattern_;
+  std::uint64_t seed_;
+  RandomField random_;
+};
+
+}  // namespace landfall

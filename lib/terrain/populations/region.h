@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <variant>
+
+namespace landfall {
+
+/// A place, metres, frame D.
+struct Place {
+  double x_m = 0;
+  double y_m = 0;
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+/// A rectangle along the axes, metres, frame D; empty where west > east or south > north.
+struct Box {
+  double west_m = 0;
+  double east_m = 0;
+  double south_m = 0;
+  double north_m = 0;
+
+  [[nodiscard]] bool contains(const Place& place) const {
+    return place.x_m >= west_m && place.x_m <= east_m && place.y_m >= south_m && place.y_m <= north_m;
+  }
+  [[nodiscard]] bool empty() const { return !(west_m <= east_m && south_m <= north_m); }
+  [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }
+  [[nodiscard]] Box widened(double margin_m) const {
+    return {west_m - margin_m, east_m + margin_m, south_m - margin_m, north_m + margin_m};
+  }
+  [[nodiscard]] Box common(const Box& other) const;
+  friend bool operator==(const Box&, const Box&) = default;
+};
+
+// Where the centres of a population may lie, each border included.
+
+/// The whole site.
+struct SiteRegion {
+  friend bool operator==(const SiteRegion&, const SiteRegion&) = default;
+};
+
+/// width_m along x and length_m along y about a centre.
+struct RectangleRegion {
+  Place center;
+  double width_m = 0;
+  double length_m = 0;
+  friend bool operator==(const RectangleRegion&, const RectangleRegion&) = default;
+};
+
+/// From inner_radius_m (0: a disc) to outer_radius_m about a centre.
+struct AnnulusRegion {
+  Place center;
+  double inner_radius_m = 0;
+  double outer_radius_m = 0;
+  friend bool operator==(const AnnulusRegion&, const AnnulusRegion&) = default;
+};
+
+using Region = std::variant<SiteRegion, RectangleRegion, AnnulusRegion>;
+
+/// Throws UsageError unless every number is finite, sizes are positive and an inner radius is in [0, outer).
+void validate(const Region& region, const std::string& owner);
+/// The part of `site` outside which there is nothing of the region.
+[[nodiscard]] Box bounds(const Region& region, const Box& site);
+/// Whether a place of the site is in the region.
+[[nodiscard]] bool contains(const Region& region, const Place& place);
+
+}  // namespace landfall
