@@ -2,14 +2,16 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
-#include "terrain/features/feature.h"
+#include "terrain/features/pattern.h"
 
 namespace landfall {
 
 /// Parts of a resolved terrain configuration, whose "type" is one of the schema's.
 [[nodiscard]] FeatureShape feature_shape(const nlohmann::json& feature);
 [[nodiscard]] Feature placed_feature(const nlohmann::json& feature);
-[[nodiscard]] FeaturePattern feature_pattern(const nlohmann::json& pattern);
+/// `owner` ("patterns/3") begins the message of the UsageError that keys make which exclude each other.
+[[nodiscard]] FeaturePattern feature_pattern(const nlohmann::json& pattern, const std::string& owner);
 
 }  // namespace landfall

@@ -4,34 +4,45 @@
 
 #include "config/feature_config.h"
 #include "config/json_values.h"
+#include "config/population_config.h"
 
 namespace landfall {
 namespace {
 
 using Json = nlohmann::json;
 
-/// A kind of pattern by its "type". To add one: its class (lib/terrain/features), a maker and an entry here,
-/// a definition in schemas/terrain.schema.json.
+/// A kind of pattern by its "type". To add one: its class (lib/terrain/features or populations), a maker and
+/// an entry here, a definition in schemas/terrain.schema.json. `owner` begins messages.
 struct PatternMaker {
   const char* type;
-  FeaturePattern (*make)(const Json& json);
+  FeaturePattern (*make)(const Json& json, const std::string& owner);
 };
 
-FeaturePattern make_ring(const Json& json) {
+/// For a maker of one kind of pattern.
+template <auto make>
+FeaturePattern made(const Json& json, const std::string& owner) {
+  return make(json, owner);
+}
+
+RingPattern ring(const Json& json, const std::string& /*owner*/) {
   return RingPattern{json.at("count").get<std::int64_t>(), json.at("radius_m").get<double>(),
                      radians(json, "first_azimuth_deg"), feature_shape(json.at("feature"))};
 }
 
 constexpr PatternMaker kPatterns[] = {
-    {"ring", make_ring},
+    {"ring", made<ring>},
+    {"golombek_rocks", made<golombek_rocks>},
+    {"power_law_rocks", made<power_law_rocks>},
+    {"ice_blocks", made<ice_blocks>},
+    {"craters", made<craters>},
 };
-static_assert(std::size(kPatterns) == std::variant_size_v<FeaturePattern>);
+static_assert(std::size(kPatterns) == std::variant_size_v<FeaturePattern> + 1);  // two kinds of rocks
 
 }  // namespace
 
-FeaturePattern feature_pattern(const Json& pattern) {
+FeaturePattern feature_pattern(const Json& pattern, const std::string& owner) {
   for (const PatternMaker& maker : kPatterns)
-    if (pattern.at("type") == maker.type) return maker.make(pattern);
+    if (pattern.at("type") == maker.type) return maker.make(pattern, owner);
   throw std::logic_error("no maker for " + pattern.at("type").dump());
 }
 

@@ -48,7 +48,9 @@ TerrainModel model_of(const Json& json) {
   if (base.is_array())
     for (const Json& layer : base) model.bases.push_back(base_of(layer));
   for (const Json& feature : json.at("features")) model.features.push_back(placed_feature(feature));
-  for (const Json& pattern : json.at("patterns")) model.patterns.push_back(feature_pattern(pattern));
+  const Json& patterns = json.at("patterns");
+  for (std::size_t i = 0; i < patterns.size(); ++i)
+    model.patterns.push_back(feature_pattern(patterns[i], "patterns/" + std::to_string(i)));
   model.seed = json.at("seed").get<std::uint64_t>();
   return model;
 }
@@ -103,9 +105,11 @@ TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
   const Json& grid = resolved.at("grid");
   config.grid = GridSpec::centered(grid.at("half_width_m").get<double>(),
                                    grid.at("resolution_m").get<double>(), (name + ": /grid").c_str());
-  config.model = model_of(resolved);
   try {
+    config.model = model_of(resolved);
     validate(config.model);
+    for (std::size_t i = 0; i < config.model.patterns.size(); ++i)
+      require_bounded(config.model.patterns[i], pattern_site(config.grid, config.model.seed, i));
   } catch (const UsageError& error) {
     throw UsageError(name + ": /" + error.what());
   }

@@ -212,8 +212,7 @@ FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) {
   };
   for (std::size_t i = 0; i < model.features.size(); ++i) place(model.features[i], -1, i);
   for (std::size_t p = 0; p < model.patterns.size(); ++p) {
-    const PatternSite site{grid.x(0),  grid.x(grid.cols - 1),        grid.y(0), grid.y(grid.rows - 1),
-                           model.seed, static_cast<std::uint64_t>(p)};
+    const PatternSite site = pattern_site(grid, model.seed, p);
     const auto features =
         std::visit([&](const auto& pattern) { return pattern.features(site); }, model.patterns[p]);
     for (std::size_t i = 0; i < features.size(); ++i) place(features[i], static_cast<std::int32_t>(p), i);

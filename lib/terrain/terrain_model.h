@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "terrain/features/feature.h"
+#include "terrain/features/pattern.h"
 
 namespace landfall {
 

@@ -39,7 +39,7 @@ struct Feature {
   friend bool operator==(const Feature&, const Feature&) = default;
 };
 
-/// The site that a pattern fills, metres, frame D, and its chance.
+/// The site that a pattern (pattern.h) fills, metres, frame D, and its chance.
 struct PatternSite {
   double west_m = 0;
   double east_m = 0;
@@ -64,10 +64,6 @@ struct RingPattern {
   [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;
   friend bool operator==(const RingPattern&, const RingPattern&) = default;
 };
-
-/// A pattern stands for many features: features() lists them in a fixed order, a pure function of pattern and
-/// site. A new pattern is a file here and a name in this list.
-using FeaturePattern = std::variant<RingPattern>;
 
 /// Throws UsageError, its message begun by `owner`, where a parameter makes no sense.
 void validate(const FeatureShape& shape, const std::string& owner);

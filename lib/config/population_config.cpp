@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/population_config.h"
+
+#include <stdexcept>
+
+#include "base/error.h"
+#include "config/json_values.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
+
+Place center_of(const Json& json) { return {number(json, "x_m"), number(json, "y_m")}; }
+
+Region region_of(const Json& json) {
+  const auto type = json.at("type").get<std::string>();
+  if (type == "rectangle")
+    return RectangleRegion{center_of(json), number(json, "width_m"), number(json, "length_m")};
+  if (type == "disc") return AnnulusRegion{center_of(json), 0, number(json, "radius_m")};
+  if (type == "annulus")
+    return AnnulusRegion{center_of(json), number(json, "inner_radius_m"), number(json, "outer_radius_m")};
+  return SiteRegion{};
+}
+
+GolombekLaw golombek_law(const Json& json, const std::string& owner) {
+  if (json.contains("k") == json.contains("area_fraction"))
+    throw UsageError(owner + ": give either k or area_fraction");
+  const double above_m = number(json, "area_fraction_above_m");
+  if (json.contains("area_fraction"))
+    return GolombekLaw::covering(number(json, "area_fraction"), above_m, owner + "/area_fraction");
+  if (above_m != 0) throw UsageError(owner + "/area_fraction_above_m: goes with area_fraction, not with k");
+  return {number(json, "k")};
+}
+
+/// The law that the configuration calls `own`, whose two parameters it gives.
+PowerLaw own_law(const Json& json, const std::string& owner, const std::string& own) {
+  if (!json.contains("coefficient") || !json.contains("exponent"))
+    throw UsageError(owner + "/model: " + own + " needs coefficient and exponent");
+  return {number(json, "coefficient"), number(json, "exponent")};
+}
+
+void require_no_own_law(const Json& json, const std::string& owner, const std::string& own) {
+  for (const char* const key : {"coefficient", "exponent"})
+    if (json.contains(key))
+      throw UsageError(owner + "/" + key + ": goes with model " + own + ", not with " +
+                       json.at("model").get<std::string>());
+}
+
+PowerLaw rock_law(const Json& json, const std::string& owner) {
+  const auto model = json.at("model").get<std::string>();
+  if (model == "custom") return own_law(json, owner, model);
+  require_no_own_law(json, owner, "custom");
+  if (model == "low_blocky") return kLowBlockyRocks;
+  return model == "haworth" ? kHaworthRocks : kViperRocks;
+}
+
+SizeLaw crater_law(const Json& json, const std::string& owner) {
+  const auto model = json.at("model").get<std::string>();
+  if (model == "production") return own_law(json, owner, model);
+  require_no_own_law(json, owner, "production");
+  if (model == "viper") return ViperCraterLaw{};
+  return kTraskCraters;
+}
+
+Population population_of(const Json& json, const SizeLaw& law) {
+  Population population;
+  population.law = law;
+  population.diameters = {number(json, "min_diameter_m"), number(json, "max_diameter_m")};
+  population.region = region_of(json.at("region"));
+  population.clear_radius_m = number(json, "clear_radius_m");
+  population.overlap = json.at("overlap").get<bool>();
+  if (json.contains("seed")) population.seed = json.at("seed").get<std::uint64_t>();
+  return population;
+}
+
+}  // namespace
+
+RockPattern golombek_rocks(const Json& pattern, const std::string& owner) {
+  return {population_of(pattern, golombek_law(pattern, owner))};
+}
+
+RockPattern power_law_rocks(const Json& pattern, const std::string& owner) {
+  return {population_of(pattern, rock_law(pattern, owner))};
+}
+
+IceBlockPattern ice_blocks(const Json& pattern, const std::string& owner) {
+  return {population_of(pattern, golombek_law(pattern, owner)), radians(pattern, "max_tilt_deg")};
+}
+
+CraterPattern craters(const Json& pattern, const std::string& owner) {
+  return {population_of(pattern, crater_law(pattern, owner)), number(pattern, "freshness_min")};
+}
+
+}  // namespace landfall

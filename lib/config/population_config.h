@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "terrain/populations/patterns.h"
+
+namespace landfall {
+
+// The patterns that scatter objects, of a resolved configuration; `owner` ("patterns/3") begins the message
+// of the UsageError that keys make which exclude or need each other.
+[[nodiscard]] RockPattern golombek_rocks(const nlohmann::json& pattern, const std::string& owner);
+[[nodiscard]] RockPattern power_law_rocks(const nlohmann::json& pattern, const std::string& owner);
+[[nodiscard]] IceBlockPattern ice_blocks(const nlohmann::json& pattern, const std::string& owner);
+[[nodiscard]] CraterPattern craters(const nlohmann::json& pattern, const std::string& owner);
+
+}  // namespace landfall

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "raster/grid_spec.h"
+#include "terrain/features/feature.h"
+#include "terrain/populations/patterns.h"
+
+namespace landfall {
+
+/// A pattern stands for many features: features() lists them in a fixed order, a pure function of pattern and
+/// site. A new pattern is a file and a name in this list.
+using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern>;
+
+/// The site that a pattern fills on a grid.
+[[nodiscard]] inline PatternSite pattern_site(const GridSpec& grid, std::uint64_t seed, std::size_t number) {
+  return {grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1), seed, number};
+}
+
+/// Throws the UsageError that features() would throw at once, before it draws anything.
+inline void require_bounded(const FeaturePattern& pattern, const PatternSite& site) {
+  std::visit(
+      [&](const auto& p) {
+        if constexpr (requires { p.require_bounded(site); }) p.require_bounded(site);
+      },
+      pattern);
+}
+
+}  // namespace landfall
