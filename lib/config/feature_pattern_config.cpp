@@ -35,6 +35,7 @@ constexpr PatternMaker kPatterns[] = {
     {"power_law_rocks", made<power_law_rocks>},
     {"ice_blocks", made<ice_blocks>},
     {"craters", made<craters>},
+    {"lines", made<lines>},
 };
 static_assert(std::size(kPatterns) == std::variant_size_v<FeaturePattern> + 1);  // two kinds of rocks
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "config/feature_config.h"
 #include "config/json_values.h"
 
 namespace landfall {
@@ -92,6 +93,25 @@ IceBlockPattern ice_blocks(const Json& pattern, const std::string& owner) {
 
 CraterPattern craters(const Json& pattern, const std::string& owner) {
   return {population_of(pattern, crater_law(pattern, owner)), number(pattern, "freshness_min")};
+}
+
+LinePattern lines(const Json& pattern, const std::string& owner) {
+  constexpr double kSquareMetresPerSquareKilometre = 1e6;
+  const FeatureShape shape = feature_shape(pattern.at("feature"));
+  LinePattern made;
+  if (const auto* const ridge = std::get_if<Ridge>(&shape))
+    made.shape = *ridge;
+  else if (const auto* const fracture = std::get_if<Fracture>(&shape))
+    made.shape = *fracture;
+  else
+    throw UsageError(owner + "/feature/type: lines are ridges or fractures");
+  made.density_per_m2 = number(pattern, "density_per_km2") / kSquareMetresPerSquareKilometre;
+  made.shortest_m = pattern.contains("shortest_m")
+                        ? number(pattern, "shortest_m")
+                        : std::visit([](const auto& line) { return line.length_m; }, made.shape);
+  made.yaw_spread_rad = radians(pattern, "yaw_spread_deg");
+  if (pattern.contains("seed")) made.seed = pattern.at("seed").get<std::uint64_t>();
+  return made;
 }
 
 }  // namespace landfall

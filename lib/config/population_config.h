@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "terrain/populations/line_pattern.h"
 #include "terrain/populations/patterns.h"
 
 namespace landfall {
@@ -14,5 +15,6 @@ namespace landfall {
 [[nodiscard]] RockPattern power_law_rocks(const nlohmann::json& pattern, const std::string& owner);
 [[nodiscard]] IceBlockPattern ice_blocks(const nlohmann::json& pattern, const std::string& owner);
 [[nodiscard]] CraterPattern craters(const nlohmann::json& pattern, const std::string& owner);
+[[nodiscard]] LinePattern lines(const nlohmann::json& pattern, const std::string& owner);
 
 }  // namespace landfall

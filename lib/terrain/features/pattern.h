@@ -6,13 +6,14 @@
 
 #include "raster/grid_spec.h"
 #include "terrain/features/feature.h"
+#include "terrain/populations/line_pattern.h"
 #include "terrain/populations/patterns.h"
 
 namespace landfall {
 
 /// A pattern stands for many features: features() lists them in a fixed order, a pure function of pattern and
 /// site. A new pattern is a file and a name in this list.
-using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern>;
+using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern, LinePattern>;
 
 /// The site that a pattern fills on a grid.
 [[nodiscard]] inline PatternSite pattern_site(const GridSpec& grid, std::uint64_t seed, std::size_t number) {

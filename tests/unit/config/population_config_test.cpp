@@ -77,6 +77,28 @@ TEST(PopulationConfig, CommonKeysReachThePopulation) {
   EXPECT_EQ(population(R"("region": {"type": "site"})").region, Region(SiteRegion{}));
 }
 
+TEST(PopulationConfig, Lines) {
+  Ridge ridge;
+  ridge.length_m = 60;
+  ridge.width_m = 2;
+  ridge.height_m = 1;
+  ridge.taper_m = 6;
+  ridge.yaw_rad = std::numbers::pi / 4;
+  const std::string feature =
+      R"("feature": {"type": "ridge", "length_m": 60, "width_m": 2, "height_m": 1, "yaw_deg": 45})";
+  EXPECT_EQ(pattern_of(R"({"type": "lines", "density_per_km2": 50, )" + feature + "}"),
+            FeaturePattern(LinePattern{ridge, 5e-5, 60, std::numbers::pi / 2}));
+  EXPECT_EQ(
+      pattern_of(
+          R"({"type": "lines", "density_per_km2": 50, "shortest_m": 20, "yaw_spread_deg": 0, "seed": 3, )" +
+          feature + "}"),
+      FeaturePattern(LinePattern{ridge, 5e-5, 20, 0, 3}));
+  EXPECT_THAT(refusal(R"({"type": "lines", "density_per_km2": 50, "shortest_m": 70, )" + feature + "}"),
+              HasSubstr("c.json: /patterns/0/shortest_m: 70 is not"));
+  EXPECT_THAT(refusal(R"({"type": "lines", "density_per_km2": 50, "feature": {"type": "pit"}})"),
+              HasSubstr("c.json: /patterns/0/feature"));
+}
+
 TEST(PopulationConfig, RefusalsNameFilePatternAndKey) {
   EXPECT_EQ(refusal(R"({"type": "golombek_rocks"})"), "c.json: /patterns/0: give either k or area_fraction");
   EXPECT_THAT(refusal(R"({"type": "ice_blocks", "k": 0.1, "area_fraction": 0.1})"), HasSubstr("give either"));

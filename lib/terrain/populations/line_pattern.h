@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "terrain/features/feature.h"
+
+namespace landfall {
+
+/// What a pattern of lines is made of.
+using LineShape = std::variant<Ridge, Fracture>;
+
+/// Copies of a ridge or fracture at even places, as a Poisson process of a density per area: lengths even
+/// from shortest_m to the shape's own, yaws even within +-yaw_spread_rad of the shape's own. Those whose
+/// centre is off the site, but which may reach into it, are listed as well.
+struct LinePattern {
+  LineShape shape;
+  double density_per_m2 = 0;
+  double shortest_m = 0;
+  double yaw_spread_rad = std::numbers::pi / 2;  ///< pi / 2: any direction
+  /// Draws are functions of the site's seed and of this; empty: of the pattern's number.
+  std::optional<std::uint64_t> seed = std::nullopt;
+
+  static constexpr double kMostLines = 1e6;
+
+  /// Throws UsageError unless the shape makes sense, also at its shortest, the density is finite and
+  /// positive, 0 < shortest_m <= the shape's length, the spread is in [0, pi / 2] and the seed is below 2^32.
+  void validate(const std::string& owner) const;
+  /// Throws UsageError where more than kMostLines are expected.
+  void require_bounded(const PatternSite& site) const;
+  /// In the order of their numbers; line i is a function of (seed, i). Throws as require_bounded() does.
+  [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;
+  friend bool operator==(const LinePattern&, const LinePattern&) = default;
+};
+
+}  // namespace landfall
