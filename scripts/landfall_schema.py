@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strict JSON: reading that refuses what JSON leaves open, and a check against a JSON schema.
+
+Only the words of draft-07 that schemas/study.schema.json uses are known; another one in a schema is an error of ours.
+"""
+import json
+import re
+
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
+WORDS = {"$schema", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
+         "required", "propertyNames", "minProperties", "items", "minItems", "maxItems", "uniqueItems", "enum", "minimum",
+         "maximum", "minLength", "pattern", "$ref"}
+
+
+class ConfigError(Exception):
+    """A study or a configuration is wrong; the message names file, key, value and bound. Exit 2."""
+
+    exit_code = 2
+
+
+def read_json(path):
+    """The file's value. Refuses keys that stand twice, and NaN and infinity."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            return json.load(file, object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}") from error
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"{path}: not JSON: {error}") from error
+
+
+def check(value, schema, path):
+    """Throws ConfigError at the first place where the value of file `path` breaks the schema."""
+    _Checker(schema, path).check(value, schema, "")
+
+
+def shown(value):
+    """A value as a message shows it."""
+    text = json.dumps(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def _unique(pairs):
+    result = {}
+    for key, value in pairs:
+        if key in result:
+            raise ValueError(f"the key \"{key}\" stands twice")
+        result[key] = value
+    return result
+
+
+def _no_constant(text):
+    raise ValueError(f"{text} is no number")
+
+
+def _finite(text):
+    value = float(text)
+    if value in (float("inf"), float("-inf")):
+        raise ValueError(f"{text} is too large for a number")
+    return value
+
+
+def _is(value, name):
+    if name == "number":
+        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    if name == "integer":
+        return _is(value, "number") and value == int(value)
+    return isinstance(value, TYPES[name])
+
+
+class _Checker:
+    def __init__(self, root, path):
+        self.root, self.path = root, path
+
+    def fail(self, where, what):
+        raise ConfigError(f"{self.path}: {where or '/'}: {what}")
+
+    def check(self, value, schema, where):
+        unknown = set(schema) - WORDS
+        if unknown:
+            raise AssertionError(f"schema: {sorted(unknown)} not supported")
+        if "$ref" in schema:
+            self.check(value, self.root["definitions"][schema["$ref"].rsplit("/", 1)[1]], where)
+        self.check_type(value, schema, where)
+        for word in ("enum", "pattern", "minLength", "minimum", "maximum"):
+            if word in schema:
+                getattr(self, "check_" + word)(value, schema[word], where)
+        if isinstance(value, dict):
+            self.check_object(value, schema, where)
+        if isinstance(value, list):
+            self.check_array(value, schema, where)
+
+    def check_type(self, value, schema, where):
+        wanted = schema.get("type")
+        names = [wanted] if isinstance(wanted, str) else wanted
+        if names and not any(_is(value, name) for name in names):
+            self.fail(where, f"{shown(value)} is not of type {' or '.join(names)}")
+
+    def check_enum(self, value, choices, where):
+        if value not in choices:
+            self.fail(where, f"{shown(value)} is none of {', '.join(map(shown, choices))}")
+
+    def check_pattern(self, value, pattern, where):
+        if isinstance(value, str) and not re.search(pattern, value):
+            self.fail(where, f"{shown(value)} does not match {pattern}")
+
+    def check_minLength(self, value, least, where):
+        if isinstance(value, str) and len(value) < least:
+            self.fail(where, f"{shown(value)} is shorter than {least}")
+
+    def check_minimum(self, value, least, where):
+        if _is(value, "number") and value < least:
+            self.fail(where, f"{shown(value)} is below the minimum {least}")
+
+    def check_maximum(self, value, most, where):
+        if _is(value, "number") and value > most:
+            self.fail(where, f"{shown(value)} is above the maximum {most}")
+
+    def check_object(self, value, schema, where):
+        properties, other = schema.get("properties", {}), schema.get("additionalProperties", {})
+        for key in schema.get("required", []):
+            if key not in value:
+                self.fail(where, f"the key \"{key}\" is missing")
+        if len(value) < schema.get("minProperties", 0):
+            self.fail(where, "is empty")
+        for key, inner in value.items():
+            if "propertyNames" in schema:
+                self.check(key, schema["propertyNames"], f"{where}/{key}")
+            if key not in properties and other is False:
+                known = ", ".join(properties)
+                self.fail(f"{where}/{key}", f"unknown key, with the value {shown(inner)}; known: {known}")
+            self.check(inner, properties.get(key, other), f"{where}/{key}")
+
+    def check_array(self, value, schema, where):
+        if len(value) < schema.get("minItems", 0):
+            self.fail(where, f"{shown(value)} has {len(value)} entries, at least {schema['minItems']} are needed")
+        if len(value) > schema.get("maxItems", len(value)):
+            self.fail(where, f"{shown(value)} has {len(value)} entries, at most {schema['maxItems']} are allowed")
+        if schema.get("uniqueItems") and len({json.dumps(entry) for entry in value}) < len(value):
+            self.fail(where, f"{shown(value)} has an entry twice")
+        for index, entry in enumerate(value):
+            self.check(entry, schema.get("items", {}), f"{where}/{index}")

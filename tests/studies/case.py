@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the tests of studies share: a study of some 25,600 rays a scan, and how it is made."""
+import copy
+import csv
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = os.environ["LANDFALL_ROOT"]
+BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
+PYTHON = "/usr/bin/python3"
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.dont_write_bytecode = True
+
+# 400 pulses of 8 x 8 pixels from 50 m on a 12 m square with a cone.
+BASE = {
+    "terrain": {"grid": {"half_width_m": 6, "resolution_m": 0.1},
+                "features": [{"type": "cone", "x_m": 1.5, "y_m": 0.5, "radius_m": 1, "height_m": 1.5}]},
+    "scan": {"detector": {"rows": 8, "columns": 8, "ifov_rad": 0.0011},
+             "laser": {"pulse_rate_hz": 2000, "scan_time_s": 0.2},
+             "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}},
+             "trajectory": {"type": "constant_velocity", "position_m": [0, 0, 50], "velocity_mps": [0, 0, -5]}},
+    "regrid": {"half_width_m": 5, "resolution_m": 0.1},
+    "eval": {"region_radius_m": 3.5, "footprint_m": 0.7},
+}
+SIGMAS = {"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02, 0.05]}
+RESOLUTIONS = {"key": "regrid.resolution_m", "list": [0.1, 0.2]}
+LIMITS = {"key": "eval.limits.relative_elevation_m", "list": [0.05, 0.1]}
+
+
+def study(*axes, **keys):
+    """A study file's tree."""
+    return {"base": copy.deepcopy(BASE), "axes": [copy.deepcopy(axis) for axis in axes], **keys}
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+class StudyTest(unittest.TestCase):
+    """A test with a folder of its own for studies and what they make."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="landfall-study-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def write(self, tree, name="tiny"):
+        path = self.path(name + ".json")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(tree if isinstance(tree, str) else json.dumps(tree))
+        return path
+
+    def out(self, *names, study_name="tiny", runs="runs"):
+        return self.path(runs, "studies", study_name, *names)
+
+    def make_command(self, *arguments, study_name="tiny", runs="runs"):
+        return ["make", "-C", ROOT, "-f", "Makefile.studies", f"STUDY={self.path(study_name + '.json')}", f"BIN={BIN}",
+                f"RUNS={self.path(runs)}", *arguments]
+
+    @staticmethod
+    def environment():
+        """Without what an outer make would say."""
+        return {key: value for key, value in os.environ.items() if not key.startswith(("MAKE", "MFLAGS"))}
+
+    def make(self, *arguments, code=0, **names):
+        result = subprocess.run(self.make_command(*arguments, **names), capture_output=True, text=True, timeout=600,
+                                env=self.environment(), check=False)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def sweep(self, *arguments, code=0):
+        result = subprocess.run([PYTHON, os.path.join(ROOT, "scripts", "sweep.py"), *map(str, arguments)],
+                                capture_output=True, text=True, timeout=120, cwd=ROOT, check=False)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def plan(self, tree, *options, name="tiny"):
+        """Plans a study and returns the folder."""
+        self.sweep("plan", self.write(tree, name), "--out", self.out(study_name=name), "--bin", BIN, *options)
+        return self.out(study_name=name)
+
+    def files(self, *names, **where):
+        """Names below a folder of the study."""
+        return sorted(os.listdir(self.out(*names, **where)))
+
+    def rows(self, **where):
+        return list(csv.DictReader(io.StringIO(read(self.out("results.csv", **where)).decode())))
+
+    def runs_of(self, tool_step, since=0):
+        """How often study-chain did a step, by the logs that are younger than `since`."""
+        count = 0
+        for name in self.files("log"):
+            path = self.out("log", name)
+            if name.endswith(".log") and os.stat(path).st_mtime_ns > since:
+                command = read(path).decode().split("\n", 1)[0]
+                # STEP CONFIG ...: a step's name is followed by the path of its configuration.
+                count += command.count(f" {tool_step} {self.out('config')}")
+        return count

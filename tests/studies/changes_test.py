@@ -1,0 +1,117 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What makes Makefile.studies build anew, and what it takes for a proof that something was built."""
+import os
+import re
+import stat
+import subprocess
+import unittest
+
+from case import BIN, ROOT, SIGMAS, StudyTest, study
+
+
+class Changes(StudyTest):
+    """What a study follows: its files, data files and the tools."""
+
+    def test_base_files_and_data_files(self):
+        tree = study(SIGMAS)
+        self.write(tree["base"]["scan"], "scan")
+        tree["base"]["scan"] = "scan.json"
+        tree["set"] = {"scan.trajectory": {"type": "table", "path": "way.csv"}}
+        self.write_way(50)
+        self.write(tree)
+        self.make("study-results", "-j2")
+        first = self.rows()
+        self.write({**study()["base"]["scan"], "seed": 9}, "scan")
+        self.make("study-results", "-j2")
+        second = self.rows()
+        self.assertNotEqual([row["statistics.z.mean_m"] for row in first], [row["statistics.z.mean_m"] for row in second])
+        before = os.stat(self.out("results.csv")).st_mtime_ns
+        self.write_way(51)
+        self.make("study-results", "-j2")
+        self.assertEqual([self.runs_of(step, since=before) for step in ("terrain", "scan")], [0, 4])
+
+    def write_way(self, height):
+        with open(self.path("way.csv"), "w", encoding="utf-8") as file:
+            file.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n" + "".join(f"{t},0,0,{height - t},1,0,0,0\n" for t in (0, 0.1, 0.2, 0.3)))
+
+    def tools_of(self, version):
+        """A folder of tools that say another version and work as before."""
+        folder = self.path("bin-" + version)
+        os.mkdir(folder)
+        for tool in ("terrain-gen", "scan-sim", "regrid", "dem-eval"):
+            path = os.path.join(folder, tool)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(f'#!/bin/bash\n[[ "$1" != --version ]] || {{ echo "landfall {tool} {version}"; exit; }}\n'
+                           f'exec {BIN}/{tool} "$@"\n')
+            os.chmod(path, 0o755)
+        return folder
+
+    def test_other_tools_make_all_anew_and_the_same_ones_nothing(self):
+        self.write(study(SIGMAS))
+        first, second = self.tools_of("1"), self.tools_of("2")
+        self.make("study-results", "-j2", f"BIN={first}")
+        before = os.stat(self.out("results.csv")).st_mtime_ns
+        for tool in os.listdir(first):
+            os.utime(os.path.join(first, tool))  # built anew, the same version
+        self.assertEqual(self.make("study-results", f"BIN={first}").stdout.count("run-stage"), 0)
+        self.assertEqual(os.stat(self.out("results.csv")).st_mtime_ns, before)
+        self.make("study-results", "-j2", f"BIN={second}")
+        self.assertEqual([self.runs_of(step, since=before) for step in ("terrain", "scan", "eval")], [1, 4, 3])
+
+    def test_a_bad_study_stops_make(self):
+        self.write(study(SIGMAS))
+        self.make("study-results")
+        self.write(study({**SIGMAS, "list": []}))
+        result = self.make("study-results", code=2)
+        self.assertIn("/axes/0/list: [] has 0 entries", result.stderr)
+
+    def test_without_a_study(self):
+        result = subprocess.run(["make", "-C", ROOT, "-f", "Makefile.studies", "study"], capture_output=True, text=True,
+                                env=self.environment(), check=False)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("STUDY=noise", result.stderr)
+
+
+class Proofs(StudyTest):
+    """run-stage believes files, not exit codes."""
+
+    def runner(self, text):
+        path = self.path("runner")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("#!/bin/bash\n" + text)
+        os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
+        return f"RUNNER={path}"
+
+    def test_a_runner_that_says_done_and_did_nothing(self):
+        self.write(study())
+        result = self.make("study-results", self.runner("exit 0\n"), "STAGE_PATIENCE=0", code=2)
+        self.assertRegex(result.stderr, r"run-stage: \S+/terrain/[0-9a-f]{16}\.h5: the command exited 0 and did not make it")
+
+    def test_old_outputs_are_no_proof(self):
+        self.write(study())
+        self.make("study-results")
+        later = os.stat(self.out("results.csv")).st_mtime_ns + 10 ** 10
+        os.utime(self.out("tools.txt"), ns=(later, later))
+        result = self.make("study-results", self.runner("exit 0\n"), "STAGE_PATIENCE=0", code=2)
+        self.assertIn("did not make it", result.stderr)
+
+    def test_an_output_that_comes_late(self):
+        self.write(study())
+        self.make("study-results", self.runner('(sleep 1; "$@") >/dev/null 2>&1 &\n'))
+        self.assertEqual(len(self.rows()), 1)
+
+    def test_a_runner_that_is_not_there(self):
+        self.write(study())
+        result = self.make("study-results", "RUNNER=/nowhere/srun", code=2)
+        self.assertIn("/nowhere/srun: No such file", result.stderr)
+
+    def test_progress_off_a_terminal(self):
+        self.write(study(SIGMAS))
+        lines = [line for line in self.make("study-results").stdout.splitlines() if line.startswith("[")]
+        self.assertEqual([re.match(r"\[(\d+) done, 0 failed, (\d+) left", line).groups() for line in lines],
+                         [(str(n), str(5 - n)) for n in range(1, 6)])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,275 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Study files: what they stand for, and what is refused, with file, key, value and bound."""
+import json
+import math
+import os
+import statistics
+import unittest
+
+from case import BASE, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, study
+
+# pylint: disable=wrong-import-order
+import landfall_schema
+import landfall_study
+import landfall_study_file
+
+
+def axis(**keys):
+    return study({"key": "scan.noise.range_sigma_m", **keys})
+
+
+class Cases(StudyTest):
+    def read(self, tree):
+        return landfall_study_file.read_study(self.write(tree))
+
+    def values(self, tree):
+        read = self.read(tree)
+        return [read.values(indices) for indices in read.cases()]
+
+    def config(self, tree, stage, number=0):
+        read = self.read(tree)
+        return landfall_study.configuration(read, stage, list(read.cases())[number])
+
+    def test_axes_are_crossed_and_the_last_runs_fastest(self):
+        self.assertEqual(self.values(study(SIGMAS, RESOLUTIONS)),
+                         [[s, r] for s in (0.01, 0.02, 0.05) for r in (0.1, 0.2)])
+
+    def test_a_study_without_axes_is_one_case(self):
+        self.assertEqual(self.values(study()), [[]])
+
+    def test_linspace_and_logspace(self):
+        self.assertEqual(self.values(axis(linspace=[0, 0.3, 4])), [[0], [0.1], [0.2], [0.3]])
+        self.assertEqual(self.values(axis(logspace=[0.001, 10, 5])), [[0.001], [0.01], [0.1], [1], [10]])
+        (first,), (middle,), (last,) = self.values(axis(logspace=[3, 0.1, 3]))
+        self.assertEqual((first, last), (3, 0.1))
+        self.assertAlmostEqual(middle, math.sqrt(0.3), 11)
+
+    def test_whole_numbers_are_integers(self):
+        tree = study({"key": "scan.detector.rows", "linspace": [8, 16, 3]})
+        self.assertEqual(self.config(tree, "scan", 1)["detector"]["rows"], 12)
+        self.assertIsInstance(self.config(tree, "scan", 1)["detector"]["rows"], int)
+
+    def test_a_zip_goes_together(self):
+        both = {"zip": [SIGMAS, {"key": "scan.noise.dropout_frac", "list": [0, 0.1, 0.2]}]}
+        self.assertEqual(self.values(study(both, LIMITS))[:3], [[0.01, 0, 0.05], [0.01, 0, 0.1], [0.02, 0.1, 0.05]])
+
+    def test_several_keys_of_one_axis_get_its_value(self):
+        tree = study({"key": ["terrain.grid.resolution_m", "regrid.resolution_m"], "list": [0.1, 0.2]})
+        self.assertEqual(self.config(tree, "terrain", 1)["grid"], {"half_width_m": 6, "resolution_m": 0.2})
+        self.assertEqual(self.config(tree, "regrid", 1)["resolution_m"], 0.2)
+
+    def test_scale_makes_a_vector(self):
+        tree = study({"name": "velocity", "key": "scan.navigation_error.velocity_mps", "list": [0, 2],
+                      "scale": [0.25, 0.25, 0.5]})
+        self.assertEqual(self.values(tree), [[0], [2]])
+        self.assertEqual(self.config(tree, "scan", 1)["navigation_error"], {"velocity_mps": [0.5, 0.5, 1]})
+
+    def test_variants_and_indices(self):
+        tree = study({"name": "kind", "variants": {"low": {"scan.trajectory.position_m.2": 40},
+                                                   "flash": {"scan.scanner": {"type": "flash"}, "eval.quantile": 0.9}}})
+        self.assertEqual(self.values(tree), [["low"], ["flash"]])
+        self.assertEqual(self.config(tree, "scan", 0)["trajectory"]["position_m"], [0, 0, 40])
+        self.assertEqual(self.config(tree, "scan", 1)["scanner"], {"type": "flash"})
+        self.assertEqual(self.config(tree, "eval", 1)["quantile"], 0.9)
+        self.assertEqual(self.config(tree, "scan", 1)["trajectory"], BASE["scan"]["trajectory"])
+
+    def test_objects_go_by_labels(self):
+        tree = study({"key": "scan.scanner", "list": [BASE["scan"]["scanner"], {"type": "flash"}], "labels": ["FSM", "flash"]})
+        self.assertEqual(self.values(tree), [["FSM"], ["flash"]])
+
+    def test_a_stage_alone_is_its_whole_configuration(self):
+        os.mkdir(self.path("other"))
+        self.write({"scanner": {"type": "flash"}}, "other/flash.scan")
+        tree = study({"name": "lidar", "variants": {"flash": {"scan": "other/flash.scan.json"}}})
+        self.assertEqual(self.config(tree, "scan"), {"scanner": {"type": "flash"}})
+
+    def test_base_files_and_their_data_are_beside_them(self):
+        os.mkdir(self.path("data"))
+        self.write({"trajectory": {"type": "table", "path": "way.csv"}}, "data/scan")
+        self.write("", "data/way")
+        os.rename(self.path("data/way.json"), self.path("data/way.csv"))
+        tree = study(set={"scan.seed": 3})
+        tree["base"]["scan"] = "data/scan.json"
+        self.assertEqual(self.config(tree, "scan"),
+                         {"trajectory": {"type": "table", "path": self.path("data/way.csv")}, "seed": 3})
+
+    def test_repeats_have_the_same_seeds_at_every_point(self):
+        tree = study(RESOLUTIONS, repeat={"count": 3, "first_seed": 11, "seeds": ["scan.seed", "terrain.seed"]})
+        self.assertEqual(self.values(tree), [[r, n] for r in (0.1, 0.2) for n in (1, 2, 3)])
+        for number in range(6):
+            self.assertEqual(self.config(tree, "scan", number)["seed"], 11 + number % 3)
+            self.assertEqual(self.config(tree, "terrain", number)["seed"], 11 + number % 3)
+
+    def test_draws_depend_on_seed_key_and_repeat_only(self):
+        key, other = "scan.navigation_error.velocity_mps", "scan.navigation_error.position_m"
+        few = study(repeat={"count": 3, "draws": {key: {"normal": [0.1, 0.1, 0.2]}}})
+        more = study(SIGMAS, repeat={"count": 5, "draws": {other: {"normal": [1, 1, 1]}, key: {"normal": [0.1, 0.1, 0.2]}}})
+        for number in range(3):
+            self.assertEqual(self.config(few, "scan", number)["navigation_error"]["velocity_mps"],
+                             self.config(more, "scan", 5 + number)["navigation_error"]["velocity_mps"])
+        self.assertEqual([a.name for a in self.read(few).axes()], ["repeat", key + ".0", key + ".1", key + ".2"])
+        drawn = self.config(few, "scan", 2)["navigation_error"]["velocity_mps"]
+        self.assertEqual(self.values(few)[2], [3, *drawn])
+
+    def test_draws_have_their_distribution(self):
+        """4,000 draws: the mean within 4 standard errors, the standard deviation within 4 of its own (1 in 10,000 each)."""
+        draws = {"scan.noise.range_bias_m": {"normal": 2}, "scan.noise.dropout_frac": {"uniform": [0.25, 0.5]}}
+        rows = self.values(study(repeat={"count": 4000, "draws": draws}))
+        normal, uniform = [row[1] for row in rows], [row[2] for row in rows]
+        self.assertLess(abs(statistics.fmean(normal)), 4 * 2 / math.sqrt(4000))
+        self.assertLess(abs(statistics.stdev(normal) - 2), 4 * 2 / math.sqrt(8000))
+        self.assertTrue(0.25 < min(uniform) < 0.251 and 0.499 < max(uniform) < 0.5)
+        self.assertLess(abs(statistics.fmean(uniform) - 0.375), 4 * 0.25 / math.sqrt(12 * 4000))
+        self.assertGreater(min(abs(a - b) for a, b in zip(normal, normal[1:])), 0)
+
+    def test_units_by_names(self):
+        tree = study(SIGMAS, {"key": "scan.laser.pulse_rate_hz", "list": [2000]}, {"key": "scan.detector.rows", "list": [8]},
+                     {**LIMITS, "unit": "furlong", "label": "limit", "log": True})
+        axes = self.read(tree).axes()
+        self.assertEqual([(a.name, a.unit) for a in axes],
+                         [("range_sigma_m", "m"), ("pulse_rate_hz", "Hz"), ("rows", ""), ("relative_elevation_m", "furlong")])
+        self.assertEqual((axes[3].label, axes[3].log), ("limit", True))
+
+
+# (study, words of the message); /x: the place.
+BAD = [
+    ("{", ["not JSON"]),
+    ('{"name": "a", "name": "b"}', ['"name"', "twice"]),
+    ('{"set": {"scan.seed": NaN}}', ["NaN"]),
+    ('{"set": {"scan.noise.range_sigma_m": 1e999}}', ["1e999"]),
+    ("[]", ["[]", "not of type object"]),
+    ({"axis": []}, ["/axis", "unknown key", "[]", "axes"]),
+    ({"name": "a b"}, ["/name", '"a b"', "does not match"]),
+    ({"base": {"lidar": {}}}, ["/base/lidar", "unknown key", "terrain, scan, regrid, eval"]),
+    ({"base": {"scan": 3}}, ["/base/scan", "3 is not of type string or object"]),
+    ({"base": {"scan": "nowhere.json"}}, ["/base/scan", "nowhere.json", "No such file"]),
+    ({"set": {"lidar.seed": 1}}, ["/set/lidar.seed", "does not match"]),
+    ({"set": {"scan.seed.x": 1}, "base": {"scan": {"seed": 4}}}, ["/set/scan.seed.x", '"x" cannot be set in 4']),
+    ({"set": {"scan.a.3": 1}, "base": {"scan": {"a": [1, 2]}}}, ["/set/scan.a.3", '"3" is no index into [1, 2]']),
+    ({"set": {"scan": 3}}, ["/set/scan", "3 is no configuration"]),
+    ({"axes": [{"key": "scan.seed"}]}, ["/axes/0", "none of list, linspace"]),
+    (axis(list=[1], linspace=[0, 1, 2]), ["/axes/0", "list and linspace"]),
+    (axis(list=[]), ["/axes/0/list", "[] has 0 entries", "at least 1"]),
+    (axis(list=[1, 2, 1]), ["axis range_sigma_m", "value 1 twice"]),
+    (axis(list=[1], label=3), ["/axes/0/label", "3 is not of type string"]),
+    (axis(list=[1], lable="x"), ["/axes/0/lable", "unknown key", '"x"']),
+    (axis(list=[1, 2], labels=["a"]), ["/axes/0/list", "2 entries and 1 labels"]),
+    (axis(linspace=[0, 1, 2], labels=["a", "b"]), ["/axes/0/labels", "does not go with linspace"]),
+    (axis(linspace=[0, 1]), ["/axes/0/linspace", "[0, 1] has 2 entries", "at least 3"]),
+    (axis(linspace=[0, 1, 2.5]), ["/axes/0/linspace/2", "2.5 is no integer in [2, 1000000]"]),
+    (axis(linspace=[0, 1, 1]), ["/axes/0/linspace/2", "1 is no integer in [2, 1000000]"]),
+    (axis(linspace=[0, 1, 1e300]), ["/axes/0/linspace/2", "1e+300 is no integer in"]),
+    (axis(linspace=[0, "1", 2]), ["/axes/0/linspace/1", '"1" is not of type number']),
+    (axis(linspace=[2, 2, 3]), ["axis range_sigma_m", "value 2 twice"]),
+    (axis(logspace=[0, 1, 3]), ["/axes/0/logspace", "0 is not above 0"]),
+    (axis(list=[{"a": 1}]), ["/axes/0/list/0", "needs a name in \"labels\""]),
+    (axis(list=["a"], scale=2), ["/axes/0/list/0", '"a" is no number to be scaled']),
+    (study({"key": "noise.sigma", "list": [1]}), ["/axes/0/key", '"noise.sigma" does not match']),
+    (study({"list": [1]}), ["/axes/0", '"key" is missing']),
+    (study({"variants": {"a": {"scan.seed": 1}}}), ["/axes/0", '"name" is missing']),
+    (study({"name": "kind", "variants": {}}), ["/axes/0/variants", "is empty"]),
+    (study({"name": "kind", "key": "scan.seed", "variants": {"a": {"scan.seed": 1}}}), ["/axes/0/key", "does not go with variants"]),
+    (study({"zip": [SIGMAS, RESOLUTIONS]}), ["/axes/0/zip", "different lengths: 3, 2"]),
+    (study({"zip": [SIGMAS]}), ["/axes/0/zip", "1 entries, at least 2"]),
+    (study({"name": "z", "zip": [SIGMAS, SIGMAS]}), ["/axes/0/name", "does not go with zip"]),
+    (study({"zip": [SIGMAS, {"zip": [SIGMAS, LIMITS]}]}), ["/axes/0/zip/1", "a zip in a zip"]),
+    (study(SIGMAS, SIGMAS), ["/axes", "two axes are named range_sigma_m"]),
+    (study(SIGMAS, {**SIGMAS, "name": "other"}), ["axis other", "scan.noise.range_sigma_m overwrites"]),
+    (study(SIGMAS, {"name": "noise", "key": "scan.noise", "list": [{}], "labels": ["none"]}),
+     ["axis noise", "scan.noise overwrites scan.noise.range_sigma_m of the axis range_sigma_m"]),
+    (study({**SIGMAS, "name": "case"}), ["/axes", "cannot be named case"]),
+    (study({**SIGMAS, "name": "repeat"}), ["/axes", "cannot be named repeat"]),
+    (study({"key": "scan.trajectory.position_m.5", "list": [1]}), ["axis position_m", '"5" is no index into [0, 0, 50]']),
+    (study(*({"name": f"a{i}", "key": f"scan.a{i}", "linspace": [0, 1, 1000]} for i in range(3))),
+     ["/axes", "1000000000 cases are above the maximum 1000000"]),
+    (study(repeat={"count": 0}), ["/repeat/count", "0 is below the minimum 1"]),
+    (study(repeat={"count": 1e9}), ["/repeat/count", "1000000000.0 is above the maximum 1000000"]),
+    (study(repeat={"count": 2.5}), ["/repeat/count", "2.5 is not of type integer"]),
+    (study(repeat={}), ["/repeat", '"count" is missing']),
+    (study(repeat={"count": 2, "seeds": ["seed"]}), ["/repeat/seeds/0", '"seed" does not match']),
+    (study(repeat={"count": 2, "draws": {"scan.x": {}}}), ["/repeat/draws/scan.x", "none of normal, uniform"]),
+    (study(repeat={"count": 2, "draws": {"scan.x": {"normal": -1}}}), ["/repeat/draws/scan.x/normal", "-1 is below the minimum 0"]),
+    (study(repeat={"count": 2, "draws": {"scan.x": {"uniform": [2, 1]}}}), ["/repeat/draws/scan.x/uniform", "[2, 1]"]),
+    (study(options={"regrid": ["--fast"]}), ["/options/regrid/0", '"--fast" is none of', "--corrected"]),
+    (study(plot={"metrics": []}), ["/plot/metrics", "at least 1"]),
+]
+# What the tools refuse.
+REFUSED = [
+    (study({"key": "scan.noise.range_sigma", "list": [0.1]}), ["the first case", "scan-sim", "range_sigma"]),
+    (study({"key": "scan.noise.dropout_frac", "list": [0.1, 1.5]}), ["dropout_frac = 1.5", "/noise/dropout_frac", "1.5"]),
+    (study({"key": "scan.noise.dropout_frac", "linspace": [0, 2, 21]}), ["dropout_frac = 2", "/noise/dropout_frac"]),
+    (study({"key": "terrain.grid.resolution_m", "list": [0.1, -1]}), ["resolution_m = -1", "terrain-gen", "/grid/resolution_m"]),
+    (study(set={"eval.quantile": 2}), ["dem-eval", "/quantile: 2"]),
+    (study(set={"regrid.method": "best"}), ["regrid", "/method"]),
+]
+
+
+class BadStudies(StudyTest):
+    def refused(self, tree, words, *options):
+        path = self.write(tree)
+        message = self.sweep("plan", path, "--out", self.out(), "--bin", BIN_FOLDER, *options, code=2).stderr
+        self.assertRegex(message, r"\Asweep.py: [^\n]+\n\Z", tree)
+        for word in [path, *words]:
+            self.assertIn(word, message)
+        self.assertFalse(os.path.exists(self.out()), tree)
+
+    def test_each_message(self):
+        for tree, words in BAD:
+            with self.subTest(words=words):
+                path = self.write(tree)
+                with self.assertRaises(landfall_schema.ConfigError) as context:
+                    read = landfall_study_file.read_study(path)
+                    for indices in read.cases():
+                        for stage in landfall_study.STAGES:
+                            landfall_study.configuration(read, stage, indices)
+                for word in [path, *words]:
+                    self.assertIn(word, str(context.exception))
+
+    def test_a_refusal_is_one_line_and_writes_nothing(self):
+        for tree, words in (BAD[0], BAD[5], BAD[-1]):
+            self.refused(tree, words)
+
+    def test_values_that_a_tool_refuses(self):
+        for tree, words in REFUSED:
+            with self.subTest(words=words):
+                self.refused(tree, words)
+
+    def test_deep_nesting_is_no_crash(self):
+        self.refused('{"set": {"scan.x": ' + "[" * 100000 + "]" * 100000 + "}}", ["not JSON"])
+
+    def test_no_tools(self):
+        message = self.sweep("plan", self.write(study()), "--out", self.out(), "--bin", self.path("nowhere"), code=1).stderr
+        self.assertIn("nowhere/terrain-gen", message)
+
+    def test_options(self):
+        for arguments, word in (["frob"], "frob"), (["plan"], "required"), (["show", self.write(study()), "7"], "case 7"), \
+                (["plan", self.write(study()), "--out", self.out(), "--bin", BIN_FOLDER, "--keep", "all,scans"], "'scans'"):
+            self.assertIn(word, self.sweep(*arguments, code=2).stderr)
+
+    def test_the_schema_says_the_same_to_others(self):
+        """jsonschema accepts what we accept, and refuses what our schema check (not what comes after it) refuses."""
+        try:
+            import jsonschema
+        except ImportError:
+            self.skipTest("python3-jsonschema is not installed")
+        schema = landfall_schema.read_json(os.path.join(ROOT, "schemas", "study.schema.json"))
+        validator = jsonschema.Draft7Validator(schema)
+        checked = 0
+        for tree, words in BAD:
+            if isinstance(tree, str):
+                continue
+            try:
+                landfall_schema.check(json.loads(json.dumps(tree)), schema, "x")
+                ours = True
+            except landfall_schema.ConfigError:
+                ours = False
+            self.assertEqual(validator.is_valid(json.loads(json.dumps(tree))), ours, words)
+            checked += not ours
+        self.assertGreater(checked, 20)
+
+
+BIN_FOLDER = os.environ["LANDFALL_BIN"]
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study whose make and tools are killed at random and that is resumed gives the bytes of an undisturbed one."""
+import os
+import random
+import signal
+import subprocess
+import time
+import unittest
+
+from case import LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
+
+SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
+KILLS = 20
+TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval", "study-chain", "run-stage")
+
+
+def processes(word):
+    """{pid: words of the command line} of the running processes with `word` in theirs, zombies left out."""
+    found = {}
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            command = read(f"/proc/{pid}/cmdline").decode(errors="replace").split("\0")
+        except OSError:
+            continue
+        if any(word in part for part in command):
+            found[int(pid)] = command
+    return found
+
+
+class Kills(StudyTest):
+    def setUp(self):
+        super().setUp()
+        self.random = random.Random(SEED)
+
+    def victims(self):
+        """The make of this test, or one of its recipes' processes."""
+        return [pid for pid, command in processes(self.folder).items()
+                if any(os.path.basename(part) in TOOLS for part in command[:3])]
+
+    def kill_tool(self):
+        victims = self.victims()
+        for pid in [self.random.choice(victims)] if victims else []:
+            try:
+                os.kill(pid, signal.SIGKILL)
+                return True
+            except ProcessLookupError:
+                pass
+        return False
+
+    def disturbed_make(self, goal):
+        """(kills, exit code) of a make of which tools, or which itself, are killed soon after its start."""
+        make = subprocess.Popen(self.make_command(goal, "-k", "-j2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                env=self.environment())
+        kills = 0
+        for _ in range(self.random.randint(1, 3)):
+            time.sleep(self.random.uniform(0.05, 0.5))
+            if make.poll() is None and self.random.random() < 0.5:
+                make.kill()
+                kills += 1
+            else:
+                kills += self.kill_tool()
+            if make.poll() is not None:
+                break
+        return kills, make.wait()
+
+    def test_results_equal_an_undisturbed_run(self):
+        self.write(study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 2}))
+        self.make("study-results", "-j2", runs="undisturbed")
+        kills = 0
+        for attempt in range(12 * KILLS):
+            more, code = self.disturbed_make("study-results")
+            kills += more
+            if kills >= KILLS:
+                break
+            if code == 0:  # all is built before 20 kills: again, without some of it
+                self.remove_some()
+        self.assertGreaterEqual(kills, KILLS, f"seed {SEED}, {attempt} calls")
+        self.make("study-results", "-j2")
+        self.wait_for_orphans()
+        self.make("study-results", "-j2")
+        for name in ("results.csv", "results.h5"):
+            self.assertEqual(read(self.out(name)), read(self.out(name, runs="undisturbed")), f"{name}, seed {SEED}")
+        self.assertEqual(self.files("metrics"), self.files("metrics", runs="undisturbed"))
+        for name in self.files("metrics"):
+            self.assertEqual(read(self.out("metrics", name)), read(self.out("metrics", name, runs="undisturbed")), name)
+        for folder in ("terrain", "truth"):
+            for name in self.files(folder, runs="undisturbed"):
+                self.assertEqual(read(self.out(folder, name)), read(self.out(folder, name, runs="undisturbed")), name)
+        self.assertEqual(self.files("shared"), [])
+
+    def remove_some(self):
+        for folder in ("metrics", "terrain", "truth"):
+            for name in self.files(folder):
+                if self.random.random() < 0.7:
+                    os.remove(self.out(folder, name))
+
+    def wait_for_orphans(self):
+        """What a killed make leaves behind goes on to its end."""
+        for _ in range(300):
+            if not self.victims():
+                return
+            time.sleep(0.1)
+        self.fail("processes are left")
+
+    def test_interrupted_by_the_keyboard(self):
+        """SIGINT to the whole group, as a terminal sends it: all end, nothing is half, and the rest is made later."""
+        self.write(study(SIGMAS, RESOLUTIONS, LIMITS))
+        make = subprocess.Popen(self.make_command("study-results", "-j2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                env=self.environment(), start_new_session=True)
+        while not (os.path.isdir(self.out("shared")) and self.files("shared")) and make.poll() is None:
+            time.sleep(0.02)
+        os.killpg(make.pid, signal.SIGINT)
+        self.assertNotEqual(make.wait(timeout=30), 0)
+        self.wait_for_orphans()
+        self.make("study-results", "-j2")
+        self.assertEqual(self.files("shared") + self.files("scratch"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

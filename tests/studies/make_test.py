@@ -1,0 +1,147 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makefile.studies study: only what is new is built, failures stay apart, nothing half, nothing kept that nobody asked for."""
+import json
+import os
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+from case import BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
+
+GRID = (SIGMAS, RESOLUTIONS, LIMITS)
+
+
+class Builds(StudyTest):
+    def test_grid(self):
+        """3 x 2 x 2: each stage once; a fourth value builds what is new; nothing to do on a second call."""
+        self.write(study(*GRID))
+        self.make("study-results", "-j2")
+        steps = ("terrain", "scan", "regrid", "eval")
+        self.assertEqual([self.runs_of(step) for step in steps], [1, 4, 6, 12])  # the fourth scan is the truth
+        self.assertEqual(len(self.rows()), 12)
+        self.assertEqual(self.files("shared") + self.files("scratch") + self.files("scan") + self.files("dem"), [])
+        first = read(self.out("results.csv"))
+        before = os.stat(self.out("results.csv")).st_mtime_ns
+
+        again = self.make("study-results", "-j2")
+        self.assertIn("Nothing to be done", again.stdout)
+        self.assertEqual(os.stat(self.out("results.csv")).st_mtime_ns, before)
+
+        self.write(study({**SIGMAS, "list": [0.01, 0.02, 0.05, 0.07]}, RESOLUTIONS, LIMITS))
+        self.make("study-results", "-j2")
+        self.assertEqual([self.runs_of(step, since=before) for step in steps], [0, 1, 2, 4])
+        self.assertEqual(len(self.rows()), 16)
+        self.write(study(*GRID))
+        self.make("study-results")  # the old cases are still there
+        self.assertEqual(read(self.out("results.csv")), first)
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
+
+    def test_a_case_equals_the_chain_by_hand(self):
+        """From `sweep.py show`: traced with its errors, all layers, no sharing."""
+        path = self.write(study(SIGMAS, {"key": "scan.noise.dropout_frac", "list": [0, 0.2]}, RESOLUTIONS,
+                                repeat={"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}},
+                                options={"regrid": ["--corrected"]}))
+        self.make("study-results", "-j2")
+        cases = json.loads(read(self.out("cases.json")))["cases"]
+        self.assertEqual(len(cases), 24)
+        for number in (0, 13, 23):
+            script = self.sweep("show", path, number).stdout
+            folder = self.path(f"by-hand-{number}")
+            os.mkdir(folder)
+            subprocess.run(["bash", "-c", script], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+            self.assertEqual(read(self.out(cases[number][-1])), read(os.path.join(folder, "metrics.json")), number)
+
+    def test_many_shared_scans_and_files_that_are_kept_give_the_same(self):
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, 17]}
+        self.write(study(many, LIMITS))
+        self.make("study-results", "-j2")
+        self.assertEqual([self.runs_of(step) for step in ("scan", "regrid", "eval")], [18, 17, 34])
+        self.assertEqual(self.files("shared") + self.files("scratch"), [])
+        self.write(study({**many, "linspace": [0.01, 0.02, 2]}, LIMITS), "few")
+        self.make("study-results", "-j2", "KEEP=all", study_name="few")
+        self.assertEqual([len(self.files(kind, study_name="few")) for kind in ("scan", "dem", "eval", "metrics", "shared")],
+                         [2, 2, 4, 4, 0])
+        self.assertEqual(read(self.out("results.csv")).splitlines()[:5], read(self.out("results.csv", study_name="few")).splitlines())
+        for name in self.files("eval", study_name="few"):
+            with h5py.File(self.out("eval", name, study_name="few")) as file:
+                metrics = json.loads(file["metrics_json"].asstr()[()])
+            stored = json.loads(read(self.out("metrics", name[:-3] + ".json", study_name="few")))
+            self.assertEqual(metrics, stored)
+
+    def test_keep_asked_for_later(self):
+        self.write(study(SIGMAS))
+        self.make("study-results")
+        first = read(self.out("results.csv"))
+        self.make("study-results", "KEEP=dem")
+        self.assertEqual(len(self.files("dem")), 3)
+        with h5py.File(self.out("dem", self.files("dem")[0])) as file:
+            self.assertIn("count", file)  # all layers
+        self.assertEqual(read(self.out("results.csv")), first)
+        self.assertIn("Nothing to be done", self.make("study-results", "KEEP=dem").stdout)
+        self.make("study-results", "KEEP=dem,eval", "-j2")
+        self.assertEqual((len(self.files("eval")), len(self.files("scan"))), (3, 0))
+        self.assertIn("Nothing to be done", self.make("study-results", "KEEP=dem,eval").stdout)
+        self.assertEqual(read(self.out("results.csv")), first)
+
+    def test_a_failure_stays_apart(self):
+        """The map of the second case is smaller than the region: its evaluation fails, the others are made."""
+        self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
+        result = self.make("study-results", "-k", "-j2", code=2)
+        self.assertEqual(len(self.files("metrics")), 2)
+        self.assertRegex(result.stderr, r"FAILED \(exit 2\): metrics [0-9a-f]{16}; the end of \S+\.log:\n +dem-eval: .*region")
+        self.assertFalse(os.path.exists(self.out("results.csv")))
+        status = self.make("study-status").stdout
+        self.assertIn("2 done, 1 failed, 1 left, of 3 evaluations for 3 cases", status)
+        self.assertRegex(status, r"metrics/[0-9a-f]{16}\.json: exit 2 after .* s: dem-eval: ")
+        self.assertIn("2 cases", self.make("study-partial").stdout)
+        self.assertEqual([row["case"] for row in self.rows()], ["0", "2"])
+        self.assertIn("No such file", self.sweep("collect", self.out(), code=1).stderr)
+
+    def test_in_one_recipe_too(self):
+        """Where all that hangs on a scan is one recipe, what can be made is, and stays."""
+        sigmas = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, 17]}
+        self.write(study(sigmas, {"key": "regrid.half_width_m", "list": [5, 2]}, set={"scan.laser.scan_time_s": 0.05}))
+        self.make("study-results", "-k", "-j2", code=2)
+        self.assertEqual(len(self.files("metrics")), 17)
+        self.assertIn("17 done, 17 failed, 17 left", self.make("study-status").stdout)
+
+    def test_results(self):
+        self.write(study(SIGMAS, {"name": "kind", "variants": {"a": {"eval.footprint_m": 0.7}, "b": {"eval.footprint_m": 0.5}}}))
+        self.make("study-results", "-j2")
+        rows = self.rows()
+        self.assertEqual([(row["case"], row["range_sigma_m"], row["kind"]) for row in rows[:3]],
+                         [("0", "0.01", "a"), ("1", "0.01", "b"), ("2", "0.02", "a")])
+        metrics = json.loads(read(self.out(json.loads(read(self.out("cases.json")))["cases"][2][-1])))
+        self.assertEqual(float(rows[2]["accuracy.relative.z.max_m"]), metrics["accuracy"]["relative"]["z"]["max_m"])
+        self.assertEqual(rows[2]["requirements.coverage.pass"], str(int(metrics["requirements"]["coverage"]["pass"])))
+        self.assertEqual(rows[2]["pass"], str(int(metrics["pass"])))
+        with h5py.File(self.out("results.h5")) as file:
+            self.assertEqual(file["columns"].asstr()[()].tolist(), list(rows[0]))
+            self.assertEqual(file["kind"].asstr()[()].tolist(), ["a", "b"] * 3)
+            for name, unit in (("range_sigma_m", "m"), ("accuracy.relative.z.max_m", "m"), ("coverage.invalid_frac", "1"),
+                               ("coverage.largest_hole_bins", "bins"), ("requirements.hole_size.limit", "bins")):
+                self.assertEqual(file[name].attrs["units"], unit)
+                np.testing.assert_array_equal(file[name][()], [float(row[name]) for row in rows])
+            self.assertEqual(file.attrs["complete"], 1)
+        first = [read(self.out(name)) for name in ("results.csv", "results.h5")]
+        self.sweep("collect", self.out())
+        self.assertEqual([read(self.out(name)) for name in ("results.csv", "results.h5")], first)
+
+    def test_prune(self):
+        self.write(study(*GRID))
+        self.make("study-results", "-j2")
+        results = read(self.out("results.csv"))
+        self.write(study(SIGMAS, RESOLUTIONS))
+        self.make("study-results", "-j2")
+        self.assertRegex(self.sweep("prune", self.out()).stdout, r"\A\d+ files removed, ")
+        self.assertEqual((len(self.files("metrics")), len(self.files("config", "eval"))), (6, 1))
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
+        self.write(study(*GRID))
+        self.make("study-results", "-j2")
+        self.assertEqual(read(self.out("results.csv")), results)
+
+
+if __name__ == "__main__":
+    unittest.main()
