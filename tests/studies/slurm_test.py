@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study on a Slurm of four nodes on this machine: the bytes of a local run, also where a node is lost."""
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+
+from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+
+PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
+HAS_SLURM = all(shutil.which(name, path=PATH) for name in ("slurmctld", "slurmd", "munged", "sbatch"))
+SLURM_LOCAL = os.path.join(ROOT, "scripts", "slurm-local")
+
+
+def slurm_local(*arguments, **options):
+    return subprocess.run([SLURM_LOCAL, *arguments], capture_output=True, text=True, timeout=120, check=False, **options)
+
+
+@unittest.skipUnless(HAS_SLURM, "slurm-wlm and munge are not installed")
+class OnSlurm(StudyTest):
+    @classmethod
+    def setUpClass(cls):
+        # Slurm's folder needs a short name: sockets lie in it.
+        cls.slurm = os.path.join(tempfile.mkdtemp(prefix="slurm-"), "d")
+        started = slurm_local("start", "-N", "4", "--timeout", "5", "--dir", cls.slurm)
+        if started.returncode != 0:
+            raise AssertionError(started.stderr)
+        cls.export = started.stdout.strip()
+
+    @classmethod
+    def tearDownClass(cls):
+        slurm_local("stop", "--dir", cls.slurm)
+        shutil.rmtree(os.path.dirname(cls.slurm))
+
+    def environment(self):
+        return {**super().environment(), "SLURM_CONF": os.path.join(self.slurm, "slurm.conf")}
+
+    def check_same(self, runs):
+        for name in ("results.csv", "results.h5"):
+            self.assertEqual(read(self.out(name, runs=runs)), read(self.out(name, runs="local")), f"{runs}: {name}")
+        for folder in ("terrain", "truth", "metrics"):
+            self.assertEqual(self.files(folder, runs=runs), self.files(folder, runs="local"))
+            for name in self.files(folder, runs="local"):
+                self.assertEqual(read(self.out(folder, name, runs=runs)), read(self.out(folder, name, runs="local")),
+                                 f"{runs}: {folder}/{name}")
+
+    def test_24_cases(self):
+        """srun gives the bytes of the local run; so does the batch runner, which loses a node that is at work."""
+        self.assertEqual(self.export, f"export SLURM_CONF={self.slurm}/slurm.conf")
+        self.write(study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 2}))
+        self.make("study-results", "-j2", runs="local")
+        self.assertEqual(len(self.rows(runs="local")), 24)
+        self.make("study-results", "-j4", "RUNNER=srun -Q -n1 -c1", runs="srun")
+        self.check_same("srun")
+        self.lose_a_node()
+        self.check_same("batch")
+
+    def lose_a_node(self):
+        command = self.make_command("study-results", "-j4", "RUNNER=scripts/slurm-batch", runs="batch")
+        with open(self.path("batch.log"), "w", encoding="utf-8") as log:
+            make = subprocess.Popen(command, stdout=log, stderr=log, env=self.environment())
+        end = time.monotonic() + 60
+        while self.jobs_of("n1") == "" or not self.done("batch"):
+            self.assertLess(time.monotonic(), end, "no job on n1")
+            time.sleep(0.05)
+        lost = self.jobs_of("n1")
+        result = slurm_local("lose", "n1", "--dir", self.slurm)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        code = make.wait(timeout=300)
+        self.assertEqual(code, 0, read(self.path("batch.log")).decode())
+        self.assertIn("n1", lost)
+
+    def done(self, runs):
+        """True when the common terrain and truth are there, and the rest runs in parallel."""
+        return os.path.isdir(self.out("truth", runs=runs)) and self.files("truth", runs=runs)
+
+    def jobs_of(self, node):
+        return subprocess.run(["squeue", "-h", "-w", node, "-t", "running", "-o", "%i %N"], capture_output=True, text=True,
+                              env=self.environment(), check=False).stdout.strip()
+
+    def test_ending_the_batch_runner_cancels_its_job(self):
+        process = subprocess.Popen([os.path.join(ROOT, "scripts", "slurm-batch"), "sleep", "300"], cwd=self.folder,
+                                   env=self.environment())
+        while not self.batch_jobs():
+            time.sleep(0.1)
+        process.terminate()
+        self.assertEqual(process.wait(timeout=30), 143)
+        for _ in range(100):
+            if not self.batch_jobs():
+                break
+            time.sleep(0.1)
+        self.assertEqual(self.batch_jobs(), "")
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def batch_jobs(self):
+        """Numbers of the batch runner's jobs that run or wait."""
+        return subprocess.run(["squeue", "-h", "-n", "landfall", "-t", "running,pending", "-o", "%i"], capture_output=True,
+                              text=True, env=self.environment(), check=False).stdout.strip()
+
+    def test_the_batch_runner_hands_back_code_and_messages(self):
+        result = subprocess.run([os.path.join(ROOT, "scripts", "slurm-batch"), "bash", "-c", "echo 'out  put'; echo oops >&2; exit 3"],
+                                capture_output=True, text=True, cwd=self.folder, env=self.environment(), timeout=60, check=False)
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (3, "out  put\n", "oops\n"))
+        self.assertEqual(os.listdir(self.folder), [])
+        refused = subprocess.run([os.path.join(ROOT, "scripts", "slurm-batch"), "true"], capture_output=True, text=True, timeout=60,
+                                 cwd=self.folder, env={**self.environment(), "SLURM_BATCH_OPTIONS": "-p nowhere"}, check=False)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("invalid partition", refused.stderr)
+        self.assertEqual(os.listdir(self.folder), [])
+
+
+class SlurmLocal(StudyTest):
+    def test_wrong_arguments(self):
+        for arguments, word in ((["frob"], "start"), (["start", "-N", "0"], "-N: 0 is no integer in [1, 256]"),
+                                (["start", "-N"], "-N needs a value"), (["start", "--nodes", "3"], "unknown option --nodes"),
+                                (["lose"], "lose needs a node"), (["start", "--dir", self.path("a b")], "no blanks")):
+            result = slurm_local(*arguments)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertIn(word, result.stderr)
+
+    def test_a_folder_that_is_not_its_own_is_left_alone(self):
+        self.write("{}")
+        for command in ("stop", "status"):
+            result = slurm_local(command, "--dir", self.folder)
+            self.assertEqual((result.returncode, os.listdir(self.folder)), (1, ["tiny.json"]))
+        if HAS_SLURM:
+            self.assertIn("is not empty", slurm_local("start", "--dir", self.folder).stderr)
+            self.assertEqual(os.listdir(self.folder), ["tiny.json"])
+
+    def test_missing_packages_are_named(self):
+        """With a PATH that leads to nothing of Slurm's; what the script itself adds to it has no sinfo."""
+        os.mkdir(self.path("bin"))
+        for name in ("id", "realpath"):
+            os.symlink(shutil.which(name), self.path("bin", name))
+        result = slurm_local("start", "--dir", self.path("d"), env={"PATH": self.path("bin")})
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"missing Debian packages: slurm-wlm( munge)? \(apt-get install")
+        self.assertFalse(os.path.exists(self.path("d")))
+
+
+if __name__ == "__main__":
+    unittest.main()
