@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The figures of plot_study.py."""
+import math
+
+import matplotlib
+import numpy as np
+from landfall_study_table import REQUIREMENTS
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position
+
+# Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
+COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
+MARKERS = "osD^vP*X"
+LIMIT_COLOR = "#7F0000"
+MOST_SERIES = len(COLORS)
+MOST_ROWS = 60
+NAMES = {
+    "coverage.invalid_frac": "invalid bins, share of the region",
+    "coverage.invalid_count": "invalid bins",
+    "coverage.largest_hole_bins": "largest hole",
+    "coverage.max_distance_bins": "largest distance to a valid bin",
+    "accuracy.relative.z.p95_m": "relative elevation error, 95 % of footprints below",
+    "accuracy.relative.z.max_m": "relative elevation error, largest",
+    "accuracy.relative.x.p95_m": "relative error in x, 95 % of footprints below",
+    "accuracy.relative.x.max_m": "relative error in x, largest",
+    "accuracy.relative.y.p95_m": "relative error in y, 95 % of footprints below",
+    "accuracy.relative.y.max_m": "relative error in y, largest",
+    "accuracy.absolute.z.p95_m": "absolute elevation error, 95 % of footprints below",
+    "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
+    "requirements.relative_elevation.value": "footprints over the relative elevation limit",
+    "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
+}
+REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_distance": "hole\ndistance",
+                     "relative_elevation": "relative\nelevation", "relative_horizontal": "relative\nhorizontal",
+                     "absolute_horizontal": "absolute\nhorizontal", "all": "all"}
+
+
+class Scale:
+    """How a metric is shown: metres as cm or mm where these suit."""
+
+    def __init__(self, results, metric):
+        self.name = NAMES.get(metric, metric)
+        self.unit, self.factor = results.units[metric], 1
+        largest = max((abs(value) for point in results.points for value in results.values(point, metric)), default=0)
+        if self.unit == "m" and 0 < largest < 0.5:
+            self.unit, self.factor = ("cm", 100) if largest >= 0.01 else ("mm", 1000)
+
+    def title(self):
+        return f"{self.name} [{self.unit}]" if self.unit not in ("", "1") else self.name
+
+    def requirement(self, metric, limit):
+        bound = "at least" if "within_limit" in metric or metric == "requirements.absolute_horizontal.value" else "at most"
+        of_all = " of every footprint" if metric.startswith("accuracy.relative.") and metric.endswith("p95_m") else ""
+        return f"required{of_all}: {bound} {with_unit(limit * self.factor, self.unit)}"
+
+
+def with_unit(value, unit):
+    return f"{number(value)} {unit}" if unit not in ("", "1") else number(value)
+
+
+def point_name(axes, values):
+    return ", ".join(f"{axis.label} {with_unit(value, axis.unit)}" for axis, value in zip(axes, values))
+
+
+def number(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value)
+    return f"{value:,.0f}" if 1000 <= abs(value) < 1e7 else f"{value:.3g}"
+
+
+def estimate_name(results, quantile):
+    if results.repeats() == 1:
+        return ""
+    name = "median" if quantile == 0.5 else f"{100 * quantile:g}th percentile"
+    return f"{name} of {results.repeats()} repeats, 95 % interval (bootstrap)"
+
+
+# A metric against an axis
+
+
+def metric_figure(results, metric, x, quantile):
+    figure, axes = plt.subplots(figsize=(7.2, 4.6), constrained_layout=True)
+    scale = Scale(results, metric)
+    if x is None:
+        draw_distribution(axes, results, metric, scale)
+    else:
+        draw_series(axes, results, metric, scale, x, quantile)
+    subtitle = estimate_name(results, quantile) if x else ""
+    axes.set_title(results.title + (f"\n{subtitle}" if subtitle else ""), fontsize=10)
+    axes.grid(True, color="0.9")
+    return figure
+
+
+def draw_distribution(axes, results, metric, scale):
+    """Of a study that only repeats: the share of the repeats up to each value."""
+    values = np.sort(results.values(results.points[0], metric)) * scale.factor
+    axes.step(np.concatenate([values[:1], values]), np.linspace(0, 1, values.size + 1), where="post", color=COLORS[0])
+    limit = results.limit(metric)
+    if limit is not None and values.size:
+        axes.axvline(limit * scale.factor, color=LIMIT_COLOR, linestyle="--", label=scale.requirement(metric, limit))
+        axes.legend(frameon=False)
+    axes.set_xlabel(scale.title())
+    axes.set_ylabel(f"share of {values.size} repeats")
+
+
+def draw_series(axes, results, metric, scale, x, quantile):
+    column = results.axes.index(x)
+    series = {}
+    for point in results.points:
+        key = point.values[:column] + point.values[column + 1:]
+        series.setdefault(key, []).append(point)
+    others = [axis for axis in results.axes if axis is not x]
+    place = {value: value if x.numeric else index for index, value in enumerate(x.values)}
+    shown = list(series.items()) if len(series) <= MOST_SERIES else spread(list(series.items()), MOST_SERIES)
+    for index, (key, points) in enumerate(shown):
+        placed = sorted(((place[point.values[column]], point) for point in points), key=lambda entry: entry[0])
+        if not x.numeric:  # side by side
+            placed = [(at + 0.08 * (index - (len(shown) - 1) / 2), point) for at, point in placed]
+        draw_line(axes, results, metric, scale, placed, quantile, index, point_name(others, key), x.numeric)
+    draw_limit(axes, results, metric, scale)
+    finish_x(axes, x)
+    finish_y(axes, results, metric, scale)
+    if others:
+        title = f"{len(shown)} of {len(series)} series" if len(shown) < len(series) else None
+        axes.legend(frameon=False, fontsize=8, title=title, bbox_to_anchor=(1.01, 1), loc="upper left")
+    elif results.limit(metric) is not None:
+        axes.legend(frameon=False, fontsize=8)
+
+
+def spread(items, count):
+    """`count` entries from first to last."""
+    return [items[round(i * (len(items) - 1) / (count - 1))] for i in range(count)]
+
+
+def draw_line(axes, results, metric, scale, placed, quantile, index, label, joined):
+    """One series: estimates with their intervals, and faint dots for the repeats. Kinds that are no numbers are not joined."""
+    at = [position for position, _ in placed]
+    estimates = np.array([results.estimate(point, metric, quantile) for _, point in placed]) * scale.factor
+    style = {"color": COLORS[index % len(COLORS)], "marker": MARKERS[index % len(MARKERS)], "markersize": 5}
+    axes.plot(at, estimates[:, 0], linestyle="-" if joined else "none", linewidth=1.4, label=label or None, **style)
+    if np.isfinite(estimates[:, 1]).any():
+        if joined:
+            axes.fill_between(at, estimates[:, 1], estimates[:, 2], color=style["color"], alpha=0.2, linewidth=0)
+        else:
+            axes.vlines(at, estimates[:, 1], estimates[:, 2], color=style["color"], linewidth=2, alpha=0.5)
+    for position, point in placed if results.repeats() <= 200 else []:
+        values = results.values(point, metric) * scale.factor
+        if values.size > 1:
+            axes.plot(np.full(values.size, position), values, ".", color=style["color"], markersize=3, alpha=0.4)
+
+
+def draw_limit(axes, results, metric, scale):
+    limit = results.limit(metric)
+    if limit is not None:
+        axes.axhline(limit * scale.factor, color=LIMIT_COLOR, linestyle="--", linewidth=1.2,
+                     label=scale.requirement(metric, limit))
+
+
+def finish_x(axes, x):
+    axes.set_xlabel(x.title())
+    if not x.numeric:
+        axes.set_xlim(-0.5, len(x.values) - 0.5)
+        axes.set_xticks(range(len(x.values)), x.values, rotation=0 if sum(map(len, x.values)) < 60 else 30,
+                        ha="center" if sum(map(len, x.values)) < 60 else "right")
+    elif x.log and min(x.values) > 0:
+        axes.set_xscale("log")
+
+
+def finish_y(axes, results, metric, scale):
+    """Logarithmic where values differ by more than a hundred, linear about 0 where that is among them or required."""
+    values = np.concatenate([results.values(point, metric) for point in results.points]) * scale.factor
+    axes.set_ylabel(scale.title())
+    positive = values[values > 0]
+    if values.size == 0 or values.min() < 0:
+        return
+    if positive.size == 0 or values.max() / positive.min() <= 100:
+        axes.set_ylim(bottom=-0.02 * axes.get_ylim()[1])
+    elif positive.size < values.size or results.limit(metric) == 0:
+        axes.set_yscale("symlog", linthresh=positive.min())
+        axes.set_ylim(-0.2 * positive.min(), 2 * positive.max())
+    else:
+        axes.set_yscale("log")
+
+
+# A metric over two axes
+
+
+def map_axes(results, x):
+    """The two axes of a map: x and another number, where there is no third axis; None otherwise."""
+    numeric = [axis for axis in results.axes if axis.numeric and len(axis.values) > 1]
+    if len(results.axes) != 2 or len(numeric) != 2 or x not in numeric:
+        return None
+    return x, next(axis for axis in numeric if axis is not x)
+
+
+def map_figure(results, metric, pair, quantile):
+    x, y = pair
+    columns, rows = sorted(x.values), sorted(y.values)
+    scale = Scale(results, metric)
+    values = np.full((len(rows), len(columns)), np.nan)
+    rates = {}
+    order = [results.axes.index(x), results.axes.index(y)]
+    for point in results.points:
+        at = rows.index(point.values[order[1]]), columns.index(point.values[order[0]])
+        values[at] = results.estimate(point, metric, quantile)[0] * scale.factor
+        rates[at] = results.pass_rate(point, "all")
+    figure, axes = plt.subplots(figsize=(2.6 + 0.75 * max(5, len(columns)), 2.0 + 0.5 * max(4, len(rows))),
+                                constrained_layout=True)
+    image = axes.imshow(values, origin="lower", aspect="auto", cmap="cividis", norm=map_norm(values))
+    figure.colorbar(image, ax=axes, label=scale.title())
+    write_cells(axes, values, rates, image)
+    axes.set_xticks(range(len(columns)), [number(value) for value in columns])
+    axes.set_yticks(range(len(rows)), [number(value) for value in rows])
+    axes.set_xlabel(x.title())
+    axes.set_ylabel(y.title())
+    limit = results.limit(metric)
+    notes = [estimate_name(results, quantile).split(",")[0], scale.requirement(metric, limit) if limit is not None else "",
+             "framed: every case passes all requirements"]
+    axes.set_title(results.title + "\n" + "; ".join(note for note in notes if note), fontsize=9)
+    return figure
+
+
+def map_norm(values):
+    finite = values[np.isfinite(values)]
+    if finite.size and finite.min() > 0 and finite.max() / finite.min() > 100:
+        return matplotlib.colors.LogNorm(finite.min(), finite.max())
+    return None
+
+
+def write_cells(axes, values, rates, image):
+    for (row, column), value in np.ndenumerate(values):
+        if math.isnan(value):
+            axes.text(column, row, "–", ha="center", va="center", fontsize=8)
+            continue
+        dark = image.norm(value) < 0.5
+        if values.size <= 400:
+            axes.text(column, row, number(value), ha="center", va="center", fontsize=8, color="white" if dark else "black")
+        passed, count, _, _ = rates[row, column]
+        if count and passed == count:
+            axes.add_patch(matplotlib.patches.Rectangle((column - 0.46, row - 0.46), 0.92, 0.92, fill=False,
+                                                        edgecolor="#D55E00", linewidth=2))
+
+
+# Pass rates
+
+
+def requirements_figure(results):
+    """A row for each point, a column for each requirement."""
+    points = results.points if len(results.points) <= MOST_ROWS else spread(results.points, MOST_ROWS)
+    names = [*REQUIREMENTS, "all"]
+    labels = [point_name(results.axes, point.values) or "all cases" for point in points]
+    left = 0.4 + 0.075 * max(len(label) for label in labels)
+    height = 1.3 + 0.36 * len(points)
+    figure, axes = plt.subplots(figsize=(left + 7.6, height), constrained_layout=True)
+    for row, point in enumerate(points):
+        for column, name in enumerate(names):
+            draw_rate(axes, row, column, *results.pass_rate(point, name))
+    axes.set_xlim(-0.5, len(names) - 0.5)
+    axes.set_ylim(len(points) - 0.5, -0.5)
+    axes.set_xticks(range(len(names)), [REQUIREMENT_NAMES[name] for name in names], fontsize=9)
+    axes.set_yticks(range(len(points)), labels, fontsize=8)
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    note = "requirements met" if results.repeats() == 1 else "share of repeats that meet each requirement, 95 % interval (Wilson)"
+    if len(points) < len(results.points):
+        note += f"; {len(points)} of {len(results.points)} points"
+    axes.set_title(f"{results.title}\n{note}", fontsize=10)
+    return figure
+
+
+def draw_rate(axes, row, column, passed, count, low, high):
+    if count == 0:
+        color, text = "0.9", "not judged"
+    elif count == 1:
+        color, text = rate_color(passed), "✓ pass" if passed else "✗ fail"
+    else:
+        color, text = rate_color(passed / count), f"{passed}/{count}  [{100 * low:.0f}, {100 * high:.0f}] %"
+    axes.add_patch(matplotlib.patches.Rectangle((column - 0.48, row - 0.44), 0.96, 0.88, color=color, linewidth=0))
+    axes.text(column, row, text, ha="center", va="center", fontsize=7.5)
+
+
+def rate_color(rate):
+    """From orange (never) over grey to blue (always), light enough for black text."""
+    low, middle, high = (np.array(matplotlib.colors.to_rgb(color)) for color in ("#F4B183", "#F2F2F2", "#9DC3E6"))
+    return tuple(low + (middle - low) * 2 * rate) if rate < 0.5 else tuple(middle + (high - middle) * (2 * rate - 1))

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study's results.h5: its axes, the points at which cases repeat, and estimates over the repeats."""
+import json
+import math
+from dataclasses import dataclass
+
+import landfall_intervals
+import landfall_plots as lp
+import numpy as np
+
+REQUIREMENTS = ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal", "absolute_horizontal"]
+# Metrics that a limit of dem-eval bounds; the others' limits are in the results.
+LENGTH_LIMITS = {"accuracy.relative.z": "relative_elevation_m", "accuracy.relative.x": "relative_horizontal_m",
+                 "accuracy.relative.y": "relative_horizontal_m", "accuracy.absolute.horizontal": "absolute_horizontal_m"}
+VALUES_OF = {"coverage.invalid_frac": "coverage", "coverage.largest_hole_bins": "hole_size",
+             "coverage.max_distance_bins": "hole_distance", "accuracy.relative.z.violation_count": "relative_elevation",
+             "accuracy.absolute.horizontal.within_limit_frac": "absolute_horizontal"}
+
+
+@dataclass(frozen=True)
+class StudyAxis:
+    """An axis that is no repeat, and its values in the order of the study."""
+
+    name: str
+    label: str
+    unit: str
+    log: bool
+    numeric: bool
+    values: tuple
+
+    def title(self):
+        return f"{self.label} [{self.unit}]" if self.unit not in ("", "1") else self.label
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point of the axes: its values, in their order, and the rows of its repeats."""
+
+    values: tuple
+    rows: tuple
+
+
+class Results:
+    """Reads an open results.h5. Throws lp.DataError where it does not hold together."""
+
+    def __init__(self, file):
+        try:
+            head = json.loads(file["study_json"].asstr()[()])
+            names = [name for name in file["columns"].asstr()[()]]
+            self.columns = {name: _column(file[name]) for name in names}
+            self.units = {name: file[name].attrs["units"] for name in names}
+            self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]
+            self.axes = [self._axis(axis) for axis in head["axes"] if axis["role"] == "axis"]
+            self._axis_names = {axis["name"] for axis in head["axes"]} | {"case"}
+        except (KeyError, ValueError, TypeError) as error:
+            raise lp.DataError(f"{file.filename}: no table of a study ({error})") from error
+        self.points = self._points()
+
+    def _axis(self, axis):
+        values = tuple(dict.fromkeys(self.columns[axis["name"]]))
+        return StudyAxis(axis["name"], axis["label"], axis["unit"], axis["log"], axis["numeric"], values)
+
+    def _points(self):
+        rows = {}
+        columns = [self.columns[axis.name] for axis in self.axes]
+        for row in range(len(self.columns["case"])):
+            rows.setdefault(tuple(column[row] for column in columns), []).append(row)
+        return [Point(values, tuple(numbers)) for values, numbers in rows.items()]
+
+    def is_metric(self, name):
+        return name in self.columns and name not in self._axis_names and not isinstance(self.columns[name][0], str)
+
+    def values(self, point, metric):
+        """What is known of a metric at a point, one number a repeat."""
+        column = self.columns.get(metric)  # none where it is not known of any case
+        values = np.array([column[row] for row in point.rows] if column else [], float)
+        return values[np.isfinite(values)]
+
+    def count(self, point, metric):
+        return len(self.values(point, metric))
+
+    def estimate(self, point, metric, quantile):
+        """(quantile over the repeats, low, high); NaN where nothing is known."""
+        values = self.values(point, metric)
+        if values.size == 0:
+            return math.nan, math.nan, math.nan
+        return (float(np.quantile(values, quantile)), *landfall_intervals.bootstrap(values, quantile))
+
+    def pass_rate(self, point, requirement):
+        """(passed, judged, low, high); `all` are all requirements."""
+        values = self.values(point, "pass" if requirement == "all" else f"requirements.{requirement}.pass")
+        passed = int(values.sum())
+        return (passed, len(values), *landfall_intervals.wilson(passed, len(values)))
+
+    def repeats(self):
+        return max(len(point.rows) for point in self.points)
+
+    def limit(self, metric):
+        """The requirement on a metric, where all cases share one; None otherwise."""
+        parent, _, last = metric.rpartition(".")
+        if parent in LENGTH_LIMITS and last in ("p95_m", "max_m"):
+            return self.limits.get(LENGTH_LIMITS[parent])
+        requirement = metric.split(".")[1] if metric.startswith("requirements.") and last == "value" else VALUES_OF.get(metric)
+        column = self.columns.get(f"requirements.{requirement}.limit", [])
+        return column[0] if len(set(column)) == 1 else None
+
+
+def _column(dataset):
+    return dataset.asstr()[()].tolist() if dataset.dtype.kind == "O" else dataset[()].tolist()

@@ -1,0 +1,220 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Intervals against closed forms, and plot_study.py on a table made here."""
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+ROOT = os.environ["LANDFALL_ROOT"]
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.dont_write_bytecode = True
+
+# pylint: disable=wrong-import-position
+import landfall_intervals
+import landfall_results
+import landfall_study_figures as figures
+import landfall_study_table
+
+
+class Wilson(unittest.TestCase):
+    def test_known_values(self):
+        """Newcombe, Statistics in Medicine 17 (1998) 857-872, table I, method 3."""
+        for passed, count, low, high in ((81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0000, 0.1611),
+                                         (1, 29, 0.0061, 0.1718)):
+            np.testing.assert_allclose(landfall_intervals.wilson(passed, count), (low, high), atol=5e-5)
+
+    def test_it_solves_its_equation(self):
+        """The bounds are where |rate - p| = z sqrt(p (1 - p) / n)."""
+        for passed, count in ((1, 3), (7, 9), (50, 100)):
+            for bound in landfall_intervals.wilson(passed, count):
+                self.assertAlmostEqual(abs(passed / count - bound),
+                                       1.959963984540054 * math.sqrt(bound * (1 - bound) / count), 12)
+
+    def test_extremes(self):
+        self.assertEqual(landfall_intervals.wilson(0, 0), (0, 1))
+        z2 = 1.959963984540054 ** 2
+        for count in (1, 5, 1000):
+            low, high = landfall_intervals.wilson(0, count)
+            self.assertEqual(low, 0)
+            self.assertAlmostEqual(high, z2 / (count + z2), 12)
+            low, high = landfall_intervals.wilson(count, count)
+            self.assertEqual(high, 1)
+            self.assertAlmostEqual(low, count / (count + z2), 12)
+
+
+class Bootstrap(unittest.TestCase):
+    def test_median_of_odd_numbers(self):
+        """A resample's median is at most the i-th of n values with the probability that Bin(n, i/n) exceeds n/2."""
+        for count in (11, 25, 51):
+            values = np.arange(1, count + 1, dtype=float)
+            at_most = [sum(math.comb(count, k) * (i / count) ** k * (1 - i / count) ** (count - k)
+                           for k in range(count // 2 + 1, count + 1)) for i in range(1, count + 1)]
+            # 4,000 resamples place a probability of 0.025 within 0.01 (4 standard errors).
+            low, high = landfall_intervals.bootstrap(np.random.RandomState(3).permutation(values), 0.5)
+            for bound, probability in ((low, 0.025), (high, 0.975)):
+                self.assertGreater(at_most[round(bound) - 1], probability - 0.01)
+                self.assertLess(at_most[round(bound) - 2], probability + 0.01)
+
+    def test_extremes(self):
+        self.assertTrue(all(map(math.isnan, landfall_intervals.bootstrap([3], 0.5))))
+        self.assertEqual(landfall_intervals.bootstrap([3, 3, 3], 0.9), (3, 3))
+        low, high = landfall_intervals.bootstrap([1, 2], 1)  # the largest of two draws is 2 in 3 of 4
+        self.assertEqual((low, high), (1, 2))
+
+    def test_the_same_every_time(self):
+        values = np.random.RandomState(1).normal(size=30)
+        self.assertEqual(landfall_intervals.bootstrap(values, 0.95), landfall_intervals.bootstrap(values, 0.95))
+
+    def test_coverage_of_the_true_median(self):
+        """1,000 samples of 25 normal numbers: 95 % of the intervals hold 0 (exact coverage of these order statistics: 0.957)."""
+        random = np.random.RandomState(7)
+        held = sum(low <= 0 <= high for low, high in
+                   (landfall_intervals.bootstrap(random.normal(size=25), 0.5, seed) for seed in range(300)))
+        self.assertTrue(0.90 <= held / 300 <= 0.99, held)
+
+
+AXES = [{"name": "sigma_m", "label": "noise", "unit": "m", "log": False, "numeric": True, "role": "axis"},
+        {"name": "loss_frac", "label": "losses", "unit": "1", "log": False, "numeric": True, "role": "axis"},
+        {"name": "kind", "label": "kind", "unit": "", "log": False, "numeric": False, "role": "axis"},
+        {"name": "repeat", "label": "repeat", "unit": "", "log": False, "numeric": True, "role": "repeat"}]
+
+
+def metrics(sigma, loss, repeat, judged=True):
+    """Numbers that an eye can check: rel_z grows with sigma, one more for each repeat."""
+    largest = 2 * sigma + 0.001 * repeat + loss
+    requirement = {name: {"value": 0, "limit": 0, "pass": True if judged else None} for name in landfall_study_table.REQUIREMENTS}
+    requirement["relative_elevation"] = {"value": int(1e5 * max(0, largest - 0.05)), "limit": 0,
+                                         "pass": (largest <= 0.05) if judged else None}
+    return {"pass": largest <= 0.05 if judged else None, "accuracy": {"relative": {"z": {"max_m": largest}}},
+            "coverage": {"invalid_frac": loss}, "requirements": requirement}
+
+
+class Plots(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, *names):
+        return os.path.join(self.folder.name, *names)
+
+    def table(self, names, judged=True, repeats=(1, 2, 3), limits=None, **plot):
+        """Writes results.h5 with the named axes, and returns its name."""
+        values = {"sigma_m": (0.0, 0.01, 0.02), "loss_frac": (0, 0.5), "kind": ("FSM", "flash"), "repeat": repeats}
+        axes = [axis for axis in AXES if axis["name"] in names]
+        points = [[]]
+        for axis in axes:
+            points = [[*point, value] for point in points for value in values[axis["name"]]]
+        rows = []
+        for number, point in enumerate(points):
+            at = dict(zip([axis["name"] for axis in axes], point))
+            tree = metrics(at.get("sigma_m", 0.01), at.get("loss_frac", 0), at.get("repeat", 1), judged)
+            rows.append((number, point, landfall_results.flatten(tree)))
+        cases = {"title": "T", "plot": plot, "axes": axes, "cases": [],
+                 "limits": {"relative_elevation_m": 0.05} if limits is None else limits}
+        landfall_results.write_h5(landfall_results.Table(cases, rows), self.path("results.h5"), "test")
+        return self.path("results.h5")
+
+    def plot(self, *arguments, code=0):
+        result = subprocess.run([os.path.join(ROOT, "scripts", "plot_study.py"), *arguments], capture_output=True, text=True,
+                                timeout=120, check=False)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result
+
+    def results(self, *names, **options):
+        with h5py.File(self.table(names, **options)) as file:
+            return landfall_study_table.Results(file)
+
+    def test_files_and_numbers(self):
+        self.plot(self.table(("sigma_m", "loss_frac", "repeat")), "-o", self.path("f"), "--metrics",
+                  "accuracy.relative.z.max_m,coverage.invalid_frac")
+        self.assertEqual(sorted(os.listdir(self.path("f"))),
+                         ["accuracy.relative.z.max_m-map.png", "accuracy.relative.z.max_m.png", "coverage.invalid_frac-map.png",
+                          "coverage.invalid_frac.png", "pass_rates.csv", "percentiles.csv", "requirements.png"])
+        with open(self.path("f", "pass_rates.csv"), encoding="utf-8") as file:
+            rows = {(row["sigma_m"], row["loss_frac"], row["requirement"]): row for row in csv.DictReader(file)}
+        self.assertEqual(len(rows), 6 * 7)
+        for key, passed in ((("0.02", "0.0", "relative_elevation"), "3"), (("0.02", "0.5", "all"), "0"), (("0.02", "0.5", "coverage"), "3")):
+            self.assertEqual((rows[key]["passed"], rows[key]["count"]), (passed, "3"))
+        with open(self.path("f", "percentiles.csv"), encoding="utf-8") as file:
+            first = next(csv.DictReader(file))
+        self.assertEqual((first["metric"], first["count"], first["percentile"]), ("accuracy.relative.z.max_m", "3", "50.0"))
+        self.assertAlmostEqual(float(first["value"]), 0.002)
+        self.assertAlmostEqual(float(first["low_95"]), 0.001)
+        self.assertAlmostEqual(float(first["high_95"]), 0.003)
+
+    def test_the_line_is_the_median_and_the_requirement_is_drawn(self):
+        results = self.results("sigma_m", "repeat")
+        figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
+        (axes,) = figure.axes
+        line = axes.get_lines()[0]
+        np.testing.assert_allclose(line.get_xdata(), [0, 0.01, 0.02])
+        np.testing.assert_allclose(line.get_ydata(), [0.2, 2.2, 4.2])  # cm
+        dashed = [entry for entry in axes.get_lines() if entry.get_linestyle() == "--"]
+        np.testing.assert_allclose(dashed[0].get_ydata(), [5, 5])
+        self.assertEqual(dashed[0].get_label(), "required: at most 5 cm")
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("noise [m]", "relative elevation error, largest [cm]"))
+
+    def test_a_limit_that_differs_between_cases_is_not_drawn(self):
+        results = self.results("sigma_m", limits={})
+        figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
+        self.assertFalse([line for line in figure.axes[0].get_lines() if line.get_linestyle() == "--"])
+
+    def test_series_and_kinds(self):
+        results = self.results("sigma_m", "kind", "repeat")
+        figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
+        labels = figure.axes[0].get_legend_handles_labels()[1]
+        self.assertEqual(labels, ["kind FSM", "kind flash", "required: at most 5 cm"])
+        figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[1], 0.5)
+        self.assertEqual([text.get_text() for text in figure.axes[0].get_xticklabels()], ["FSM", "flash"])
+        self.assertEqual(figure.axes[0].get_lines()[0].get_linestyle(), "None")
+        self.assertIsNone(figures.map_axes(results, results.axes[0]))
+
+    def test_only_repeats(self):
+        self.plot(self.table(("repeat",)), "-o", self.path("f"), "--metrics", "accuracy.relative.z.max_m")
+        self.assertIn("accuracy.relative.z.max_m.png", os.listdir(self.path("f")))
+
+    def test_what_is_not_judged(self):
+        table = self.table(("sigma_m",), judged=False)
+        self.plot(table, "-o", self.path("f"), "--metrics", "accuracy.relative.z.max_m")
+        with open(self.path("f", "pass_rates.csv"), encoding="utf-8") as file:
+            self.assertEqual(len(file.readlines()), 1)
+
+    def test_the_study_says_what_to_draw(self):
+        self.plot(self.table(("sigma_m", "kind"), metrics=["coverage.invalid_frac"], x="kind"), "-o", self.path("f"))
+        self.assertEqual(sorted(name for name in os.listdir(self.path("f")) if name.endswith(".png")),
+                         ["coverage.invalid_frac.png", "requirements.png"])
+
+    def test_the_same_bytes(self):
+        table = self.table(("sigma_m", "loss_frac", "repeat"))
+        for name in ("a", "b"):
+            self.plot(table, "-o", self.path(name), "--metrics", "accuracy.relative.z.max_m")
+        for name in os.listdir(self.path("a")):
+            with open(self.path("a", name), "rb") as first, open(self.path("b", name), "rb") as second:
+                self.assertEqual(first.read(), second.read(), name)
+
+    def test_refusals(self):
+        table = self.table(("sigma_m",))
+        for arguments, code, word in (
+                ([table, "--metrics", "nope"], 2, "'nope' is no metric"), ([table, "--metrics", "sigma_m"], 2, "no metric"),
+                ([table, "--x", "nope"], 2, "'nope' is none of sigma_m"), ([table, "--percentile", "101"], 2, "[0, 100]"),
+                ([self.path("none.h5")], 1, "no such file")):
+            message = self.plot(*arguments, "-o", self.path("f"), code=code).stderr
+            self.assertIn(word, message)
+            self.assertFalse(os.path.exists(self.path("f")))
+        self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac")
+        self.assertIn("exists", self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac", code=2).stderr)
+        with h5py.File(table, "r+") as file:
+            file["study_json"][()] = json.dumps({"title": "T"})
+        self.assertIn("no table of a study", self.plot(table, "-o", self.path("g"), code=1).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
