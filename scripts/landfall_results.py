@@ -124,7 +124,10 @@ def write_csv(table, path):
 
 
 def write_h5(table, path, version):
-    """One dataset a column with `units` and `long_name`; cases.json less its cases under /study_json."""
+    """One dataset a column with `units` and `long_name`; _columns is their order, _study_json is cases.json less its cases.
+
+    No column begins with _.
+    """
     def write_to(name):
         with h5py.File(name, "w", track_order=False) as file:
             file.attrs["title"] = table.cases["title"]
@@ -134,8 +137,8 @@ def write_h5(table, path, version):
             for column, values in table.columns.items():
                 _write_column(file, column, values, table.units[column])
             head = {key: value for key, value in table.cases.items() if key != "cases"}
-            file.create_dataset("study_json", data=json.dumps(head), dtype=h5py.string_dtype())
-            file.create_dataset("columns", data=list(table.columns), dtype=h5py.string_dtype())
+            file.create_dataset("_study_json", data=json.dumps(head), dtype=h5py.string_dtype())
+            file.create_dataset("_columns", data=list(table.columns), dtype=h5py.string_dtype())
             file.attrs["complete"] = 1
     write(path, write_to)
 

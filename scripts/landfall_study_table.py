@@ -45,8 +45,8 @@ class Results:
 
     def __init__(self, file):
         try:
-            head = json.loads(file["study_json"].asstr()[()])
-            names = [name for name in file["columns"].asstr()[()]]
+            head = json.loads(file["_study_json"].asstr()[()])
+            names = [name for name in file["_columns"].asstr()[()]]
             self.columns = {name: _column(file[name]) for name in names}
             self.units = {name: file[name].attrs["units"] for name in names}
             self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]

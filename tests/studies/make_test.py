@@ -118,7 +118,7 @@ class Builds(StudyTest):
         self.assertEqual(rows[2]["requirements.coverage.pass"], str(int(metrics["requirements"]["coverage"]["pass"])))
         self.assertEqual(rows[2]["pass"], str(int(metrics["pass"])))
         with h5py.File(self.out("results.h5")) as file:
-            self.assertEqual(file["columns"].asstr()[()].tolist(), list(rows[0]))
+            self.assertEqual(file["_columns"].asstr()[()].tolist(), list(rows[0]))
             self.assertEqual(file["kind"].asstr()[()].tolist(), ["a", "b"] * 3)
             for name, unit in (("range_sigma_m", "m"), ("accuracy.relative.z.max_m", "m"), ("coverage.invalid_frac", "1"),
                                ("coverage.largest_hole_bins", "bins"), ("requirements.hole_size.limit", "bins")):
@@ -128,6 +128,13 @@ class Builds(StudyTest):
         first = [read(self.out(name)) for name in ("results.csv", "results.h5")]
         self.sweep("collect", self.out())
         self.assertEqual([read(self.out(name)) for name in ("results.csv", "results.h5")], first)
+
+    def test_columns_of_any_name(self):
+        self.write(study({"key": "scan.scanner.pattern.columns", "list": [20, 19]}, {"name": "study_json", "key": "scan.seed", "list": [1]}))
+        self.make("study-results", "-j2")
+        self.assertEqual([row["columns"] for row in self.rows()], ["20", "19"])
+        with h5py.File(self.out("results.h5")) as file:
+            np.testing.assert_array_equal(file["columns"][()], [20, 19])
 
     def test_prune(self):
         self.write(study(*GRID))

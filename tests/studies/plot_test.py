@@ -212,7 +212,7 @@ class Plots(unittest.TestCase):
         self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac")
         self.assertIn("exists", self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac", code=2).stderr)
         with h5py.File(table, "r+") as file:
-            file["study_json"][()] = json.dumps({"title": "T"})
+            file["_study_json"][()] = json.dumps({"title": "T"})
         self.assertIn("no table of a study", self.plot(table, "-o", self.path("g"), code=1).stderr)
 
 
