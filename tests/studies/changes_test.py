@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What makes Makefile.studies build anew, and what it takes for a proof that something was built."""
 import os
+import pty
 import re
 import stat
 import subprocess
@@ -105,6 +106,25 @@ class Proofs(StudyTest):
         self.write(study())
         result = self.make("study-results", "RUNNER=/nowhere/srun", code=2)
         self.assertIn("/nowhere/srun: No such file", result.stderr)
+
+    def test_progress_on_a_terminal(self):
+        """One line that is written over, with what is to go."""
+        self.write(study(SIGMAS))
+        master, slave = pty.openpty()
+        make = subprocess.Popen(self.make_command("study-results"), stdout=slave, stderr=slave, env=self.environment())
+        os.close(slave)
+        text = ""
+        while True:
+            try:
+                text += os.read(master, 65536).decode()
+            except OSError:  # the terminal is gone with its last user
+                break
+        os.close(master)
+        self.assertEqual(make.wait(), 0)
+        counts = re.findall(r"\r\x1b\[K(\d+) done, 0 failed, (\d+) left(, about \S+ \w+ to go)?", text)
+        self.assertEqual([(int(done), int(left)) for done, left, _ in counts], [(n, 5 - n) for n in range(1, 6)])
+        self.assertTrue(all(to_go for *_, to_go in counts[:-1]))
+        self.assertIn("5 done, 0 failed, 0 left\r\n", text)
 
     def test_progress_off_a_terminal(self):
         self.write(study(SIGMAS))
