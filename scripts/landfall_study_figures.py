@@ -60,7 +60,8 @@ def with_unit(value, unit):
 
 
 def point_name(axes, values):
-    return ", ".join(f"{axis.label} {with_unit(value, axis.unit)}" for axis, value in zip(axes, values))
+    return ", ".join(f"{axis.label} {with_unit(value, axis.unit)}" if axis.numeric else str(value)
+                     for axis, value in zip(axes, values))
 
 
 def number(value):
@@ -246,16 +247,31 @@ def write_cells(axes, values, rates, image):
 
 
 def requirements_figure(results):
+    """Pass rates."""
+    note = "requirements met" if results.repeats() == 1 else \
+        "share of repeats that meet each requirement, 95 % interval (Wilson)"
+    return table_figure(results, [*REQUIREMENTS, "all"], note,
+                        lambda axes, row, column, point, name: draw_rate(axes, row, column, *results.pass_rate(point, name)))
+
+
+def shares_figure(results, quantile):
+    """How much of each limit is used; of an error budget, each term's share."""
+    repeats = results.repeats()
+    note = "share of each requirement's limit that is used" + (f", {estimate_name(results, quantile).split(',')[0]}" if repeats > 1 else "")
+    return table_figure(results, REQUIREMENTS, note, lambda axes, row, column, point, name: draw_share(
+        axes, row, column, results.share_of_limit(point, name, quantile)))
+
+
+def table_figure(results, names, note, draw_cell):
     """A row for each point, a column for each requirement."""
     points = results.points if len(results.points) <= MOST_ROWS else spread(results.points, MOST_ROWS)
-    names = [*REQUIREMENTS, "all"]
     labels = [point_name(results.axes, point.values) or "all cases" for point in points]
     left = 0.4 + 0.075 * max(len(label) for label in labels)
     height = 1.3 + 0.36 * len(points)
     figure, axes = plt.subplots(figsize=(left + 7.6, height), constrained_layout=True)
     for row, point in enumerate(points):
         for column, name in enumerate(names):
-            draw_rate(axes, row, column, *results.pass_rate(point, name))
+            draw_cell(axes, row, column, point, name)
     axes.set_xlim(-0.5, len(names) - 0.5)
     axes.set_ylim(len(points) - 0.5, -0.5)
     axes.set_xticks(range(len(names)), [REQUIREMENT_NAMES[name] for name in names], fontsize=9)
@@ -263,7 +279,6 @@ def requirements_figure(results):
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     for side in axes.spines.values():
         side.set_visible(False)
-    note = "requirements met" if results.repeats() == 1 else "share of repeats that meet each requirement, 95 % interval (Wilson)"
     if len(points) < len(results.points):
         note += f"; {len(points)} of {len(results.points)} points"
     axes.set_title(f"{results.title}\n{note}", fontsize=10)
@@ -277,7 +292,21 @@ def draw_rate(axes, row, column, passed, count, low, high):
         color, text = rate_color(passed), "✓ pass" if passed else "✗ fail"
     else:
         color, text = rate_color(passed / count), f"{passed}/{count}  [{100 * low:.0f}, {100 * high:.0f}] %"
-    axes.add_patch(matplotlib.patches.Rectangle((column - 0.48, row - 0.44), 0.96, 0.88, color=color, linewidth=0))
+    draw_cell_of(axes, row, column, color, 1, text)
+
+
+def draw_share(axes, row, column, share):
+    """A bar as long as the share, of another colour where it is over the limit."""
+    if math.isnan(share):
+        draw_cell_of(axes, row, column, "0.9", 1, "not known")
+        return
+    draw_cell_of(axes, row, column, "0.94", 1, "")
+    text = f"{share:,.0f} times" if share >= 9.95 else f"{100 * share:.0f} %" if share >= 0.095 or share == 0 else f"{100 * share:.1g} %"
+    draw_cell_of(axes, row, column, rate_color(share <= 1), min(share, 1), text)
+
+
+def draw_cell_of(axes, row, column, color, width, text):
+    axes.add_patch(matplotlib.patches.Rectangle((column - 0.48, row - 0.44), 0.96 * width, 0.88, color=color, linewidth=0))
     axes.text(column, row, text, ha="center", va="center", fontsize=7.5)
 
 

@@ -15,6 +15,11 @@ LENGTH_LIMITS = {"accuracy.relative.z": "relative_elevation_m", "accuracy.relati
 VALUES_OF = {"coverage.invalid_frac": "coverage", "coverage.largest_hole_bins": "hole_size",
              "coverage.max_distance_bins": "hole_distance", "accuracy.relative.z.violation_count": "relative_elevation",
              "accuracy.absolute.horizontal.within_limit_frac": "absolute_horizontal"}
+# What uses up the limit of each requirement: the largest of these metrics.
+USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.largest_hole_bins"],
+           "hole_distance": ["coverage.max_distance_bins"], "relative_elevation": ["accuracy.relative.z.max_m"],
+           "relative_horizontal": ["accuracy.relative.x.max_m", "accuracy.relative.y.max_m"],
+           "absolute_horizontal": ["accuracy.absolute.horizontal.p95_m"]}
 
 
 @dataclass(frozen=True)
@@ -91,6 +96,20 @@ class Results:
         values = self.values(point, "pass" if requirement == "all" else f"requirements.{requirement}.pass")
         passed = int(values.sum())
         return (passed, len(values), *landfall_intervals.wilson(passed, len(values)))
+
+    def share_of_limit(self, point, requirement, quantile):
+        """How much of a requirement's limit is used, 1 for all of it; NaN where the metric or one limit of all cases is not known.
+
+        A quantile over the repeats of the largest metric that the requirement bounds. Where absolute_horizontal_frac is 0.95, a
+        requirement is met by a case whose share is at most 1.
+        """
+        metrics = [metric for metric in USED_BY[requirement] if metric in self.columns]
+        limits = [self.limit(metric) for metric in metrics]
+        if not metrics or not all(limits):
+            return math.nan
+        shares = [[self.columns[metric][row] / limit for row in point.rows] for metric, limit in zip(metrics, limits)]
+        largest = np.max(np.array(shares, float), axis=0)
+        return float(np.nanquantile(largest, quantile)) if np.isfinite(largest).any() else math.nan
 
     def repeats(self):
         return max(len(point.rows) for point in self.points)

@@ -3,8 +3,8 @@
 """Draws a study's results: metrics against its axes with the requirements, maps for two axes, and pass rates.
 
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
-interval), METRIC-map.png where two axes are numbers, requirements.png (pass rates with Wilson 95 % intervals), and the
-numbers behind them, pass_rates.csv and percentiles.csv.
+interval), METRIC-map.png where two axes are numbers, requirements.png (pass rates with Wilson 95 % intervals), shares.png
+(how much of each limit is used), and the numbers behind them, pass_rates.csv and percentiles.csv.
 """
 import argparse
 import csv
@@ -99,6 +99,7 @@ def draw_all(options, results, metrics):
         if pair:
             made[path + "-map.png"] = figures.map_figure(results, metric, pair, quantile)
     made[os.path.join(options.output, "requirements.png")] = figures.requirements_figure(results)
+    made[os.path.join(options.output, "shares.png")] = figures.shares_figure(results, quantile)
     return made
 
 

@@ -137,7 +137,7 @@ class Plots(unittest.TestCase):
                   "accuracy.relative.z.max_m,coverage.invalid_frac")
         self.assertEqual(sorted(os.listdir(self.path("f"))),
                          ["accuracy.relative.z.max_m-map.png", "accuracy.relative.z.max_m.png", "coverage.invalid_frac-map.png",
-                          "coverage.invalid_frac.png", "pass_rates.csv", "percentiles.csv", "requirements.png"])
+                          "coverage.invalid_frac.png", "pass_rates.csv", "percentiles.csv", "requirements.png", "shares.png"])
         with open(self.path("f", "pass_rates.csv"), encoding="utf-8") as file:
             rows = {(row["sigma_m"], row["loss_frac"], row["requirement"]): row for row in csv.DictReader(file)}
         self.assertEqual(len(rows), 6 * 7)
@@ -167,11 +167,21 @@ class Plots(unittest.TestCase):
         figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
         self.assertFalse([line for line in figure.axes[0].get_lines() if line.get_linestyle() == "--"])
 
+    def test_shares_of_the_limits(self):
+        results = self.results("sigma_m", "repeat")
+        (point,) = [point for point in results.points if point.values == (0.02,)]
+        self.assertAlmostEqual(results.share_of_limit(point, "relative_elevation", 0.5), 0.042 / 0.05)
+        self.assertAlmostEqual(results.share_of_limit(point, "relative_elevation", 1), 0.043 / 0.05)
+        for unknown in ("absolute_horizontal", "coverage"):  # no metric; a limit of 0
+            self.assertTrue(math.isnan(results.share_of_limit(point, unknown, 0.5)))
+        texts = [text.get_text() for text in figures.shares_figure(results, 0.5).axes[0].texts]
+        self.assertIn("84 %", texts)
+
     def test_series_and_kinds(self):
         results = self.results("sigma_m", "kind", "repeat")
         figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
         labels = figure.axes[0].get_legend_handles_labels()[1]
-        self.assertEqual(labels, ["kind FSM", "kind flash", "required: at most 5 cm"])
+        self.assertEqual(labels, ["FSM", "flash", "required: at most 5 cm"])
         figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[1], 0.5)
         self.assertEqual([text.get_text() for text in figure.axes[0].get_xticklabels()], ["FSM", "flash"])
         self.assertEqual(figure.axes[0].get_lines()[0].get_linestyle(), "None")
@@ -190,7 +200,7 @@ class Plots(unittest.TestCase):
     def test_the_study_says_what_to_draw(self):
         self.plot(self.table(("sigma_m", "kind"), metrics=["coverage.invalid_frac"], x="kind"), "-o", self.path("f"))
         self.assertEqual(sorted(name for name in os.listdir(self.path("f")) if name.endswith(".png")),
-                         ["coverage.invalid_frac.png", "requirements.png"])
+                         ["coverage.invalid_frac.png", "requirements.png", "shares.png"])
 
     def test_the_same_bytes(self):
         table = self.table(("sigma_m", "loss_frac", "repeat"))
