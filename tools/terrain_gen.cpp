@@ -21,13 +21,15 @@ constexpr const char* kExamples = R"(Examples:
   terrain-gen -o slope.h5 --set base.slope_x=0.1 --set 'features=[{"type":"cone","radius_m":3,"height_m":10}]'
   terrain-gen --from europa.tif -o europa.h5 --center 3800,3380 --half-width 60 --resolution 0.05
   terrain-gen --from apollo15.png -o apollo.h5 --horizontal-scale 2 --vertical-scale 0.192
+  terrain-gen --from itokawa.obj -o itokawa.h5 --set mesh.scale_m=1000
   terrain-gen --from europa.h5 -o europa.tif
-The output's extension decides: .h5 terrain, .tif or .tiff cloud-optimized GeoTIFF.
+The output's extension decides: .h5 terrain, .tif or .tiff cloud-optimized GeoTIFF, .obj or .ply mesh.
 Configuration: docs/terrain-gen.md and --print-schema.)";
 
 void bind(CLI::App& app, ImportOptions& import) {
   CLI::Option* const from =
-      app.add_option("--from", import.from, "Raster to import, or terrain.h5 to export")->type_name("FILE");
+      app.add_option("--from", import.from, "Raster or mesh to import, or terrain.h5 to export")
+          ->type_name("FILE");
   const auto of_raster = [&](const char* name, std::string& text, const char* type, const char* meaning) {
     return app.add_option(name, text, meaning)->type_name(type)->needs(from);
   };
@@ -106,27 +108,36 @@ void count_features(cli::Session& session, const std::vector<PlacedFeature>& fea
   session.count("feature_count_by_kind", std::move(by_kind));
 }
 
-/// A GeoTIFF of a terrain with this id.
-struct GeotiffOutput {
-  const OutputOptions& options;
-  std::string file_id;
-
-  void write(cli::Session& session, const Grid<double>& nodes, const std::string& crs_wkt) const {
-    session.phase("write", [&](const ProgressCallback& progress) {
-      write_geotiff(options, {nodes, crs_wkt, source_line(session.tool()), file_id}, progress);
-    });
-  }
+/// What an export says about where it comes from.
+struct ExportOrigin {
+  const std::string& crs_wkt;
+  const std::string& file_id;
 };
+
+/// Writes a terrain in another format than its own; `grid` is null for a mesh.
+void write_export(cli::Session& session, const OutputOptions& output, const TerrainSurface& surface,
+                  const TriangulatedGrid* grid, const ExportOrigin& origin) {
+  const bool geotiff = terrain_format(output.path) == TerrainFormat::geotiff;
+  if (geotiff && grid == nullptr)
+    throw UsageError("output " + output.path.string() +
+                     ": a mesh has no grid to write as GeoTIFF; .obj and .ply hold it");
+  session.phase("write", [&](const ProgressCallback& progress) {
+    if (geotiff)
+      write_geotiff(output, {grid->nodes(), origin.crs_wkt, source_line(session.tool()), origin.file_id},
+                    progress);
+    else
+      write_mesh_file(output, surface, progress);
+  });
+}
 
 ExitCode export_terrain(cli::Session& session, const std::string& path) {
   const OutputOptions output = session.output({path});
   if (terrain_format(output.path) == TerrainFormat::landfall)
-    throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif output");
+    throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif, .obj or .ply output");
   TerrainInput terrain;
   session.phase("read", [&](const ProgressCallback& progress) { terrain = read_terrain(path, progress); });
-  if (terrain.mesh) throw UsageError("--from " + path + ": a mesh has no grid to write as GeoTIFF");
-  GeotiffOutput{output, terrain.file_id}.write(session, terrain.grid->nodes(), terrain.crs_wkt);
-  count_holes(session, terrain.grid->nodes());
+  write_export(session, output, *terrain.surface, terrain.grid.get(), {terrain.crs_wkt, terrain.file_id});
+  if (terrain.grid) count_holes(session, terrain.grid->nodes());
   return ExitCode::done;
 }
 
@@ -149,17 +160,33 @@ ExitCode run_mesh(cli::Session& session, const MeshImport& import) {
     mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
     report(progress, 1);
   });
-  LandfallFileWriter file(output, "terrain", provenance);
-  session.phase("write", [&](const ProgressCallback&) { write_mesh_terrain(file, mesh.mesh); });
+  if (terrain_format(output.path) == TerrainFormat::landfall) {
+    LandfallFileWriter file(output, "terrain", provenance);
+    session.phase("write", [&](const ProgressCallback&) { write_mesh_terrain(file, mesh.mesh); });
+  } else {
+    const TriangleMesh surface(mesh.mesh, import.path);
+    write_export(session, output, surface, nullptr, {kLocalSiteCrsWkt, provenance.file_id()});
+  }
   count_mesh(session, mesh);
   return ExitCode::done;
+}
+
+void write_generated(cli::Session& session, const OutputOptions& output, const Provenance& provenance,
+                     GeneratedTerrain terrain) {
+  if (terrain_format(output.path) == TerrainFormat::landfall) {
+    LandfallFileWriter file(output, "terrain", provenance);
+    session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
+    return;
+  }
+  const TriangulatedGrid grid(std::move(terrain.nodes));
+  write_export(session, output, grid, &grid, {terrain.crs_wkt, provenance.file_id()});
 }
 
 ExitCode generate(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   if (config.mesh) return run_mesh(session, *config.mesh);
   const OutputOptions output = session.output(raster_paths(config.model));
-  const TerrainFormat format = terrain_format(output.path);
+  static_cast<void>(terrain_format(output.path));  // refuses an extension before the work
   Provenance provenance = session.provenance();
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
     DemRaster raster = load_dem(dem, site);
@@ -170,14 +197,9 @@ ExitCode generate(cli::Session& session) {
   session.phase("terrain", [&](const ProgressCallback& progress) {
     terrain = generate_terrain(config.model, config.grid, load, progress);
   });
-  if (format == TerrainFormat::geotiff) {
-    GeotiffOutput{output, provenance.file_id()}.write(session, terrain.nodes, terrain.crs_wkt);
-  } else {
-    LandfallFileWriter file(output, "terrain", provenance);
-    session.phase("write", [&](const ProgressCallback&) { write_terrain(file, terrain); });
-  }
   count_holes(session, terrain.nodes);
   count_features(session, terrain.features);
+  write_generated(session, output, provenance, std::move(terrain));
   return ExitCode::done;
 }
 

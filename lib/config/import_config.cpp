@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
+#include "terrain/mesh_name.h"
 
 namespace landfall {
 namespace {
@@ -57,9 +58,23 @@ Json plain(double number) {
   return number;
 }
 
+void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
+  ImportOptions only_from;
+  only_from.from = options.from;
+  if (!(options == only_from))
+    throw UsageError("--from " + options.from +
+                     ": a mesh takes none of the options of rasters and grids; --set mesh.scale_m, "
+                     "mesh.translate_m and mesh.rotate_rpy_deg place it");
+  if (source.value.contains("mesh"))
+    throw UsageError(source.name +
+                     ": /mesh: the configuration has a mesh and --from names one; leave one out");
+  source.value["mesh"] = {{"path", options.from}};
+}
+
 }  // namespace
 
 void apply_import(JsonSource& source, const ImportOptions& options) {
+  if (is_mesh_name(options.from)) return apply_mesh_import(source, options);
   if (!options.from.empty()) {
     if (source.value.contains("base"))
       throw UsageError(source.name +
@@ -73,6 +88,7 @@ void apply_import(JsonSource& source, const ImportOptions& options) {
 }
 
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit) {
+  if (is_mesh_name(options.from)) return;
   const Json& base = source.value.at("base");
   if (!base.is_object() || base.value("path", Json()) != options.from)
     throw UsageError("--set base: --from " + options.from + " makes the base; set keys of it (base.datum)");

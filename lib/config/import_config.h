@@ -12,6 +12,7 @@ namespace landfall {
 
 /// The command line's short way to import a raster, as texts; empty is not given. Each stands for a key of
 /// the terrain configuration: half_width and resolution for those of /grid, the others for those of /base.
+/// Where is_mesh_name(from), it stands for /mesh/path instead, and no other may be given.
 struct ImportOptions {
   std::string from;          ///< path
   std::string center;        ///< "x,y"

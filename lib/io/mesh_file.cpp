@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/file_extension.h"
 #include "base/hash.h"
 #include "io/mesh_text.h"
 
@@ -29,12 +30,6 @@ std::string read_bytes(const fs::path& path) {
   if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))
     throw FormatError(name + ": cannot be read to its end");
   return bytes;
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return text;
 }
 
 /// The point of "7", "7/1", "7//3" or "-1": counted from 1, or backwards from the last one so far.
@@ -185,7 +180,7 @@ PolygonSoup parse_stl(std::string_view bytes, const std::string& name) {
 
 MeshFile read_mesh_file(const fs::path& path) {
   const std::string name = path.string();
-  const std::string extension = lower_case(path.extension().string());
+  const std::string extension = file_extension(path);
   const auto parse = extension == ".obj"   ? parse_obj
                      : extension == ".ply" ? parse_ply
                      : extension == ".off" ? parse_off

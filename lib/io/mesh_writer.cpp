@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file_extension.h"
 #include "io/mesh_file.h"
 #include "io/output_path.h"
 #include "terrain/triangle_mesh.h"
@@ -242,7 +243,7 @@ void write_triangles(const IndexedTriangles& mesh, MeshSink& sink, const Progres
 }
 
 std::unique_ptr<MeshSink> sink_for(const OutputPath& output) {
-  if (output.path().extension() == ".obj") return std::make_unique<ObjSink>(output.temporary());
+  if (file_extension(output.path()) == ".obj") return std::make_unique<ObjSink>(output.temporary());
   return std::make_unique<PlySink>(output.temporary());
 }
 

@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/terrain_export.h"
 
-#include <algorithm>
-
 #include "base/error.h"
+#include "base/file_extension.h"
 #include "base/parallel.h"
 #include "terrain/gdal_loader.h"
 
 namespace landfall {
 
 TerrainFormat terrain_format(const std::filesystem::path& output) {
-  std::string extension = output.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string extension = file_extension(output);
   if (extension == ".h5") return TerrainFormat::landfall;
   if (extension == ".tif" || extension == ".tiff") return TerrainFormat::geotiff;
-  if (extension == ".obj" || extension == ".ply")
-    throw UsageError("output " + output.string() +
-                     ": this version writes no meshes, only .h5, .tif and .tiff");
+  if (extension == ".obj" || extension == ".ply") return TerrainFormat::mesh;
   throw UsageError("output " + output.string() + ": extension '" + extension +
-                   "' is none of .h5 (terrain), .tif and .tiff (GeoTIFF)");
+                   "' is none of .h5 (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
 }
 
 void write_geotiff(const OutputOptions& options, const GeotiffContent& content,

@@ -10,7 +10,7 @@
 namespace landfall {
 
 /// The files that a terrain can be written as.
-enum class TerrainFormat { landfall, geotiff };
+enum class TerrainFormat { landfall, geotiff, mesh };
 
 /// The format that an output's extension means, whatever its case. Throws UsageError, naming those that are
 /// known, for any other.

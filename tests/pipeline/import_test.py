@@ -209,7 +209,7 @@ class Export(ImportTest):
 
     def test_refuses_what_it_cannot_do(self):
         terrain = self.made("--set", "grid.resolution_m=1")
-        for name, words in [("t.xyz", [".xyz", ".h5", ".tif"]), ("t", [".h5"]), ("t.obj", [".tif"]),
+        for name, words in [("t.xyz", [".xyz", ".h5", ".tif"]), ("t", [".h5"]), ("t.stl", [".obj", ".ply"]),
                             ("t2.h5", ["terrain.h5 already"]), ("t.h5", ["-O"])]:
             self.refuse(2, "terrain-gen", "--from", terrain, "-o", self.path(name), words=words)
         tif = self.path("t.tif")

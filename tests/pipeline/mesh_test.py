@@ -96,6 +96,33 @@ def flash_directions(rows, pitch):
     return d / np.linalg.norm(d, axis=1)[:, None]
 
 
+def facets_of(path):
+    """(facets, 3 corners, xyz) of an OBJ, or a binary PLY as terrain-gen writes it."""
+    if path.endswith(".obj"):
+        with open(path, encoding="ascii") as file:
+            lines = [line.split() for line in file]
+        points = np.array([line[1:] for line in lines if line and line[0] == "v"], float)
+        return points[np.array([line[1:] for line in lines if line and line[0] == "f"], int) - 1]
+    data = read_bytes(path)
+    head, body = data.split(b"end_header\n", 1)
+    words = [line.split() for line in head.decode("ascii").splitlines()]
+    assert words[:2] == [["ply"], ["format", "binary_little_endian", "1.0"]], words
+    count = {line[1]: int(line[2]) for line in words if line[0] == "element"}
+    points = np.frombuffer(body, "<f8", 3 * count["vertex"]).reshape(-1, 3)
+    facets = np.frombuffer(body[points.nbytes:], [("n", "u1"), ("corners", "<i4", 3)])
+    assert len(facets) == count["face"] and (facets["n"] == 3).all()
+    return points[facets["corners"]]
+
+
+def grid_facets(x, y, z):
+    """The triangles of a terrain's grid, each cell cut from lower right to upper left."""
+    points = np.stack([*np.meshgrid(x, y), z], axis=2)
+    low, right, up, far = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
+    cells = np.stack([np.stack([low, right, up], axis=2), np.stack([right, far, up], axis=2)], axis=2)
+    facets = cells.reshape(-1, 3, 3)
+    return facets[~np.isnan(facets).any(axis=(1, 2))]
+
+
 class MeshTest(ToolTest):
     def write(self, name, text):
         with open(self.path(name), "w", encoding="utf-8") as file:
@@ -207,6 +234,49 @@ class MeshTest(ToolTest):
                                                       "rotate_rpy_deg": [0, 0, 0]}})
         again = self.succeed("terrain-gen", "-c", self.config(first, "again.json"), "--print-config").stdout
         self.assertEqual(first, again)
+
+    def test_import_and_export_on_one_line(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        source = self.write("m.off", off_text(vertices, faces))
+        place_it = ["--set", "mesh.scale_m=2", "--set", "mesh.rotate_rpy_deg=[0,0,90]", "--set",
+                    "mesh.translate_m=[0.5,-0.25,0.125]"]
+        short, (long, _) = self.path("short.h5"), self.terrain(vertices, faces, **PLACEMENT)
+        self.succeed("terrain-gen", "--from", source, "-o", short, *place_it)
+        with h5py.File(short) as a, h5py.File(long) as b:
+            for key in ("vertices", "triangles"):
+                np.testing.assert_array_equal(a["mesh"][key][()], b["mesh"][key][()])
+            expected = a["mesh/vertices"][()][a["mesh/triangles"][()]]
+        for name in ("m.obj", "m.ply"):
+            self.succeed("terrain-gen", "--from", short, "-o", self.path(name))
+            np.testing.assert_array_equal(facets_of(self.path(name)), expected)
+            self.succeed("terrain-gen", "--from", source, "-o", self.path("direct_" + name), *place_it)
+            self.assertEqual(read_bytes(self.path("direct_" + name)), read_bytes(self.path(name)))
+            again = self.path(name + ".h5")
+            self.succeed("terrain-gen", "--from", self.path(name), "-o", again)
+            with h5py.File(again) as file:
+                np.testing.assert_array_equal(file["mesh/vertices"][()][file["mesh/triangles"][()]], expected)
+        self.refuse(2, "terrain-gen", "--from", short, "-o", self.path("m.tif"), words=["no grid", ".obj"])
+        self.refuse(2, "terrain-gen", "--from", source, "-o", self.path("x.h5"), "--half-width", "3",
+                    words=["mesh.scale_m"])
+
+    def test_a_grid_as_a_mesh_is_its_triangles(self):
+        terrain, config = self.path("g.h5"), self.path("g.json")
+        with open(config, "w", encoding="ascii") as file:
+            json.dump({"grid": {"half_width_m": 4, "resolution_m": 0.25}, "base": {"type": "fractal"},
+                       "features": [{"type": "cone", "radius_m": 2, "height_m": 3}]}, file)
+        self.succeed("terrain-gen", "-c", config, "-o", terrain)
+        with h5py.File(terrain) as file:
+            expected = grid_facets(file["x"][()], file["y"][()], file["z"][()])
+        for name in ("g.obj", "g.ply"):
+            self.succeed("terrain-gen", "-c", config, "-o", self.path(name))
+            np.testing.assert_array_equal(facets_of(self.path(name)), expected)
+        with h5py.File(terrain, "a") as file:
+            z = file["z"][()]
+            z[3, 4] = z[20:23, 9] = np.nan
+            file["z"][...] = z
+            expected = grid_facets(file["x"][()], file["y"][()], z)
+        self.succeed("terrain-gen", "--from", terrain, "-o", self.path("holes.ply"))
+        np.testing.assert_array_equal(facets_of(self.path("holes.ply")), expected)
 
     def test_damaged_terrain_files(self):
         vertices, faces = rolling_ground_with_a_roof()

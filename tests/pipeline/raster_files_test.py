@@ -32,6 +32,13 @@ class Loads:
         self.tolerance = tolerance
 
 
+class LoadsMesh:
+    """A mesh that must load, its points times `scale`."""
+
+    def __init__(self, kind, options, scale):
+        self.kind, self.options, self.scale = kind, options, scale
+
+
 class Refused:
     def __init__(self, kind, options=""):
         self.kind, self.options = kind, options
@@ -115,8 +122,7 @@ FILES = {
     "malformed/unknown_compression.tif": Refused("TIFF, unknown compression"),
     "malformed/vrt_missing_source.vrt": Refused("VRT whose source is missing"),
     "malformed/w118n033_trunc.dt1": Refused("DTED, truncated"),
-    # A mesh, no raster.
-    "mesh/itokawa_49152f.obj": Refused("Wavefront OBJ"),
+    "mesh/itokawa_49152f.obj": LoadsMesh("Wavefront OBJ, kilometres", "--set mesh.scale_m=1000", 1000),
 }
 # However a malformed file is asked for: as it is, small, large, with and without a scale, at a corner.
 WAYS = [f"{site}{scale}{center}" for site in ["", "--half-width 1 --resolution 1", "--half-width 60 --resolution 0.05"]
@@ -187,8 +193,21 @@ class RasterFiles(ToolTest):
         holes = np.isnan(z).sum()
         return result, f"{len(x)} x {len(y)} nodes of {x[1] - x[0]:.6g} m" + (f", {holes} holes" if holes else "")
 
+    def check_mesh(self, name, case):
+        """Compares every corner of every facet with the lines of the file."""
+        result, path = self.run_file(name, case.options)
+        self.assertEqual((result.code, result.stderr), (0, ""), name)
+        with h5py.File(path) as file:
+            vertices, triangles = (file["mesh"][key][()] for key in ("vertices", "triangles"))
+        os.remove(path)
+        np.testing.assert_array_equal(vertices[triangles], case.scale * readers.obj_facets(os.path.join(DATA, name)))
+        return result, f"{len(vertices)} vertices, {len(triangles)} triangles"
+
     def row(self, name, case):
-        if isinstance(case, Loads):
+        if isinstance(case, LoadsMesh):
+            result, what = self.check_mesh(name, case)
+            cells = [name, case.kind, "loads: " + what, f"`{case.options}`"]
+        elif isinstance(case, Loads):
             result, what = self.check_loaded(name, case)
             cells = [name, case.kind, "loads: " + what, f"`{case.options}`" if case.options else "as it is"]
         else:

@@ -97,6 +97,18 @@ class Cells:
         return self.center[0] + x / self.dx, self.center[1] - y / self.dy
 
 
+def obj_facets(path):
+    """(facets, 3 corners, xyz) of a Wavefront OBJ of triangles."""
+    points, facets = [], []
+    with open(path, encoding="ascii") as file:
+        for words in (line.split() for line in file):
+            if words and words[0] == "v":
+                points.append([float(word) for word in words[1:4]])
+            elif words and words[0] == "f":
+                facets.append([int(word.split("/")[0]) - 1 for word in words[1:]])
+    return np.array(points)[np.array(facets)]
+
+
 class Degrees:
     """Pixels of `step` degrees on a sphere, the first pixel's centre at `first`; the site is the orthographic
     view (Snyder 1987, eq. 20-14, 20-15) from above `center`, all (longitude, latitude)."""

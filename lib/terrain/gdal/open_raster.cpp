@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "terrain/gdal/registry.h"
+#include "terrain/mesh_name.h"
 
 namespace landfall {
 namespace {
@@ -45,17 +46,11 @@ std::string promised_format(const std::string& path) {
   return "";
 }
 
-bool named_as_mesh(const std::string& path) {
-  for (const char* const suffix : {".obj", ".ply", ".off", ".stl"})
-    if (EQUAL(CPLGetExtension(path.c_str()), suffix + 1)) return true;
-  return false;
-}
-
 [[noreturn]] void refuse_unopened(const DemBase& dem, const GdalErrors& errors) {
   const std::string reason = errors.reason();
   if (reason.find("not recognized as a supported file format") == std::string::npos)
     throw FormatError(dem.path + ": GDAL cannot open it (" + reason + "); get or export it again");
-  if (named_as_mesh(dem.path))
+  if (is_mesh_name(dem.path))
     throw FormatError(
         dem.path +
         R"(: is a mesh by its name; a mesh is configured as "mesh": {"path": ..}, not as a raster)");

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "base/file_extension.h"
+
+namespace landfall {
+
+/// True where a path ends as a mesh file's does: .obj, .ply, .off or .stl, in any case.
+inline bool is_mesh_name(const std::string& path) {
+  const std::string extension = file_extension(path);
+  return extension == ".obj" || extension == ".ply" || extension == ".off" || extension == ".stl";
+}
+
+}  // namespace landfall
