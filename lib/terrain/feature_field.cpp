@@ -204,7 +204,7 @@ double ground_in_cell(const Grid<double>& part, const Feature& feature) {
 
 }  // namespace
 
-FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) {
+FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
   const auto place = [&](const Feature& feature, std::int32_t pattern, std::size_t number) {
     features_.push_back({feature, pattern, static_cast<std::int64_t>(number), std::nullopt});
     if (role_of(feature) == FeatureRole::stands && !on_grid(grid, feature))
@@ -232,8 +232,11 @@ void FeatureField::shape_ground(Grid<double>& part, const ProgressCallback& prog
 }
 
 void FeatureField::seat(const TriangulatedGrid& part) {
+  const GridSpec& spec = part.nodes().spec();
+  const bool holds_last_row = spec.first_row + spec.rows == grid_.first_row + grid_.rows;
   for (PlacedFeature& placed : features_) {
-    if (placed.ground_m || !on_grid(part.nodes().spec(), placed.feature)) continue;
+    if (placed.ground_m || !on_grid(spec, placed.feature)) continue;
+    if (!holds_last_row && placed.feature.y_m == spec.y(spec.rows - 1)) continue;
     double z_m = ground_in_cell(part.nodes(), placed.feature);
     if (!std::isfinite(z_m)) z_m = part.elevation(placed.feature.x_m, placed.feature.y_m);
     if (std::isfinite(z_m))
@@ -243,13 +246,21 @@ void FeatureField::seat(const TriangulatedGrid& part) {
   }
 }
 
+bool FeatureField::can_stand(std::int64_t begin, std::int64_t end) const {
+  return std::ranges::all_of(features_, [&](const PlacedFeature& placed) {
+    if (placed.ground_m || role_of(placed.feature) != FeatureRole::stands) return true;
+    const NodeRange rows = box_of(placed.feature, grid_).rows;
+    return std::max(rows.begin, begin) >= std::min(rows.end, end);
+  });
+}
+
 void FeatureField::stand(Grid<double>& part, const ProgressCallback& progress) const {
   const FeatureBands standing(features_, FeatureRole::stands, part.spec());
   standing.for_each(progress, [&](const NodeRange& rows, std::span<const std::size_t> entries) {
     for (const std::size_t entry : entries) {
       const PlacedFeature& placed = standing.feature(entry);
-      if (!placed.ground_m) throw std::logic_error("a standing feature was not seated");
       stamp(part.spec(), placed.feature, rows, [&](const BinIndex& node, double relief_m) {
+        if (!placed.ground_m) throw std::logic_error("a standing feature was not seated");
         double& z = part.at(node);
         const double top_m = *placed.ground_m + relief_m;
         if (z < top_m) z = top_m;

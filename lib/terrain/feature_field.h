@@ -37,16 +37,22 @@ class FeatureField {
 
   /// `part`: some of the grid's nodes, with the sum of the bases.
   void shape_ground(Grid<double>& part, const ProgressCallback& progress = {}) const;
-  /// Asks `part` for the ground under the centres that lie on it. Throws FormatError, naming the feature,
-  /// where one that stands finds a hole.
+  /// Asks `part` for the ground under the centres that lie on it and have none yet; those on its last row
+  /// only where that is the grid's, since the cell there lies in the next part. So that every centre finds
+  /// its cell and that cell's neighbours to the south, parts must be full rows, go up, and overlap: see
+  /// TerrainStrips. Throws FormatError, naming the feature, where one that stands finds a hole.
   void seat(const TriangulatedGrid& part);
-  /// Throws std::logic_error where a standing feature that may reach the part is not seated. A hole of the
+  /// Throws std::logic_error where a standing feature that lies on the part is not seated. A hole of the
   /// ground stays one.
   void stand(Grid<double>& part, const ProgressCallback& progress = {}) const;
+
+  /// Whether all that stands and reaches some of the grid's rows [begin, end), counted from 0, is seated.
+  [[nodiscard]] bool can_stand(std::int64_t begin, std::int64_t end) const;
 
   [[nodiscard]] const std::vector<PlacedFeature>& features() const { return features_; }
 
  private:
+  GridSpec grid_;
   std::vector<PlacedFeature> features_;
 };
 

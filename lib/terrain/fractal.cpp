@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "terrain/fractal.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,19 +9,11 @@
 namespace landfall {
 namespace {
 
-/// The lag, in nodes, at which the law is met: the reference length, where the domain can carry it.
-double calibration_lag(const WaveDomain& domain, const FractalBase& fractal) {
-  const double longest = std::max(4.0, static_cast<double>(std::min(domain.nx, domain.ny)) / 20);
-  return std::clamp(fractal.reference_length_m / domain.spacing_m, 4.0, longest);
-}
-
 /// What the waves of the whole domain must be multiplied with to meet the law at that lag.
 double calibrated_amplitude(const FractalWaves& waves, const WaveDomain& domain, const FractalBase& fractal) {
   const double lag_nodes = calibration_lag(domain, fractal);
-  const double lag_m = lag_nodes * domain.spacing_m;
-  const double wanted_m =
-      fractal.rms_deviation_m * std::pow(lag_m / fractal.reference_length_m, fractal.hurst_exponent);
-  return wanted_m / std::sqrt(waves.squared_deviation(lag_nodes));
+  return lawful_deviation_m(fractal, lag_nodes * domain.spacing_m) /
+         std::sqrt(waves.squared_deviation(lag_nodes));
 }
 
 }  // namespace

@@ -39,6 +39,15 @@ double law_amplitude(const FractalBase& fractal, const WaveDomain& domain) {
   return deviation_m * std::sqrt(constant / static_cast<double>(domain.nx * domain.ny));
 }
 
+double lawful_deviation_m(const FractalBase& fractal, double lag_m) {
+  return fractal.rms_deviation_m * std::pow(lag_m / fractal.reference_length_m, fractal.hurst_exponent);
+}
+
+double calibration_lag(const WaveDomain& domain, const FractalBase& fractal) {
+  const double longest = std::max(4.0, static_cast<double>(std::min(domain.nx, domain.ny)) / 20);
+  return std::clamp(fractal.reference_length_m / domain.spacing_m, 4.0, longest);
+}
+
 FractalWaves::FractalWaves(const WaveDomain& domain, const WaveBand& band, double hurst_exponent,
                            std::int64_t rows, std::int64_t cols)
     : domain_(domain),

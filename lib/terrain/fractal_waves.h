@@ -34,6 +34,13 @@ struct WaveDomain {
 /// a wave has the variance S(k) / (area of the domain).
 [[nodiscard]] double law_amplitude(const FractalBase& fractal, const WaveDomain& domain);
 
+/// rms_deviation_m (lag_m / reference_length_m)^H, metres.
+[[nodiscard]] double lawful_deviation_m(const FractalBase& fractal, double lag_m);
+
+/// The lag, in nodes, at which the law is met where the domain is all there is: the reference length, but not
+/// shorter than 4 nodes nor longer than a twentieth of the domain.
+[[nodiscard]] double calibration_lag(const WaveDomain& domain, const FractalBase& fractal);
+
 /// A realisation of the waves of a band on a periodic domain: one Gaussian amplitude per wave, power
 /// |k|^-(2 H + 2) with k in radians per node. Of the domain's nodes the first rows and columns are kept.
 class FractalWaves {

@@ -16,7 +16,14 @@ struct TriangulatedGrid::CellPosition {
   double v;
 };
 
-TriangulatedGrid::TriangulatedGrid(Grid<double> nodes) : nodes_(std::move(nodes)) {
+bool CellOrigin::has_windows(const GridSpec& spec) {
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 15U;
+  return spec.first_col > -kFarthest && spec.first_row > -kFarthest &&
+         spec.first_col + spec.cols < kFarthest && spec.first_row + spec.rows < kFarthest;
+}
+
+TriangulatedGrid::TriangulatedGrid(Grid<double> nodes, const CellOrigin& origin)
+    : nodes_(std::move(nodes)), origin_(origin) {
   if (nodes_.spec().rows < 2 || nodes_.spec().cols < 2)
     throw FormatError("a terrain grid needs at least 2 x 2 nodes");
 }
@@ -36,8 +43,8 @@ double TriangulatedGrid::elevation_in_cell(const CellPosition& position) const {
 
 double TriangulatedGrid::elevation(double x_m, double y_m) const {
   const GridSpec& spec = nodes_.spec();
-  const double gx = x_m / spec.resolution_m - static_cast<double>(spec.first_col);
-  const double gy = y_m / spec.resolution_m - static_cast<double>(spec.first_row);
+  const double gx = origin_.from_first(x_m / spec.resolution_m, spec.first_col);
+  const double gy = origin_.from_first(y_m / spec.resolution_m, spec.first_row);
   const double last_col = static_cast<double>(spec.cols - 1);
   const double last_row = static_cast<double>(spec.rows - 1);
   if (!(gx >= 0 && gx <= last_col && gy >= 0 && gy <= last_row))
@@ -58,8 +65,8 @@ double TriangulatedGrid::elevation(double x_m, double y_m) const {
 
 Eigen::Vector2d TriangulatedGrid::gradient(double x_m, double y_m) const {
   const GridSpec& spec = nodes_.spec();
-  const double gx = x_m / spec.resolution_m - static_cast<double>(spec.first_col);
-  const double gy = y_m / spec.resolution_m - static_cast<double>(spec.first_row);
+  const double gx = origin_.from_first(x_m / spec.resolution_m, spec.first_col);
+  const double gy = origin_.from_first(y_m / spec.resolution_m, spec.first_row);
   const auto cell_of = [](double place, std::int64_t nodes) {
     return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(nodes - 2)));
   };

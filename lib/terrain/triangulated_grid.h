@@ -11,6 +11,32 @@
 
 namespace landfall {
 
+/// How a place, counted in cells from the site centre, is counted from a grid's first node. By default it is
+/// subtracted, and what that rounds depends on which node is the first.
+///
+/// A window of a terrain must give the answers of the whole terrain, bit for bit. The places on such terrains
+/// are first rounded to 2^-36 cells: within 2^15 cells of the site centre all that follows is exact, whatever
+/// node is the first. It moves a place by less than 1e-11 cells.
+class CellOrigin {
+ public:
+  CellOrigin() = default;
+  [[nodiscard]] static CellOrigin of_windows() {
+    CellOrigin origin;
+    origin.anchor_ = 0x1.8p16;  // its last digit is worth 2^-36
+    return origin;
+  }
+  /// True where windows of a terrain with these nodes give its answers.
+  [[nodiscard]] static bool has_windows(const GridSpec& spec);
+
+  [[nodiscard]] double from_first(double cells, std::int64_t first_node) const {
+    return (cells + anchor_) - (anchor_ + static_cast<double>(first_node));
+  }
+  [[nodiscard]] double anchor() const { return anchor_; }
+
+ private:
+  double anchor_ = 0;
+};
+
 /// The true surface of a gridded terrain: each cell of four nodes is split along the diagonal from node (col
 /// + 1, row) to node (col, row + 1) into two triangles. Rays and elevation() see this same surface, never
 /// another interpolation.
@@ -19,7 +45,9 @@ namespace landfall {
 class TriangulatedGrid final : public TerrainSurface {
  public:
   /// Throws FormatError unless the grid has at least 2 x 2 nodes.
-  explicit TriangulatedGrid(Grid<double> nodes);
+  explicit TriangulatedGrid(Grid<double> nodes, const CellOrigin& origin = {});
+
+  [[nodiscard]] const CellOrigin& origin() const { return origin_; }
 
   [[nodiscard]] const Grid<double>& nodes() const { return nodes_; }
   /// Gives the grid back; the surface is gone.
@@ -47,6 +75,7 @@ class TriangulatedGrid final : public TerrainSurface {
   [[nodiscard]] double elevation_in_cell(const CellPosition& position) const;
 
   Grid<double> nodes_;
+  CellOrigin origin_;
 };
 
 }  // namespace landfall

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "band_law.h"
 #include "base/parallel.h"
 #include "terrain/fractal_waves.h"
 
@@ -66,28 +67,6 @@ TEST_P(StructureFunction, FollowsTheLaw) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Hurst, StructureFunction, ::testing::Values(0.5, 0.6, 0.7, 0.8));
-
-/// The law's structure function with waves shorter than `longest_m` alone:
-/// (C / pi) integral of k^(-2 H - 1) (1 - J0(k L)) over k > 2 pi / longest_m, C of law_amplitude(). By
-/// Simpson's rule in log k, and beyond k = 1e4 / L, where J0 adds nothing, in closed form.
-double band_deviation_m(const FractalBase& law, double longest_m, double lag_m) {
-  const double hurst = law.hurst_exponent;
-  const double gamma = std::tgamma(1 + hurst);
-  const double constant = std::pow(law.rms_deviation_m, 2) * std::pow(law.reference_length_m, -2 * hurst) *
-                          std::pow(2, 2 * hurst + 1) * gamma * gamma * std::sin(std::numbers::pi * hurst);
-  const double first = std::log(2 * std::numbers::pi / longest_m);
-  const double last = std::log(1e4 / lag_m);
-  constexpr int kPieces = 400000;
-  double sum = 0;
-  for (int i = 0; i <= kPieces; ++i) {
-    const double k = std::exp(first + (last - first) * i / kPieces);
-    const double weight = i == 0 || i == kPieces ? 1 : i % 2 == 1 ? 4 : 2;
-    sum += weight * std::pow(k, -2 * hurst) * (1 - ::j0(k * lag_m));
-  }
-  const double integral = sum * (last - first) / kPieces / 3;
-  const double rest = std::exp(-2 * hurst * last) / (2 * hurst);
-  return std::sqrt(constant / std::numbers::pi * (integral + rest));
-}
 
 TEST(BandOracle, WithoutACutIsTheLaw) {
   for (const double hurst : {0.5, 0.8})
