@@ -17,6 +17,7 @@
 #include "io/scan_file.h"
 #include "io/scan_poses.h"
 #include "io/terrain_file.h"
+#include "ray/windowed_terrain.h"
 
 namespace landfall {
 namespace {
@@ -112,6 +113,11 @@ bool saw_other_terrain(const nlohmann::json& scan_chain, const std::string& terr
 struct Inputs {
   std::vector<std::unique_ptr<ScanReader>> scans;
   std::optional<TerrainInput> terrain;
+  std::unique_ptr<const WindowedTerrain> window;  ///< stands for the surface of a large terrain
+  [[nodiscard]] const TerrainSurface* surface() const {
+    if (window) return window.get();
+    return terrain ? terrain->surface.get() : nullptr;
+  }
   std::optional<UncertaintyParameters> uncertainty;
   std::optional<PoseTrack> poses;
   Provenance provenance;
@@ -142,7 +148,13 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
   if (o.uncertainty) open_uncertainty(session, inputs);
   if (o.terrain.empty()) return inputs;
   session.phase("terrain", [&](const ProgressCallback& progress) {
-    inputs.terrain = read_terrain(o.terrain, progress);
+    if (auto large = open_large_terrain(o.terrain, kMostLoadedNodes, progress)) {
+      inputs.terrain.emplace(
+          TerrainInput{nullptr, nullptr, nullptr, large->crs_wkt, large->file_id, large->chain});
+      inputs.window = std::make_unique<const WindowedTerrain>(std::move(large->terrain), EngineMaker());
+    } else {
+      inputs.terrain = read_terrain(o.terrain, progress);
+    }
   });
   inputs.provenance.add_input("terrain", inputs.terrain->file_id, inputs.terrain->chain);
   for (const auto& scan : inputs.scans)
@@ -227,8 +239,10 @@ ExitCode run(cli::Session& session, const Options& o) {
   inputs_named.push_back(o.terrain);
   const OutputOptions output = session.output(inputs_named);
   Inputs inputs = open_inputs(session, o);
-  DemRequest request{o.layers, inputs.terrain ? inputs.terrain->surface.get() : nullptr, config.truth_at,
-                     o.uncertainty, o.corrected};
+  const GridSpec& grid = config.grid;
+  if (inputs.window)
+    inputs.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  DemRequest request{o.layers, inputs.surface(), config.truth_at, o.uncertainty, o.corrected};
   check_layers(request);
   LandfallFileWriter file(output, "dem", inputs.provenance);
   Sums sums = make_sums(config, o);

@@ -21,6 +21,7 @@
 #include "ray/cgal_engine.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
+#include "ray/windowed_terrain.h"
 #include "simulation/scan_pipeline.h"
 #include "simulation/scan_plan.h"
 #include "terrain/triangulated_grid.h"
@@ -164,6 +165,29 @@ TerrainInput open_terrain(cli::Session& session, const Options& o, const std::op
   return terrain;
 }
 
+/// A large terrain, of which only what the rays need is loaded.
+struct Window {
+  TerrainInput input;  ///< without its surface
+  std::unique_ptr<const WindowedTerrain> terrain;
+};
+
+/// Nothing where the terrain is loaded whole, or its ranges come from a file.
+std::optional<Window> open_window(cli::Session& session, const Options& o) {
+  if (!o.ranges_from.empty()) return std::nullopt;
+  std::optional<LargeTerrainInput> large;
+  session.phase("open", [&](const ProgressCallback& progress) {
+    large = open_large_terrain(o.terrain, kMostLoadedNodes, progress);
+  });
+  if (!large) return std::nullopt;
+  TerrainInput input{nullptr, nullptr, nullptr, large->crs_wkt, large->file_id, large->chain};
+  const std::string name = engine_name(o.engine, input);
+  session.count("engine", name);
+  const auto make = [name](const std::shared_ptr<const TriangulatedGrid>& grid) {
+    return make_engine(name, {grid, grid, nullptr, "", "", nullptr}, {});
+  };
+  return Window{std::move(input), std::make_unique<const WindowedTerrain>(std::move(large->terrain), make)};
+}
+
 std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Options& o,
                                              const TerrainInput& terrain) {
   if (!o.ranges_from.empty()) {
@@ -237,12 +261,16 @@ ExitCode run(cli::Session& session, const Options& o) {
   ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));
   std::optional<RangeFile> ranges;
   if (!o.ranges_from.empty()) ranges.emplace(o.ranges_from);
-  const TerrainInput terrain = open_terrain(session, o, ranges);
+  const std::optional<Window> window = open_window(session, o);
+  const TerrainInput terrain = window ? window->input : open_terrain(session, o, ranges);
   provenance.add_input("terrain", terrain.file_id, terrain.chain);
   if (ranges) ranges->require_match(provenance);
   LandfallFileWriter file(output, "scan", provenance);
-  const std::unique_ptr<const RayEngine> engine = open_engine(session, o, terrain);
-  const Simulation simulation(std::move(model), *engine, terrain.surface.get());
+  const std::unique_ptr<const RayEngine> engine = window ? nullptr : open_engine(session, o, terrain);
+  const RayEngine& rays = window ? static_cast<const RayEngine&>(*window->terrain) : *engine;
+  const TerrainSurface* const ground =
+      window ? window->terrain.get() : static_cast<const TerrainSurface*>(terrain.surface.get());
+  const Simulation simulation(std::move(model), rays, ground);
   Replay replay;
   if (ranges)
     replay.ranges = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
@@ -253,6 +281,11 @@ ExitCode run(cli::Session& session, const Options& o) {
     run_scan(
         simulation, replay, [&](PulseBatch& batch) { return writer.take(batch); }, o.batch_points, progress);
   });
+  if (window) {
+    const GridSpec loaded = window->terrain->window();
+    session.log("loaded " + std::to_string(loaded.cols) + " x " + std::to_string(loaded.rows) +
+                " nodes of the terrain");
+  }
   session.phase("finish", [&](const ProgressCallback&) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // terrain-gen: builds the true terrain of a landing site, or exports one.
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <optional>
 #include <variant>
 
 #include "cli/tool.h"
@@ -12,6 +14,7 @@
 #include "io/terrain_file.h"
 #include "terrain/gdal_loader.h"
 #include "terrain/terrain_generator.h"
+#include "terrain/terrain_strips.h"
 
 namespace landfall {
 namespace {
@@ -182,17 +185,38 @@ void write_generated(cli::Session& session, const OutputOptions& output, const P
   write_export(session, output, grid, &grid, {terrain.crs_wkt, provenance.file_id()});
 }
 
+bool is_large(const GridSpec& grid) { return grid.rows * grid.cols > StripSize().most_nodes; }
+
+/// A terrain that is never in memory as a whole.
+ExitCode run_in_strips(cli::Session& session, const TerrainConfig& config, const OutputOptions& output,
+                       const Provenance& provenance, const DemLoader& load) {
+  std::optional<TerrainStrips> strips;
+  session.phase("long waves", [&](const ProgressCallback& progress) {
+    strips.emplace(config.model, config.grid, load, StripSize(), progress);
+  });
+  LandfallFileWriter file(output, "terrain", provenance);
+  session.phase("terrain", [&](const ProgressCallback& progress) {
+    const WrittenNodes written = write_terrain(file, *strips, progress);
+    session.count("node_count", written.count);
+    session.count("hole_node_count", written.holes);
+  });
+  count_features(session, strips->features());
+  return ExitCode::done;
+}
+
 ExitCode generate(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   if (config.mesh) return run_mesh(session, *config.mesh);
   const OutputOptions output = session.output(raster_paths(config.model));
-  static_cast<void>(terrain_format(output.path));  // refuses an extension before the work
+  const TerrainFormat format = terrain_format(output.path);
   Provenance provenance = session.provenance();
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
     DemRaster raster = load_dem(dem, site);
     provenance.add_input("raster", raster_id(raster), nlohmann::json::array());
     return raster;
   };
+  if (format == TerrainFormat::landfall && is_large(config.grid))
+    return run_in_strips(session, config, output, provenance, load);
   GeneratedTerrain terrain;
   session.phase("terrain", [&](const ProgressCallback& progress) {
     terrain = generate_terrain(config.model, config.grid, load, progress);

@@ -49,6 +49,8 @@ void parallel_for(std::size_t count, std::size_t grain,
   if (pieces == 0) report(progress, 1.0);
 }
 
+void run_isolated(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
+
 void run_both(const std::function<void()>& first, const std::function<void()>& second) {
   tbb::this_task_arena::isolate([&] { tbb::parallel_invoke(first, second); });
 }

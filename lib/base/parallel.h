@@ -32,6 +32,10 @@ void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& work,
                   const ProgressCallback& progress = {});
 
+/// Calls work so that a thread that waits in it for parallel work does nothing else meanwhile: for work that
+/// holds a lock.
+void run_isolated(const std::function<void()>& work);
+
 /// Calls both at the same time, where there are threads for it. An exception thrown by either is rethrown
 /// here.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);

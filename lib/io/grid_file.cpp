@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 
 #include "base/error.h"
@@ -90,6 +91,16 @@ std::int64_t first_index(const LandfallFileReader& file, const std::vector<doubl
   return static_cast<std::int64_t>(first);
 }
 
+/// Any stored layer, by HDF5's own means.
+bool read_rectangle(hid_t dataset, hid_t type, BinIndex first, const GridSpec& window, void* values) {
+  const hsize_t start[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
+  const hsize_t count[2] = {static_cast<hsize_t>(window.rows), static_cast<hsize_t>(window.cols)};
+  const h5::Handle file_space(H5Dget_space(dataset), H5Sclose);
+  const h5::Handle memory_space(H5Screate_simple(2, count, nullptr), H5Sclose);
+  return H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
+         H5Dread(dataset, type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) >= 0;
+}
+
 GridSpec read_spec(const LandfallFileReader& file) {
   const std::vector<double> x = read_axis(file, "x");
   const std::vector<double> y = read_axis(file, "y");
@@ -138,6 +149,7 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
   h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
+  if (text.actual_range) h5::write_attribute(dataset.get(), "actual_range", *text.actual_range);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
   return dataset;
 }
@@ -145,6 +157,8 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
 void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinIndex first,
                                  std::span<const std::byte> bytes) const {
   const hsize_t offset[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
+  const std::lock_guard lock(
+      h5::library_lock());  // what is written may be computed from another file's layer
   if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()) < 0)
     throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
 }
@@ -152,9 +166,27 @@ void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinInde
 template <class T>
 void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
   const h5::Handle dataset = create(name, h5::TypeOf<T>::value, text);
-  write_tiles(dataset.get(), layer, compression_, name);
+  write_tiles(dataset.get(), layer, {tile_of(spec_), {}}, compression_, name);
 }
 
+template <class T>
+h5::Handle GridLayerWriter::begin(const std::string& name, const LayerText& text) const {
+  return create(name, h5::TypeOf<T>::value, text);
+}
+
+template <class T>
+void GridLayerWriter::write_rows(const h5::Handle& layer, const std::string& name,
+                                 const Grid<T>& rows) const {
+  write_tiles(layer.get(), rows, {tile_of(spec_), {rows.spec().first_row - spec_.first_row, 0}}, compression_,
+              name);
+}
+
+void GridLayerWriter::write_range(const h5::Handle& layer, const std::array<double, 2>& range) {
+  h5::write_attribute(layer.get(), "actual_range", range);
+}
+
+template h5::Handle GridLayerWriter::begin<double>(const std::string&, const LayerText&) const;
+template void GridLayerWriter::write_rows(const h5::Handle&, const std::string&, const Grid<double>&) const;
 template void GridLayerWriter::write(const std::string&, const Grid<double>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<float>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<std::int32_t>&, const LayerText&);
@@ -209,8 +241,7 @@ GridLayerReader::GridLayerReader(const LandfallFileReader& file)
 
 bool GridLayerReader::has(const std::string& name) const { return h5::exists(file_.root(), name); }
 
-template <class T>
-Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& progress) const {
+h5::Handle GridLayerReader::open(const std::string& name) const {
   h5::Handle dataset;
   if (has(name)) dataset = h5::Handle(H5Dopen2(file_.root(), name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset) file_.fail("no layer /" + name);
@@ -221,8 +252,14 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
       size[0] != static_cast<hsize_t>(spec_.rows) || size[1] != static_cast<hsize_t>(spec_.cols))
     file_.fail("layer /" + name + " is not of the shape (y, x) = (" + std::to_string(spec_.rows) + ", " +
                std::to_string(spec_.cols) + ")");
+  return dataset;
+}
+
+template <class T>
+Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& progress) const {
+  const h5::Handle dataset = open(name);
   auto layer = Grid<T>::unset(spec_);
-  if (!read_tiles(dataset.get(), layer, progress) &&
+  if (!read_tiles(dataset.get(), layer, {tile_of(spec_), {}}, progress) &&
       H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
               layer.values().data()) < 0)
     file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());
@@ -230,6 +267,31 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
   return layer;
 }
 
+BinIndex GridLayerReader::tile() const { return tile_of(spec_); }
+
+template <class T>
+Grid<T> GridLayerReader::read_window(const std::string& name, const GridSpec& window,
+                                     const ProgressCallback& progress) const {
+  const BinIndex first{window.first_row - spec_.first_row, window.first_col - spec_.first_col};
+  auto part = Grid<T>::unset(window);
+  const std::lock_guard lock(h5::library_lock());
+  const h5::Handle dataset = open(name);
+  bool done = false;
+  // A thread that waited for others' tiles might begin work that asks for this lock.
+  run_isolated([&] { done = read_tiles(dataset.get(), part, {tile_of(spec_), first}, progress); });
+  if (!done &&
+      !read_rectangle(dataset.get(), h5::native(h5::TypeOf<T>::value), first, window, part.values().data()))
+    file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());
+  report(progress, 1);
+  return part;
+}
+
+std::optional<std::array<double, 2>> GridLayerReader::range(const std::string& name) const {
+  return h5::read_pair_attribute(open(name).get(), "actual_range");
+}
+
+template Grid<double> GridLayerReader::read_window(const std::string&, const GridSpec&,
+                                                   const ProgressCallback&) const;
 template Grid<double> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 template Grid<float> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 template Grid<std::int32_t> GridLayerReader::read(const std::string&, const ProgressCallback&) const;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -27,11 +29,22 @@ class GridLayerWriter {
     std::string long_name;
     std::vector<std::int8_t> flag_values = {};
     std::string flag_meanings = {};
-    std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
+    std::vector<std::int8_t> flag_masks = {};                ///< bits that may be set together
+    std::optional<std::array<double, 2>> actual_range = {};  ///< see write_range()
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>
   void write(const std::string& name, const Grid<T>& layer, const LayerText& text);
+
+  /// A layer of T that is then written in strips of rows, which only part of is in memory at a time.
+  template <class T>
+  [[nodiscard]] h5::Handle begin(const std::string& name, const LayerText& text) const;
+  /// Whole rows of the grid: the first a multiple of 256 from the grid's, and so the end unless it is the
+  /// grid's. Throws IoError.
+  template <class T>
+  void write_rows(const h5::Handle& layer, const std::string& name, const Grid<T>& rows) const;
+  /// The least and the greatest value of a layer, as the CF conventions have it.
+  static void write_range(const h5::Handle& layer, const std::array<double, 2>& range);
 
   /// A layer of several that are computed tile by tile.
   struct TiledLayer {
@@ -83,7 +96,19 @@ class GridLayerReader {
   template <class T>
   [[nodiscard]] Grid<T> read(const std::string& name, const ProgressCallback& progress = {}) const;
 
+  /// Bins of the layer's chunks, or what stands for them in a layer that is stored otherwise.
+  [[nodiscard]] BinIndex tile() const;
+  /// A part of a layer: bins of the grid, its first row and column multiples of tile() from the grid's.
+  /// Holds h5::library_lock(), and runs nothing else on the threads that it waits with.
+  template <class T>
+  [[nodiscard]] Grid<T> read_window(const std::string& name, const GridSpec& window,
+                                    const ProgressCallback& progress = {}) const;
+  /// What write_range() wrote; nothing where a layer has none.
+  [[nodiscard]] std::optional<std::array<double, 2>> range(const std::string& name) const;
+
  private:
+  [[nodiscard]] h5::Handle open(const std::string& name) const;
+
   const LandfallFileReader& file_;
   GridSpec spec_;
   std::string crs_wkt_;

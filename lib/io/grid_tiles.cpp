@@ -24,10 +24,10 @@ using tbb::filter_mode;
 
 constexpr std::int64_t kTile = 256;
 
-/// The tiles of a layer in row-major order, one call after another.
+/// The tiles of a grid in row-major order, one call after another.
 class TileSequence {
  public:
-  explicit TileSequence(const GridSpec& spec) : spec_(spec), tile_(tile_of(spec)) {}
+  TileSequence(const GridSpec& spec, BinIndex tile) : spec_(spec), tile_(tile) {}
 
   [[nodiscard]] bool at_end() const { return next_.row >= spec_.rows; }
 
@@ -53,14 +53,14 @@ class TileSequence {
 /// Tiles under way for each thread.
 constexpr std::size_t kTilesPerThread = 4;
 
-std::array<hsize_t, 2> offset_of(BinIndex first) {
-  return {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
+/// The bin of the layer.
+std::array<hsize_t, 2> offset_of(const LayerPart& part, BinIndex bin) {
+  return {static_cast<hsize_t>(part.first.row + bin.row), static_cast<hsize_t>(part.first.col + bin.col)};
 }
 
 /// The tile of this first bin, padded with the fill value to a full chunk.
 template <class T>
-void copy_tile(const Grid<T>& layer, BinIndex first, std::vector<T>& values) {
-  const BinIndex tile = tile_of(layer.spec());
+void copy_tile(const Grid<T>& layer, BinIndex tile, BinIndex first, std::vector<T>& values) {
   const std::int64_t rows = std::min(tile.row, layer.spec().rows - first.row);
   const std::int64_t cols = std::min(tile.col, layer.spec().cols - first.col);
   const auto bins = static_cast<std::size_t>(tile.row * tile.col);
@@ -80,8 +80,8 @@ struct LoadedTile {
 
 /// Decodes the tile into `values` and puts the bins that lie in the layer in their place.
 template <class T>
-bool place_tile(const LoadedTile& loaded, const ChunkFormat& format, std::vector<T>& values, Grid<T>& layer) {
-  const BinIndex tile = tile_of(layer.spec());
+bool place_tile(const LoadedTile& loaded, BinIndex tile, const ChunkFormat& format, std::vector<T>& values,
+                Grid<T>& layer) {
   values.resize(format.element_count);
   if (!decode_chunk(loaded.chunk.bytes, loaded.chunk.filter_mask, format, 0,
                     std::as_writable_bytes(std::span(values))))
@@ -100,9 +100,10 @@ BinIndex tile_of(const GridSpec& spec) { return {std::min(kTile, spec.rows), std
 // HDF5 is not reentrant: one stage of each pipeline calls it, in order.
 
 template <class T>
-void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std::string& name) {
+void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, int compression,
+                 const std::string& name) {
   std::vector<BinIndex> todo;
-  for (TileSequence tiles(layer.spec()); !tiles.at_end();) todo.push_back(tiles.next());
+  for (TileSequence tiles(values.spec(), part.tile); !tiles.at_end();) todo.push_back(tiles.next());
   struct Slot {
     ChunkEncoder encoder;
     std::vector<T> values;
@@ -111,22 +112,23 @@ void write_tiles(hid_t dataset, const Grid<T>& layer, int compression, const std
   std::vector<Slot> slots(kTilesPerThread * thread_count(), {ChunkEncoder(sizeof(T), compression), {}, {}});
   const auto encode = [&](std::size_t i, std::size_t number) {
     Slot& slot = slots[number];
-    copy_tile(layer, todo[i], slot.values);
+    copy_tile(values, part.tile, todo[i], slot.values);
     slot.bytes = slot.encoder.encode(std::as_bytes(std::span(slot.values)));
   };
   const auto write = [&](std::size_t i, std::size_t number) {
     const std::span<const std::byte> bytes = slots[number].bytes;
-    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset_of(todo[i]).data(), bytes.size(), bytes.data()) < 0)
+    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset_of(part, todo[i]).data(), bytes.size(), bytes.data()) <
+        0)
       throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
   };
   produce_in_parallel(todo.size(), slots.size(), encode, write);
 }
 
 template <class T>
-bool read_tiles(hid_t dataset, Grid<T>& layer, const ProgressCallback& progress) {
-  const auto chunks = decodable_chunks(dataset, offset_of(tile_of(layer.spec())));
+bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part, const ProgressCallback& progress) {
+  const auto chunks = decodable_chunks(dataset, offset_of({}, part.tile));
   if (!chunks || chunks->type != h5::TypeOf<T>::value) return false;
-  TileSequence tiles(layer.spec());
+  TileSequence tiles(layer.spec(), part.tile);
   std::atomic<bool> good = true;
   const auto load = [&](tbb::flow_control& control) {
     LoadedTile loaded;
@@ -137,12 +139,12 @@ bool read_tiles(hid_t dataset, Grid<T>& layer, const ProgressCallback& progress)
     report(progress, tiles.fraction());
     loaded.first = tiles.next();
     // A tile that is not there is like one that cannot be decoded.
-    if (!load_chunk(dataset, offset_of(loaded.first), loaded.chunk)) good = false;
+    if (!load_chunk(dataset, offset_of(part, loaded.first), loaded.chunk)) good = false;
     return loaded;
   };
   tbb::enumerable_thread_specific<std::vector<T>> values;  // kept from tile to tile
   const auto place = [&](const LoadedTile& loaded) {
-    if (!place_tile(loaded, chunks->format, values.local(), layer)) good = false;
+    if (!place_tile(loaded, part.tile, chunks->format, values.local(), layer)) good = false;
   };
   tbb::parallel_pipeline(kTilesPerThread * thread_count(),
                          tbb::make_filter<void, LoadedTile>(filter_mode::serial_in_order, load) &
@@ -150,13 +152,13 @@ bool read_tiles(hid_t dataset, Grid<T>& layer, const ProgressCallback& progress)
   return good;
 }
 
-template void write_tiles(hid_t, const Grid<double>&, int, const std::string&);
-template void write_tiles(hid_t, const Grid<float>&, int, const std::string&);
-template void write_tiles(hid_t, const Grid<std::int32_t>&, int, const std::string&);
-template void write_tiles(hid_t, const Grid<std::int8_t>&, int, const std::string&);
-template bool read_tiles(hid_t, Grid<double>&, const ProgressCallback&);
-template bool read_tiles(hid_t, Grid<float>&, const ProgressCallback&);
-template bool read_tiles(hid_t, Grid<std::int32_t>&, const ProgressCallback&);
-template bool read_tiles(hid_t, Grid<std::int8_t>&, const ProgressCallback&);
+template void write_tiles(hid_t, const Grid<double>&, const LayerPart&, int, const std::string&);
+template void write_tiles(hid_t, const Grid<float>&, const LayerPart&, int, const std::string&);
+template void write_tiles(hid_t, const Grid<std::int32_t>&, const LayerPart&, int, const std::string&);
+template void write_tiles(hid_t, const Grid<std::int8_t>&, const LayerPart&, int, const std::string&);
+template bool read_tiles(hid_t, Grid<double>&, const LayerPart&, const ProgressCallback&);
+template bool read_tiles(hid_t, Grid<float>&, const LayerPart&, const ProgressCallback&);
+template bool read_tiles(hid_t, Grid<std::int32_t>&, const LayerPart&, const ProgressCallback&);
+template bool read_tiles(hid_t, Grid<std::int8_t>&, const LayerPart&, const ProgressCallback&);
 
 }  // namespace landfall

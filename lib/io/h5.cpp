@@ -245,6 +245,27 @@ std::optional<std::string> read_text_attribute(hid_t object, const std::string& 
   return read_string(type.get(), [&](hid_t t, void* buffer) { return H5Aread(attribute.get(), t, buffer); });
 }
 
+void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values) {
+  const hsize_t size = values.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle attribute =
+      checked(H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+              H5Aclose, name);
+  require(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0, name);
+}
+
+std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name) {
+  if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
+  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!attribute) return std::nullopt;
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  std::array<double, 2> values{};
+  if (H5Sget_simple_extent_npoints(space.get()) != 2 ||
+      H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) < 0)
+    return std::nullopt;
+  return values;
+}
+
 std::optional<double> read_number_attribute(hid_t object, const std::string& name) {
   if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
   const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);

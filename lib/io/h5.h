@@ -3,6 +3,7 @@
 
 #include <hdf5.h>
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
@@ -106,6 +107,9 @@ void write_attribute(hid_t object, const std::string& name, const std::string& t
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
+void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values);
+/// Nothing unless it is two numbers.
+[[nodiscard]] std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name);
 /// A scalar variable-length UTF-8 dataset with units and `long_name`: JSON goes here, for attributes end at
 /// 64 KiB.
 struct TextDataset {

@@ -2,7 +2,10 @@
 #include "io/terrain_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,11 +17,57 @@
 
 namespace landfall {
 
+namespace {
+
+GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
+
+/// Of the finite values; low > high where there are none.
+struct ElevationRange {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void add(double z) {  // NaN changes nothing
+    if (z < low) low = z;
+    if (z > high) high = z;
+  }
+  [[nodiscard]] std::optional<std::array<double, 2>> pair() const {
+    if (low > high) return std::nullopt;
+    return std::array{low, high};
+  }
+};
+
+}  // namespace
+
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
-  layers.write("z", terrain.nodes, {"m", "true elevation at the grid node"});
+  ElevationRange range;
+  for (const double z : terrain.nodes.values()) range.add(z);
+  auto text = elevation_text();
+  text.actual_range = range.pair();
+  layers.write("z", terrain.nodes, text);
   write_features(file, terrain.features);
   file.commit();
+}
+
+WrittenNodes write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
+                           const ProgressCallback& progress) {
+  const GridLayerWriter layers(file, strips.spec(), strips.crs_wkt(), "grid node");
+  const h5::Handle z_layer = layers.begin<double>("z", elevation_text());
+  ElevationRange range;
+  WrittenNodes written;
+  const auto write = [&](const Grid<double>& strip) {
+    for (const double z : strip.values()) {
+      range.add(z);
+      written.holes += std::isnan(z) ? 1 : 0;
+    }
+    written.count += static_cast<std::int64_t>(strip.spec().size());
+    layers.write_rows(z_layer, "z", strip);
+  };
+  strips.make(write, progress);
+  if (const auto pair = range.pair()) GridLayerWriter::write_range(z_layer, *pair);
+  write_features(file, strips.features());
+  file.commit();
+  return written;
 }
 
 std::string raster_id(const DemRaster& raster) {

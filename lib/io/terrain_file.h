@@ -3,10 +3,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "base/progress.h"
 #include "io/landfall_file.h"
+#include "terrain/large_terrain.h"
 #include "terrain/terrain_generator.h"
+#include "terrain/terrain_strips.h"
 #include "terrain/triangle_mesh.h"
 #include "terrain/triangulated_grid.h"
 
@@ -15,6 +18,16 @@ namespace landfall {
 /// Writes terrain.h5: /x /y /z (float64), the site frame (SPEC section 8) and the list of objects
 /// (feature_file.h).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
+
+/// What was written of a terrain in strips.
+struct WrittenNodes {
+  std::int64_t count = 0;
+  std::int64_t holes = 0;
+};
+
+/// Makes a terrain strip by strip and writes the same file. Throws also as TerrainStrips::make().
+WrittenNodes write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
+                           const ProgressCallback& progress = {});
 
 /// The id of an imported raster: a hash of what was read of it, samples, place and frame. Files beside the
 /// named one (a world file, the parts of a VRT) count through what they change; the file's name does not.
@@ -34,5 +47,24 @@ struct TerrainInput {
 /// infinite one, or a sound mesh.
 [[nodiscard]] TerrainInput read_terrain(const std::filesystem::path& path,
                                         const ProgressCallback& progress = {});
+
+/// Terrains of more nodes are loaded in part.
+inline constexpr std::int64_t kMostLoadedNodes = std::int64_t{1} << 24U;
+
+/// A gridded terrain of which only windows are loaded.
+struct LargeTerrainInput {
+  LargeTerrain terrain;  ///< keeps the file open
+  std::string crs_wkt;
+  std::string file_id;
+  nlohmann::json chain;
+};
+
+/// Nothing for a terrain that read_terrain() is for: a mesh, a grid of at most `most_nodes` nodes, or one
+/// that CellOrigin has no windows of. The bounds of the elevations are the layer's actual_range, which
+/// terrain-gen writes; without it all tiles are read once. A window throws FormatError for an elevation that
+/// is infinite or beyond these bounds.
+[[nodiscard]] std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path,
+                                                                  std::int64_t most_nodes = kMostLoadedNodes,
+                                                                  const ProgressCallback& progress = {});
 
 }  // namespace landfall

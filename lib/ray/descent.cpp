@@ -16,7 +16,7 @@ double largest_height(const ElevationPyramid& pyramid) {
 Heightfield::Heightfield(const TriangulatedGrid& surface, const ProgressCallback& progress)
     : terrain(surface),
       pyramid(surface.nodes(), progress),
-      frame(surface.nodes().spec(), largest_height(pyramid)) {}
+      frame(surface.nodes().spec(), largest_height(pyramid), surface.origin()) {}
 
 Descent::Descent(const Heightfield& field, const Ray& ray)
     : field_(field),

@@ -6,6 +6,7 @@
 
 #include "raster/grid_spec.h"
 #include "ray/engine.h"
+#include "terrain/triangulated_grid.h"
 
 namespace landfall {
 
@@ -16,13 +17,23 @@ struct GridFrame {
   double first_row = 0;
   double extent_cells = 0;  ///< bound of |first index| + number of cells, over both axes
   double height_m = 0;      ///< bound of |elevation|
+  double anchor = 0;        ///< of CellOrigin
 
-  GridFrame(const GridSpec& spec, double highest_abs_m)
+  GridFrame(const GridSpec& spec, double highest_abs_m, const CellOrigin& origin = {})
       : cells_per_m(1 / spec.resolution_m),
         first_col(static_cast<double>(spec.first_col)),
         first_row(static_cast<double>(spec.first_row)),
-        extent_cells(std::abs(first_col) + std::abs(first_row) + static_cast<double>(spec.cols + spec.rows)),
-        height_m(highest_abs_m) {}
+        extent_cells(extent_of(origin.whole().value_or(spec))),
+        height_m(origin.whole() ? origin.highest_abs_m() : highest_abs_m),
+        anchor(origin.anchor()) {
+    // The rounding of CellOrigin, 2^-37 cells along each axis, as a part of GridRay::position_error.
+    if (anchor != 0) extent_cells += 0x1p-36 / (64 * 0x1p-53);
+  }
+
+ private:
+  static double extent_of(const GridSpec& spec) {
+    return static_cast<double>(std::abs(spec.first_col) + std::abs(spec.first_row) + spec.cols + spec.rows);
+  }
 };
 
 /// A ray with x and y counted in cells from node (0, 0), z and the range in metres; and how far rounding can
@@ -45,8 +56,8 @@ struct GridRay {
   GridRay(const GridFrame& frame, const Ray& ray) {
     const double x_cells = ray.origin.v.x() * frame.cells_per_m;
     const double y_cells = ray.origin.v.y() * frame.cells_per_m;
-    x = x_cells - frame.first_col;
-    y = y_cells - frame.first_row;
+    x = (x_cells + frame.anchor) - (frame.anchor + frame.first_col);
+    y = (y_cells + frame.anchor) - (frame.anchor + frame.first_row);
     z = ray.origin.v.z();
     dx = ray.direction.v.x() * frame.cells_per_m;
     dy = ray.direction.v.y() * frame.cells_per_m;

@@ -43,8 +43,9 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, std::size_t en
     const V y_cells = hn::Mul(load(chunk.y + i), scale);
     const V reach = hn::Add(hn::Add(hn::Abs(x_cells), hn::Abs(y_cells)), constant(frame.extent_cells));
     const V height = hn::Add(hn::Abs(load(chunk.z + i)), constant(frame.height_m));
-    hn::Store(hn::Sub(x_cells, constant(frame.first_col)), d, chunk.x + i);
-    hn::Store(hn::Sub(y_cells, constant(frame.first_row)), d, chunk.y + i);
+    const V anchor = constant(frame.anchor);
+    hn::Store(hn::Sub(hn::Add(x_cells, anchor), constant(frame.anchor + frame.first_col)), d, chunk.x + i);
+    hn::Store(hn::Sub(hn::Add(y_cells, anchor), constant(frame.anchor + frame.first_row)), d, chunk.y + i);
     hn::Store(hn::Mul(load(chunk.dx + i), scale), d, chunk.dx + i);
     hn::Store(hn::Mul(load(chunk.dy + i), scale), d, chunk.dy + i);
     hn::Store(hn::Mul(rounding, reach), d, chunk.position_error + i);

@@ -198,10 +198,12 @@ void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) c
 
 void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
   if (ground_ == nullptr || !ground_->is_ground_below()) return;
+  const double highest_m = ground_->highest_m();
   const Point<DemFrame>* checked = nullptr;
   for (const Ray& ray : rays) {
     if (checked != nullptr && ray.origin == *checked) continue;
     checked = &ray.origin;
+    if (ray.origin.v.z() > highest_m) continue;
     const double ground_m = ground_->elevation(ray.origin.v.x(), ray.origin.v.y());
     if (ray.origin.v.z() <= ground_m) refuse_origin(pulse.time.pulse, ray.origin, ground_m);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace landfall {
 
@@ -13,6 +14,9 @@ class TerrainSurface {
 
   /// H(x, y): the highest elevation of the surface on the vertical through (x, y); NaN where it has none.
   [[nodiscard]] virtual double elevation(double x_m, double y_m) const = 0;
+
+  /// No elevation is greater, metres; infinite where that is not known.
+  [[nodiscard]] virtual double highest_m() const { return std::numeric_limits<double>::infinity(); }
 
   /// A unit normal, of either sense, of the triangle that `place`, a point of the surface, lies on: on an
   /// edge or node of one of those that share it. NaN where there is no triangle.

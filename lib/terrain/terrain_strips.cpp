@@ -205,7 +205,7 @@ void TerrainStrips::require_relief() const {
 }
 
 void TerrainStrips::seat(Grid<double>& strip) {
-  const CellOrigin origin = is_whole() ? CellOrigin() : CellOrigin::of_windows();
+  const CellOrigin origin = is_whole() ? CellOrigin() : CellOrigin::of_windows(spec_, 0);
   if (border_) field_.seat(TriangulatedGrid(joined(*border_, strip), origin));
   if (!is_whole()) border_ = last_rows(strip);
   TriangulatedGrid ground(std::move(strip), origin);

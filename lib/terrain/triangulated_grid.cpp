@@ -16,6 +16,14 @@ struct TriangulatedGrid::CellPosition {
   double v;
 };
 
+CellOrigin CellOrigin::of_windows(const GridSpec& whole, double highest_abs_m) {
+  CellOrigin origin;
+  origin.anchor_ = 0x1.8p16;  // its last digit is worth 2^-36
+  origin.whole_ = whole;
+  origin.highest_abs_m_ = highest_abs_m;
+  return origin;
+}
+
 bool CellOrigin::has_windows(const GridSpec& spec) {
   constexpr std::int64_t kFarthest = std::int64_t{1} << 15U;
   return spec.first_col > -kFarthest && spec.first_row > -kFarthest &&

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "raster/grid.h"
@@ -20,11 +22,9 @@ namespace landfall {
 class CellOrigin {
  public:
   CellOrigin() = default;
-  [[nodiscard]] static CellOrigin of_windows() {
-    CellOrigin origin;
-    origin.anchor_ = 0x1.8p16;  // its last digit is worth 2^-36
-    return origin;
-  }
+  /// `whole`: the terrain's nodes; `highest_abs_m`: a bound of its |elevation|. How far rounding can take a
+  /// result is judged by these, not by the window's.
+  [[nodiscard]] static CellOrigin of_windows(const GridSpec& whole, double highest_abs_m);
   /// True where windows of a terrain with these nodes give its answers.
   [[nodiscard]] static bool has_windows(const GridSpec& spec);
 
@@ -32,9 +32,13 @@ class CellOrigin {
     return (cells + anchor_) - (anchor_ + static_cast<double>(first_node));
   }
   [[nodiscard]] double anchor() const { return anchor_; }
+  [[nodiscard]] const std::optional<GridSpec>& whole() const { return whole_; }
+  [[nodiscard]] double highest_abs_m() const { return highest_abs_m_; }
 
  private:
   double anchor_ = 0;
+  std::optional<GridSpec> whole_;
+  double highest_abs_m_ = 0;
 };
 
 /// The true surface of a gridded terrain: each cell of four nodes is split along the diagonal from node (col

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <span>
+
+#include "raster/grid_spec.h"
+#include "ray/engine.h"
+#include "terrain/large_terrain.h"
+#include "terrain/surface.h"
+#include "terrain/triangulated_grid.h"
+
+namespace landfall {
+
+/// Bounds of places, metres, inclusive; empty where low > high.
+struct GroundBox {
+  double low_x = std::numeric_limits<double>::infinity();
+  double high_x = -std::numeric_limits<double>::infinity();
+  double low_y = std::numeric_limits<double>::infinity();
+  double high_y = -std::numeric_limits<double>::infinity();
+
+  void add(double x_m, double y_m);
+  void add(const GroundBox& box);
+  [[nodiscard]] bool empty() const { return low_x > high_x || low_y > high_y; }
+  [[nodiscard]] bool contains(const GroundBox& box) const;
+};
+
+/// Makes an engine for a window; empty where no rays are traced.
+using EngineMaker =
+    std::function<std::unique_ptr<const RayEngine>(std::shared_ptr<const TriangulatedGrid> surface)>;
+
+/// A large terrain as a surface and as an engine, through one window that grows as places and rays need it.
+///
+/// No answer depends on the window. The nodes' positions do not (CellOrigin); and an answer is given only
+/// when the window certainly holds all that decides it. A ray can meet the surface only between the
+/// elevations lowest_m and highest_m of the terrain: the places above which it enters and leaves these, or
+/// hits, must lie in the window. A window is a rectangle, so what the ray crosses between them does as well.
+/// A window ends a cell short of its border, and nowhere where that is the terrain's. Answers are those of
+/// make_heightfield_engine() for the whole terrain with CellOrigin::of_windows(), bit for bit.
+class WindowedTerrain final : public TerrainSurface, public RayEngine {
+ public:
+  /// Throws UsageError unless CellOrigin::has_windows(terrain.spec).
+  WindowedTerrain(LargeTerrain terrain, EngineMaker make_engine);
+
+  /// Has the window hold these places, as far as they lie on the terrain.
+  void require(const GroundBox& box) const;
+
+  void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
+  [[nodiscard]] double elevation(double x_m, double y_m) const override;
+  [[nodiscard]] double highest_m() const override { return terrain_.highest_m; }
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& place) const override;
+
+  /// The nodes that are in memory; none at first.
+  [[nodiscard]] GridSpec window() const;
+
+ private:
+  struct Window;
+
+  [[nodiscard]] std::shared_ptr<const Window> current() const;
+  [[nodiscard]] bool off_terrain(double x_m, double y_m) const;
+  [[nodiscard]] std::shared_ptr<const Window> holding(const GroundBox& needed) const;
+  [[nodiscard]] GroundBox needed_by(const Ray& ray, double range_m) const;
+  [[nodiscard]] GridSpec nodes_around(GroundBox box) const;
+  [[nodiscard]] std::shared_ptr<const Window> load(const GridSpec& spec) const;
+
+  LargeTerrain terrain_;
+  EngineMaker make_engine_;
+  CellOrigin origin_;
+  mutable std::mutex growing_;
+  mutable std::shared_mutex reading_;
+  mutable std::shared_ptr<const Window> window_;
+};
+
+}  // namespace landfall
