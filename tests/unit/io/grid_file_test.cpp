@@ -57,6 +57,25 @@ TEST(GridFile, ReadingTellsHowFarItIs) {
   EXPECT_EQ(fractions.back(), 1);
 }
 
+TEST(LargeTerrain, WindowsAreTheWholeFilesNodes) {
+  const TemporaryFolder folder;
+  GeneratedTerrain terrain;
+  terrain.nodes = waves({0.5, -350, -150, 700, 300});
+  LandfallFileWriter file({folder / "t.h5", true, 1}, "terrain", provenance());
+  write_terrain(file, terrain);
+  EXPECT_FALSE(open_large_terrain(folder / "t.h5").has_value());
+  const auto large = open_large_terrain(folder / "t.h5", 1000);
+  ASSERT_TRUE(large.has_value());
+  EXPECT_EQ(large->terrain.spec, terrain.nodes.spec());
+  EXPECT_NEAR(large->terrain.lowest_m, -1, 1e-4);
+  EXPECT_NEAR(large->terrain.highest_m, 1, 1e-4);
+  const GridSpec spec{0.5, -350 + 256, -150, 444, 256};
+  const Grid<double> window = large->terrain.load(spec);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col)
+      ASSERT_EQ(window.at({row, col}), terrain.nodes.at({row + 256, col}));
+}
+
 // Larger than one tile in one direction, smaller in the other; not square, not centred.
 TEST(GridFile, RoundTrip) {
   const TemporaryFolder folder;
