@@ -15,6 +15,12 @@ MARKERS = "osD^vP*X"
 LIMIT_COLOR = "#7F0000"
 MOST_SERIES = len(COLORS)
 MOST_ROWS = 60
+# A logarithmic axis of so many values has a tick at each.
+MOST_TICKS = 12
+# Least distance of their labels, as a share of the axis.
+CLOSEST_LABELS = 0.06
+# A limit so many times the largest value is named and not drawn.
+FAR_LIMIT = 30
 NAMES = {
     "coverage.invalid_frac": "invalid bins, share of the region",
     "coverage.invalid_count": "invalid bins",
@@ -27,6 +33,7 @@ NAMES = {
     "accuracy.relative.y.p95_m": "relative error in y, 95 % of footprints below",
     "accuracy.relative.y.max_m": "relative error in y, largest",
     "accuracy.absolute.z.p95_m": "absolute elevation error, 95 % of footprints below",
+    "statistics.z.rmse_m": "elevation error of the bins, rms",
     "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
     "requirements.relative_elevation.value": "footprints over the relative elevation limit",
     "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
@@ -42,7 +49,7 @@ class Scale:
     def __init__(self, results, metric):
         self.name = NAMES.get(metric, metric)
         self.unit, self.factor = results.units[metric], 1
-        largest = max((abs(value) for point in results.points for value in results.values(point, metric)), default=0)
+        largest = largest_value(results, metric)
         if self.unit == "m" and 0 < largest < 0.5:
             self.unit, self.factor = ("cm", 100) if largest >= 0.01 else ("mm", 1000)
 
@@ -52,10 +59,18 @@ class Scale:
     def requirement(self, metric, limit):
         bound = "at least" if "within_limit" in metric or metric == "requirements.absolute_horizontal.value" else "at most"
         of_all = " of every footprint" if metric.startswith("accuracy.relative.") and metric.endswith("p95_m") else ""
-        return f"required{of_all}: {bound} {with_unit(limit * self.factor, self.unit)}"
+        value, unit = limit * self.factor, self.unit
+        if unit in ("cm", "mm") and limit >= 1:
+            value, unit = limit, "m"
+        return f"required{of_all}: {bound} {with_unit(value, unit)}"
+
+
+def largest_value(results, metric):
+    return max((abs(value) for point in results.points for value in results.values(point, metric)), default=0)
 
 
 def with_unit(value, unit):
+    unit = "bin" if unit == "bins" and value == 1 else unit
     return f"{number(value)} {unit}" if unit not in ("", "1") else number(value)
 
 
@@ -107,11 +122,11 @@ def draw_distribution(axes, results, metric, scale):
 
 def draw_series(axes, results, metric, scale, x, quantile):
     column = results.axes.index(x)
+    others = [axis for axis in results.axes if axis is not x and not results.follows(axis, x)]
+    places = [results.axes.index(axis) for axis in others]
     series = {}
     for point in results.points:
-        key = point.values[:column] + point.values[column + 1:]
-        series.setdefault(key, []).append(point)
-    others = [axis for axis in results.axes if axis is not x]
+        series.setdefault(tuple(point.values[at] for at in places), []).append(point)
     place = {value: value if x.numeric else index for index, value in enumerate(x.values)}
     shown = list(series.items()) if len(series) <= MOST_SERIES else spread(list(series.items()), MOST_SERIES)
     for index, (key, points) in enumerate(shown):
@@ -119,6 +134,8 @@ def draw_series(axes, results, metric, scale, x, quantile):
         if not x.numeric:  # side by side
             placed = [(at + 0.08 * (index - (len(shown) - 1) / 2), point) for at, point in placed]
         draw_line(axes, results, metric, scale, placed, quantile, index, point_name(others, key), x.numeric)
+    if len(shown) <= 3:
+        show_all(axes, len(shown))
     draw_limit(axes, results, metric, scale)
     finish_x(axes, x)
     finish_y(axes, results, metric, scale)
@@ -127,6 +144,13 @@ def draw_series(axes, results, metric, scale, x, quantile):
         axes.legend(frameon=False, fontsize=8, title=title, bbox_to_anchor=(1.01, 1), loc="upper left")
     elif results.limit(metric) is not None:
         axes.legend(frameon=False, fontsize=8)
+
+
+def show_all(axes, count):
+    """Earlier series wider than later ones, so that one under another of the same values is still seen."""
+    for below, line in enumerate(reversed([line for line in axes.get_lines() if line.get_label()[:1] != "_"][:count])):
+        line.set_markersize(5 + 3 * below)
+        line.set_linewidth(1.4 + 1.6 * below)
 
 
 def spread(items, count):
@@ -152,8 +176,14 @@ def draw_line(axes, results, metric, scale, placed, quantile, index, label, join
 
 
 def draw_limit(axes, results, metric, scale):
+    """A dashed line; where it would flatten what is measured, only its name."""
     limit = results.limit(metric)
-    if limit is not None:
+    if limit is None:
+        return
+    largest = largest_value(results, metric)
+    if 0 < largest < limit / FAR_LIMIT:
+        axes.plot([], [], " ", label=scale.requirement(metric, limit) + " (far above)")
+    else:
         axes.axhline(limit * scale.factor, color=LIMIT_COLOR, linestyle="--", linewidth=1.2,
                      label=scale.requirement(metric, limit))
 
@@ -166,16 +196,31 @@ def finish_x(axes, x):
                         ha="center" if sum(map(len, x.values)) < 60 else "right")
     elif x.log and min(x.values) > 0:
         axes.set_xscale("log")
+        if len(x.values) <= MOST_TICKS:
+            axes.set_xticks(sorted(x.values), tick_labels(sorted(x.values)))
+            axes.minorticks_off()
+
+
+def tick_labels(values):
+    """Of ascending values on a logarithmic axis: none where it would run into the one before."""
+    labels, last = [], -math.inf
+    for value in values:
+        at = math.log(value) / (math.log(values[-1] / values[0]) or 1)
+        shown = at - last >= CLOSEST_LABELS
+        labels.append(number(value) if shown else "")
+        last = at if shown else last
+    return labels
 
 
 def finish_y(axes, results, metric, scale):
-    """Logarithmic where values differ by more than a hundred, linear about 0 where that is among them or required."""
+    """Logarithmic where values differ by more than a hundred and half of them would be hard to read on a linear axis; linear about 0
+    where that is among them or required."""
     values = np.concatenate([results.values(point, metric) for point in results.points]) * scale.factor
     axes.set_ylabel(scale.title())
     positive = values[values > 0]
     if values.size == 0 or values.min() < 0:
         return
-    if positive.size == 0 or values.max() / positive.min() <= 100:
+    if positive.size == 0 or values.max() / positive.min() <= 100 or values.max() < 20 * np.median(values):
         axes.set_ylim(bottom=-0.02 * axes.get_ylim()[1])
     elif positive.size < values.size or results.limit(metric) == 0:
         axes.set_yscale("symlog", linthresh=positive.min())
@@ -188,9 +233,9 @@ def finish_y(axes, results, metric, scale):
 
 
 def map_axes(results, x):
-    """The two axes of a map: x and another number, where there is no third axis; None otherwise."""
+    """The two axes of a map: x and another number that does not go with x, where there is no third axis; None otherwise."""
     numeric = [axis for axis in results.axes if axis.numeric and len(axis.values) > 1]
-    if len(results.axes) != 2 or len(numeric) != 2 or x not in numeric:
+    if len(results.axes) != 2 or len(numeric) != 2 or x not in numeric or results.follows(numeric[0], numeric[1]):
         return None
     return x, next(axis for axis in numeric if axis is not x)
 

@@ -72,6 +72,11 @@ class Results:
             rows.setdefault(tuple(column[row] for column in columns), []).append(row)
         return [Point(values, tuple(numbers)) for values, numbers in rows.items()]
 
+    def follows(self, axis, leader):
+        """Whether each value of `leader` has one of `axis`, as where both are zipped."""
+        pairs = set(zip(self.columns[leader.name], self.columns[axis.name]))
+        return len(pairs) == len(leader.values)
+
     def is_metric(self, name):
         return name in self.columns and name not in self._axis_names and not isinstance(self.columns[name][0], str)
 

@@ -3,8 +3,9 @@
 """Draws a study's results: metrics against its axes with the requirements, maps for two axes, and pass rates.
 
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
-interval), METRIC-map.png where two axes are numbers, requirements.png (pass rates with Wilson 95 % intervals), shares.png
-(how much of each limit is used), and the numbers behind them, pass_rates.csv and percentiles.csv.
+interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
+requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), and the numbers behind
+them, pass_rates.csv and percentiles.csv.
 """
 import argparse
 import csv
@@ -14,6 +15,7 @@ import sys
 sys.dont_write_bytecode = True
 import landfall_plots as lp
 import landfall_study_figures as figures
+import landfall_study_overview
 from landfall_study_table import REQUIREMENTS, Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
@@ -98,6 +100,9 @@ def draw_all(options, results, metrics):
         pair = figures.map_axes(results, x)
         if pair:
             made[path + "-map.png"] = figures.map_figure(results, metric, pair, quantile)
+    overview = landfall_study_overview.overview_figure(results, metrics, x, quantile)
+    if overview:
+        made[os.path.join(options.output, "overview.png")] = overview
     made[os.path.join(options.output, "requirements.png")] = figures.requirements_figure(results)
     made[os.path.join(options.output, "shares.png")] = figures.shares_figure(results, quantile)
     return made

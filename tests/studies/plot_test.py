@@ -21,6 +21,7 @@ sys.dont_write_bytecode = True
 import landfall_intervals
 import landfall_results
 import landfall_study_figures as figures
+import landfall_study_overview
 import landfall_study_table
 
 
@@ -84,6 +85,7 @@ class Bootstrap(unittest.TestCase):
 AXES = [{"name": "sigma_m", "label": "noise", "unit": "m", "log": False, "numeric": True, "role": "axis"},
         {"name": "loss_frac", "label": "losses", "unit": "1", "log": False, "numeric": True, "role": "axis"},
         {"name": "kind", "label": "kind", "unit": "", "log": False, "numeric": False, "role": "axis"},
+        {"name": "lines", "label": "lines", "unit": "", "log": False, "numeric": True, "role": "axis"},
         {"name": "repeat", "label": "repeat", "unit": "", "log": False, "numeric": True, "role": "repeat"}]
 
 
@@ -106,12 +108,14 @@ class Plots(unittest.TestCase):
         return os.path.join(self.folder.name, *names)
 
     def table(self, names, judged=True, repeats=(1, 2, 3), limits=None, **plot):
-        """Writes results.h5 with the named axes, and returns its name."""
+        """Writes results.h5 with the named axes, and returns its name. `lines` go with sigma_m, as in a zip."""
         values = {"sigma_m": (0.0, 0.01, 0.02), "loss_frac": (0, 0.5), "kind": ("FSM", "flash"), "repeat": repeats}
+        lines = {0.0: 7, 0.01: 9, 0.02: 8}
         axes = [axis for axis in AXES if axis["name"] in names]
         points = [[]]
         for axis in axes:
-            points = [[*point, value] for point in points for value in values[axis["name"]]]
+            points = [[*point, value] for point in points
+                      for value in (values[axis["name"]] if axis["name"] in values else [lines[point[0]]])]
         rows = []
         for number, point in enumerate(points):
             at = dict(zip([axis["name"] for axis in axes], point))
@@ -137,7 +141,8 @@ class Plots(unittest.TestCase):
                   "accuracy.relative.z.max_m,coverage.invalid_frac")
         self.assertEqual(sorted(os.listdir(self.path("f"))),
                          ["accuracy.relative.z.max_m-map.png", "accuracy.relative.z.max_m.png", "coverage.invalid_frac-map.png",
-                          "coverage.invalid_frac.png", "pass_rates.csv", "percentiles.csv", "requirements.png", "shares.png"])
+                          "coverage.invalid_frac.png", "overview.png", "pass_rates.csv", "percentiles.csv", "requirements.png",
+                          "shares.png"])
         with open(self.path("f", "pass_rates.csv"), encoding="utf-8") as file:
             rows = {(row["sigma_m"], row["loss_frac"], row["requirement"]): row for row in csv.DictReader(file)}
         self.assertEqual(len(rows), 6 * 7)
@@ -186,6 +191,42 @@ class Plots(unittest.TestCase):
         self.assertEqual([text.get_text() for text in figure.axes[0].get_xticklabels()], ["FSM", "flash"])
         self.assertEqual(figure.axes[0].get_lines()[0].get_linestyle(), "None")
         self.assertIsNone(figures.map_axes(results, results.axes[0]))
+
+    def test_axes_of_a_zip_are_one_line(self):
+        results = self.results("sigma_m", "lines", "repeat")
+        sigma, lines = results.axes
+        self.assertTrue(results.follows(lines, sigma) and results.follows(sigma, lines))
+        for x, at in ((sigma, [0, 0.01, 0.02]), (lines, [7, 8, 9])):
+            (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", x, 0.5).axes
+            np.testing.assert_allclose(axes.get_lines()[0].get_xdata(), at)
+            self.assertIsNone(figures.map_axes(results, x))
+        crossed = self.results("sigma_m", "kind", "lines", "repeat")
+        sigma, kind, lines = crossed.axes
+        self.assertTrue(crossed.follows(lines, sigma))
+        self.assertFalse(crossed.follows(kind, sigma) or crossed.follows(sigma, kind))
+
+    def test_a_limit_that_is_far_above_is_only_named(self):
+        for limit, drawn in ((1.2, True), (1.3, False)):  # 28 and 30.2 times the largest value, 4.3 cm
+            results = self.results("sigma_m", "repeat", limits={"relative_elevation_m": limit})
+            (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
+            label = axes.get_legend_handles_labels()[1][-1]
+            self.assertEqual(label, f"required: at most {limit} m" + ("" if drawn else " (far above)"))
+            self.assertEqual(any(line.get_linestyle() == "--" for line in axes.get_lines()), drawn)
+            self.assertEqual(axes.get_ylim()[1] > 100, drawn)
+
+    def test_overview(self):
+        results = self.results("sigma_m", "loss_frac", "repeat")
+        metrics_of_two = ["accuracy.relative.z.max_m", "coverage.invalid_frac", "requirements.relative_elevation.value"]
+        figure = landfall_study_overview.overview_figure(results, metrics_of_two, results.axes[0], 0.5)
+        shown = [axes for axes in figure.axes if axes.get_visible()]
+        self.assertEqual(len(shown), 3)
+        np.testing.assert_allclose(shown[0].get_lines()[0].get_ydata(), [0.002, 0.022, 0.042])  # m: losses reach 0.5
+        names = [[text.get_text() for text in axes.get_legend().get_texts()] if axes.get_legend() else [] for axes in shown]
+        self.assertEqual(names[0], ["losses 0", "losses 0.5", "required: at most 0.05 m"])
+        self.assertTrue(all(name.startswith("required") for name in names[1] + names[2]))
+        by_kind = self.results("kind", "repeat")
+        self.assertIsNone(landfall_study_overview.overview_figure(by_kind, metrics_of_two, by_kind.axes[0], 0.5))
+        self.assertIsNone(landfall_study_overview.overview_figure(results, metrics_of_two[:1], results.axes[0], 0.5))
 
     def test_only_repeats(self):
         self.plot(self.table(("repeat",)), "-o", self.path("f"), "--metrics", "accuracy.relative.z.max_m")
