@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True
 import landfall_plots as lp
 import landfall_study_figures as figures
 import landfall_study_overview
+import landfall_study_verdicts
 from landfall_study_table import REQUIREMENTS, Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
@@ -103,8 +104,8 @@ def draw_all(options, results, metrics):
     overview = landfall_study_overview.overview_figure(results, metrics, x, quantile)
     if overview:
         made[os.path.join(options.output, "overview.png")] = overview
-    made[os.path.join(options.output, "requirements.png")] = figures.requirements_figure(results)
-    made[os.path.join(options.output, "shares.png")] = figures.shares_figure(results, quantile)
+    made[os.path.join(options.output, "requirements.png")] = landfall_study_verdicts.requirements_figure(results)
+    made[os.path.join(options.output, "shares.png")] = landfall_study_verdicts.shares_figure(results, quantile)
     return made
 
 

@@ -23,6 +23,7 @@ import landfall_results
 import landfall_study_figures as figures
 import landfall_study_overview
 import landfall_study_table
+import landfall_study_verdicts
 
 
 class Wilson(unittest.TestCase):
@@ -179,7 +180,7 @@ class Plots(unittest.TestCase):
         self.assertAlmostEqual(results.share_of_limit(point, "relative_elevation", 1), 0.043 / 0.05)
         for unknown in ("absolute_horizontal", "coverage"):  # no metric; a limit of 0
             self.assertTrue(math.isnan(results.share_of_limit(point, unknown, 0.5)))
-        texts = [text.get_text() for text in figures.shares_figure(results, 0.5).axes[0].texts]
+        texts = [text.get_text() for text in landfall_study_verdicts.shares_figure(results, 0.5).axes[0].texts]
         self.assertIn("84 %", texts)
 
     def test_series_and_kinds(self):
@@ -213,6 +214,30 @@ class Plots(unittest.TestCase):
             self.assertEqual(label, f"required: at most {limit} m" + ("" if drawn else " (far above)"))
             self.assertEqual(any(line.get_linestyle() == "--" for line in axes.get_lines()), drawn)
             self.assertEqual(axes.get_ylim()[1] > 100, drawn)
+
+    def test_ticks_of_a_logarithmic_axis(self):
+        self.assertEqual(figures.tick_labels([1, 10, 100]), ["1", "10", "100"])
+        # 450 and 475 are 0.045 of the axis apart, 450 and 500 0.088.
+        self.assertEqual(figures.tick_labels([300, 450, 475, 500, 1000]), ["300", "450", "", "500", "1,000"])
+        self.assertEqual(figures.tick_labels([3]), ["3"])
+
+    def test_scales(self):
+        """Logarithmic only where half of the values would be hard to read."""
+        results = self.results("sigma_m", "repeat")
+        for values, scale in (([1e-4, 0.1, 0.2], "linear"), ([1e-4, 2e-4, 0.2], "log"), ([0, 2e-4, 0.2], "symlog")):
+            for point, value in zip(results.points, values):
+                for row in point.rows:
+                    results.columns["accuracy.relative.z.max_m"][row] = value
+            (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
+            self.assertEqual(axes.get_yscale(), scale, values)
+
+    def test_equal_series_are_both_seen(self):
+        results = self.results("sigma_m", "kind", "repeat")  # the kind changes nothing
+        (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
+        below, above = [line for line in axes.get_lines() if line.get_label() in ("FSM", "flash")]
+        np.testing.assert_array_equal(below.get_ydata(), above.get_ydata())
+        self.assertGreater(below.get_linewidth(), above.get_linewidth())
+        self.assertGreater(below.get_markersize(), above.get_markersize())
 
     def test_overview(self):
         results = self.results("sigma_m", "loss_frac", "repeat")
