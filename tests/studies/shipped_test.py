@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The studies that ship: each plans, and has a page with its command and its figure."""
+import glob
+import os
+import re
+import struct
+import subprocess
+import unittest
+
+from case import BIN, PYTHON, ROOT, StudyTest, read
+
+# pylint: disable=wrong-import-order
+import list_studies
+
+PAGES = os.path.join(ROOT, "docs", "studies")
+# Measures the tools, not a lidar: docs/performance.md.
+WITHOUT_PAGE = {"example-2-draws"}
+MOST_LINES = 40
+MOST_BYTES = 200_000
+
+
+def shipped():
+    """{name: number of cases}."""
+    return {name: count for name, count, _ in list_studies.studies(os.path.join(ROOT, "studies"))}
+
+
+def names():
+    return sorted(shipped().keys() - WITHOUT_PAGE)
+
+
+def page(name):
+    return read(os.path.join(PAGES, name + ".md")).decode()
+
+
+class Shipped(StudyTest):
+    def test_none_is_left_out(self):
+        self.assertLessEqual({"altitude", "attitude-rate-error", "cone-slope", "dead-pixels", "detector-size", "dropout", "error-budget",
+                              "noise", "overlap", "pulse-rate", "resolution", "scanners", "velocity-error"}, set(names()))
+
+    def test_each_plans(self):
+        for name, count in shipped().items():
+            with self.subTest(name):
+                result = self.sweep("plan", os.path.join(ROOT, "studies", name + ".json"), "--out", self.out(study_name=name), "--bin", BIN)
+                self.assertRegex(result.stdout + result.stderr, rf"(?m)^{name}: {count} cases: ")
+
+    def test_make_lists_them(self):
+        result = subprocess.run(["make", "-C", ROOT, "--no-print-directory", "-f", "Makefile.studies", "studies"], capture_output=True,
+                                text=True, env=self.environment(), timeout=60, check=True)
+        self.assertEqual([line.split()[0] for line in result.stdout.splitlines()], sorted(shipped()))
+        self.assertRegex(result.stdout, r"(?m)^noise +28 cases  Range noise on the paper's cones$")
+
+    def test_a_list_says_what_is_wrong(self):
+        self.write({"base": {}, "axis": []}, "bad")
+        result = subprocess.run([PYTHON, os.path.join(ROOT, "scripts", "list_studies.py"), self.folder], capture_output=True, text=True,
+                                timeout=60, check=False)
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertRegex(result.stderr, "^list_studies.py: .*bad.json.*axis")
+
+    def test_each_page_says_how_many_cases_it_ran(self):
+        """The number of the study that ships, so that no page outlives a changed study unseen."""
+        for name in names():
+            with self.subTest(name):
+                self.assertIn(f"\n{shipped()[name]} cases: ", page(name))
+
+    def test_each_has_a_page_with_its_command(self):
+        for name in names():
+            with self.subTest(name):
+                text = page(name)
+                self.assertRegex(text, rf"(?m)^    make -f Makefile\.studies study STUDY={name}( |$)")
+                self.assertLessEqual(text.count("\n"), MOST_LINES)
+                self.assertRegex(text, r"\bCPU\b")  # the run time
+
+    def test_each_figure_is_there_and_small(self):
+        for name in names():
+            with self.subTest(name):
+                self.assertIn(f"](../images/study-{name}.png)", page(name))
+                image = read(os.path.join(ROOT, "docs", "images", f"study-{name}.png"))
+                self.assertLessEqual(len(image), MOST_BYTES)
+                self.assertEqual(image[:8], b"\x89PNG\r\n\x1a\n")
+                width, _ = struct.unpack(">II", image[16:24])
+                self.assertGreaterEqual(width, 600)
+
+    def test_the_index_names_all(self):
+        index = page("README")
+        linked = set(re.findall(r"\]\(([a-z0-9-]+)\.md\)", index))
+        self.assertEqual(linked, set(names()))
+        self.assertEqual(linked, {os.path.basename(path)[:-3] for path in glob.glob(os.path.join(PAGES, "*.md"))} - {"README"})
+
+
+if __name__ == "__main__":
+    unittest.main()
