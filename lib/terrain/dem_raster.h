@@ -58,8 +58,7 @@ using DemLoader = std::function<DemRaster(const DemBase& dem, const GridSpec& si
 ///
 /// - nearest: the pixel that holds the place, the greater one on an edge.
 /// - bilinear: reproduces a + b x + c y + d x y. NaN where a sample of non-zero weight is NaN.
-/// - bicubic: Keys (1981), a = -1/2, on 4 x 4 samples: reproduces products of quadratics in x and in y,
-/// except
+/// - bicubic: Keys (1981), a = -1/2, on 4 x 4 samples: reproduces products of quadratics in x and in y, but
 ///   within one pixel of the border, where the missing ring repeats the border. Where a sample of non-zero
 ///   weight is NaN it is bilinear, so that holes do not grow.
 [[nodiscard]] double interpolate(const DemSamples& samples, Interpolation method, const PixelPosition& pixel);

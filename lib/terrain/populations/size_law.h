@@ -14,15 +14,13 @@ struct DiameterRange {
 };
 
 // Each law gives, for diameters D > 0 in metres,
-//   density_per_m2(D)          N(>D), how many objects larger than D there are per square metre, which falls
-//                              with D towards 0;
-//   diameter_m(N, range)       its inverse: the D of the range that has N(>D) = N, within 1e-12 of D as long
-//   as
-//                              N is a normal number; N must lie between the values at the range's ends;
-//   area_fraction(range)       the share of the ground that the discs of these diameters cover where none
-//   lies
-//                              on another: the integral of pi D^2 / 4 dN;
-//   validate(owner)            throws UsageError where a parameter makes no sense.
+//   density_per_m2(D)       N(>D), how many objects larger than D there are per square metre, which falls
+//                           with D towards 0;
+//   diameter_m(N, range)    its inverse: the D of the range that has N(>D) = N, within 1e-12 of D while N is
+//                           a normal number; N must lie between the values at the range's ends;
+//   area_fraction(range)    the share of the ground that the discs of these diameters cover where they do not
+//                           overlap: the integral of pi D^2 / 4 dN;
+//   validate(owner)         throws UsageError where a parameter makes no sense.
 // docs/decisions.md, D112, D113.
 
 /// N(>D) = coefficient D^-exponent, D in metres, N per square metre.
