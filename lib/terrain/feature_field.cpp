@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <sstream>
@@ -205,14 +206,16 @@ double ground_in_cell(const Grid<double>& part, const Feature& feature) {
 }  // namespace
 
 FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
+  bool by_chance = false;
   const auto place = [&](const Feature& feature, std::int32_t pattern, std::size_t number) {
-    features_.push_back({feature, pattern, static_cast<std::int64_t>(number), std::nullopt});
+    features_.push_back({feature, pattern, by_chance, static_cast<std::int64_t>(number), std::nullopt});
     if (role_of(feature) == FeatureRole::stands && !on_grid(grid, feature))
       throw UsageError(centre_of(features_.back()) + "outside the grid");
   };
   for (std::size_t i = 0; i < model.features.size(); ++i) place(model.features[i], -1, i);
   for (std::size_t p = 0; p < model.patterns.size(); ++p) {
     const PatternSite site = pattern_site(grid, model.seed, p);
+    by_chance = !std::holds_alternative<RingPattern>(model.patterns[p]);
     const auto features =
         std::visit([&](const auto& pattern) { return pattern.features(site); }, model.patterns[p]);
     for (std::size_t i = 0; i < features.size(); ++i) place(features[i], static_cast<std::int32_t>(p), i);
@@ -241,6 +244,8 @@ void FeatureField::seat(const TriangulatedGrid& part) {
     if (!std::isfinite(z_m)) z_m = part.elevation(placed.feature.x_m, placed.feature.y_m);
     if (std::isfinite(z_m))
       placed.ground_m = z_m;
+    else if (role_of(placed.feature) == FeatureRole::stands && placed.by_chance)
+      placed.ground_m = std::numeric_limits<double>::quiet_NaN();
     else if (role_of(placed.feature) == FeatureRole::stands)
       throw FormatError(centre_of(placed) + "on a hole of the base");
   }

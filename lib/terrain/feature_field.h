@@ -17,6 +17,7 @@ namespace landfall {
 struct PlacedFeature {
   Feature feature;
   std::int32_t pattern = -1;       ///< number of the pattern that it comes from; -1: listed by itself
+  bool by_chance = false;          ///< its place was drawn
   std::int64_t number = 0;         ///< among the listed ones, or those of its pattern
   std::optional<double> ground_m;  ///< elevation of the ground under its centre, once seated
 
@@ -40,7 +41,8 @@ class FeatureField {
   /// Asks `part` for the ground under the centres that lie on it and have none yet; those on its last row
   /// only where that is the grid's, since the cell there lies in the next part. So that every centre finds
   /// its cell and that cell's neighbours to the south, parts must be full rows, go up, and overlap: see
-  /// TerrainStrips. Throws FormatError, naming the feature, where one that stands finds a hole.
+  /// TerrainStrips. Throws FormatError, naming the feature, where one that stands finds a hole; one that is
+  /// there by chance is seated at NaN and does not appear.
   void seat(const TriangulatedGrid& part);
   /// Throws std::logic_error where a standing feature that lies on the part is not seated. A hole of the
   /// ground stays one.

@@ -50,6 +50,29 @@ TEST(FeatureField, AHoleStaysAHole) {
   EXPECT_TRUE(std::isnan(z.at({17, 16})));
 }
 
+TEST(FeatureField, WhatStandsOnAHoleByChanceDoesNotAppear) {
+  TerrainModel model;
+  RockPattern rocks;
+  rocks.population.law = GolombekLaw{0.2};
+  rocks.population.diameters = {0.5, 2};
+  model.patterns = {rocks};
+  const GridSpec spec = GridSpec::centered(40, 0.5);
+  FeatureField field(model, spec);
+  Grid<double> z = sloping(spec, 0);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < 80; ++col) z.at({row, col}) = kNan;  // the western half
+  field.seat(TriangulatedGrid(z));
+  field.stand(z);
+  std::size_t on_holes = 0;
+  for (const PlacedFeature& placed : field.features()) on_holes += std::isnan(*placed.ground_m) ? 1U : 0U;
+  EXPECT_GT(on_holes, 20U);
+  EXPECT_LT(on_holes, field.features().size() - 20);
+  EXPECT_TRUE(std::isnan(z.at({80, 40})));
+  double highest_m = 0;
+  for (const double elevation : z.values()) highest_m = std::fmax(highest_m, elevation);
+  EXPECT_GT(highest_m, 0.1);
+}
+
 TEST(FeatureField, RefusesAStandingFeatureWithoutGround) {
   TerrainModel model;
   model.features = {{0, 0, Cone{3, 10}}, {9, 0, Cone{3, 10}}};
