@@ -26,6 +26,8 @@ class OnSlurm(StudyTest):
         # Slurm's folder needs a short name: sockets lie in it.
         cls.slurm = os.path.join(tempfile.mkdtemp(prefix="slurm-"), "d")
         started = slurm_local("start", "-N", "4", "--timeout", "5", "--dir", cls.slurm)
+        if "cgroup" in started.stderr:  # in a bare chroot or a locked container
+            raise unittest.SkipTest("slurmd finds no cgroups that it can use at /sys/fs/cgroup")
         if started.returncode != 0:
             raise AssertionError(started.stderr)
         cls.export = started.stdout.strip()
