@@ -9,7 +9,6 @@ import csv
 import json
 import os
 import shutil
-import subprocess
 import tempfile
 
 import h5py
@@ -40,11 +39,8 @@ def error_statistics(path):
 def verdict(path, options, folder):
     metrics = os.path.join(folder, "metrics.json")
     config = ["-c", options.config] if options.config else []
-    result = subprocess.run([os.path.join(options.bin, "dem-eval"), path, *config, "--metrics-only", "-O", "-o",
-                             os.path.join(folder, "eval.h5"), "--metrics", metrics],
-                            capture_output=True, text=True, check=False)
-    if result.returncode != 0:
-        raise lp.DataError(result.stderr.strip())
+    lp.run_tool(os.path.join(options.bin, "dem-eval"), path, *config, "--metrics-only", "-O", "-o",
+                os.path.join(folder, "eval.h5"), "--metrics", metrics)
     with open(metrics, encoding="utf-8") as file:
         z = json.load(file)["accuracy"]["relative"]["z"]
     return {"failing_footprints": z["violation_count"], "largest_relative_m": round(z["max_m"], 4)}

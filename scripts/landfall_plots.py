@@ -7,6 +7,7 @@ import argparse
 import contextlib
 import json
 import os
+import subprocess
 import sys
 from dataclasses import dataclass
 
@@ -40,6 +41,16 @@ def run(main):
     except (DataError, UsageError) as error:
         print(f"{os.path.basename(sys.argv[0])}: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
+
+
+def run_tool(tool, *arguments):
+    """Runs a program; what it says on stderr becomes a DataError where it fails."""
+    try:
+        result = subprocess.run([tool, *map(str, arguments)], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise DataError(f"{tool}: {error.strerror}") from error
+    if result.returncode != 0:
+        raise DataError(result.stderr.strip())
 
 
 def add_output_options(parser):

@@ -3,7 +3,6 @@
 """Draws every shape of a terrain (docs/terrain): seen from above, lit from the north-west, and cut along the dashed line."""
 import json
 import os
-import subprocess
 import tempfile
 from dataclasses import dataclass
 
@@ -54,15 +53,6 @@ def parse(arguments):
     return options
 
 
-def run(tool, *arguments):
-    try:
-        result = subprocess.run([tool, *arguments], capture_output=True, text=True, check=False)
-    except OSError as error:
-        raise lp.DataError(f"{tool}: {error.strerror}") from error
-    if result.returncode != 0:
-        raise lp.DataError(result.stderr.strip())
-
-
 def terrain(panel, folder, options):
     """x and y of the nodes, metres, and the elevations, one row per y."""
     config, path = os.path.join(folder, "terrain.json"), os.path.join(folder, "terrain.h5")
@@ -70,7 +60,7 @@ def terrain(panel, folder, options):
         resolution_m = RESOLUTION_M if panel.half_width_m <= 12 else 2 * RESOLUTION_M
         json.dump({"grid": {"half_width_m": panel.half_width_m, "resolution_m": resolution_m},
                    "features": [panel.feature]}, file)
-    run(os.path.join(options.bin, "terrain-gen"), "-c", config, "-o", path, "-O")
+    lp.run_tool(os.path.join(options.bin, "terrain-gen"), "-c", config, "-o", path, "-O")
     with lp.open_landfall(path, "landfall.terrain") as file:
         return file["x"][()], file["y"][()], file["z"][()]
 

@@ -3,7 +3,6 @@
 """Draws where each scan pattern aims: a small scan of flat ground for each, from 500 m at -23 m/s (docs/lidar)."""
 import json
 import os
-import subprocess
 import tempfile
 from dataclasses import dataclass
 
@@ -57,15 +56,6 @@ def parse(arguments):
     return options
 
 
-def run(tool, *arguments):
-    try:
-        result = subprocess.run([tool, *arguments], capture_output=True, text=True, check=False)
-    except OSError as error:
-        raise lp.DataError(f"{tool}: {error.strerror}") from error
-    if result.returncode != 0:
-        raise lp.DataError(result.stderr.strip())
-
-
 def write_json(path, tree):
     with open(path, "w", encoding="utf-8") as file:
         json.dump(tree, file)
@@ -91,7 +81,8 @@ def scan(panel, folder, options):
     """(x, y), metres, one row per pulse and one column per pixel."""
     path = os.path.join(folder, "scan.h5")
     config = write_json(os.path.join(folder, "scan.json"), configuration(panel, folder))
-    run(os.path.join(options.bin, "scan-sim"), "-c", config, "--terrain", os.path.join(folder, "terrain.h5"), "-o", path, "-O")
+    terrain = os.path.join(folder, "terrain.h5")
+    lp.run_tool(os.path.join(options.bin, "scan-sim"), "-c", config, "--terrain", terrain, "-o", path, "-O")
     with lp.open_landfall(path, "landfall.scan") as file:
         x, y = file["points/x_true"][()], file["points/y_true"][()]
     return x.reshape(-1, panel.pixels ** 2), y.reshape(-1, panel.pixels ** 2)
@@ -149,7 +140,7 @@ def main(arguments):
     with tempfile.TemporaryDirectory(prefix="landfall-patterns-") as folder:
         write_star(os.path.join(folder, "star.csv"))
         terrain = write_json(os.path.join(folder, "terrain.json"), TERRAIN)
-        run(os.path.join(options.bin, "terrain-gen"), "-c", terrain, "-o", os.path.join(folder, "terrain.h5"))
+        lp.run_tool(os.path.join(options.bin, "terrain-gen"), "-c", terrain, "-o", os.path.join(folder, "terrain.h5"))
         scans = [(panel, *scan(panel, folder, options)) for panel in PANELS]
     lp.save({options.output: draw(scans)}, options.dpi)
 

@@ -11,7 +11,6 @@ import json
 import math
 import multiprocessing
 import os
-import subprocess
 import sys
 import tempfile
 
@@ -128,10 +127,7 @@ class Study:
             json.dump(value, file)
 
     def tool(self, name, *arguments):
-        result = subprocess.run([os.path.join(self.bin, name), *map(str, arguments)], capture_output=True, text=True,
-                                check=False)
-        if result.returncode != 0:
-            raise lp.DataError(result.stderr.strip())
+        lp.run_tool(os.path.join(self.bin, name), *arguments)
 
     def elevation_under_bins(self):
         """H(X, Y): the terrain's nodes are the bin centres."""
