@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -206,19 +207,26 @@ double ground_in_cell(const Grid<double>& part, const Feature& feature) {
 }  // namespace
 
 FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
-  bool by_chance = false;
-  const auto place = [&](const Feature& feature, std::int32_t pattern, std::size_t number) {
-    features_.push_back({feature, pattern, by_chance, static_cast<std::int64_t>(number), std::nullopt});
+  const auto place = [&](PlacedFeature placed) {
+    features_.push_back(std::move(placed));
+    const Feature& feature = features_.back().feature;
     if (role_of(feature) == FeatureRole::stands && !on_grid(grid, feature))
       throw UsageError(centre_of(features_.back()) + "outside the grid");
   };
-  for (std::size_t i = 0; i < model.features.size(); ++i) place(model.features[i], -1, i);
+  for (std::size_t i = 0; i < model.features.size(); ++i)
+    place({.feature = model.features[i], .number = static_cast<std::int64_t>(i)});
   for (std::size_t p = 0; p < model.patterns.size(); ++p) {
     const PatternSite site = pattern_site(grid, model.seed, p);
-    by_chance = !std::holds_alternative<RingPattern>(model.patterns[p]);
-    const auto features =
-        std::visit([&](const auto& pattern) { return pattern.features(site); }, model.patterns[p]);
-    for (std::size_t i = 0; i < features.size(); ++i) place(features[i], static_cast<std::int32_t>(p), i);
+    std::visit(
+        [&](const auto& pattern) {
+          std::int64_t number = 0;
+          for (const Feature& feature : pattern.features(site))
+            place({.feature = feature,
+                   .pattern = static_cast<std::int32_t>(p),
+                   .by_chance = pattern.kByChance,
+                   .number = number++});
+        },
+        model.patterns[p]);
   }
 }
 

@@ -19,6 +19,8 @@ using LineShape = std::variant<Ridge, Fracture>;
 /// from shortest_m to the shape's own, yaws even within +-yaw_spread_rad of the shape's own. Those whose
 /// centre is off the site, but which may reach into it, are listed as well.
 struct LinePattern {
+  static constexpr bool kByChance = true;
+
   LineShape shape;
   double density_per_m2 = 0;
   double shortest_m = 0;

@@ -17,6 +17,8 @@ namespace landfall {
 /// Half-buried ellipsoids, their centres on the site: horizontal axes 1 : 0.8, any yaw, heights of 0.5 +- 0.1
 /// (1 sigma) of the diameter, cut to 0.25 .. 0.75.
 struct RockPattern {
+  static constexpr bool kByChance = true;
+
   Population population;
 
   void validate(const std::string& owner) const { population.validate(owner); }
@@ -28,6 +30,8 @@ struct RockPattern {
 /// Boxes of ice, their centres on the site: the diameter is the length, the width 0.8 of it, heights as
 /// those of rocks, any yaw, tilts even within +-max_tilt_rad.
 struct IceBlockPattern {
+  static constexpr bool kByChance = true;
+
   /// Up to which the length stays the longest side of every block's footprint.
   static constexpr double kMostTilt_rad = 15 * std::numbers::pi / 180;
 
@@ -45,6 +49,8 @@ struct IceBlockPattern {
 /// Those whose centre is off the site, but whose rim or ejecta reach into it, are listed as well, so that
 /// the site's edge has as many as its middle.
 struct CraterPattern {
+  static constexpr bool kByChance = true;
+
   Population population;
   double freshness_min = 0.1;
 
