@@ -11,6 +11,7 @@
 #include "config/schema.h"
 #include "config/terrain_config.h"
 #include "detector/perspective.h"
+#include "refusal.h"
 #include "scanner/fsm.h"
 #include "scanner/line_search.h"
 #include "trajectory/constant_velocity.h"
@@ -32,16 +33,6 @@ ScanModel scan_of(const std::string& text, const TableLoader& load_table = {}) {
   Json config = resolved("scan", text);
   complete_scan_config(config);
   return scan_model(config, "c.json", load_table);
-}
-
-template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(TerrainConfig, EmptyIsTheDefault) {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "config/schema.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -23,16 +24,6 @@ ScanOrigin scan(const std::string& name, double range_sigma_m, double velocity_e
                     {"s.json", Json{{"noise", {{"range_sigma_m", range_sigma_m}}},
                                     {"navigation_error", {{"velocity_mps", {0, velocity_error_mps, 0}}}}}},
                     embedded_schema("scan"))};
-}
-
-template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 std::string refusal_of(const std::string& config, const std::vector<ScanOrigin>& scans) {

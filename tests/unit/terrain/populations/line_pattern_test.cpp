@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "populations/drawn.h"
+#include "populations/expect_even.h"
 
 namespace landfall {
 namespace {
@@ -22,22 +23,6 @@ LinePattern ridges() {
   ridge.taper_m = 5;
   ridge.yaw_rad = 0.4;
   return {ridge, 2e-3, 20, 0.3};
-}
-
-/// Mean and standard deviation of an even distribution on [a, b], within 4 standard errors.
-void expect_even(const std::vector<double>& list, double a, double b) {
-  double sum = 0;
-  double squares = 0;
-  for (const double value : list) {
-    EXPECT_GE(value, a);
-    EXPECT_LE(value, b);
-    const double z = (value - (a + b) / 2) / ((b - a) / std::sqrt(12.0));
-    sum += z;
-    squares += z * z;
-  }
-  const double n = static_cast<double>(list.size());
-  EXPECT_NEAR(sum / n, 0, 4 / std::sqrt(n));
-  EXPECT_NEAR(squares / n, 1, 4 * std::sqrt(0.8 / n));
 }
 
 TEST(LinePattern, CountsPlacesLengthsAndYaws) {

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "populations/drawn.h"
+#include "populations/expect_even.h"
 #include "terrain/feature_field.h"
 
 namespace landfall {
@@ -28,22 +29,6 @@ std::vector<double> values(const std::vector<Feature>& features, const F& value)
   std::vector<double> list;
   for (const Feature& feature : features) list.push_back(value(std::get<Shape>(feature.shape)));
   return list;
-}
-
-/// Mean and standard deviation of an even distribution on [a, b], within 4 standard errors.
-void expect_even(const std::vector<double>& list, double a, double b) {
-  double sum = 0;
-  double squares = 0;
-  for (const double value : list) {
-    EXPECT_GE(value, a);
-    EXPECT_LE(value, b);
-    const double z = (value - (a + b) / 2) / ((b - a) / std::sqrt(12.0));
-    sum += z;
-    squares += z * z;
-  }
-  const double n = static_cast<double>(list.size());
-  EXPECT_NEAR(sum / n, 0, 4 / std::sqrt(n));
-  EXPECT_NEAR(squares / n, 1, 4 * std::sqrt(0.8 / n));  // the kurtosis is 1.8
 }
 
 /// N(0.5, 0.1) cut at 2.5 standard deviations: 0.62 % lie at each bound.

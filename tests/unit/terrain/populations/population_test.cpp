@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "populations/drawn.h"
+#include "refusal.h"
 #include "terrain/populations/disc_packing.h"
 
 namespace landfall {
@@ -30,16 +31,6 @@ std::vector<std::array<double, 3>> listed(const std::vector<ScatteredObject>& ob
   std::vector<std::array<double, 3>> list;
   for (const ScatteredObject& o : objects) list.push_back({o.place.x_m, o.place.y_m, o.diameter_m});
   return list;
-}
-
-template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(Population, TheSameObjectsForAnyNumberOfThreads) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "refusal.h"
 
 namespace landfall {
 namespace {
@@ -120,16 +121,6 @@ TEST(GolombekLaw, CoveringIsTheLawOfThatAreaFraction) {
       EXPECT_NEAR(law.area_fraction({diameter, 1e3}) / fraction, 1, 1e-12);
     }
   EXPECT_DOUBLE_EQ(GolombekLaw::covering(0.07, 0, "rocks").k, 0.07);
-}
-
-template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const UsageError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(SizeLaw, RefusesParametersWithoutSense) {
