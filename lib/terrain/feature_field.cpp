@@ -223,8 +223,8 @@ FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : gr
           for (const Feature& feature : pattern.features(site))
             place({.feature = feature,
                    .pattern = static_cast<std::int32_t>(p),
-                   .by_chance = pattern.kByChance,
-                   .number = number++});
+                   .number = number++,
+                   .by_chance = pattern.kByChance});
         },
         model.patterns[p]);
   }

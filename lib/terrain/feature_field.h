@@ -17,9 +17,9 @@ namespace landfall {
 struct PlacedFeature {
   Feature feature;
   std::int32_t pattern = -1;            ///< number of the pattern that it comes from; -1: listed by itself
-  bool by_chance = false;               ///< its place was drawn
   std::int64_t number = 0;              ///< among the listed ones, or those of its pattern
   std::optional<double> ground_m = {};  ///< elevation of the ground under its centre, once seated
+  bool by_chance = false;               ///< its place was drawn
 
   friend bool operator==(const PlacedFeature&, const PlacedFeature&) = default;
 };
