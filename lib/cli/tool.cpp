@@ -58,37 +58,46 @@ void flush_stdout() {
   if (!std::cout) throw IoError("writing to standard output failed");
 }
 
-void bind_common(CLI::App& app, CommonOptions& o, bool has_seed) {
+void bind_config(CLI::App& app, CommonOptions& o) {
   app.add_option("-c,--config", o.config_path, "JSON configuration; - is standard input")->type_name("FILE");
   app.add_option("--set", o.assignments, "Set one config value, a.b.c=JSON; repeatable, wins over the file")
       ->type_name("KEY=JSON")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop");
+  app.add_flag("--print-schema", o.print_schema, "Print the configuration's JSON schema and stop");
+  app.add_flag("--check", o.check_only, "Validate the configuration and stop");
+}
+
+void bind_output(CLI::App& app, CommonOptions& o) {
   app.add_option("-o,--output", o.output_path, "Output file")->type_name("FILE");
   app.add_flag("-O,--overwrite", o.overwrite, "Replace an existing output");
-  app.add_option("-t,--threads", o.threads, "Threads; 0 is all cores")
-      ->type_name("N")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  if (has_seed)
-    app.add_option("--seed", o.seed, "Seed of all chance; wins over the config")
-        ->type_name("N")
-        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}));
   app.add_option("--compression", o.compression, "Deflate level of the output, 0 is none")
       ->type_name("0..9")
       ->check(CLI::Range(0, 9))
       ->capture_default_str();
+  app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory");
+}
+
+void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  if (!tool.schema.empty()) bind_config(app, o);
+  if (tool.writes) bind_output(app, o);
+  if (tool.writes && !tool.schema.empty())
+    app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output");
+  app.add_option("-t,--threads", o.threads, "Threads; 0 is all cores")
+      ->type_name("N")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  if (tool.has_seed)
+    app.add_option("--seed", o.seed, "Seed of all chance; wins over the config")
+        ->type_name("N")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}));
   app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress");
   app.add_flag("-v,--verbose", o.verbose, "Say what is done, on stderr");
   // As a function: bound to an optional, the flag would be set to false where it is not given.
   app.add_flag_function(
       "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
       "Show progress; default: if stderr is a terminal");
-  app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory");
-  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop");
-  app.add_flag("--print-schema", o.print_schema, "Print the configuration's JSON schema and stop");
-  app.add_flag("--check", o.check_only, "Validate the configuration and stop");
-  app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output");
 }
 
 /// A write that the system refused must say which output is lost; deep down only the dataset is known.
@@ -108,8 +117,10 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
     return ExitCode::done;
   }
   Session session(tool.name, tool.schema, options);
-  session.resolve_config(tool);
-  tool.check(session);
+  if (!tool.schema.empty()) {
+    session.resolve_config(tool);
+    tool.check(session);
+  }
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
   const ThreadLimit limit(options.threads);
@@ -214,7 +225,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   app.set_version_flag("-V,--version", source_line(tool.name));
   app.footer(tool.examples);
   tool.bind(app);
-  bind_common(app, options, tool.has_seed);
+  bind_common(app, options, tool);
   try {
     const ExitCode code = parse_and_run(app, argc, argv, tool, options);
     flush_stdout();

@@ -86,14 +86,16 @@ struct Tool {
   std::string name;
   std::string summary;   ///< one line
   std::string examples;  ///< shown under --help
-  std::string schema;    ///< of embedded_schema()
+  std::string schema;    ///< of embedded_schema(); empty for a tool without a configuration
   bool has_seed = false;
+  bool writes = true;                   ///< false: no -o, no summary of the run
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
   /// Writes what the tool's own options stand for into the configuration, before --set; may be empty.
   std::function<void(JsonSource&, const CommonOptions&)> expand;
   /// Fills in what --set left open, from the inputs; may be empty.
   std::function<void(JsonSource&)> complete;
-  /// Builds the typed configuration, so that --check refuses what the schema cannot express.
+  /// Builds the typed configuration, so that --check refuses what the schema cannot express; not called
+  /// without a schema.
   std::function<void(const Session&)> check;
   std::function<ExitCode(Session&)> run;
 };
