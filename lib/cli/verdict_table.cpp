@@ -3,25 +3,24 @@
 
 #include <array>
 #include <cstdio>
-#include <optional>
+#include <cstring>
 
 namespace landfall::cli {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Row {
   const char* name;
   const char* text;
-  const Requirement& requirement;
 };
 
-std::array<Row, 6> rows_of(const RequirementMetrics& r) {
-  return {{{"coverage", "invalid bins, fraction of the region", r.coverage},
-           {"hole_size", "largest hole, bins", r.hole_size},
-           {"hole_distance", "farthest invalid bin from a valid one, bins", r.hole_distance},
-           {"relative_elevation", "footprints over the limit, z", r.relative_elevation},
-           {"relative_horizontal", "footprints over the limit, x and y", r.relative_horizontal},
-           {"absolute_horizontal", "footprints within the limit, fraction", r.absolute_horizontal}}};
-}
+constexpr std::array<Row, 6> kRows = {{{"coverage", "invalid bins, fraction of the region"},
+                                       {"hole_size", "largest hole, bins"},
+                                       {"hole_distance", "farthest invalid bin from a valid one, bins"},
+                                       {"relative_elevation", "footprints over the limit, z"},
+                                       {"relative_horizontal", "footprints over the limit, x and y"},
+                                       {"absolute_horizontal", "footprints within the limit, fraction"}}};
 
 template <class... Values>
 std::string print(const char* format, Values... values) {
@@ -30,81 +29,94 @@ std::string print(const char* format, Values... values) {
   return text.data();
 }
 
-std::string number(const std::optional<double>& value) { return value ? print("%.6g", *value) : "-"; }
+long long integer(const Json& value) { return static_cast<long long>(value.get<std::int64_t>()); }
 
-std::string verdict(const std::optional<bool>& pass) { return !pass ? "-" : *pass ? "pass" : "FAIL"; }
+std::string number(const Json& value) { return value.is_null() ? "-" : print("%.6g", value.get<double>()); }
 
-std::string centimetres(const std::optional<double>& metres) {
-  return metres ? print("%.3f", 100 * *metres) : "-";
+/// JSON has no infinity, which the distance is where no bin is valid.
+std::string value_of(const Row& row, const Json& value) {
+  return value.is_null() && std::strcmp(row.name, "hole_distance") == 0 ? "inf" : number(value);
+}
+
+std::string verdict(const Json& pass) { return pass.is_null() ? "-" : pass.get<bool>() ? "pass" : "FAIL"; }
+
+std::string centimetres(const Json& metres) {
+  return metres.is_null() ? "-" : print("%.3f", 100 * metres.get<double>());
 }
 
 std::string line(const char* name, const std::array<std::string, 3>& values) {
   return print("  %-36s %10s %10s %10s\n", name, values[0].c_str(), values[1].c_str(), values[2].c_str());
 }
 
-std::string accuracy_lines(const AccuracyMetrics& m, const EvaluationLimits& limits) {
-  const auto& a = m.absolute;
-  const auto& r = m.relative;
-  return print("\nOver footprints of %lld x %lld bins, cm:        x          y          z\n",
-               static_cast<long long>(m.footprint_bins), static_cast<long long>(m.footprint_bins)) +
-         line("absolute error, 95th percentile",
-              {centimetres(a.x.p95_m), centimetres(a.y.p95_m), centimetres(a.z.p95_m)}) +
-         line("absolute error, largest",
-              {centimetres(a.x.max_m), centimetres(a.y.max_m), centimetres(a.z.max_m)}) +
-         line("relative error, 95th percentile",
-              {centimetres(r.x.p95_m), centimetres(r.y.p95_m), centimetres(r.z.p95_m)}) +
-         line("relative error, largest",
-              {centimetres(r.x.max_m), centimetres(r.y.max_m), centimetres(r.z.max_m)}) +
+/// One value along each axis.
+std::array<std::string, 3> axes(const Json& parent, const char* key) {
+  return {centimetres(parent.at("x").at(key)), centimetres(parent.at("y").at(key)),
+          centimetres(parent.at("z").at(key))};
+}
+
+std::string accuracy_lines(const Json& accuracy, const EvaluationLimits& limits) {
+  const Json& absolute = accuracy.at("absolute");
+  const Json& relative = accuracy.at("relative");
+  const long long bins = integer(accuracy.at("footprint_bins"));
+  return print("\nOver footprints of %lld x %lld bins, cm:        x          y          z\n", bins, bins) +
+         line("absolute error, 95th percentile", axes(absolute, "p95_m")) +
+         line("absolute error, largest", axes(absolute, "max_m")) +
+         line("relative error, 95th percentile", axes(relative, "p95_m")) +
+         line("relative error, largest", axes(relative, "max_m")) +
          line("relative error, limit",
               {centimetres(limits.relative_horizontal_m), centimetres(limits.relative_horizontal_m),
                centimetres(limits.relative_elevation_m)});
 }
 
-std::string statistics_lines(const StatisticsMetrics& m) {
-  const auto of = [&](std::optional<double> ErrorStatistics::*value) {
-    return std::array{centimetres(m.x.*value), centimetres(m.y.*value), centimetres(m.z.*value)};
-  };
+std::string statistics_lines(const Json& m) {
   return print("\n%-40s          x          y          z\n", "Over bins of the region, cm:") +
-         line("mean", of(&ErrorStatistics::mean_m)) +
-         line("standard deviation", of(&ErrorStatistics::std_m)) +
-         line("root mean square", of(&ErrorStatistics::rmse_m)) +
-         line("median", of(&ErrorStatistics::median_m)) + line("NMAD", of(&ErrorStatistics::nmad_m)) +
-         line("LE90", of(&ErrorStatistics::le90_m)) +
-         print("  %-36s %10s\n", "horizontal: CE90", centimetres(m.horizontal.ce90_m).c_str());
+         line("mean", axes(m, "mean_m")) + line("standard deviation", axes(m, "std_m")) +
+         line("root mean square", axes(m, "rmse_m")) + line("median", axes(m, "median_m")) +
+         line("NMAD", axes(m, "nmad_m")) + line("LE90", axes(m, "le90_m")) +
+         print("  %-36s %10s\n", "horizontal: CE90", centimetres(m.at("horizontal").at("ce90_m")).c_str());
 }
 
-}  // namespace
-
-namespace {
-
-std::string region_text(const RegionMetrics& region) {
-  if (region.radius_m) return print(" within %g m", *region.radius_m);
-  if (region.half_width_m) return print(" within %g m along x and y", *region.half_width_m);
+std::string region_text(const Json& region) {
+  const auto half_width = region.find("half_width_m");
+  if (const Json& radius = region.at("radius_m"); !radius.is_null())
+    return print(" within %g m", radius.get<double>());
+  if (half_width != region.end() && !half_width->is_null())
+    return print(" within %g m along x and y", half_width->get<double>());
   return " of the mask";
 }
 
-}  // namespace
-
-std::string verdict_table(const Metrics& metrics, const EvaluationParameters& parameters) {
+std::string requirement_lines(const Json& metrics) {
   std::string text =
       print("%-20s %-44s %12s %10s  %s\n", "requirement", "measured as", "value", "limit", "verdict");
-  for (const Row& row : rows_of(metrics.requirements))
-    text += print("%-20s %-44s %12s %10s  %s\n", row.name, row.text, number(row.requirement.value).c_str(),
-                  number(row.requirement.limit).c_str(), verdict(row.requirement.pass).c_str());
-  text += print("%-20s %-44s %12s %10s  %s\n", "all", "", "", "", verdict(metrics.pass).c_str());
-  text += print("\nRegion: %lld bins%s; %lld invalid in %lld holes\n",
-                static_cast<long long>(metrics.region.bin_count), region_text(metrics.region).c_str(),
-                static_cast<long long>(metrics.coverage.invalid_count),
-                static_cast<long long>(metrics.coverage.hole_count));
-  if (metrics.accuracy)
-    text += accuracy_lines(*metrics.accuracy, parameters.limits) + statistics_lines(metrics.statistics);
+  for (const Row& row : kRows) {
+    const Json& r = metrics.at("requirements").at(row.name);
+    text += print("%-20s %-44s %12s %10s  %s\n", row.name, row.text, value_of(row, r.at("value")).c_str(),
+                  number(r.at("limit")).c_str(), verdict(r.at("pass")).c_str());
+  }
+  return text + print("%-20s %-44s %12s %10s  %s\n", "all", "", "", "", verdict(metrics.at("pass")).c_str());
+}
+
+}  // namespace
+
+std::string verdict_table(const Json& metrics, const EvaluationLimits& limits) {
+  const Json& region = metrics.at("region");
+  const Json& coverage = metrics.at("coverage");
+  std::string text = requirement_lines(metrics) +
+                     print("\nRegion: %lld bins%s; %lld invalid in %lld holes\n",
+                           integer(region.at("bin_count")), region_text(region).c_str(),
+                           integer(coverage.at("invalid_count")), integer(coverage.at("hole_count")));
+  const Json& accuracy = metrics.at("accuracy");
+  if (!accuracy.at("footprint_bins").is_null())
+    text += accuracy_lines(accuracy, limits) + statistics_lines(metrics.at("statistics"));
   return text;
 }
 
-std::vector<std::string> missed_requirements(const Metrics& metrics) {
+std::vector<std::string> missed_requirements(const Json& metrics) {
   std::vector<std::string> names;
-  for (const Row& row : rows_of(metrics.requirements))
-    if (!row.requirement.pass.value_or(false)) names.emplace_back(row.name);
+  for (const Row& row : kRows) {
+    const Json& pass = metrics.at("requirements").at(row.name).at("pass");
+    if (pass.is_null() || !pass.get<bool>()) names.emplace_back(row.name);
+  }
   return names;
 }
 
