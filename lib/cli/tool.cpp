@@ -13,11 +13,10 @@
 
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "cli/config_changes.h"
 #include "cli/progress_bar.h"
 #include "config/json_source.h"
-#include "config/scan_config.h"
 #include "config/schema.h"
-#include "config/terrain_config.h"
 #include "io/temporary_files.h"
 
 namespace landfall::cli {
@@ -161,9 +160,7 @@ void Session::resolve_config(const Tool& tool) {
   if (tool.complete) tool.complete(source);
   if (options_.seed) source.value["seed"] = *options_.seed;
   config_name_ = source.name;
-  config_ = schema_ == "terrain" ? resolve_terrain_config(source)
-                                 : landfall::resolve_config(source, embedded_schema(schema_));
-  if (schema_ == "scan") complete_scan_config(config_);
+  config_ = resolved_config(source, schema_);
 }
 
 OutputOptions Session::output(const std::vector<std::string>& inputs) const {

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/description_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "base/error.h"
+#include "base/number_text.h"
+#include "cli/config_changes.h"
+#include "cli/plan_table.h"
+#include "cli/verdict_table.h"
+#include "config/dem_config.h"
+
+namespace landfall::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kWidth = 100;
+
+template <class... Values>
+std::string print(const char* format, Values... values) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+/// A text from a file: on one line, and no longer than the page.
+std::string cut(std::string text, std::size_t width) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  if (text.size() <= width) return text;
+  std::size_t end = width - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;  // not within a letter
+  return text.substr(0, end) + "...";
+}
+
+std::string line(const char* name, const std::string& value) {
+  return print("  %-11s ", name) + cut(value, kWidth - 14) + "\n";
+}
+
+std::string integer(const Json& value) {
+  return value.is_number_integer() ? std::to_string(value.get<std::int64_t>()) : "-";
+}
+
+std::string number(const Json& value) { return value.is_number() ? print("%.4g", value.get<double>()) : "-"; }
+
+std::string metres(const Json& value) { return value.is_number() ? print("%.6g", value.get<double>()) : "-"; }
+
+std::string range(const Json& pair, const char* unit) {
+  return pair.is_array() ? metres(pair[0]) + " to " + metres(pair[1]) + " " + unit : "-";
+}
+
+std::string bytes(double count) {
+  constexpr std::array kUnits = {"bytes", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  for (; count >= 999.5 && unit + 1 < kUnits.size(); ++unit) count /= 1000;
+  return print("%.*f %s", unit == 0 || count >= 99.5 ? 0 : 1, count, kUnits[unit]);
+}
+
+std::string head(const Json& d) {
+  const std::string title = d["title"].get<std::string>();
+  return cut(d["file"].get<std::string>() + ": " + d["kind"].get<std::string>() +
+                 (title.empty() ? "" : " (" + title + ")"),
+             kWidth) +
+         "\n" + line("made by", d["source"].get<std::string>()) +
+         line("file id", d["file_id"].get<std::string>()) +
+         line("format", "version " + d["format_version"].get<std::string>() + ", complete, " +
+                            bytes(d["size_bytes"].get<double>())) +
+         line("frame", d["crs"]["name"].get<std::string>());
+}
+
+std::string extent(const Json& d) {
+  std::string text;
+  if (d.contains("grid")) {
+    const Json& g = d["grid"];
+    text += line("grid", integer(g["columns"]) + " x " + integer(g["rows"]) + " bins of " +
+                             number_text(g["resolution_m"].get<double>()) + " m");
+    text += line("extent",
+                 "x " + range(g["x_m"], "m") + ", y " + range(g["y_m"], "m") + " (centres of the bins)");
+  }
+  if (d.contains("mesh")) {
+    const Json& m = d["mesh"];
+    text += line("mesh",
+                 integer(m["vertex_count"]) + " vertices, " + integer(m["triangle_count"]) + " triangles");
+    if (m["x_m"].is_array())
+      text += line("extent", "x " + range(m["x_m"], "m") + ", y " + range(m["y_m"], "m") + ", z " +
+                                 range(m["z_m"], "m"));
+  }
+  return text;
+}
+
+/// "name count, name count".
+std::string counts(const Json& by_name) {
+  std::string text;
+  for (const auto& [name, count] : by_name.items())
+    text += (text.empty() ? "" : ", ") + name + " " + integer(count);
+  return text;
+}
+
+std::string scan_lines(const Json& s) {
+  std::string pulses = integer(s["pulse_count"]) + " of ";
+  if (s["detector_rows"].is_number_integer() && s["detector_columns"].is_number_integer())
+    pulses += integer(s["detector_rows"]) + " x " + integer(s["detector_columns"]) + " pixels";
+  else
+    pulses += integer(s["pixel_count"]) + " pixels";
+  if (s["t_first_s"].is_number())
+    pulses += ", from " + metres(s["t_first_s"]) + " to " + metres(s["t_last_s"]) + " s";
+  Json by_status;
+  for (const char* const name : {"return", "miss", "dropout", "dead", "false_return"})
+    by_status[name] = s[std::string(name) + "_count"];
+  return line("pulses", pulses) +
+         line("rows", integer(s["row_count"]) +
+                          (s["misses_kept"].get<bool>() ? ", one per pixel and pulse" : ", one per return")) +
+         line("outcomes", counts(by_status));
+}
+
+std::string feature_lines(const Json& f) {
+  std::string text = integer(f["count"]);
+  if (f["count_by_kind"].is_object() && !f["count_by_kind"].empty())
+    text += ": " + counts(f["count_by_kind"]);
+  return line("features", text);
+}
+
+std::size_t name_width(const Json& entries) {
+  std::size_t width = 4;
+  for (const Json& entry : entries) width = std::max(width, entry["name"].get<std::string>().size());
+  return width;
+}
+
+/// Without statistics: what each is.
+std::string list_lines(const std::string& group, const Json& entries) {
+  const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
+  std::string text =
+      print("\n%-*s %-8s %10s  %-5s meaning\n", width + 2, group.c_str(), "type", "stored", "unit");
+  for (const Json& e : entries)
+    text += cut(print("  %-*s %-8s %10s  %-5s ", width, e["name"].get<std::string>().c_str(),
+                      e["type"].get<std::string>().c_str(), bytes(e["stored_bytes"].get<double>()).c_str(),
+                      e["unit"].get<std::string>().c_str()) +
+                    e["long_name"].get<std::string>(),
+                kWidth) +
+            "\n";
+  return text;
+}
+
+/// Whole numbers in full where they are not too long.
+std::string value_text(const Json& value, const std::string& type) {
+  const bool whole = type.find("int") != std::string::npos && value.is_number();
+  return whole && std::abs(value.get<double>()) < 1e9 ? print("%.0f", value.get<double>()) : number(value);
+}
+
+/// Those that occur, over several lines.
+std::string flag_lines(const Json& by_name, int indent) {
+  std::string text;
+  std::string row;
+  for (const auto& [name, count] : by_name.items()) {
+    if (count == 0) continue;
+    const std::string word = cut(name, 40) + " " + integer(count);
+    if (!row.empty() && row.size() + word.size() + static_cast<std::size_t>(indent) + 2 > kWidth) {
+      text += print("%*s", indent, "") + row + ",\n";
+      row.clear();
+    }
+    row += (row.empty() ? "" : ", ") + word;
+  }
+  return row.empty() ? "" : text + print("%*s", indent, "") + row + "\n";
+}
+
+std::string statistics_line(const Json& e, int width) {
+  const std::string unit = e["unit"].get<std::string>();
+  const std::string type = e["type"].get<std::string>();
+  std::string text =
+      print("  %-*s %-7s %10s %9s %10s %10s %10s %10s", width, e["name"].get<std::string>().c_str(),
+            type.c_str(), integer(e["count"]).c_str(), integer(e["nan_count"]).c_str(),
+            value_text(e["min"], type).c_str(), value_text(e["max"], type).c_str(), number(e["mean"]).c_str(),
+            number(e["std"]).c_str()) +
+      (unit == "1" ? "" : " " + unit) + "\n";
+  if (e["infinite_count"] != 0)
+    text += print("  %-*s   infinite: ", width, "") + integer(e["infinite_count"]) + "\n";
+  if (e.contains("flag_counts")) text += flag_lines(e["flag_counts"], width + 5);
+  return text;
+}
+
+std::string dataset_lines(const std::string& group, const Json& entries) {
+  if (entries.empty()) return "";
+  std::string title = group == "layers" ? "layer" : "/" + group;
+  if (group != "layers" && entries[0]["shape"].size() == 1)
+    title += " (" + integer(entries[0]["shape"][0]) + ")";
+  title = cut(title, 40);
+  if (!entries[0].contains("count")) return list_lines(title, entries);
+  const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
+  std::string text = print("\n%-*s %-7s %10s %9s %10s %10s %10s %10s unit\n", width + 2, title.c_str(),
+                           "type", "valid", "NaN", "min", "max", "mean", "std");
+  for (const Json& entry : entries) text += statistics_line(entry, width);
+  return text;
+}
+
+/// The schema of a tool's configuration; empty for another's.
+std::string schema_of(const std::string& tool) {
+  static const std::map<std::string, std::string> kSchemas = {
+      {"terrain-gen", "terrain"}, {"scan-sim", "scan"}, {"regrid", "regrid"}, {"dem-eval", "eval"}};
+  const auto found = kSchemas.find(tool);
+  return found == kSchemas.end() ? "" : found->second;
+}
+
+std::string config_lines(const Json& d, bool whole) {
+  const std::string schema = schema_of(d.value("tool", ""));
+  if (!d["config"].is_object()) return "";
+  if (whole || schema.empty()) return "\nconfiguration\n" + d["config"].dump(2) + "\n";
+  std::string text = "\nconfiguration, where it differs from the defaults\n";
+  const std::vector<ConfigChange> changes = config_changes(d["config"], schema);
+  for (const ConfigChange& change : changes)
+    text += cut("  " + change.key + " = " + change.value.dump(), kWidth) + "\n";
+  return text + (changes.empty() ? "  (nowhere)\n" : "");
+}
+
+std::string inputs_text(const Json& inputs) {
+  std::string text;
+  if (!inputs.is_array()) return text;
+  for (const Json& input : inputs)
+    if (input.is_object())
+      text += (text.empty() ? "  from " : ", ") + input.value("role", "") + " " +
+              input.value("file_id", "").substr(0, 12);
+  return text;
+}
+
+std::string step_line(const Json& step) {
+  const auto text_of = [&](const char* key) {
+    return step.contains(key) && step[key].is_string() ? step[key].get<std::string>() : std::string();
+  };
+  return cut(print("  %-12s %-8s %.12s", cut(text_of("tool"), 40).c_str(),
+                   cut(text_of("version"), 20).c_str(), text_of("file_id").c_str()) +
+                 (step.contains("inputs") ? inputs_text(step["inputs"]) : ""),
+             kWidth) +
+         "\n";
+}
+
+std::string provenance_lines(const Json& d) {
+  std::string text;
+  if (!d["options"].is_null()) text += cut("\noptions " + d["options"].dump(), kWidth) + "\n";
+  text += "\nprovenance, oldest step first\n";
+  for (const Json& step : d["chain"]) text += step_line(step);
+  if (d["environment"].is_object())
+    for (const auto& [key, value] : d["environment"].items())
+      text += line(key.c_str(), value.is_string() ? value.get<std::string>() : value.dump());
+  return text;
+}
+
+EvaluationLimits limits_of(const Json& d) {
+  try {
+    return evaluation_config(d["config"], "").limits;
+  } catch (const UsageError&) {
+    throw FormatError("/provenance/config_json is no configuration of dem-eval");
+  }
+}
+
+/// The tables that the tools print of their results.
+std::string result_tables(const Json& d) {
+  std::string text;
+  if (d.contains("metrics")) text += "\n" + verdict_table(d["metrics"], limits_of(d));
+  if (d.contains("plan")) text += "\n" + plan_table(d["plan"]);
+  return text;
+}
+
+}  // namespace
+
+std::string description_text(const Json& d, bool whole_config) {
+  std::string text = head(d) + extent(d);
+  if (d.contains("scan")) text += scan_lines(d["scan"]);
+  if (d.contains("features")) text += feature_lines(d["features"]);
+  for (const auto& [group, entries] : d["datasets"].items()) text += dataset_lines(group, entries);
+  try {
+    text += result_tables(d);
+  } catch (const nlohmann::json::exception& error) {
+    throw FormatError(d["file"].get<std::string>() + ": /" + (d.contains("plan") ? "plan" : "metrics") +
+                      "_json is not what this version writes (" + error.what() + ")");
+  }
+  return text + config_lines(d, whole_config) + provenance_lines(d);
+}
+
+}  // namespace landfall::cli

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// landfall-info: says what a landfall file is and holds.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "cli/description_text.h"
+#include "cli/tool.h"
+#include "io/file_description.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  landfall-info scan.h5
+  landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
+  landfall-info dem.h5 --json
+  landfall-info huge.h5 --no-statistics --config
+Keys of --json: docs/landfall-info.md.)";
+
+struct Options {
+  std::vector<std::string> files;
+  bool json = false;
+  bool no_statistics = false;
+  bool config = false;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("files", o.files, "Files to describe: terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5")
+      ->type_name("FILE...");
+  app.add_flag("--json", o.json, "The same as a JSON object; an array where there are several files");
+  app.add_flag("--no-statistics", o.no_statistics,
+               "Read no layer: list the layers and columns with what they mean");
+  app.add_flag("--config", o.config, "The whole configuration, not only what differs from its defaults");
+}
+
+nlohmann::ordered_json describe(cli::Session& session, const Options& o, const std::string& path) {
+  nlohmann::ordered_json description;
+  session.phase("read", [&](const ProgressCallback& progress) {
+    description = describe_file(path, {.statistics = !o.no_statistics}, progress);
+  });
+  return description;
+}
+
+/// A file that is none of ours does not keep the others from being described.
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.files.empty()) throw UsageError("a file to describe is required");
+  ExitCode code = ExitCode::done;
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  std::string gap;
+  for (const std::string& path : o.files) {
+    try {
+      const nlohmann::ordered_json description = describe(session, o, path);
+      if (o.json)
+        all.push_back(description);
+      else
+        std::cout << gap << cli::description_text(description, o.config) << std::flush;
+      gap = "\n";
+    } catch (const Error& error) {
+      if (o.files.size() == 1) throw;
+      std::cerr << session.tool() << ": " << error.what() << '\n';
+      code = error.exit_code();
+    }
+  }
+  if (o.json) std::cout << (o.files.size() == 1 ? all.at(0) : all).dump(2) << '\n';
+  return code;
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  Options options;
+  cli::Tool tool;
+  tool.name = "landfall-info";
+  tool.summary =
+      "Says what landfall's files are: kind, extent, statistics, configuration, provenance, verdict.";
+  tool.examples = kExamples;
+  tool.writes = false;
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool);
+}
