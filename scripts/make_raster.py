@@ -1,0 +1,70 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes a GeoTIFF of a cratered plain, to try landfall without data of one's own. Needs gdal_translate (gdal-bin).
+
+Elevations in metres on a polar stereographic map of the Moon's south pole, float32, without rocks.
+"""
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+CRS = "+proj=stere +lat_0=-90 +lon_0=0 +k=1 +x_0=0 +y_0=0 +R=1737400 +units=m +no_defs"
+
+
+def crater(distance_m, diameter_m):
+    """Depth of a fifth of the diameter, with a rim whose height falls off with the third power of the distance."""
+    depth_m, rim_m, r = 0.2 * diameter_m, 0.04 * diameter_m, distance_m / (diameter_m / 2)
+    bowl = (depth_m + rim_m) * r**2 - depth_m
+    return np.where(r < 1, bowl, rim_m * np.maximum(r, 1)**-3)
+
+
+def elevations(x, y, seed):
+    """A gentle slope with long swells and 60 craters, metres above a datum of -1200 m; shape (y, x)."""
+    random = np.random.RandomState(seed)
+    X, Y = np.meshgrid(x - x.mean(), y - y.mean())
+    half_width_m = (x[-1] - x[0]) / 2
+    z = -1200 + 0.03 * X + 2 * np.sin(X / 45) * np.cos(Y / 60)
+    for _ in range(60):
+        diameter_m = 6 * random.uniform() ** -0.5
+        at_x, at_y = random.uniform(-half_width_m, half_width_m, 2)
+        z += crater(np.hypot(X - at_x, Y - at_y), min(diameter_m, 40))
+    return z
+
+
+def write(path, z, west_m, north_m, posting_m):
+    """GeoTIFF by gdal_translate, from a raw file with the header that GDAL's ENVI driver reads; row 0 of `z` is the northern one."""
+    rows, columns = z.shape
+    with tempfile.TemporaryDirectory() as folder:
+        raw = os.path.join(folder, "z.raw")
+        z.astype("<f4").tofile(raw)
+        with open(os.path.join(folder, "z.hdr"), "w", encoding="ascii") as header:
+            header.write(f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = 1\ndata type = 4\nbyte order = 0\n")
+        edges = [west_m, north_m, west_m + columns * posting_m, north_m - rows * posting_m]
+        subprocess.run(["gdal_translate", "-q", "-of", "GTiff", "-a_srs", CRS, "-a_ullr", *map(str, edges), raw, path], check=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", required=True, metavar="FILE.tif")
+    parser.add_argument("--posting", type=float, default=2, metavar="M", help="edge of a cell, m (2)")
+    parser.add_argument("--cells", type=int, default=257, metavar="N", help="cells along each edge (257)")
+    parser.add_argument("--center", type=float, nargs=2, default=[3800, 3380], metavar=("X", "Y"), help="on the map, m (3800 3380)")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    if arguments.cells < 2 or not arguments.posting > 0 or not 0 <= arguments.seed < 2**32:
+        sys.exit("make_raster.py: --cells must be at least 2, --posting above 0, --seed in 0 .. 4294967295")
+    if os.path.exists(arguments.output):
+        sys.exit(f"make_raster.py: {arguments.output} exists")
+    offsets = (np.arange(arguments.cells) - (arguments.cells - 1) / 2) * arguments.posting
+    x, y = arguments.center[0] + offsets, arguments.center[1] - offsets
+    half_m = arguments.cells * arguments.posting / 2
+    write(arguments.output, elevations(x, y, arguments.seed), arguments.center[0] - half_m, arguments.center[1] + half_m,
+          arguments.posting)
+
+
+if __name__ == "__main__":
+    main()
