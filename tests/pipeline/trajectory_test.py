@@ -23,7 +23,7 @@ def blocks(language):
 
 
 DOC = {}
-for block in blocks("python"):
+for block in blocks("python")[:2]:  # a third one calls them
     exec(compile(block, PAGE, "exec"), DOC)  # pylint: disable=exec-used
 
 

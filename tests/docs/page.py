@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A page of the documentation as the tests see it: its fenced blocks, what comments say about them, headings and links.
+
+A comment on a line of its own says something about what follows it:
+
+    <!-- setup: COMMANDS -->      shell commands, of one line or more, that run here and that no reader sees
+    <!-- not run: REASON -->      the next block is not run
+    <!-- file: NAME -->           the next block is the content of the file NAME
+    <!-- check: TOOL -->          the next block is a configuration: TOOL --check must take it
+    <!-- output -->               the next block is what the block before it printed; a line `...` stands for any lines
+"""
+import os
+import re
+
+ROOT = os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+FENCE = re.compile(r"^( *)```(\w*) *$")
+COMMENT = re.compile(r"^<!-- (setup|not run|file|check|output)(?:: *(.*))?$", re.DOTALL)
+LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^()\s]+)\)")
+RUN_LANGUAGES = ("sh", "python")
+
+
+class Block:
+    """A fenced block, or the commands of a setup comment (language `setup`)."""
+
+    def __init__(self, language, line, text, notes):
+        self.language, self.line, self.text, self.notes = language, line, text, notes
+
+    @property
+    def is_run(self):
+        return self.language == "setup" or (self.language in RUN_LANGUAGES and "not run" not in self.notes
+                                            and "file" not in self.notes)
+
+
+class Page:
+    """`name` is relative to the repository; `blocks` in their order; `prose` the lines outside of blocks, by number."""
+
+    def __init__(self, name, text=None):
+        self.name, self.blocks, self.prose, self.faults = name, [], {}, []
+        if text is None:
+            with open(os.path.join(ROOT, name), encoding="utf-8") as file:
+                text = file.read()
+        self._lines = text.split("\n")
+        self._read()
+
+    def _read(self):
+        notes, number = {}, 0
+        while number < len(self._lines):
+            fence = FENCE.match(self._lines[number])
+            if fence:
+                number = self._read_block(number, fence, notes)
+                notes = {}
+            elif self._lines[number].startswith("<!--"):
+                number = self._read_comment(number, notes)
+            else:
+                if self._lines[number].strip():
+                    self._refuse_unused(notes, number)
+                    notes = {}
+                    self.prose[number + 1] = self._lines[number]
+                number += 1
+        self._refuse_unused(notes, number)
+
+    def _refuse_unused(self, notes, number):
+        if notes:
+            self.faults.append(f"{self.name}:{number + 1}: no block follows <!-- {', '.join(notes)} -->")
+
+    def _read_block(self, first, fence, notes):
+        indent, end = len(fence[1]), first + 1
+        while end < len(self._lines) and self._lines[end].strip() != "```":
+            end += 1
+        if end == len(self._lines):
+            self.faults.append(f"{self.name}:{first + 1}: a block without an end")
+        text = "".join(line[indent:] + "\n" for line in self._lines[first + 1:end])
+        self.blocks.append(Block(fence[2], first + 2, text, notes))
+        return end + 1
+
+    def _read_comment(self, first, notes):
+        end = first
+        while end < len(self._lines) and "-->" not in self._lines[end]:
+            end += 1
+        text = "\n".join(self._lines[first:end + 1])
+        match = COMMENT.match(text[:text.find("-->")].rstrip())
+        if not match:
+            self.faults.append(f"{self.name}:{first + 1}: a comment that says nothing known: {self._lines[first]}")
+        elif match[1] == "setup":
+            lines_before = text[:match.start(2)].count("\n")
+            self.blocks.append(Block("setup", first + 1 + lines_before, match[2] + "\n", {}))
+        else:
+            notes[match[1]] = match[2] or ""
+        return end + 1
+
+    def anchors(self):
+        """Of all headings, as GitHub makes them."""
+        found = {}
+        for line in self.prose.values():
+            heading = re.match(r"#+ +(.*)$", line)
+            if heading:
+                text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading[1]).strip().lower()
+                anchor = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+                found[anchor] = found.get(anchor, -1) + 1
+        return {f"{anchor}-{again}" if again else anchor for anchor, count in found.items() for again in range(count + 1)}
+
+    def links(self):
+        """(line, target) of each link and image, other sites' left out."""
+        return [(number, match[2]) for number, line in self.prose.items() for match in LINK.finditer(re.sub(r"`[^`]*`", "``", line))
+                if not re.match(r"[a-z]+:", match[2])]
+
+
+def names():
+    """Every page, relative to the repository."""
+    found = ["README.md"]
+    for folder, _, files in os.walk(os.path.join(ROOT, "docs")):
+        found += [os.path.relpath(os.path.join(folder, name), ROOT) for name in files if name.endswith(".md")]
+    return sorted(found)

@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tests of the documentation can fail: pages made here, right and wrong."""
+import unittest
+
+import page as pages
+import run_docs_test
+import structure_test
+
+
+def block(language, text, *notes):
+    return "".join(f"<!-- {note} -->\n" for note in notes) + f"```{language}\n{text}\n```\n\n"
+
+
+def run(text):
+    page = pages.Page("docs/made.md", text)
+    return page, run_docs_test.Run(page)
+
+
+def verdict(text):
+    """None, or what run_docs_test says is wrong."""
+    page, done = run(text)
+    try:
+        run_docs_test.Commands().check(page, done)
+    except AssertionError as error:
+        return str(error)
+    return None
+
+
+class Reading(unittest.TestCase):
+    def test_blocks_know_their_line_and_what_is_said_of_them(self):
+        page = pages.Page("made.md", "# A\n\n" + block("sh", "true", "setup: a\nb", "not run: slow") + block("json", "{}", "check: regrid"))
+        self.assertEqual([(b.language, b.line, b.text) for b in page.blocks], [("setup", 3, "a\nb\n"), ("sh", 7, "true\n"), ("json", 12, "{}\n")])
+        self.assertEqual([b.is_run for b in page.blocks], [True, False, False])
+        self.assertEqual(page.faults, [])
+
+    def test_faults(self):
+        for text in ("<!-- chek: regrid -->\n", "<!-- output -->\ntext\n", "```sh\ntrue\n", "<!-- check: regrid -->\n"):
+            with self.subTest(text):
+                self.assertEqual(len(pages.Page("made.md", text).faults), 1)
+
+    def test_anchors_and_links(self):
+        page = pages.Page("made.md", "# `regrid --x`, a test\n\n## Twice\n\n## Twice\n\n[a](b.md#c) ![d](e.png) `[f](g)` [h](https://i)\n")
+        self.assertEqual(page.anchors(), {"regrid---x-a-test", "twice", "twice-1"})
+        self.assertEqual(page.links(), [(7, "b.md#c"), (7, "e.png")])
+
+    def test_commands_outside_of_blocks_are_seen(self):
+        for line in ("    regrid scan.h5 -o dem.h5", "    make -f Makefile.studies", "    scripts/plot_dem.py dem.h5", "    ./build", "    $ ls -l"):
+            self.assertRegex(line, structure_test.COMMAND)
+        for line in ("    z = height_m", "regrid makes a map", "    regrids and others"):
+            self.assertNotRegex(line, structure_test.COMMAND)
+
+
+class Running(unittest.TestCase):
+    def test_blocks_share_a_shell_and_a_folder(self):
+        self.assertIsNone(verdict(block("sh", "a=1; echo text > file", "setup: b=2") + block("sh", '[[ $a$b == 12 && "$(cat file)" == text ]]')))
+
+    def test_a_failure_names_line_command_and_message(self):
+        for text in ("false", "ls missing-file", "echo $unset", "false | true"):
+            with self.subTest(text):
+                self.assertIn("docs/made.md:6: exit ", verdict(block("sh", "true") + block("sh", text)))
+        self.assertIn("missing-file", verdict(block("sh", "ls missing-file")))
+        self.assertIn("line 7", verdict(block("sh", "true") + block("sh", "true\nls() { $unset; }\nls")))
+
+    def test_what_is_not_run(self):
+        self.assertIsNone(verdict(block("sh", "false", "not run: reason") + block("text", "false")))
+
+    def test_shown_output_must_be_the_output(self):
+        self.assertIsNone(verdict(block("sh", "echo one; echo two") + block("text", "one\ntwo", "output")))
+        self.assertIsNone(verdict(block("sh", "seq 5") + block("text", "1\n...\n5", "output")))
+        self.assertIn("docs/made.md:7", verdict(block("sh", "echo one; echo two") + block("text", "one", "output")))
+        self.assertIn("docs/made.md:7", verdict(block("sh", "seq 5") + block("text", "1\n...\n4", "output")))
+
+    def test_files(self):
+        self.assertIsNone(verdict(block("csv", "a,b", "file: folder/t.csv") + block("sh", '[[ "$(cat folder/t.csv)" == a,b ]]')))
+
+    def test_python_knows_the_earlier_blocks(self):
+        text = block("python", "import math\nprint('first')\ndef f():\n    return math.pi") + block("python", "print(round(f(), 2))")
+        self.assertIsNone(verdict(text + block("text", "3.14", "output")))
+        self.assertIn("NameError", verdict(block("python", "g()")))
+
+    def test_configurations(self):
+        self.assertIsNone(verdict(block("json", '{"half_width_m": 5}', "check: regrid")))
+        self.assertIn("half_width", verdict(block("json", '{"half_width": 5}', "check: regrid")))
+
+
+if __name__ == "__main__":
+    unittest.main()

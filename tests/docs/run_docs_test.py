@@ -1,0 +1,175 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs every command of the documentation: the blocks of each page, in order, in one new folder.
+
+    run_docs_test.py GROUP            the pages of a group, as ctest does
+    run_docs_test.py PAGE ...         README.md, docs/cli.md, ...
+    run_docs_test.py --write PAGE ... also writes what the commands print into the blocks that show it
+
+Shell blocks run in one `bash -euo pipefail` with the tools and scripts/ on PATH, Python blocks each in a python3 that has run the
+page's earlier ones. What comments say about blocks: page.py.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import page as pages
+
+ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
+BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
+HERE = os.path.dirname(os.path.abspath(__file__))
+# Pages of a group run one after the other, groups beside each other; the last group has all pages that no other has.
+GROUPS = {"readme": r"README", "lidar": r"docs/lidar/", "terrain": r"docs/terrain/", "files": r"docs/files/", "studies": r"docs/studies/",
+          "guides": r"docs/(tutorial|usability|gallery)", "tools": r""}
+PAGE_TIMEOUT_S = 300
+# Replays what earlier blocks of the page define, without what they print.
+REPLAY = "import contextlib, os\nwith open(os.devnull, 'w') as _null, contextlib.redirect_stdout(_null):\n    exec({!r})\n"
+
+
+def group_of(name):
+    return next(group for group, pattern in GROUPS.items() if re.match(pattern, name))
+
+
+def python_commands(blocks, number, folder):
+    """Writes a Python block, and gives the command that runs it."""
+    earlier = [block.text for block in blocks[:number] if block.language == "python" and block.is_run]
+    text = "".join(REPLAY.format(text) for text in earlier) + blocks[number].text
+    with open(os.path.join(folder, f"{number}.py"), "w", encoding="utf-8") as file:
+        file.write(text)
+    return f"python3 '{folder}/{number}.py'\n"
+
+
+def commands_of(blocks, number, folder):
+    """What a block asks bash to do; empty for one that is only to be read."""
+    block = blocks[number]
+    text = ""
+    if "file" in block.notes or "check" in block.notes:
+        path = os.path.join(folder, str(number))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(block.text)
+        if "file" in block.notes:
+            text += f"mkdir -p \"$(dirname '{block.notes['file']}')\" && cp '{path}' '{block.notes['file']}'\n"
+        if "check" in block.notes:
+            text += f"command {block.notes['check']} -c '{path}' --check\n"
+    if block.is_run:
+        text += python_commands(blocks, number, folder) if block.language == "python" else block.text
+    return text
+
+
+class Run:
+    """One page in bash: `code`, the number of the block that failed, and what each block printed."""
+
+    def __init__(self, page):
+        self.blocks = page.blocks
+        self.folder = tempfile.mkdtemp(prefix="landfall-docs-")
+        try:
+            self._run()
+        finally:
+            shutil.rmtree(self.folder)
+
+    def _run(self):
+        aside, work = os.path.join(self.folder, "aside"), os.path.join(self.folder, "work")
+        os.mkdir(aside)
+        os.mkdir(work)
+        os.mkdir(os.path.join(aside, "bin"))
+        os.symlink("/usr/bin/python3", os.path.join(aside, "bin", "python3"))
+        script = [f". '{HERE}/setup.sh'"]
+        for number, block in enumerate(self.blocks):
+            text = commands_of(self.blocks, number, aside)
+            if text:
+                # Empty lines first, so that bash counts lines as the page does.
+                with open(os.path.join(aside, f"{number}.sh"), "w", encoding="utf-8") as file:
+                    file.write("\n" * (block.line - 1) + text)
+                script.append(f". '{aside}/{number}.sh' > '{aside}/{number}.out' 2>&1")
+        self._start(script, aside, work)
+
+    def _start(self, script, aside, work):
+        environment = dict(os.environ, LANDFALL_ROOT=ROOT, LANDFALL_BIN=BIN, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
+                           PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "scripts"), os.environ["PATH"]]))
+        # make's own variables, where ctest was started by it, are not those of the page.
+        for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
+            environment.pop(name, None)
+        result = subprocess.run(["bash", "-euo", "pipefail", "-c", "\n".join(script)], cwd=work, env=environment,
+                                stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PAGE_TIMEOUT_S, check=False)
+        self.code, self.message = result.returncode, result.stderr
+        self.printed = {}
+        for number in range(len(self.blocks)):
+            path = os.path.join(aside, f"{number}.out")
+            if os.path.exists(path):
+                with open(path, encoding="utf-8", errors="replace") as file:
+                    self.printed[number] = file.read().replace(f"{aside}/", "")
+        self.last = max(self.printed, default=None)
+
+    def output_before(self, number):
+        """What the last run block before `number` printed."""
+        return self.printed.get(max((n for n in self.printed if n < number and self.blocks[n].language != "setup"), default=None), "")
+
+
+def shows(shown, printed):
+    """Whether `shown` is `printed`, where a line `...` of the former stands for any lines of the latter."""
+    pattern = "".join(r"(?:.*\n)*?" if line.strip() == "..." else re.escape(line.rstrip()) + r" *\n" for line in shown.splitlines())
+    return re.fullmatch(pattern, printed) is not None
+
+
+def rewrite(page, run):
+    """Writes the outputs into the page, those with `...` left as they are."""
+    path = os.path.join(ROOT, page.name)
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().split("\n")
+    for number in reversed(range(len(page.blocks))):
+        block = page.blocks[number]
+        if "output" in block.notes and "..." not in block.text.split("\n"):
+            first = block.line - 1
+            printed = [line.rstrip() for line in run.output_before(number).splitlines()]
+            lines[first:first + block.text.count("\n")] = printed
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines))
+
+
+class Commands(unittest.TestCase):
+    names = []
+    write = False
+
+    def test_each_page(self):
+        for name in self.names:
+            with self.subTest(name):
+                started = time.monotonic()
+                page = pages.Page(name)
+                self.assertEqual(page.faults, [])
+                run = Run(page)
+                self.check(page, run)
+                print(f"{name}: {sum(block.is_run for block in page.blocks)} blocks, {time.monotonic() - started:.1f} s", file=sys.stderr)
+
+    def check(self, page, run):
+        if run.code:
+            block = page.blocks[run.last] if run.last is not None else None
+            self.fail(f"{page.name}:{block.line if block else 1}: exit {run.code} of\n{block.text if block else ''}\n"
+                      f"{run.printed.get(run.last, '')}{run.message}")
+        if self.write:
+            return rewrite(page, run)
+        for number, block in enumerate(page.blocks):
+            if "output" in block.notes and not shows(block.text, run.output_before(number)):
+                self.fail(f"{page.name}:{block.line}: the page shows\n{block.text}\nwhere the command printed\n{run.output_before(number)}")
+            if block.language == "json":
+                json.loads(block.text)
+        return None
+
+
+def main():
+    arguments = sys.argv[1:]
+    Commands.write = "--write" in arguments
+    wanted = [argument for argument in arguments if argument != "--write"]
+    Commands.names = [name for name in pages.names() if name in wanted or group_of(name) in wanted]
+    if not Commands.names:
+        sys.exit(f"run_docs_test.py: no page of {wanted}; groups are {', '.join(GROUPS)}")
+    unittest.main(argv=sys.argv[:1])
+
+
+if __name__ == "__main__":
+    main()

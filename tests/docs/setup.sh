@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What the setup comments of the pages may call (tests/docs/page.py).
+
+# A coarse terrain.h5 of flat ground with three cones.
+small_terrain() {
+  command terrain-gen -o "${1:-terrain.h5}" --half-width 60 --resolution 0.5 --set 'patterns=[{"type":"ring","count":3,
+    "radius_m":20,"feature":{"type":"cone","radius_m":3,"height_m":2}}]'
+}
+
+# From here on scan-sim sends only 1,000 pulses, 0.05 s of them, unless the page's own options say otherwise.
+short_scans() {
+  scan-sim() { command scan-sim --set laser.scan_time_s=0.05 "$@"; }
+}
+
+# From here on maps are of 10 x 10 m in bins of 10 cm, and judged within 4 m, unless the page's own options say otherwise.
+small_maps() {
+  regrid() { command regrid --set half_width_m=5 --set resolution_m=0.1 -t 0 "$@"; }
+  dem-eval() { command dem-eval --set region_radius_m=4 -t 0 "$@"; }
+}
+
+# A copy of what make and the scripts see of the repository, with the tools in the place where a build leaves them.
+checkout() {
+  cp -r "$LANDFALL_ROOT"/{Makefile.studies,bench,examples,schemas,scripts,studies} .
+  mkdir -p build/release
+  ln -s "$LANDFALL_BIN" build/release/bin
+}
+
+# The chain's files, small: terrain.h5 scan.h5 dem.h5 eval.h5 metrics.json, 10 x 10 m in bins of 10 cm.
+small_chain() {
+  command terrain-gen -o terrain.h5 --half-width 8 --resolution 0.1 \
+    --set 'features=[{"type":"cone","x_m":2,"y_m":1,"radius_m":1,"height_m":0.4},{"type":"rock","x_m":-2,"diameter_m":1}]'
+  command scan-sim --terrain terrain.h5 -o scan.h5 --set laser.scan_time_s=0.05 \
+    --set scanner.pattern='{"type":"line_search","rows":20,"columns":50,"half_width_m":6}' --set noise.range_sigma_m=0.01
+  command regrid scan.h5 --terrain terrain.h5 -o dem.h5 --set half_width_m=5 --set resolution_m=0.1
+  command dem-eval dem.h5 -o eval.h5 --metrics metrics.json --set region_radius_m=4
+}
+
+# From here on make plans what it is asked for, down to each command, and runs none: studies take minutes.
+plan_only() {
+  make() { command make -n "$@" > plan.txt; }
+}

@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the pages hold, without running it: no command escapes run_docs_test.py, and every link leads somewhere."""
+import os
+import re
+import sys
+import unittest
+
+import page as pages
+
+ROOT = pages.ROOT
+COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
+                     r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/)\w)")
+LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
+MOST_NOT_RUN = 30
+
+
+class Structure(unittest.TestCase):
+    def setUp(self):
+        self.pages = {name: pages.Page(name) for name in pages.names()}
+
+    def test_comments_and_blocks_are_well_formed(self):
+        faults = [fault for page in self.pages.values() for fault in page.faults]
+        faults += [f"{page.name}:{block.line}: a block of `{block.language}`" for page in self.pages.values()
+                   for block in page.blocks if block.language not in LANGUAGES | {"setup"}]
+        self.assertEqual(faults, [])
+
+    def test_no_command_stands_outside_of_a_shell_block(self):
+        found = [f"{page.name}:{number}: {line.strip()}" for page in self.pages.values() for number, line in page.prose.items()
+                 if COMMAND.match(line)]
+        found += [f"{page.name}:{block.line}: {line}" for page in self.pages.values() for block in page.blocks
+                  if block.language == "" or (block.language == "text" and "output" not in block.notes)
+                  for line in block.text.splitlines() if COMMAND.match("    " + line)]
+        self.assertEqual(found, [])
+
+    def test_few_blocks_are_not_run(self):
+        left_out = [f"{page.name}:{block.line}: {block.notes['not run']}" for page in self.pages.values() for block in page.blocks
+                    if "not run" in block.notes]
+        print("not run:", *left_out, sep="\n  ", file=sys.stderr)
+        self.assertEqual([line for line in left_out if line.endswith(": ")], [], "without a reason")
+        self.assertLessEqual(len(left_out), MOST_NOT_RUN)
+
+    def test_configurations_are_checked(self):
+        self.assertEqual([f"{page.name}:{block.line}" for page in self.pages.values() for block in page.blocks
+                          if block.language == "json" and not {"check", "file", "output", "not run"} & block.notes.keys()], [])
+
+    def test_links_lead_somewhere(self):
+        broken = []
+        for page in self.pages.values():
+            for number, target in page.links():
+                path, _, anchor = target.partition("#")
+                name = os.path.normpath(os.path.join(os.path.dirname(page.name), path)) if path else page.name
+                if not os.path.exists(os.path.join(ROOT, name)):
+                    broken.append(f"{page.name}:{number}: {target}")
+                elif anchor and anchor not in self.pages[name].anchors():
+                    broken.append(f"{page.name}:{number}: no heading {anchor} in {name}")
+        self.assertEqual(broken, [])
+
+    def test_every_page_is_linked(self):
+        linked = {os.path.normpath(os.path.join(os.path.dirname(page.name), target.partition("#")[0])) for page in self.pages.values()
+                  for _, target in page.links()}
+        self.assertEqual(sorted(set(self.pages) - linked - {"README.md"}), [])
+
+    def test_every_picture_is_shown(self):
+        folder = os.path.join(ROOT, "docs", "images")
+        shown = {os.path.basename(target) for page in self.pages.values() for _, target in page.links()}
+        self.assertEqual(sorted(set(os.listdir(folder)) - shown), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
