@@ -22,7 +22,7 @@ void add_fractal(Grid<double>& z, const FractalBase& fractal, const FractalDraw&
                  const ProgressCallback& progress) {
   const WaveDomain domain = WaveDomain::around(z.spec());
   const double longest_m = fractal.longest_wavelength_m.value_or(std::numeric_limits<double>::infinity());
-  FractalWaves waves(domain, {0, longest_m}, fractal.hurst_exponent, z.spec().rows, z.spec().cols);
+  FractalWaves waves(domain, {0, longest_m}, fractal.hurst_exponent, z.spec().rows);
   const double amplitude =
       std::isinf(longest_m) ? calibrated_amplitude(waves, domain, fractal) : law_amplitude(fractal, domain);
   waves.draw(draw, [&](double fraction) { report(progress, fraction / 2); });

@@ -49,13 +49,12 @@ double calibration_lag(const WaveDomain& domain, const FractalBase& fractal) {
 }
 
 FractalWaves::FractalWaves(const WaveDomain& domain, const WaveBand& band, double hurst_exponent,
-                           std::int64_t rows, std::int64_t cols)
+                           std::int64_t rows)
     : domain_(domain),
       hurst_(hurst_exponent),
       least_k2_(square(2 * std::numbers::pi * domain.spacing_m / band.below_m)),
       end_k2_(square(2 * std::numbers::pi * domain.spacing_m / band.from_m)),
       rows_(rows),
-      cols_(cols),
       columns_(static_cast<std::size_t>(domain.nx / 2 + 1)) {}
 
 double FractalWaves::wave_x(std::size_t i) const {

@@ -42,12 +42,11 @@ struct WaveDomain {
 [[nodiscard]] double calibration_lag(const WaveDomain& domain, const FractalBase& fractal);
 
 /// A realisation of the waves of a band on a periodic domain: one Gaussian amplitude per wave, power
-/// |k|^-(2 H + 2) with k in radians per node. Of the domain's nodes the first rows and columns are kept.
+/// |k|^-(2 H + 2) with k in radians per node. Of the domain's nodes the first rows are kept.
 class FractalWaves {
  public:
-  /// `rows`, `cols`: the nodes that are kept.
-  FractalWaves(const WaveDomain& domain, const WaveBand& band, double hurst_exponent, std::int64_t rows,
-               std::int64_t cols);
+  /// `rows`: those that are kept.
+  FractalWaves(const WaveDomain& domain, const WaveBand& band, double hurst_exponent, std::int64_t rows);
 
   /// Draws the waves and transforms along y. 16 bytes per kept row and half the columns of the domain.
   void draw(const FractalDraw& draw, const ProgressCallback& progress = {});
@@ -76,7 +75,6 @@ class FractalWaves {
   double least_k2_;  ///< of the band, (radians per node)^2
   double end_k2_;
   std::int64_t rows_;
-  std::int64_t cols_;
   std::size_t columns_;
   std::vector<Complex> partial_;  ///< column by column, the rows that are kept
 };

@@ -73,8 +73,8 @@ double calibration(const GridSpec& grid, const FractalBase& fractal, const Bands
   const double shorter_m = law_amplitude(fractal, fine);
   const double square_m2 =
       longer_m * longer_m *
-          FractalWaves(coarse, bands.longer, hurst, 1, 1).squared_deviation(lag_nodes / kCoarse) +
-      shorter_m * shorter_m * FractalWaves(fine, bands.shorter, hurst, 1, 1).squared_deviation(lag_nodes);
+          FractalWaves(coarse, bands.longer, hurst, 1).squared_deviation(lag_nodes / kCoarse) +
+      shorter_m * shorter_m * FractalWaves(fine, bands.shorter, hurst, 1).squared_deviation(lag_nodes);
   return lawful_deviation_m(fractal, lag_nodes * grid.resolution_m) / std::sqrt(square_m2);
 }
 
@@ -103,8 +103,7 @@ LargeFractal::LargeFractal(const FractalBase& fractal, const FractalDraw& draw, 
 void LargeFractal::make_long_waves(double scale, const ProgressCallback& progress) {
   const GridSpec coarse = coarse_grid(grid_);
   const WaveDomain domain = WaveDomain::around(coarse);
-  FractalWaves waves(domain, Bands(grid_, longest_m_).longer, fractal_.hurst_exponent, coarse.rows,
-                     coarse.cols);
+  FractalWaves waves(domain, Bands(grid_, longest_m_).longer, fractal_.hurst_exponent, coarse.rows);
   long_waves_ = Grid<double>(coarse);
   waves.draw(draw_, [&](double fraction) { report(progress, fraction / 2); });
   waves.add_to(long_waves_, scale * law_amplitude(fractal_, domain),
@@ -139,8 +138,7 @@ void LargeFractal::add_long_waves(Grid<double>& strip) const {
 
 Grid<double> LargeFractal::patch(std::int64_t row, std::int64_t col) const {
   const std::int64_t per_row = last_patch(grid_.cols - 1) + 1;
-  FractalWaves waves(patch_domain(grid_), Bands(grid_, longest_m_).shorter, fractal_.hurst_exponent, kPatch,
-                     kPatch);
+  FractalWaves waves(patch_domain(grid_), Bands(grid_, longest_m_).shorter, fractal_.hurst_exponent, kPatch);
   waves.draw({draw_.seed, patch_layer(draw_.layer, row * per_row + col)});
   Grid<double> z(GridSpec{grid_.resolution_m, 0, 0, kPatch, kPatch});
   waves.add_to(z, patch_amplitude_);

@@ -60,8 +60,8 @@ double PowerLaw::area_fraction(const DiameterRange& range) const {
 
 GolombekLaw GolombekLaw::covering(double area_fraction, double diameter_m, const std::string& owner) {
   // log F(D) = log k - (1.79 + 0.152 / k) D rises with k.
-  const auto excess = [&](double k) {
-    return std::log(k / area_fraction) - GolombekLaw{k}.q_per_m() * diameter_m;
+  const auto excess = [&](double abundance) {
+    return std::log(abundance / area_fraction) - GolombekLaw{abundance}.q_per_m() * diameter_m;
   };
   if (!(excess(1) >= 0))
     throw UsageError(owner + ": rocks of " + number_text(diameter_m) + " m and more cover at most " +

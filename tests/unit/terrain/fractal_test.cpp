@@ -112,7 +112,7 @@ double wave_amplitude(const Grid<double>& z, std::int64_t i, std::int64_t j) {
 // 96 x 80 nodes of 0.5 m, waves in [6, 12) m: in cycles per metre hypot(i / 48, j / 40) in (1/12, 1/6].
 TEST(FractalWaves, HaveNothingOutsideTheirBand) {
   const WaveDomain domain{0.5, 96, 80};
-  FractalWaves waves(domain, {6, 12}, 0.7, 80, 96);
+  FractalWaves waves(domain, {6, 12}, 0.7, 80);
   waves.draw({3, 1});
   Grid<double> z(GridSpec{0.5, 0, 0, 80, 96});
   waves.add_to(z, 1);
