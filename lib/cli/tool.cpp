@@ -13,6 +13,7 @@
 
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "cli/command_line.h"
 #include "cli/config_changes.h"
 #include "cli/progress_bar.h"
 #include "config/json_source.h"
@@ -65,7 +66,8 @@ void bind_config(CLI::App& app, CommonOptions& o) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop");
   app.add_flag("--print-schema", o.print_schema, "Print the configuration's JSON schema and stop");
-  app.add_flag("--check", o.check_only, "Validate the configuration and stop");
+  app.add_flag("--check", o.check_only,
+               "Check the configuration, without the data files that it names, and stop");
 }
 
 void bind_output(CLI::App& app, CommonOptions& o) {
@@ -133,6 +135,7 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
                        const CommonOptions& options) {
   try {
     app.parse(argc, argv);
+    require_values(app);
   } catch (const CLI::CallForHelp&) {
     std::cout << app.help();
     return ExitCode::done;
@@ -143,7 +146,10 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
   return run_tool(tool, options);
 }
 
-int fail(const std::string& tool, const std::string& message, ExitCode code) {
+/// One line, whatever a file's name or a key holds.
+int fail(const std::string& tool, std::string message, ExitCode code) {
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
   std::cerr << tool << ": " << message << '\n';
   return static_cast<int>(code);
 }
@@ -228,7 +234,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
     flush_stdout();
     return static_cast<int>(code);
   } catch (const CLI::ParseError& error) {
-    return fail(tool.name, std::string(error.what()) + " (see --help)", ExitCode::usage);
+    return fail(tool.name, plain_message(app, error) + " (see --help)", ExitCode::usage);
   } catch (const Error& error) {
     return fail(tool.name, error.what(), error.exit_code());
   } catch (const std::bad_alloc&) {

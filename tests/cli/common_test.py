@@ -132,6 +132,41 @@ class Usage(ToolTest):
         for name in TOOLS:
             self.refuse(2, name, "-o", words=["--output"])
 
+    def test_an_empty_value_is_not_an_absent_option(self):
+        files = {"terrain-gen": ["--from", "-c", "-o"], "scan-sim": ["--terrain", "--ranges-from"],
+                 "regrid": ["--terrain"], "dem-eval": ["--metrics"]}
+        long_names = {"-c": "--config", "-o": "--output"}
+        for name, options in files.items():
+            for option in options:
+                wanted = f"{name}: {long_names.get(option, option)} wants a file\n"
+                for arguments in ([option, ""], [f"{option}="] if option.startswith("--") else [option, ""]):
+                    result = self.refuse(2, name, *INPUTS[name], *arguments)
+                    self.assertEqual(result.stderr, wanted)
+        for name, argument in [("regrid", "scans"), ("dem-eval", "dem")]:
+            self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} wants a file\n")
+        result = self.refuse(2, "terrain-gen", "--from", "a.tif", "--center", "")
+        self.assertEqual(result.stderr, "terrain-gen: --center wants X,Y\n")
+        self.refuse(2, "regrid", "scan.h5", "--layers", "", words=["--layers wants NAME,..."])
+        self.refuse(2, "regrid", "scan.h5", "--set", "", words=["--set wants KEY=JSON"])
+
+    def test_refusals_of_a_command_line_in_plain_words(self):
+        for arguments, message in [
+                (["--outptu", "x"], "there is no option --outptu; did you mean --output?"),
+                (["surplus"], "'surplus' is one argument too many"),
+                (["-o"], "--output wants a file"),
+                (["-t", "x"], "--threads: x is not in [0, 4096]"),
+                (["-t", "5000"], "--threads: 5000 is not in [0, 4096]"),
+                (["--band", "1"], "--band needs --from"),
+                (["--from", "a", "--center", "1,2", "--center-pixel", "1,2"],
+                 "--center and --center-pixel exclude each other"),
+                (["-o", "a", "-o", "b"], "--output stands 2 times; give it once"),
+                (["--json=maybe"], "--json takes no value")]:
+            result = self.refuse(2, "terrain-gen", *arguments)
+            self.assertEqual(result.stderr, f"terrain-gen: {message} (see --help)\n")
+        self.refuse(2, "scan-sim", "--engine", "magic",
+                    words=["--engine: magic is not one of auto, heightfield, cgal"])
+        self.refuse(2, "scan-sim", "--plan", "--plan-radius", "x", words=["--plan-radius: 'x' is not a number"])
+
     def test_without_an_output_no_input_is_opened(self):
         for name in TOOLS:
             self.refuse(2, name, *INPUTS[name], words=["-o"])
