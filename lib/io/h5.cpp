@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/regular_file.h"
 
 namespace landfall::h5 {
 namespace {
@@ -221,14 +222,11 @@ void write_text(hid_t parent, const TextDataset& what, const std::string& text) 
 }
 
 Handle open_file(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw FormatError(path.string() + ": no such file");
-  if (std::filesystem::is_directory(path, error)) throw FormatError(path.string() + ": is a directory");
+  require_regular_file(path);
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id >= 0) return {id, H5Fclose};
-  const std::string reason = failure_reason();
-  throw FormatError(path.string() + ": not a readable HDF5 file" +
-                    (reason.empty() ? "" : " (" + reason + ")"));
+  if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is no HDF5 file");
+  throw FormatError(path.string() + ": is an HDF5 file that is truncated or damaged; make it again");
 }
 
 bool exists(hid_t parent, const std::string& name) {

@@ -5,11 +5,11 @@
 #include <cstring>
 #include <fstream>
 #include <span>
-#include <system_error>
 
 #include "base/error.h"
 #include "base/file_extension.h"
 #include "base/hash.h"
+#include "base/regular_file.h"
 #include "io/mesh_text.h"
 
 namespace landfall {
@@ -19,12 +19,9 @@ namespace fs = std::filesystem;
 
 std::string read_bytes(const fs::path& path) {
   const std::string name = path.string();
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) throw FormatError(name + ": does not exist, or cannot be reached");
-  if (!fs::is_regular_file(status)) throw FormatError(name + ": is no regular file");
+  require_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw FormatError(name + ": cannot be opened");
+  if (!stream) throw FormatError(name + ": cannot be read");
   std::string bytes(fs::file_size(path), '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/regular_file.h"
 #include "io/table.h"
 
 namespace landfall {
@@ -129,9 +130,7 @@ NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wan
 }  // namespace
 
 NumberTable read_number_table(const std::filesystem::path& path, const TableColumns& columns) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw FormatError(path.string() + ": no such file");
-  if (std::filesystem::is_directory(path, error)) throw FormatError(path.string() + ": is a directory");
+  require_regular_file(path);
   h5::initialise();
   return H5Fis_hdf5(path.c_str()) > 0 ? read_hdf5(path, columns) : CsvReader(path).read(columns);
 }

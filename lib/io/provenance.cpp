@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/regular_file.h"
 #include "io/version.h"
 
 namespace landfall {
@@ -52,6 +53,7 @@ void Provenance::add_input(const std::string& role, const std::string& id,
 }
 
 std::string content_id(const std::filesystem::path& path) {
+  require_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw FormatError(path.string() + ": cannot be read");
   Hash hash;

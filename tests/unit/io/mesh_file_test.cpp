@@ -158,9 +158,9 @@ TEST_F(MeshFileTest, Ply) {
 }
 
 TEST_F(MeshFileTest, RefusesWhatIsNoFileOrNoMesh) {
-  EXPECT_EQ(refusal_of(folder_ / "none.obj"), "does not exist, or cannot be reached");
+  EXPECT_EQ(refusal_of(folder_ / "none.obj"), "no such file");
   fs::create_directory(folder_ / "folder.obj");
-  EXPECT_EQ(refusal_of(folder_ / "folder.obj"), "is no regular file");
+  EXPECT_EQ(refusal_of(folder_ / "folder.obj"), "is a directory");
   ASSERT_EQ(mkfifo((folder_ / "pipe.ply").c_str(), 0600), 0);
   EXPECT_EQ(refusal_of(folder_ / "pipe.ply"), "is no regular file");
   EXPECT_EQ(refusal("t.stp", ""), "'.stp' is no mesh that is read: .obj, .ply, .off or .stl");
