@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/json_source.h"
 
+#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
 #include <set>
+#include <system_error>
 
 #include "base/error.h"
 
@@ -18,25 +20,66 @@ using Json = nlohmann::json;
 std::string read_text(const std::string& path) {
   if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
   std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw UsageError(path + ": no such file");
+  if (std::filesystem::is_directory(path, error)) throw UsageError(path + ": is a directory");
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path, error)) throw UsageError(path + ": cannot be read");
+  if (!stream) throw UsageError(path + ": cannot be read: " + std::generic_category().message(errno));
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// nlohmann keeps the last of two equal keys; a configuration that says two things says neither.
-class DuplicateKeyCheck {
+/// Deeper than any schema; what walks a configuration may call itself.
+constexpr int kMostLevels = 64;
+
+/// A key as a message can hold it.
+std::string shown(const std::string& key) { return key.size() <= 60 ? key : key.substr(0, 57) + "..."; }
+
+/// Refuses what is JSON and no configuration. nlohmann keeps the last of two equal keys; a configuration that
+/// says two things says neither. A pass of its own: the parser's callbacks take time in the square of a list.
+class StrictnessCheck final : public nlohmann::json_sax<Json> {
  public:
-  explicit DuplicateKeyCheck(const std::string& name) : name_(name) {}
-  bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) keys_.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys_.pop_back();
-    if (event == Json::parse_event_t::key && !keys_.back().insert(parsed.get<std::string>()).second)
-      throw UsageError(name_ + ": key \"" + parsed.get<std::string>() + "\" stands twice in one object");
+  explicit StrictnessCheck(const std::string& name) : name_(name) {}
+
+  bool start_object(std::size_t /*size*/) override {
+    keys_.emplace_back();
+    return go_down();
+  }
+  bool key(std::string& text) override {
+    if (!keys_.back().insert(text).second)
+      throw UsageError(name_ + ": key \"" + shown(text) + "\" stands twice in one object");
     return true;
+  }
+  bool end_object() override {
+    keys_.pop_back();
+    return go_up();
+  }
+  bool start_array(std::size_t /*size*/) override { return go_down(); }
+  bool end_array() override { return go_up(); }
+  bool null() override { return true; }
+  bool boolean(bool /*value*/) override { return true; }
+  bool number_integer(Json::number_integer_t /*value*/) override { return true; }
+  bool number_unsigned(Json::number_unsigned_t /*value*/) override { return true; }
+  bool number_float(Json::number_float_t /*value*/, const std::string& /*text*/) override { return true; }
+  bool string(std::string& /*value*/) override { return true; }
+  bool binary(Json::binary_t& /*value*/) override { return true; }
+  /// What is no JSON is told by parse().
+  bool parse_error(std::size_t /*at*/, const std::string& /*token*/,
+                   const nlohmann::detail::exception& /*error*/) override {
+    return false;
   }
 
  private:
+  bool go_down() {
+    if (++level_ > kMostLevels)
+      throw UsageError(name_ + ": is nested deeper than " + std::to_string(kMostLevels) + " levels");
+    return true;
+  }
+  bool go_up() {
+    --level_;
+    return true;
+  }
+
   std::string name_;
+  int level_ = 0;
   std::vector<std::set<std::string>> keys_;
 };
 
@@ -51,7 +94,9 @@ std::string plain_message(const std::string& message) {
 
 Json parse(const std::string& text, const std::string& name) {
   try {
-    return Json::parse(text, DuplicateKeyCheck(name));
+    StrictnessCheck check(name);
+    Json::sax_parse(text, &check);
+    return Json::parse(text);
   } catch (const Json::exception& error) {
     throw UsageError(name + ": not valid JSON: " + plain_message(error.what()));
   }
@@ -88,7 +133,11 @@ void assign(Json& root, const std::string& assignment) {
                      "\"')");
   const Json value = parse(text, "--set " + assignment);
   Json* target = &root;
-  for (const std::string& key : split(assignment.substr(0, equals))) {
+  const std::vector<std::string> keys = split(assignment.substr(0, equals));
+  if (keys.size() > std::size_t{kMostLevels})
+    throw UsageError("--set: a key of " + std::to_string(keys.size()) + " parts, more than " +
+                     std::to_string(kMostLevels));
+  for (const std::string& key : keys) {
     if (key.empty()) throw UsageError("--set " + assignment + ": an empty key");
     if (target->is_null()) *target = Json::object();
     if (!target->is_structured())

@@ -14,8 +14,8 @@ struct JsonSource {
 };
 
 /// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError where the file
-/// cannot be read, is not JSON (line and column named; NaN and infinity are not JSON), holds a key twice, or
-/// is no object.
+/// cannot be read, is not JSON (line and column named; NaN and infinity are not JSON), is nested deeper than
+/// 64 levels, holds a key twice, or is no object.
 [[nodiscard]] JsonSource read_json(const std::string& path);
 
 /// The same from a text; `name` stands for the file.
@@ -23,7 +23,7 @@ struct JsonSource {
 
 /// Applies `a.b.c=JSON` assignments in order; a number in the path is an array index, which must exist.
 /// Missing objects are made. Throws UsageError naming the assignment where it is not KEY=JSON or runs into a
-/// value that is no container.
+/// value that is no container, or has more than 64 keys in its path.
 void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments);
 
 }  // namespace landfall

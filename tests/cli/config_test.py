@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a configuration reaches the four tools: files, --set, --seed, standard input, and what is refused."""
 import json
+import subprocess
 import unittest
 
 from tools import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
@@ -146,6 +147,13 @@ class Assignments(ToolTest):
                              self.resolved(name, "-c", self.config(CONFIGS[name])))
             self.refuse(2, name, "-c", "-", "--check", stdin='{"nope": 1}', words=["standard input", "/nope"])
             self.refuse(2, name, "-c", "-", "--check", stdin="", words=["standard input"])
+
+    def test_config_through_a_pipe(self):
+        for name in TOOLS:
+            script = f"{tool(name)} -c <(echo '{{}}') --print-config"
+            result = subprocess.run(["bash", "-c", script], capture_output=True, text=True, timeout=60, check=False)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertEqual(json.loads(result.stdout), self.resolved(name))
 
     def test_seed_option_wins_over_set_and_file(self):
         for name in ["terrain-gen", "scan-sim"]:

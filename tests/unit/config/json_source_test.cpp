@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+
 #include <filesystem>
 #include <fstream>
 
@@ -45,6 +48,39 @@ TEST(ReadJson, NanAndInfinityAreNotJson) {
 TEST(ReadJson, AKeyStandsOnce) {
   EXPECT_THAT(refusal("{\"a\": {\"b\": 1, \"b\": 2}}"), HasSubstr("\"b\" stands twice"));
   EXPECT_EQ(refusal("{\"a\": {\"b\": 1}, \"c\": {\"b\": 2}}"), "accepted");
+}
+
+std::string nested(std::size_t depth) {
+  return R"({"a":)" + std::string(depth - 1, '[') + std::string(depth - 1, ']') + "}";
+}
+
+TEST(ReadJson, DeepNestingIsRefused) {
+  EXPECT_EQ(refusal(nested(64)), "accepted");
+  EXPECT_THAT(refusal(nested(65)), HasSubstr(": is nested deeper than 64 levels"));
+  EXPECT_THAT(refusal(nested(200'000)), HasSubstr(": is nested deeper than 64 levels"));
+  std::string key = "a";
+  for (int i = 0; i < 80'000; ++i) key += ".a";
+  JsonSource source{"config", nlohmann::json::object()};
+  EXPECT_THROW(apply_assignments(source, {key + "=1"}), UsageError);
+}
+
+// A list's entries must not be looked at once more for each entry.
+TEST(ReadJson, LongListsTakeLinearTime) {
+  const auto seconds = [](std::size_t count) {
+    std::string text = R"({"a": [)";
+    for (std::size_t i = 0; i < count; ++i) text += R"({"x":1},)";
+    text += R"({"x":1}]})";
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(parse_json(text, "config").value.at("a").size(), count + 1);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double few_s = std::min(seconds(20'000), seconds(20'000));
+  EXPECT_LT(std::min(seconds(200'000), seconds(200'000)), 40 * few_s);
+}
+
+TEST(ReadJson, LongKeysAreCut) {
+  const std::string key(1'000'000, 'k');
+  EXPECT_LT(refusal(R"({")" + key + R"(": 1, ")" + key + R"(": 2})").size(), 300U);
 }
 
 TEST(Assignments, MakeReplaceAndIndex) {
