@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -75,6 +76,8 @@ class Resolver {
     check_type(schema, value, pointer);
     check_choice(schema, value, pointer);
     if (value.is_number()) check_bounds(schema, value, pointer);
+    if (value.is_string() && value.get_ref<const std::string&>().empty() && schema.value("minLength", 0) > 0)
+      fail(pointer, "is empty");
     if (value.is_array()) resolve_array(schema, value, pointer);
     if (value.is_object()) resolve_object(schema, value, pointer);
   }
@@ -173,16 +176,26 @@ class Resolver {
       fail_choice(choices, value, pointer);
   }
 
+  /// Both bounds where there are two, so that one message is enough.
+  static std::string bounds(const Json& schema) {
+    const bool above = schema.contains("exclusiveMinimum");
+    const bool below = schema.contains("exclusiveMaximum");
+    const bool has_least = above || schema.contains("minimum");
+    const bool has_most = below || schema.contains("maximum");
+    const std::string least = has_least ? schema[above ? "exclusiveMinimum" : "minimum"].dump() : "";
+    const std::string most = has_most ? schema[below ? "exclusiveMaximum" : "maximum"].dump() : "";
+    if (!has_most) return (above ? "> " : ">= ") + least;
+    if (!has_least) return (below ? "< " : "<= ") + most;
+    return std::string("in ") + (above ? "(" : "[") + least + ", " + most + (below ? ")" : "]");
+  }
+
   void check_bounds(const Json& schema, const Json& value, const std::string& pointer) const {
-    const auto refuse = [&](const char* keyword, const char* text) {
-      fail(pointer, shown(value) + " is " + text + " " + schema[keyword].dump());
+    const auto breaks = [&](const char* keyword, auto is_outside) {
+      return schema.contains(keyword) && is_outside(value, schema[keyword]);
     };
-    if (schema.contains("minimum") && value < schema["minimum"]) refuse("minimum", "below the minimum");
-    if (schema.contains("maximum") && value > schema["maximum"]) refuse("maximum", "above the maximum");
-    if (schema.contains("exclusiveMinimum") && value <= schema["exclusiveMinimum"])
-      refuse("exclusiveMinimum", "not greater than");
-    if (schema.contains("exclusiveMaximum") && value >= schema["exclusiveMaximum"])
-      refuse("exclusiveMaximum", "not less than");
+    if (breaks("minimum", std::less<>()) || breaks("maximum", std::greater<>()) ||
+        breaks("exclusiveMinimum", std::less_equal<>()) || breaks("exclusiveMaximum", std::greater_equal<>()))
+      fail(pointer, shown(value) + " is not " + bounds(schema));
   }
 
   void resolve_array(const Json& schema, Json& value, const std::string& pointer) {
@@ -235,7 +248,7 @@ class Resolver {
     std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
     if (near.empty())
       for (std::size_t i = 0; i < known.size(); ++i) hint += (i == 0 ? "" : ", ") + known[i];
-    fail(pointer + "/" + key, "unknown key" + hint);
+    fail(pointer + "/" + (key.size() <= 60 ? key : key.substr(0, 57) + "..."), "unknown key" + hint);
   }
 
   std::string name_;

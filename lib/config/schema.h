@@ -16,7 +16,7 @@ namespace landfall {
 /// Checks a configuration against a schema and fills in the schema's defaults: the resolved configuration.
 ///
 /// valijson decides; before it, a walk over schema and value together fills the defaults and names what is
-/// wrong: `scan.json: /noise/dropout_frac: 1.7 is above the maximum 1`, and for an unknown key the nearest
+/// wrong: `scan.json: /noise/dropout_frac: 1.7 is not in [0, 1]`, and for an unknown key the nearest
 /// known one. A `oneOf` is a choice by the value's "type" (defaulting to the `oneOf` owner's default) or by
 /// JSON type. Throws UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
