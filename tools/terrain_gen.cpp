@@ -2,6 +2,7 @@
 // terrain-gen: builds the true terrain of a landing site, or exports one.
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <variant>
 
@@ -87,10 +88,19 @@ void check(const cli::Session& session, const ImportOptions& import) {
     static_cast<void>(terrain_config(session.config(), session.config_name()));
 }
 
-std::vector<std::string> raster_paths(const TerrainModel& model) {
+/// The files of the rasters that `output` must not replace; what they consist of is asked only where there is
+/// a file to replace.
+std::vector<std::string> raster_paths(const TerrainModel& model, const std::string& output) {
   std::vector<std::string> paths;
-  for (const Base& base : model.bases)
-    if (const auto* const dem = std::get_if<DemBase>(&base)) paths.push_back(dem->path);
+  std::error_code unreachable;
+  const bool replaces = std::filesystem::exists(output, unreachable);
+  for (const Base& base : model.bases) {
+    const auto* const dem = std::get_if<DemBase>(&base);
+    if (dem == nullptr) continue;
+    paths.push_back(dem->path);
+    if (replaces)
+      for (std::string& file : dem_files(*dem)) paths.push_back(std::move(file));
+  }
   return paths;
 }
 
@@ -207,7 +217,7 @@ ExitCode run_in_strips(cli::Session& session, const TerrainConfig& config, const
 ExitCode generate(cli::Session& session) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   if (config.mesh) return run_mesh(session, *config.mesh);
-  const OutputOptions output = session.output(raster_paths(config.model));
+  const OutputOptions output = session.output(raster_paths(config.model, session.options().output_path));
   const TerrainFormat format = terrain_format(output.path);
   Provenance provenance = session.provenance();
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {

@@ -72,6 +72,8 @@ SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request) {
   return plugin().fit_dem_site(dem, request);
 }
 
+std::vector<std::string> dem_files(const DemBase& dem) { return plugin().dem_files(dem); }
+
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                   const ProgressCallback& progress) {
   plugin().write_geotiff(path, content, options, progress);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "terrain/dem_raster.h"
@@ -32,6 +35,11 @@ namespace landfall {
 /// The size of a site that leaves its half width or resolution to the raster (site_fit.h). Reads the header;
 /// throws as load_dem() and fit_site() do.
 [[nodiscard]] SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request);
+
+/// The files that load_dem() may read: also those that a VRT names, at any depth, the file inside a name such
+/// as GTIFF_DIR:1:f.tif, and what lies beside a raster and belongs to it. Opens the raster, but does not
+/// throw where that fails; IoError without the plugin.
+[[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem);
 
 /// Writes a grid as a cloud-optimized GeoTIFF: float64, deflate with the floating-point predictor, tiles of
 /// 512 x 512, overviews (means of the nodes that are no holes), nodata NaN, each node the centre of its

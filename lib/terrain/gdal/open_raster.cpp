@@ -7,9 +7,13 @@
 
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "base/error.h"
+#include "base/regular_file.h"
+#include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"
 #include "terrain/mesh_name.h"
 
@@ -64,6 +68,12 @@ std::string promised_format(const std::string& path) {
       "size, type and byte order (VRTRawRasterBand), any other one gdal_translate or its own tool");
 }
 
+/// Rasters may be folders.
+void require_no_stream(const std::string& file) {
+  std::error_code unreachable;
+  if (!std::filesystem::is_directory(file, unreachable)) require_regular_file(file);
+}
+
 std::int64_t block_bytes(const OpenRaster& raster) {
   int cols = 0;
   int rows = 0;
@@ -112,6 +122,7 @@ void require_usable(const OpenRaster& raster, const DemBase& dem) {
 
 OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors) {
   prepare_gdal(dem.path);
+  for (const std::string& file : named_files(dem.path)) require_no_stream(file);
   constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
   GDALDatasetUniquePtr dataset(GDALDataset::Open(dem.path.c_str(), kFlags));
   if (!dataset) refuse_unopened(dem, errors);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "terrain/dem_raster.h"
@@ -15,6 +18,7 @@ struct GdalPlugin {
   const char* version;
   DemRaster (*read_dem)(const DemBase& dem, const GridSpec& site);
   SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request);
+  std::vector<std::string> (*dem_files)(const DemBase& dem);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
 };

@@ -4,6 +4,7 @@
 #include <gdal.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,6 +50,52 @@ class LoadDem : public ::testing::Test {
 
   std::filesystem::path folder_;
 };
+
+TEST_F(LoadDem, TellsItsFiles) {
+  DemBase dem = written({});
+  const std::string raster = dem.path;
+  const auto files = [&](const std::string& path) {
+    dem.path = path;
+    return dem_files(dem);
+  };
+  const auto write = [&](const std::string& name, const std::string& source) {
+    const std::string path = (folder_ / name).string();
+    std::ofstream(path)
+        << R"(<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Float32" band="1">
+      <SimpleSource><SourceFilename relativeToVRT="1">)"
+        << source << R"(</SourceFilename><SourceBand>1</SourceBand>
+      <SourceProperties RasterXSize="4" RasterYSize="4" DataType="Float32" BlockXSize="4" BlockYSize="4"/>
+      </SimpleSource></VRTRasterBand></VRTDataset>)";
+    return path;
+  };
+  const std::string vrt = write("a.vrt", "raster.tif");
+  const std::string outer = write("b.vrt", "a.vrt");
+  EXPECT_THAT(files(raster), ::testing::ElementsAre(raster));
+  EXPECT_THAT(files("GTIFF_DIR:1:" + raster), ::testing::Contains(raster));
+  EXPECT_THAT(files("NETCDF:\"" + raster + "\":z"), ::testing::Contains(raster));
+  EXPECT_THAT(files("/vsigzip/" + raster), ::testing::Contains(raster));
+  EXPECT_THAT(files(vrt), ::testing::UnorderedElementsAre(vrt, raster));
+  EXPECT_THAT(files(outer), ::testing::UnorderedElementsAre(outer, vrt, raster));
+  const std::string circle = write("c.vrt", "c.vrt");
+  EXPECT_THAT(files(circle), ::testing::ElementsAre(circle));
+  EXPECT_THAT(files("/nowhere/x.tif"), ::testing::IsEmpty());
+}
+
+TEST_F(LoadDem, RefusesAPipe) {
+  DemBase dem = written({});
+  const std::string pipe = (folder_ / "pipe.tif").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string vrt = (folder_ / "pipe.vrt").string();
+  std::ofstream(vrt)
+      << R"(<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Float32" band="1">
+      <SimpleSource><SourceFilename relativeToVRT="1">pipe.tif</SourceFilename><SourceBand>1</SourceBand>
+      </SimpleSource></VRTRasterBand></VRTDataset>)";
+  for (const std::string& path : {pipe, vrt}) {
+    dem.path = path;
+    EXPECT_THAT([&] { (void)load_dem(dem, GridSpec::centered(1, 1)); },
+                ::testing::ThrowsMessage<FormatError>(pipe + ": is no regular file"));
+  }
+}
 
 GeneratedTerrain terrain_of(const DemBase& dem, const GridSpec& spec) {
   TerrainModel model;
