@@ -9,6 +9,7 @@
 #include "config/json_values.h"
 #include "config/schema.h"
 
+#include "terrain/terrain_generator.h"
 namespace landfall {
 namespace {
 
@@ -107,7 +108,7 @@ TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
                                    grid.at("resolution_m").get<double>(), (name + ": /grid").c_str());
   try {
     config.model = model_of(resolved);
-    validate(config.model);
+    validate(config.model, config.grid);
     for (std::size_t i = 0; i < config.model.patterns.size(); ++i)
       require_bounded(config.model.patterns[i], pattern_site(config.grid, config.model.seed, i));
   } catch (const UsageError& error) {

@@ -204,30 +204,52 @@ double ground_in_cell(const Grid<double>& part, const Feature& feature) {
   return d + (1 - u) * (c - d) + (1 - v) * (b - d);
 }
 
+void require_on_grid(const PlacedFeature& placed, const GridSpec& grid) {
+  if (role_of(placed.feature) == FeatureRole::stands && !on_grid(grid, placed.feature))
+    throw UsageError(centre_of(placed) + "outside the grid");
+}
+
+template <class F>
+void for_each_listed(const std::vector<Feature>& features, const F& take) {
+  for (std::size_t i = 0; i < features.size(); ++i)
+    take(PlacedFeature{.feature = features[i], .number = static_cast<std::int64_t>(i)});
+}
+
+/// Those of a pattern, in its order.
+template <class Pattern, class F>
+void for_each_of(const Pattern& pattern, std::size_t index, const PatternSite& site, const F& take) {
+  std::int64_t number = 0;
+  for (const Feature& feature : pattern.features(site))
+    take(PlacedFeature{.feature = feature,
+                       .pattern = static_cast<std::int32_t>(index),
+                       .number = number++,
+                       .by_chance = pattern.kByChance});
+}
+
 }  // namespace
+
+void require_on_grid(const TerrainModel& model, const GridSpec& grid) {
+  for_each_listed(model.features, [&](const PlacedFeature& placed) { require_on_grid(placed, grid); });
+  for (std::size_t p = 0; p < model.patterns.size(); ++p)
+    std::visit(
+        [&](const auto& pattern) {
+          if (!pattern.kByChance)
+            for_each_of(pattern, p, pattern_site(grid, model.seed, p),
+                        [&](const PlacedFeature& placed) { require_on_grid(placed, grid); });
+        },
+        model.patterns[p]);
+}
 
 FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
   const auto place = [&](PlacedFeature placed) {
+    require_on_grid(placed, grid);
     features_.push_back(std::move(placed));
-    const Feature& feature = features_.back().feature;
-    if (role_of(feature) == FeatureRole::stands && !on_grid(grid, feature))
-      throw UsageError(centre_of(features_.back()) + "outside the grid");
   };
-  for (std::size_t i = 0; i < model.features.size(); ++i)
-    place({.feature = model.features[i], .number = static_cast<std::int64_t>(i)});
-  for (std::size_t p = 0; p < model.patterns.size(); ++p) {
-    const PatternSite site = pattern_site(grid, model.seed, p);
+  for_each_listed(model.features, place);
+  for (std::size_t p = 0; p < model.patterns.size(); ++p)
     std::visit(
-        [&](const auto& pattern) {
-          std::int64_t number = 0;
-          for (const Feature& feature : pattern.features(site))
-            place({.feature = feature,
-                   .pattern = static_cast<std::int32_t>(p),
-                   .number = number++,
-                   .by_chance = pattern.kByChance});
-        },
+        [&](const auto& pattern) { for_each_of(pattern, p, pattern_site(grid, model.seed, p), place); },
         model.patterns[p]);
-  }
 }
 
 void FeatureField::shape_ground(Grid<double>& part, const ProgressCallback& progress) const {

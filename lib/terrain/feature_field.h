@@ -24,6 +24,10 @@ struct PlacedFeature {
   friend bool operator==(const PlacedFeature&, const PlacedFeature&) = default;
 };
 
+/// Throws UsageError, naming it, for the first standing feature whose centre is off the grid, of those that
+/// are not drawn by chance: these never are.
+void require_on_grid(const TerrainModel& model, const GridSpec& grid);
+
 /// All features of a terrain: those that are listed, then those of the patterns, each in their order. The
 /// ground is the sum of the bases, plus what features of the role `adds` add in their order, plus the highest
 /// relief of those that drape; then come those that stand on it. Everything is evaluated at nodes only.
@@ -32,8 +36,7 @@ struct PlacedFeature {
 /// of every part, then seat() with every part, then stand() of every part.
 class FeatureField {
  public:
-  /// Places the features of a validated model on `grid`. Throws UsageError, naming it, for a standing feature
-  /// whose centre is off the grid.
+  /// Places the features of a validated model on `grid`. Throws UsageError as require_on_grid().
   FeatureField(const TerrainModel& model, const GridSpec& grid);
 
   /// `part`: some of the grid's nodes, with the sum of the bases.

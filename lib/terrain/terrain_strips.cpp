@@ -5,12 +5,15 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/parameter_check.h"
 #include "terrain/fractal.h"
+#include "terrain/indexed_triangles.h"
 #include "terrain/terrain_generator.h"
 
 namespace landfall {
@@ -21,11 +24,18 @@ constexpr std::size_t kRowGrain = 16;
 constexpr std::int64_t kBorderRows = 2;
 
 TerrainModel checked(TerrainModel model, const GridSpec& spec) {
-  validate(model);
-  if (spec.rows > kMaxNodes || spec.cols > kMaxNodes || spec.rows * spec.cols > kMaxNodes)
-    throw UsageError("grid: " + std::to_string(spec.cols) + " x " + std::to_string(spec.rows) +
-                     " nodes are more than 2^30");
+  validate(model, spec);
   return model;
+}
+
+/// Explicit wavelengths only: waves that a raster leaves to a fractal may be none.
+void require_waves(const TerrainModel& model, const GridSpec& spec) {
+  for (std::size_t i = 0; i < model.bases.size(); ++i)
+    if (const auto* const fractal = std::get_if<FractalBase>(&model.bases[i]);
+        fractal != nullptr && fractal->longest_wavelength_m)
+      require(*fractal->longest_wavelength_m > 2 * spec.resolution_m,
+              {"base/" + std::to_string(i), "longest_wavelength_m"}, *fractal->longest_wavelength_m,
+              "above twice the grid's resolution, the shortest wave that it holds");
 }
 
 /// Calls set(z, x, y) for every node.
@@ -77,6 +87,27 @@ bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, do
   return any_finite;
 }
 
+/// The first node, row by row, whose elevation is infinite or farther than kLargestCoordinate_m from 0; a
+/// hole is none.
+std::optional<BinIndex> first_absurd_node(const Grid<double>& z, const ProgressCallback& progress) {
+  const auto is_absurd = [](double z_m) { return std::abs(z_m) > kLargestCoordinate_m; };
+  std::atomic<std::int64_t> first_row = z.spec().rows;
+  parallel_for(
+      static_cast<std::size_t>(z.spec().rows), kRowGrain,
+      [&](std::size_t begin, std::size_t end) {
+        for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
+          if (std::ranges::none_of(z.row(row), is_absurd)) continue;
+          std::int64_t known = first_row;
+          while (row < known && !first_row.compare_exchange_weak(known, row)) continue;
+          return;
+        }
+      },
+      progress);
+  if (first_row == z.spec().rows) return std::nullopt;
+  const auto nodes = z.row(first_row);
+  return BinIndex{first_row, std::ranges::find_if(nodes, is_absurd) - nodes.begin()};
+}
+
 /// Part `step` of `steps` equal ones; `progress` must outlive it.
 ProgressCallback step_of(const ProgressCallback& progress, std::size_t step, std::size_t steps) {
   return [&progress, step, steps](double fraction) {
@@ -107,6 +138,15 @@ Grid<double> last_rows(const Grid<double>& strip) {
 }
 
 }  // namespace
+
+void validate(const TerrainModel& model, const GridSpec& spec) {
+  validate(model);
+  if (spec.rows > kMaxNodes || spec.cols > kMaxNodes || spec.rows * spec.cols > kMaxNodes)
+    throw UsageError("grid: " + std::to_string(spec.cols) + " x " + std::to_string(spec.rows) +
+                     " nodes are more than 2^30");
+  require_waves(model, spec);
+  require_on_grid(model, spec);
+}
 
 TerrainStrips::TerrainStrips(TerrainModel model, const GridSpec& spec, const DemLoader& load_dem,
                              const StripSize& size, const ProgressCallback& progress)
@@ -190,7 +230,19 @@ Grid<double> TerrainStrips::ground(const GridSpec& strip, const ProgressCallback
     }
   }
   field_.shape_ground(z, step_of(progress, steps - 1, steps));
+  require_elevations(z);
   return z;
+}
+
+void TerrainStrips::require_elevations(const Grid<double>& z) const {
+  const std::optional<BinIndex> node = first_absurd_node(z, {});
+  if (!node) return;
+  std::ostringstream message;
+  message << "the elevation at (" << z.spec().x(node->col) << ", " << z.spec().y(node->row) << ") m is "
+          << z.at(*node) << " m, farther than 1e12 m from 0";
+  if (dems_.empty()) throw UsageError(message.str() + "; lower what the base or the features add there");
+  throw FormatError(dems_.front().raster.source.path + ": " + message.str() +
+                    "; is it a value for holes that the raster does not name (gdal_translate -a_nodata)?");
 }
 
 void TerrainStrips::require_relief() const {
@@ -219,6 +271,7 @@ void TerrainStrips::give_ready(const Sink& sink, const ProgressCallback& progres
     const std::int64_t begin = strip.spec().first_row - spec_.first_row;
     if (!field_.can_stand(begin, begin + strip.spec().rows)) return;
     field_.stand(strip, progress);
+    require_elevations(strip);
     sink(std::move(strip));
     waiting_.pop_front();
   }

@@ -61,6 +61,7 @@ class TerrainStrips {
   [[nodiscard]] bool is_whole() const { return spec_.rows * spec_.cols <= size_.most_nodes; }
   [[nodiscard]] std::vector<GridSpec> cut() const;
   [[nodiscard]] Grid<double> ground(const GridSpec& strip, const ProgressCallback& progress);
+  void require_elevations(const Grid<double>& z) const;
   void require_relief() const;
   void seat(Grid<double>& strip);
   void give_ready(const Sink& sink, const ProgressCallback& progress);

@@ -121,6 +121,33 @@ TEST(GenerateTerrain, ParametersAreChecked) {
   EXPECT_THROW((void)generate_terrain({}, GridSpec::centered(16384, 1), no_raster), UsageError);
 }
 
+TEST(GenerateTerrain, AbsurdElevationsAreRefused) {
+  TerrainModel model;
+  model.bases = {PlaneBase{0, 0, 1e300}};
+  EXPECT_EQ(
+      refusal(model),
+      "usage: the elevation at (-4, -4) m is -4e+300 m, farther than 1e12 m from 0; lower what the base "
+      "or the features add there");
+  model.bases = {PlaneBase{1e308, 1e308, 0}};
+  EXPECT_THAT(refusal(model), ::testing::HasSubstr("(-4, -4) m is -inf m"));
+  model.bases = {PlaneBase{}};
+  model.features = {{1, 2, Cone{1.5, 1e13}}};
+  EXPECT_THAT(refusal(model), ::testing::HasSubstr("the elevation at (0, 2) m is"));
+  model.features = {{1, 2, Cone{1.5, 9e11}}};
+  EXPECT_EQ(refusal(model), "accepted");
+}
+
+TEST(GenerateTerrain, AFractalNeedsAWaveThatTheGridHolds) {
+  TerrainModel model;
+  model.bases = {PlaneBase{}, FractalBase{.longest_wavelength_m = 2}};
+  EXPECT_EQ(
+      refusal(model),
+      "usage: base/1/longest_wavelength_m: 2 is not above twice the grid's resolution, the shortest wave "
+      "that it holds");
+  model.bases = {FractalBase{.longest_wavelength_m = 2.5}};
+  EXPECT_EQ(refusal(model), "accepted");
+}
+
 TEST(GenerateTerrain, DemAroundItsCentre) {
   DemBase dem = dem_base();
   TerrainModel model;
