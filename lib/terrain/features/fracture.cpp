@@ -27,14 +27,14 @@ void Fracture::validate(const std::string& owner) const {
   require_finite({owner, "yaw_rad"}, yaw_rad);
 }
 
-double Fracture::reach_m() const {
-  return std::hypot(length_m / 2, std::max(width_m / 2, throw_m == 0 ? 0 : fade_m));
-}
+double Fracture::reach_m() const { return std::hypot(length_m / 2, northern_reach_m()); }
 
 FeatureSize Fracture::size() const {
-  if (depth_m == 0) return {length_m, throw_m, yaw_rad};
-  return {length_m, trough_m(0), yaw_rad};
+  return FeatureSize::of_rectangle(length_m, width_m / 2 + northern_reach_m(),
+                                   depth_m == 0 ? throw_m : trough_m(0), yaw_rad);
 }
+
+double Fracture::northern_reach_m() const { return std::max(width_m / 2, throw_m == 0 ? 0 : fade_m); }
 
 double Fracture::relief_m(const Offset& offset) const {
   return own_relief_m(TurnedAxes(yaw_rad).own(offset));
@@ -42,7 +42,7 @@ double Fracture::relief_m(const Offset& offset) const {
 
 double Fracture::own_relief_m(const Offset& own) const {
   const double inside_m = length_m / 2 - std::abs(own.x_m);
-  const double north_m = std::max(width_m / 2, throw_m == 0 ? 0 : fade_m);
+  const double north_m = northern_reach_m();
   if (!(inside_m >= 0) || own.y_m < -width_m / 2 || own.y_m > north_m) return kNoRelief;
   return (trough_m(own.y_m) + cliff_m(own.y_m)) * taper(inside_m, taper_m);
 }

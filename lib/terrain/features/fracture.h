@@ -41,6 +41,7 @@ struct Fracture {
   friend bool operator==(const Fracture&, const Fracture&) = default;
 
  private:
+  [[nodiscard]] double northern_reach_m() const;
   [[nodiscard]] double trough_m(double v_m) const;
   [[nodiscard]] double cliff_m(double v_m) const;
 };

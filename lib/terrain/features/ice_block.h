@@ -46,8 +46,7 @@ struct IceBlock {
     const double t = std::abs(tilt_rad);
     const double top_m = height_m * std::cos(t) + width_m / 2 * std::sin(t);
     const double span_m = width_m * std::cos(t) + height_m * std::sin(t);
-    if (length_m >= span_m) return {length_m, top_m, yaw_rad};
-    return {span_m, top_m, yaw_rad + std::numbers::pi / 2};
+    return FeatureSize::of_rectangle(length_m, span_m, top_m, yaw_rad);
   }
   [[nodiscard]] double relief_m(const Offset& offset) const {
     return own_relief_m(TurnedAxes(yaw_rad).own(offset));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/parameter_check.h"
 #include "base/random.h"
@@ -48,8 +47,7 @@ double PenitenteField::reach_m() const {
 
 FeatureSize PenitenteField::size() const {
   if (diameter_m > 0) return {diameter_m, amplitude_m, yaw_rad};
-  if (length_m >= width_m) return {length_m, amplitude_m, yaw_rad};
-  return {width_m, amplitude_m, yaw_rad + std::numbers::pi / 2};
+  return FeatureSize::of_rectangle(length_m, width_m, amplitude_m, yaw_rad);
 }
 
 double PenitenteField::relief_m(const Offset& offset) const {

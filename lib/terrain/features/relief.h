@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <numbers>
 
 namespace landfall {
 
@@ -27,6 +28,13 @@ struct FeatureSize {
   double diameter_m = 0;  ///< the greatest extent along the ground
   double height_m = 0;    ///< above the ground; below it where negative (a crater's depth)
   double yaw_rad = 0;     ///< of the axis that has the greatest extent; 0 where round
+
+  /// Of what is `along_m` long in the direction of yaw_rad and `across_m` at a right angle to it.
+  [[nodiscard]] static FeatureSize of_rectangle(double along_m, double across_m, double height_m,
+                                                double yaw_rad) {
+    if (along_m >= across_m) return {along_m, height_m, yaw_rad};
+    return {across_m, height_m, yaw_rad + std::numbers::pi / 2};
+  }
 };
 
 }  // namespace landfall

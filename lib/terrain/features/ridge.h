@@ -43,7 +43,10 @@ struct Ridge {
     require_finite({owner, "yaw_rad"}, yaw_rad);
   }
   [[nodiscard]] double reach_m() const { return std::hypot(length_m / 2, spacing_m / 2 + 3 * width_m); }
-  [[nodiscard]] FeatureSize size() const { return {length_m, height_m, yaw_rad}; }
+  /// Across it, from one half height to the other.
+  [[nodiscard]] FeatureSize size() const {
+    return FeatureSize::of_rectangle(length_m, spacing_m + width_m, height_m, yaw_rad);
+  }
   [[nodiscard]] double relief_m(const Offset& offset) const {
     return own_relief_m(TurnedAxes(yaw_rad).own(offset));
   }

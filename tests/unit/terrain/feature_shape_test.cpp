@@ -222,6 +222,18 @@ TEST(Ridge, Validates) {
   EXPECT_THAT(refusal(Ridge{9, 1, 1, 0, 0, kNan}), HasSubstr("yaw_rad"));
 }
 
+TEST(Shapes, DiameterIsTheGreatestExtent) {
+  const auto expect = [](const FeatureSize& size, double diameter_m, double yaw_rad) {
+    EXPECT_EQ(size.diameter_m, diameter_m);
+    EXPECT_EQ(size.yaw_rad, yaw_rad);
+  };
+  expect((Ridge{100, 10, 3, 20, 10, 0.5}.size()), 100, 0.5);
+  expect((Ridge{20, 10, 3, 30, 2, 0.5}.size()), 40, 0.5 + kPi / 2);
+  expect((Fracture{100, 6, 2, 0, 0, 1.5, 20, 0.5}.size()), 100, 0.5);
+  expect((Fracture{4, 6, 2, 0, 0, 1.5, 1, 0.5}.size()), 6, 0.5 + kPi / 2);
+  expect((Fracture{4, 6, 2, 1, 10, 1.5, 1, 0.5}.size()), 13, 0.5 + kPi / 2);
+}
+
 TEST(Fracture, Trough) {
   const Fracture trough{100, 6, 2, 0, 0, std::atan(2.0), 20, 0};
   EXPECT_EQ(trough.relief_m({0, 0}), -2);
