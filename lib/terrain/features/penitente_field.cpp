@@ -36,6 +36,7 @@ void PenitenteField::validate(const std::string& owner) const {
   require(edge_m >= 0 && edge_m <= least_m / 2, {owner, "edge_m"}, edge_m, "in [0, half the least extent]");
   require_finite({owner, "yaw_rad"}, yaw_rad);
   require_not_negative({owner, "wobble_m"}, wobble_m);
+  if (wobble_m == 0) return;
   require_positive({owner, "wobble_length_m"}, wobble_length_m);
   require(reach_m() <= 1e9 * wobble_length_m, {owner, "wobble_length_m"}, wobble_length_m,
           "at least 1e-9 of the field");

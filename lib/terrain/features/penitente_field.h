@@ -35,8 +35,9 @@ struct PenitenteField {
   std::uint64_t seed = 1;
 
   /// Throws UsageError unless either the diameter or both length and width are positive and the other 0; the
-  /// amplitude, wavelength, exponent and wobble length are finite and positive; 0 <= edge_m <= half the least
-  /// extent; wobble_m is finite and >= 0; the extent is at most 1e9 wobble lengths; the yaw is finite.
+  /// amplitude, wavelength and exponent are finite and positive; 0 <= edge_m <= half the least extent;
+  /// wobble_m is finite and >= 0; the yaw is finite; and, where there is a wobble, its length is finite and
+  /// positive and the extent at most 1e9 of it.
   void validate(const std::string& owner) const;
   [[nodiscard]] double reach_m() const;
   [[nodiscard]] FeatureSize size() const;

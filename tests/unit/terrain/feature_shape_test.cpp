@@ -342,7 +342,8 @@ TEST(PenitenteField, Validates) {
   EXPECT_THAT(with([](auto& f) { f.edge_m = 26; }), HasSubstr("edge_m"));
   EXPECT_THAT(with([](auto& f) { f.yaw_rad = kNan; }), HasSubstr("yaw_rad"));
   EXPECT_THAT(with([](auto& f) { f.wobble_m = -1; }), HasSubstr("wobble_m"));
-  EXPECT_THAT(with([](auto& f) { f.wobble_length_m = 1e-9; }), HasSubstr("wobble_length_m"));
+  EXPECT_EQ(with([](auto& f) { f.wobble_length_m = 1e-9; }), "accepted");  // nothing wobbles
+  EXPECT_THAT(with([](auto& f) { f.wobble_m = 1, f.wobble_length_m = 1e-9; }), HasSubstr("wobble_length_m"));
 }
 
 /// No place beyond the reach has a relief.
