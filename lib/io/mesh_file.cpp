@@ -48,7 +48,7 @@ std::string_view word_of_next_line(MeshText& text, const char* wanted) {
 }
 
 std::string_view off_keyword(MeshText& text) {
-  const std::string_view keyword = text.word();
+  const std::string_view keyword = word_of_next_line(text, "its keyword OFF");
   const bool known =
       keyword == "OFF" || keyword == "COFF" || keyword == "NOFF" || keyword == "CNOFF" || keyword == "STOFF";
   if (!known) text.fail("is no OFF file that is read: it begins with '" + MeshText::shown(keyword) + "'");
@@ -61,9 +61,15 @@ std::int64_t off_count(MeshText& text, std::string_view word) {
   return count;
 }
 
+/// Keywords of STL come in capitals too; `keyword` is in small letters.
+bool is_keyword(std::string_view word, std::string_view keyword) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(word, keyword, {}, lower);
+}
+
 void expect_word(MeshText& text, std::string_view wanted) {
   const std::string_view word = text.word();
-  if (word != wanted)
+  if (!is_keyword(word, wanted))
     text.fail(word.empty() ? "ends before '" + std::string(wanted) + "'"
                            : "'" + MeshText::shown(word) + "' where '" + std::string(wanted) + "' belongs");
 }
@@ -78,8 +84,8 @@ PolygonSoup parse_ascii_stl(std::string_view bytes, const std::string& name) {
   MeshText text(bytes, name);
   expect_word(text, "solid");
   text.skip_line();
-  for (std::string_view word = text.word(); word != "endsolid"; word = text.word()) {
-    if (word != "facet")
+  for (std::string_view word = text.word(); !is_keyword(word, "endsolid"); word = text.word()) {
+    if (!is_keyword(word, "facet"))
       text.fail(word.empty() ? "ends before 'endsolid'" : "'" + MeshText::shown(word) + "' is no facet");
     text.skip_line();  // its normal
     expect_word(text, "outer");
@@ -127,7 +133,8 @@ PolygonSoup parse_binary_stl(std::string_view bytes, std::size_t count) {
 
 PolygonSoup parse_obj(std::string_view bytes, const std::string& name) {
   PolygonSoup soup;
-  for (MeshText text(bytes, name); !text.at_end(); text.skip_line()) {
+  MeshText text(bytes, name);
+  for (text.join_lines(); !text.at_end(); text.skip_line()) {
     const std::string_view keyword = text.word_of_line();
     if (keyword == "v") soup.points.push_back(text.point_of_line());
     if (keyword != "f") continue;
@@ -162,7 +169,7 @@ PolygonSoup parse_off(std::string_view bytes, const std::string& name) {
 }
 
 PolygonSoup parse_stl(std::string_view bytes, const std::string& name) {
-  const bool says_solid = bytes.substr(0, 5) == "solid";
+  const bool says_solid = is_keyword(bytes.substr(0, 5), "solid");
   if (bytes.size() >= kStlHeader) {
     const std::size_t count = binary_stl_facets(bytes);
     const std::size_t held = (bytes.size() - kStlHeader) / kStlFacet;

@@ -19,6 +19,9 @@ class MeshText {
   MeshText(std::string_view text, const std::string& name, std::size_t at = 0)
       : text_(text), name_(name), at_(at) {}
 
+  /// From here on a backslash at the end of a line joins the next line to it, as OBJ has it.
+  void join_lines() { joins_lines_ = true; }
+
   [[nodiscard]] bool at_end() const { return at_ >= text_.size(); }
   [[nodiscard]] std::size_t position() const { return at_; }
 
@@ -30,8 +33,12 @@ class MeshText {
 
   /// The next word of this line; empty at its end.
   std::string_view word_of_line() {
-    while (at_ < text_.size() && is_space(text_[at_]) && text_[at_] != '\n') ++at_;
-    return word_here();
+    for (;;) {
+      while (at_ < text_.size() && is_space(text_[at_]) && text_[at_] != '\n') ++at_;
+      const std::size_t next = joined_line();
+      if (next == 0) return word_here();
+      at_ = next;
+    }
   }
 
   /// Goes to the beginning of the next line.
@@ -44,9 +51,9 @@ class MeshText {
     const std::string_view digits = word.substr(!word.empty() && word.front() == '+' ? 1 : 0);
     double value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool is_tiny = error == std::errc::result_out_of_range;  // or huge: below, it is no number
+    const bool is_tiny = error == std::errc::result_out_of_range;  // or huge: below, it is not a number
     if ((error != std::errc() && !is_tiny) || end != digits.data() + digits.size() || digits.empty())
-      fail("'" + shown(word) + "' is no number");
+      fail("'" + shown(word) + "' is not a number");
     if (is_tiny) fail("'" + shown(word) + "' is beyond double precision");
     return value;
   }
@@ -56,7 +63,7 @@ class MeshText {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size() || digits.empty())
-      fail("'" + shown(word) + "' is no integer");
+      fail("'" + shown(word) + "' is not an integer");
     return value;
   }
 
@@ -86,13 +93,21 @@ class MeshText {
 
   std::string_view word_here() {
     const std::size_t begin = at_;
-    while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
+    while (at_ < text_.size() && !is_space(text_[at_]) && joined_line() == 0) ++at_;
     return text_.substr(begin, at_ - begin);
+  }
+
+  /// Where the next line begins, if here stands a backslash that joins it; else 0.
+  [[nodiscard]] std::size_t joined_line() const {
+    if (!joins_lines_ || at_ >= text_.size() || text_[at_] != '\\') return 0;
+    const std::size_t end = at_ + (text_.substr(at_ + 1, 1) == "\r" ? 2 : 1);
+    return text_.substr(end, 1) == "\n" ? end + 1 : 0;
   }
 
   std::string_view text_;
   std::string name_;
   std::size_t at_;
+  bool joins_lines_ = false;
 };
 
 /// A point's number as soups have it; `fail` says what is wrong with any other.

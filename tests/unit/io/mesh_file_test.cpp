@@ -84,6 +84,25 @@ TEST_F(MeshFileTest, Obj) {
   EXPECT_EQ(file.content_id, content_id(path));
 }
 
+TEST_F(MeshFileTest, ABackslashJoinsLinesOfObj) {
+  const fs::path path = write("t.obj",
+                              "# no more \\\nv 0 0 \\\n0\nv 1\\\r\n 0 0\nv 0 1 0\nv 0 0 1.5 \\\n1 1 1\n"
+                              "f 1 3\\\n2\nf 1 2 \\\n \\\n4\nf 2 3 4\nf 1 4 3 \\");
+  EXPECT_THAT(refusal_of(path), ::testing::HasSubstr("line 13: '\\' is not an integer"));
+  std::string text;
+  std::getline(std::ifstream(path), text, '\0');
+  text.erase(text.size() - 2);
+  expect_tetrahedron(read_mesh_file(write("t.obj", text)).soup);
+}
+
+TEST_F(MeshFileTest, CommentsBeforeOff) {
+  expect_tetrahedron(
+      read_mesh_file(write("t.off",
+                           "# made by hand\n\n# twice\nOFF # here\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n"
+                           "0 0 1.5\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"))
+          .soup);
+}
+
 TEST_F(MeshFileTest, Off) {
   const std::string body =
       "# comment\n\n4 4 0\n0 0 0\n1 0 0 255 0 0\n# between\n0 1 0\n0 0 1.5\n"
@@ -117,8 +136,15 @@ std::string binary_stl(const std::string& comment) {
   return bytes;
 }
 
+std::string in_capitals(std::string text) {
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return text;
+}
+
 TEST_F(MeshFileTest, Stl) {
-  for (const std::string& bytes : {ascii_stl(), binary_stl("any"), binary_stl("solid, but binary")}) {
+  for (const std::string& bytes :
+       {ascii_stl(), in_capitals(ascii_stl()), binary_stl("any"), binary_stl("solid, but binary")}) {
     const CleanMesh mesh = clean_mesh(read_mesh_file(write("t.stl", bytes)).soup, {}, "t");
     EXPECT_EQ(mesh.mesh.vertices.size(), 4U);
     EXPECT_EQ(mesh.welded_vertex_count, 8U);
@@ -176,16 +202,16 @@ TEST_F(MeshFileTest, RefusesWhatIsNoFileOrNoMesh) {
 
 TEST_F(MeshFileTest, RefusesBadObj) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  EXPECT_EQ(refusal("t.obj", "v 0 0\nf 1 1 1\n"), "line 1: '' is no number");
-  EXPECT_EQ(refusal("t.obj", "v 0 0 x\n"), "line 1: 'x' is no number");
+  EXPECT_EQ(refusal("t.obj", "v 0 0\nf 1 1 1\n"), "line 1: '' is not a number");
+  EXPECT_EQ(refusal("t.obj", "v 0 0 x\n"), "line 1: 'x' is not a number");
   EXPECT_EQ(refusal("t.obj", "v 0 0 1e999\n"), "line 1: '1e999' is beyond double precision");
   EXPECT_EQ(refusal("t.obj", points + "f 1 2 4\n"), "facet 1 names vertex 4 of 3");
   EXPECT_EQ(refusal("t.obj", points + "f 0 1 2\n"), "line 4: a facet names vertex 0; OBJ counts from 1");
   EXPECT_THAT(refusal("t.obj", points + "f -4 1 2\n"), HasSubstr("line 4: a facet names vertex number -1"));
   EXPECT_THAT(refusal("t.obj", points + "f 1 2 99999999999\n"), HasSubstr("names vertex number 99999999998"));
   EXPECT_EQ(refusal("t.obj", points + "f 1 2 99999999999999999999\n"),
-            "line 4: '99999999999999999999' is no integer");
-  EXPECT_EQ(refusal("t.obj", points + "f 1 2 3.5\n"), "line 4: '3.5' is no integer");
+            "line 4: '99999999999999999999' is not an integer");
+  EXPECT_EQ(refusal("t.obj", points + "f 1 2 3.5\n"), "line 4: '3.5' is not an integer");
   EXPECT_EQ(refusal("t.obj", points), "has no facet with an area");
   EXPECT_THAT(refusal("t.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
               HasSubstr("vertex 1 is not finite"));
@@ -196,8 +222,8 @@ TEST_F(MeshFileTest, RefusesBadObj) {
 TEST_F(MeshFileTest, RefusesBadOffAndStl) {
   EXPECT_EQ(refusal("t.off", "OFF\n4000000000000 1 0\n0 0 0\n"), "line 4: ends before its last vertex");
   EXPECT_EQ(refusal("t.off", "OFF\n-1 1 0\n"), "line 2: a count of -1");
-  EXPECT_EQ(refusal("t.off", "OFF\n1 1 0\n0 0 0\n4000000000 0 0\n"), "line 4: '' is no integer");
-  EXPECT_THAT(refusal("t.off", "OFF BINARY\n"), HasSubstr("is no integer"));
+  EXPECT_EQ(refusal("t.off", "OFF\n1 1 0\n0 0 0\n4000000000 0 0\n"), "line 4: '' is not an integer");
+  EXPECT_THAT(refusal("t.off", "OFF BINARY\n"), HasSubstr("is not an integer"));
   EXPECT_THAT(refusal("t.off", "4OFF\n"), HasSubstr("it begins with '4OFF'"));
   std::string huge = binary_stl("any");
   huge.replace(80, 4, "\xff\xff\xff\xff");
