@@ -5,11 +5,12 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/parameter_check.h"
 #include "config/feature_config.h"
 #include "config/json_values.h"
 #include "config/schema.h"
-
 #include "terrain/terrain_generator.h"
+
 namespace landfall {
 namespace {
 
@@ -63,9 +64,11 @@ MeshImport mesh_import(const Json& json, const std::string& name) {
   mesh.placement.rotate = roll_pitch_yaw(json.at("rotate_rpy_deg"), kRadiansPerDegree);
   const auto translate = json.at("translate_m").get<std::array<double, 3>>();
   mesh.placement.translate_m = Eigen::Vector3d(translate[0], translate[1], translate[2]);
-  if (!(std::abs(mesh.placement.scale_m) <= kLargestCoordinate_m) ||
-      !(mesh.placement.translate_m.cwiseAbs().maxCoeff() <= kLargestCoordinate_m))
-    throw UsageError(name + ": /mesh: scale_m and translate_m must stay within 1e12");
+  const auto require_bounded = [&](const char* key, double value) {
+    require(std::abs(value) <= kLargestCoordinate_m, {name + ": /mesh", key}, value, "in [-1e12, 1e12]");
+  };
+  require_bounded("scale_m", mesh.placement.scale_m);
+  for (const double value : translate) require_bounded("translate_m", value);
   return mesh;
 }
 

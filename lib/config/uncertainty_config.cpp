@@ -23,7 +23,7 @@ double sigma_of(const std::string& text, const std::string& assignment) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
     throw UsageError("--navigation-sigma " + assignment + ": '" + text +
-                     "' is no number; wanted KEY=SIGMA or KEY=X,Y,Z");
+                     "' is not a number; wanted KEY=SIGMA or KEY=X,Y,Z");
   return value;
 }
 

@@ -162,7 +162,7 @@ void ColumnReader::read_plainly(const Column& column, std::size_t begin, const C
       H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &offset, nullptr, &count, nullptr) >= 0;
   if (!selected || H5Dread(column.dataset.get(), h5::native(type_of(target)), memory.get(), space.get(),
                            H5P_DEFAULT, bytes_of(target).data()) < 0)
-    fail(column, h5::failure_reason());
+    fail(column, h5::reading_failure());
 }
 
 }  // namespace landfall

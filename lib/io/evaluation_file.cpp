@@ -100,7 +100,7 @@ RegionMask read_region_mask(const std::filesystem::path& path, const std::string
                       std::to_string(spec.rows) + ", " + std::to_string(spec.cols) + ")");
   Grid<double> values(spec);
   if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.values().data()) < 0)
-    throw FormatError(path.string() + ": reading layer /" + layer + " failed: " + h5::failure_reason());
+    throw FormatError(path.string() + ": reading layer /" + layer + " failed: " + h5::reading_failure());
   RegionMask result{BinMask(spec), h5::read_text_attribute(file.get(), "file_id").value_or("")};
   if (result.file_id.empty()) result.file_id = content_id(path);
   std::ranges::transform(values.values(), result.mask.values().begin(),

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "base/parallel.h"
 #include "io/chunk_codec.h"
 #include "io/crs.h"
@@ -66,7 +67,7 @@ std::vector<double> read_axis(const LandfallFileReader& file, const std::string&
     file.fail("/" + name + " is not a list of 2 to 2^30 coordinates");
   std::vector<double> values(static_cast<std::size_t>(count));
   if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    file.fail("reading /" + name + " failed: " + h5::failure_reason());
+    file.fail("reading /" + name + " failed: " + h5::reading_failure());
   return values;
 }
 
@@ -85,8 +86,8 @@ std::int64_t first_index(const LandfallFileReader& file, const std::vector<doubl
   for (std::size_t i = 0; i < axis.size(); ++i) {
     const double expected = (first + static_cast<double>(i)) * resolution_m;
     if (!(std::abs(axis[i] - expected) <= 1e-6 * resolution_m))
-      file.fail("/" + name + "[" + std::to_string(i) + "] = " + std::to_string(axis[i]) +
-                " is not an integer multiple of the resolution " + std::to_string(resolution_m));
+      file.fail("/" + name + "[" + std::to_string(i) + "] = " + number_text(axis[i]) +
+                " is not an integer multiple of the resolution " + number_text(resolution_m));
   }
   return static_cast<std::int64_t>(first);
 }
@@ -262,7 +263,7 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
   if (!read_tiles(dataset.get(), layer, {tile_of(spec_), {}}, progress) &&
       H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
               layer.values().data()) < 0)
-    file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());
+    file_.fail("reading layer /" + name + " failed: " + h5::reading_failure());
   report(progress, 1);
   return layer;
 }
@@ -281,7 +282,7 @@ Grid<T> GridLayerReader::read_window(const std::string& name, const GridSpec& wi
   run_isolated([&] { done = read_tiles(dataset.get(), part, {tile_of(spec_), first}, progress); });
   if (!done &&
       !read_rectangle(dataset.get(), h5::native(h5::TypeOf<T>::value), first, window, part.values().data()))
-    file_.fail("reading layer /" + name + " failed: " + h5::failure_reason());
+    file_.fail("reading layer /" + name + " failed: " + h5::reading_failure());
   report(progress, 1);
   return part;
 }

@@ -39,17 +39,20 @@ void write_scalar_attribute(hid_t object, const std::string& name, hid_t type, c
   require(H5Awrite(attribute.get(), type, value) >= 0, name);
 }
 
-herr_t keep_reason(unsigned /*depth*/, const H5E_error2_t* record, void* target) {
-  auto& reason = *static_cast<std::string*>(target);
+/// Keeps what the system said; what the library made of it tells a user nothing.
+herr_t keep_system_reason(unsigned /*depth*/, const H5E_error2_t* record, void* target) {
   const std::string text = record->desc == nullptr ? "" : record->desc;
   const std::size_t begin = text.find("error message = '");
-  if (begin == std::string::npos) {
-    if (reason.empty()) reason = text;
-    return 0;
-  }
+  if (begin == std::string::npos) return 0;
   const std::size_t start = begin + 17;
-  reason = text.substr(start, text.find('\'', start) - start);
-  return 1;  // the system's own word: look no further
+  *static_cast<std::string*>(target) = text.substr(start, text.find('\'', start) - start);
+  return 1;
+}
+
+herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
+  auto& reason = *static_cast<std::string*>(target);
+  if (reason.empty() && record->desc != nullptr) reason = record->desc;
+  return keep_system_reason(depth, record, target);
 }
 
 /// Reads one text from an attribute or dataset through `read(type, buffer)`; fixed and variable lengths both
@@ -92,6 +95,12 @@ std::string failure_reason() {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);
   return reason;
+}
+
+std::string reading_failure() {
+  std::string reason;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_system_reason, &reason);
+  return reason.empty() ? "it is damaged" : reason;
 }
 
 hid_t native(Type type) {

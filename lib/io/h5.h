@@ -51,6 +51,8 @@ void initialise();
 [[nodiscard]] std::mutex& library_lock();
 /// The innermost reason on HDF5's error stack ("No space left on device"), empty where there is none.
 [[nodiscard]] std::string failure_reason();
+/// Why data could not be read: what the system said, else that they are damaged.
+[[nodiscard]] std::string reading_failure();
 
 /// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types (SPEC section
 /// 8).

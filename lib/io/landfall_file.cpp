@@ -84,7 +84,7 @@ LandfallFileReader::LandfallFileReader(std::filesystem::path path, std::initiali
   std::string wanted;
   for (const char* const kind : kinds)
     wanted += (wanted.empty() ? "landfall." : " or landfall.") + std::string(kind);
-  if (!format) fail("not a landfall file (no attribute format_name); wanted " + wanted);
+  if (!format) fail("is no landfall file (it has no attribute format_name); wanted " + wanted);
   const auto matches = [&](const char* kind) { return *format == "landfall." + std::string(kind); };
   if (std::none_of(kinds.begin(), kinds.end(), matches)) fail("is a " + *format + " file; wanted " + wanted);
   const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");

@@ -68,7 +68,7 @@ std::vector<T> read_rows(const LandfallFileReader& file, hid_t group, const std:
   std::vector<T> values(3 * size[0]);
   if (H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) <
       0)
-    file.fail("reading " + path + " failed: " + h5::failure_reason());
+    file.fail("reading " + path + " failed: " + h5::reading_failure());
   return values;
 }
 

@@ -256,7 +256,7 @@ void TableReader::read(const std::string& column, std::size_t begin, std::span<T
 }
 
 void TableReader::fail_reading(const std::string& column, std::string why) const {
-  if (why.empty()) why = h5::failure_reason();
+  if (why.empty()) why = h5::reading_failure();
   throw FormatError(file_ + ": reading " + path_of(column) + " failed" + (why.empty() ? "" : ": " + why));
 }
 

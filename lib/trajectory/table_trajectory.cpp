@@ -26,7 +26,7 @@ void check(const std::vector<TrajectorySample>& samples, const std::string& name
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double norm = samples[i].attitude.norm();
     if (std::abs(norm - 1) > kNormTolerance)
-      refuse_row(name, i, "the quaternion's norm is " + std::to_string(norm) + ", not within 0.001 of 1");
+      refuse_row(name, i, "the quaternion's norm is " + number_text(norm) + ", not within 0.001 of 1");
   }
 }
 

@@ -25,6 +25,8 @@ class GdalErrors {
     auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
     if (level < CE_Failure || self.any()) return;
     self.first_ = message;
+    if (const std::size_t end = self.first_.find(':'); self.first_.front() == '_' && end != std::string::npos)
+      self.first_.erase(0, end + 1);  // the name of a function of GDAL's
     std::replace(self.first_.begin(), self.first_.end(), '\n', ' ');
     self.first_.erase(self.first_.find_last_not_of(" .") + 1);
   }

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/number_text.h"
 
 namespace landfall {
 namespace {
@@ -116,7 +117,7 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
   const double radians = crs.GetAngularUnits();
   const MapPoint place = transform.map_point(center);
   if (!(std::abs(place.y * radians) <= std::numbers::pi / 2))
-    throw FormatError(dem.path + ": the site centre's latitude " + std::to_string(place.y) +
+    throw FormatError(dem.path + ": the site centre's latitude " + number_text(place.y) +
                       " lies beyond a pole");
   const double inverse_flattening = crs.GetInvFlattening();
   const Ellipsoid body{crs.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};

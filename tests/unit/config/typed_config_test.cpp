@@ -71,7 +71,7 @@ TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
             resolve_terrain_config({"c.json", Json::parse(R"({"mesh": {"path": "m", "scale_m": 1e13}})")}),
             "c.json"));
       }),
-      HasSubstr("c.json: /mesh: scale_m and translate_m must stay within 1e12"));
+      HasSubstr("c.json: /mesh/scale_m: 1e+13 is not in [-1e12, 1e12]"));
 }
 
 TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {
