@@ -4,6 +4,7 @@ import math
 
 import matplotlib
 import numpy as np
+from landfall_study_table import METRIC_NAMES
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position
@@ -19,30 +20,15 @@ MOST_TICKS = 12
 CLOSEST_LABELS = 0.06
 # A limit so many times the largest value is named and not drawn.
 FAR_LIMIT = 30
-NAMES = {
-    "coverage.invalid_frac": "invalid bins, share of the region",
-    "coverage.invalid_count": "invalid bins",
-    "coverage.largest_hole_bins": "largest hole",
-    "coverage.max_distance_bins": "largest distance to a valid bin",
-    "accuracy.relative.z.p95_m": "relative elevation error, 95 % of footprints below",
-    "accuracy.relative.z.max_m": "relative elevation error, largest",
-    "accuracy.relative.x.p95_m": "relative error in x, 95 % of footprints below",
-    "accuracy.relative.x.max_m": "relative error in x, largest",
-    "accuracy.relative.y.p95_m": "relative error in y, 95 % of footprints below",
-    "accuracy.relative.y.max_m": "relative error in y, largest",
-    "accuracy.absolute.z.p95_m": "absolute elevation error, 95 % of footprints below",
-    "statistics.z.rmse_m": "elevation error of the bins, rms",
-    "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
-    "requirements.relative_elevation.value": "footprints over the relative elevation limit",
-    "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
-}
+# Columns and rows of a map whose cells have room for a number; maps of more do not grow.
+WIDEST_MAP, TALLEST_MAP = 24, 30
 
 
 class Scale:
     """How a metric is shown: metres as cm or mm where these suit."""
 
     def __init__(self, results, metric):
-        self.name = NAMES.get(metric, metric)
+        self.name = METRIC_NAMES.get(metric, metric)
         self.unit, self.factor = results.units[metric], 1
         largest = largest_value(results, metric)
         if self.unit == "m" and 0 < largest < 0.5:
@@ -246,13 +232,16 @@ def map_figure(results, metric, pair, quantile):
         at = rows.index(point.values[order[1]]), columns.index(point.values[order[0]])
         values[at] = results.estimate(point, metric, quantile)[0] * scale.factor
         rates[at] = results.pass_rate(point, "all")
-    figure, axes = plt.subplots(figsize=(2.6 + 0.75 * max(5, len(columns)), 2.0 + 0.5 * max(4, len(rows))),
-                                constrained_layout=True)
+    wide, tall = min(max(5, len(columns)), WIDEST_MAP), min(max(4, len(rows)), TALLEST_MAP)
+    figure, axes = plt.subplots(figsize=(2.6 + 0.75 * wide, 2.0 + 0.5 * tall), constrained_layout=True)
     image = axes.imshow(values, origin="lower", aspect="auto", cmap="cividis", norm=map_norm(values))
     figure.colorbar(image, ax=axes, label=scale.title())
-    write_cells(axes, values, rates, image)
-    axes.set_xticks(range(len(columns)), [number(value) for value in columns])
-    axes.set_yticks(range(len(rows)), [number(value) for value in rows])
+    if len(columns) <= WIDEST_MAP and len(rows) <= TALLEST_MAP:
+        write_cells(axes, values, rates, image)
+    else:
+        frame_region(axes, values.shape, rates)
+    axes.set_xticks(*map_ticks(columns, WIDEST_MAP))
+    axes.set_yticks(*map_ticks(rows, TALLEST_MAP))
     axes.set_xlabel(x.title())
     axes.set_ylabel(y.title())
     limit = results.limit(metric)
@@ -267,6 +256,22 @@ def map_norm(values):
     if finite.size and finite.min() > 0 and finite.max() / finite.min() > 100:
         return matplotlib.colors.LogNorm(finite.min(), finite.max())
     return None
+
+
+def map_ticks(values, most):
+    """Places and labels; of many values every so many."""
+    places = range(0, len(values), -(-len(values) // most))
+    return places, [number(values[place]) for place in places]
+
+
+def frame_region(axes, shape, rates):
+    """The outline of the cells in which every case passes, where they are too small for a frame each."""
+    passed = np.zeros((shape[0] + 2, shape[1] + 2))
+    for (row, column), (met, count, _, _) in rates.items():
+        passed[row + 1, column + 1] = count > 0 and met == count
+    if passed.any():
+        axes.contour(range(-1, shape[1] + 1), range(-1, shape[0] + 1), passed, [0.5], colors="#D55E00", linewidths=1.5)
+        axes.set(xlim=(-0.5, shape[1] - 0.5), ylim=(-0.5, shape[0] - 0.5))
 
 
 def write_cells(axes, values, rates, image):

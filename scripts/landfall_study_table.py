@@ -21,6 +21,25 @@ USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.larges
            "relative_horizontal": ["accuracy.relative.x.max_m", "accuracy.relative.y.max_m"],
            "absolute_horizontal": ["accuracy.absolute.horizontal.p95_m"]}
 
+# Of figures and reports.
+METRIC_NAMES = {
+    "coverage.invalid_frac": "invalid bins, share of the region",
+    "coverage.invalid_count": "invalid bins",
+    "coverage.largest_hole_bins": "largest hole",
+    "coverage.max_distance_bins": "largest distance to a valid bin",
+    "accuracy.relative.z.p95_m": "relative elevation error, 95 % of footprints below",
+    "accuracy.relative.z.max_m": "relative elevation error, largest",
+    "accuracy.relative.x.p95_m": "relative error in x, 95 % of footprints below",
+    "accuracy.relative.x.max_m": "relative error in x, largest",
+    "accuracy.relative.y.p95_m": "relative error in y, 95 % of footprints below",
+    "accuracy.relative.y.max_m": "relative error in y, largest",
+    "accuracy.absolute.z.p95_m": "absolute elevation error, 95 % of footprints below",
+    "statistics.z.rmse_m": "elevation error of the bins, rms",
+    "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
+    "requirements.relative_elevation.value": "footprints over the relative elevation limit",
+    "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
+}
+
 
 @dataclass(frozen=True)
 class StudyAxis:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Intervals against closed forms, and plot_study.py on a table made here."""
 import csv
+import dataclasses
 import json
 import math
 import os
@@ -238,6 +239,24 @@ class Plots(unittest.TestCase):
         np.testing.assert_array_equal(below.get_ydata(), above.get_ydata())
         self.assertGreater(below.get_linewidth(), above.get_linewidth())
         self.assertGreater(below.get_markersize(), above.get_markersize())
+
+    def test_a_map_of_many_values_stays_a_page(self):
+        results = self.results("sigma_m", "loss_frac", "repeat")
+        sigma, loss = results.axes
+        small = figures.map_figure(results, "coverage.invalid_frac", (sigma, loss), 0.5)
+        self.assertEqual(len(small.axes[0].texts), 6)
+        many = tuple(index / 1000 for index in range(100))
+        wide = dataclasses.replace(sigma, values=many)
+        results.axes = [wide, loss]
+        results.points = [dataclasses.replace(results.points[0], values=(value, share)) for value in many for share in loss.values]
+        figure = figures.map_figure(results, "coverage.invalid_frac", (wide, loss), 0.5)
+        self.assertLess(figure.get_figwidth(), 21)
+        axes = figure.axes[0]
+        self.assertEqual((len(axes.texts), len(axes.get_xticks())), (0, 20))
+        self.assertEqual([axes.get_xlim(), axes.get_ylim()], [(-0.5, 99.5), (-0.5, 1.5)])
+        outlines = [path for collection in axes.collections for path in collection.get_paths()]
+        self.assertEqual(len(outlines), 1)  # all pass: one outline about the whole map
+        np.testing.assert_allclose([outlines[0].vertices.min(axis=0), outlines[0].vertices.max(axis=0)], [[-0.5, -0.5], [99.5, 1.5]])
 
     def test_overview(self):
         results = self.results("sigma_m", "loss_frac", "repeat")
