@@ -16,7 +16,8 @@ LEVELS = {
     "ray": 3,
     "simulation": 4, "gridding": 4, "evaluation": 4,
     "config": 5, "io": 5,
-    "cli": 6, "lidar": 6,
+    "exports": 6, "lidar": 6,
+    "cli": 7,
 }
 
 # Header pattern -> folders that may include it. What is not listed here is free to all.

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "io/output_path.h"
+
+namespace landfall {
+
+/// The reader of a pipe has closed it: it has what it wanted. Not a failure.
+class ClosedPipe : public std::runtime_error {
+ public:
+  ClosedPipe() : std::runtime_error("the reader closed the pipe") {}
+};
+
+/// Where the bytes of an export go, in order.
+class ByteSink {
+ public:
+  ByteSink() = default;
+  virtual ~ByteSink() = default;
+  ByteSink(const ByteSink&) = delete;
+  ByteSink& operator=(const ByteSink&) = delete;
+
+  /// Throws IoError when the system refuses.
+  virtual void write(std::string_view bytes) = 0;
+  /// After the last byte. Throws IoError when the system refuses.
+  virtual void finish() = 0;
+};
+
+/// A file that appears whole under its name or not at all (output_path.h).
+class FileSink final : public ByteSink {
+ public:
+  /// Throws UsageError as OutputPath does, IoError where the file cannot be made.
+  FileSink(const std::filesystem::path& path, bool overwrite);
+  ~FileSink() override;
+  void write(std::string_view bytes) override;
+  void finish() override;
+
+ private:
+  [[noreturn]] void fail(const char* what) const;
+
+  OutputPath output_;
+  int descriptor_;
+};
+
+/// Standard output. A closed pipe throws ClosedPipe; SIGPIPE is ignored from its construction on.
+class StandardOutputSink final : public ByteSink {
+ public:
+  StandardOutputSink();
+  void write(std::string_view bytes) override;
+  void finish() override {}
+};
+
+}  // namespace landfall

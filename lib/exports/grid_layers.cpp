@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/grid_layers.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+LandfallFileReader require_grid(LandfallFileReader file) {
+  if (has_grid(file)) return file;
+  if (kind_of(file) == "terrain")
+    file.fail("is a mesh terrain, which has no layers; terrain-gen --from FILE -o mesh.ply exports it");
+  file.fail("has no layers (dem-eval --metrics-only keeps none)");
+}
+
+std::vector<const char*> main_layers(const std::string& kind) {
+  if (kind == "terrain") return {"z"};
+  if (kind == "dem") return {"z_est"};
+  if (kind == "plan") return {"count"};
+  return {"rel_z", "distance_to_valid"};
+}
+
+}  // namespace
+
+std::string listed(const std::vector<ContentInfo>& contents) {
+  std::string names;
+  for (const ContentInfo& content : contents) names += (names.empty() ? "" : ", ") + content.name;
+  return names;
+}
+
+GridSource::GridSource(const std::filesystem::path& path)
+    : file_(require_grid(LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan"}))),
+      kind_(kind_of(file_)),
+      reader_(file_),
+      layers_(layers_of(file_, reader_.spec())) {
+  if (layers_.empty()) file_.fail("has a grid without a layer");
+}
+
+const ContentInfo& GridSource::main_layer() const {
+  for (const char* const name : main_layers(kind_))
+    for (const ContentInfo& layer : layers_)
+      if (layer.name == name) return layer;
+  return layers_.front();
+}
+
+std::vector<ContentInfo> GridSource::choose(const std::vector<std::string>& names) const {
+  if (names.empty()) return {main_layer()};
+  if (names.size() == 1 && names.front() == "all") return layers_;
+  std::vector<ContentInfo> chosen;
+  for (const std::string& name : names) {
+    const auto is_it = [&name](const ContentInfo& layer) { return layer.name == name; };
+    const auto found = std::find_if(layers_.begin(), layers_.end(), is_it);
+    if (found == layers_.end())
+      throw UsageError(file_.name() + ": no layer '" + name + "'; it has " + listed(layers_));
+    if (std::any_of(chosen.begin(), chosen.end(), is_it))
+      throw UsageError("--layers names " + name + " twice");
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+AnyGrid GridSource::read(const ContentInfo& layer, const ProgressCallback& progress) const {
+  switch (layer.type) {
+    case h5::Type::float32:
+      return reader_.read<float>(layer.name, progress);
+    case h5::Type::int32:
+      return reader_.read<std::int32_t>(layer.name, progress);
+    case h5::Type::int8:
+      return reader_.read<std::int8_t>(layer.name, progress);
+    default:
+      return reader_.read<double>(layer.name, progress);
+  }
+}
+
+std::vector<NamedLayer> GridSource::read(const std::vector<ContentInfo>& layers,
+                                         const ProgressCallback& progress) const {
+  std::vector<NamedLayer> result;
+  const auto count = static_cast<double>(layers.size());
+  for (const ContentInfo& layer : layers) {
+    const auto done = static_cast<double>(result.size());
+    result.push_back({layer, read(layer, [&](double f) { report(progress, (done + f) / count); })});
+  }
+  return result;
+}
+
+}  // namespace landfall

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/progress.h"
+#include "io/contents.h"
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// A layer of any type that grids come in; int64 is read as double.
+using AnyGrid = std::variant<Grid<double>, Grid<float>, Grid<std::int32_t>, Grid<std::int8_t>>;
+
+struct NamedLayer {
+  ContentInfo info;
+  AnyGrid values;
+};
+
+/// The layers of a terrain, DEM, evaluation or plan, for those who show or export them.
+class GridSource {
+ public:
+  /// Throws FormatError unless the file is one of these and has a grid with a layer: a terrain may be a mesh,
+  /// and `dem-eval --metrics-only` keeps no layers.
+  explicit GridSource(const std::filesystem::path& path);
+  GridSource(const GridSource&) = delete;  // the reader refers to the file
+  GridSource& operator=(const GridSource&) = delete;
+
+  [[nodiscard]] const LandfallFileReader& file() const { return file_; }
+  [[nodiscard]] const std::string& kind() const { return kind_; }
+  [[nodiscard]] const GridSpec& spec() const { return reader_.spec(); }
+  [[nodiscard]] const std::string& crs_wkt() const { return reader_.crs_wkt(); }
+  [[nodiscard]] const std::vector<ContentInfo>& layers() const { return layers_; }
+
+  /// The layer that a file of this kind is about: z of a terrain, z_est of a DEM, rel_z of an evaluation (of
+  /// one without truth distance_to_valid), count of a plan; else the first.
+  [[nodiscard]] const ContentInfo& main_layer() const;
+  /// The layers of these names, in their order; none: the main layer; the one name `all`: every layer.
+  /// Throws UsageError, naming those that there are, for an unknown name or one that stands twice.
+  [[nodiscard]] std::vector<ContentInfo> choose(const std::vector<std::string>& names) const;
+
+  [[nodiscard]] AnyGrid read(const ContentInfo& layer, const ProgressCallback& progress = {}) const;
+  [[nodiscard]] std::vector<NamedLayer> read(const std::vector<ContentInfo>& layers,
+                                             const ProgressCallback& progress = {}) const;
+
+ private:
+  LandfallFileReader file_;
+  std::string kind_;
+  GridLayerReader reader_;
+  std::vector<ContentInfo> layers_;
+};
+
+/// "a, b, c".
+[[nodiscard]] std::string listed(const std::vector<ContentInfo>& contents);
+
+}  // namespace landfall

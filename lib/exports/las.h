@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "base/progress.h"
+#include "exports/byte_sink.h"
+#include "exports/point_reader.h"
+
+namespace landfall {
+
+/// Bytes of the LAS 1.2 public header block, and of a point of format 1.
+inline constexpr std::size_t kLasHeaderBytes = 227;
+inline constexpr std::size_t kLasPointBytes = 28;
+
+/// The box of points, metres. Empty: low > high.
+struct PointBox {
+  std::array<double, 3> low = {kInfinity, kInfinity, kInfinity};
+  std::array<double, 3> high = {-kInfinity, -kInfinity, -kInfinity};
+
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+};
+
+/// How LAS stores coordinates: X = round((x - offset_m) / scale_m), 32 bits, the same scale on all axes.
+struct LasGrid {
+  double scale_m = 1e-6;
+  std::array<double, 3> offset_m = {0, 0, 0};
+
+  /// The finest of 1e-6, 1e-5 and 1e-4 m that the box fits in, around its centre to the next metre. Throws
+  /// FormatError, naming the extent and the most that fits, for a larger box.
+  static LasGrid fitting(const PointBox& box, const std::string& file);
+
+  [[nodiscard]] std::int32_t stored(double coordinate_m, std::size_t axis) const;
+  /// What a reader makes of it.
+  [[nodiscard]] double read_back(std::int32_t stored, std::size_t axis) const {
+    return stored * scale_m + offset_m[axis];
+  }
+};
+
+/// What the header of a LAS file says of its points.
+struct LasContent {
+  LasGrid grid;
+  PointBox box;
+  std::size_t count = 0;  ///< at most 2^32 - 1
+  std::string software;   ///< cut to 32 bytes
+  std::string file_id;    ///< of the scan: a variable-length record of user "landfall", number 1
+};
+
+/// The public header block (LAS 1.2, ASPRS 2008) and the record. The bounds are those of the coordinates as
+/// they are read back; the day of creation is 0, so that equal points give equal bytes.
+[[nodiscard]] std::string las_header(const LasContent& content);
+
+/// Writes the selected returns as LAS 1.2, point format 1: GPS time is the pulse's time, return 1 of 1,
+/// classification 1 (unclassified) for a return and 7 (low point, noise) for a false return; intensity, scan
+/// angle, user data and point source are 0. `position` is "est" or "true".
+/// Throws FormatError for a scan that does not fit (LasGrid::fitting, more than 2^32 - 1 points).
+void write_points_las(const PointReader& points, const std::string& position, std::size_t every,
+                      const std::string& software, ByteSink& sink, const ProgressCallback& progress = {});
+
+}  // namespace landfall

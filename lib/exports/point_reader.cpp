@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/point_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "exports/grid_layers.h"
+#include "io/column_reader.h"
+#include "simulation/pulse_batch.h"
+
+namespace landfall {
+namespace {
+
+/// Rows read at a time: 4 chunks of the file.
+constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
+/// Rows that one thread encodes at a time.
+constexpr std::size_t kPieceRows = 8192;
+
+constexpr const char* kTime = "t";
+
+bool is_return(std::int8_t status) {
+  return status == static_cast<std::int8_t>(PointStatus::returned) ||
+         status == static_cast<std::int8_t>(PointStatus::false_return);
+}
+
+bool is_real(const ContentInfo& column) {
+  return column.type == h5::Type::float64 || column.type == h5::Type::float32;
+}
+
+ColumnValues values_of(h5::Type type) {
+  switch (type) {
+    case h5::Type::int8:
+      return std::vector<std::int8_t>();
+    case h5::Type::int32:
+      return std::vector<std::int32_t>();
+    case h5::Type::int64:
+      return std::vector<std::int64_t>();
+    default:
+      return std::vector<double>();
+  }
+}
+
+ColumnTarget resized(ColumnValues& values, std::size_t count) {
+  return std::visit(
+      [count](auto& column) -> ColumnTarget {
+        column.resize(count);
+        return std::span(column);
+      },
+      values);
+}
+
+std::vector<double> pulse_times(const LandfallFileReader& file) {
+  if (!h5::exists(file.root(), "pulses")) return {};
+  const TableReader pulses(file.root(), "pulses", file.name());
+  if (!pulses.has(kTime)) return {};
+  std::vector<double> times(pulses.row_count(kTime));
+  pulses.read(kTime, 0, std::span(times));
+  return times;
+}
+
+}  // namespace
+
+double PointBatch::number(std::size_t column, std::size_t row) const {
+  return std::visit([row](const auto& values) { return static_cast<double>(values[row]); }, columns[column]);
+}
+
+PointReader::PointReader(const std::filesystem::path& path)
+    : file_(path, {"scan"}),
+      points_(file_.root(), "points", file_.name()),
+      columns_(columns_of(points_)),
+      pulse_times_s_(pulse_times(file_)),
+      row_count_(points_.row_count("status")) {
+  for (const char* const name : {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true"}) {
+    const auto is_it = [name](const ContentInfo& column) { return column.name == name && is_real(column); };
+    if (std::none_of(columns_.begin(), columns_.end(), is_it))
+      file_.fail("no floating-point column /points/" + std::string(name));
+  }
+  for (const ContentInfo& column : columns_)
+    if (points_.row_count(column.name) != row_count_)
+      file_.fail("/points/" + column.name + " has another length than /points/status");
+  if (!pulse_times_s_.empty() && points_.has("pulse") && !points_.has(kTime))
+    columns_.push_back({kTime, h5::Type::float64, "s", "time of the pulse"});
+}
+
+const ContentInfo& PointReader::column(const std::string& name) const {
+  const auto is_it = [&name](const ContentInfo& column) { return column.name == name; };
+  const auto found = std::find_if(columns_.begin(), columns_.end(), is_it);
+  if (found == columns_.end())
+    throw UsageError(file_.name() + ": no column '" + name + "'; it has " + listed(columns_));
+  return *found;
+}
+
+std::size_t PointReader::count(const PointSelection& selection) const {
+  std::size_t selected = row_count_;
+  if (selection.only_returns) {
+    selected = 0;
+    std::vector<std::int8_t> status(std::min(row_count_, kBatchRows));
+    ColumnReader reader(points_, {"status"});
+    for (std::size_t begin = 0; begin < row_count_; begin += kBatchRows) {
+      const std::span rows(status.data(), std::min(kBatchRows, row_count_ - begin));
+      const ColumnTarget target = rows;
+      reader.read(begin, std::span(&target, 1));
+      selected += static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), is_return));
+    }
+  }
+  return (selected + selection.every - 1) / selection.every;
+}
+
+/// Reads a pass's batches, in order.
+class PointReader::BatchSource {
+ public:
+  BatchSource(const PointReader& reader, const Pass& pass)
+      : reader_(reader), pass_(pass), columns_(reader.points_, stored_columns(pass)) {}
+
+  void read(std::size_t begin, std::size_t count, PointBatch& batch) {
+    batch.first_row = begin;
+    batch.columns.resize(pass_.columns.size());
+    std::vector<ColumnTarget> targets;
+    for (std::size_t c = 0; c < pass_.columns.size(); ++c)
+      if (pass_.columns[c] != kTime || !wants_time_) targets.push_back(target(c, count, batch));
+    if (wants_time_) {
+      pulse_.resize(count);
+      targets.emplace_back(std::span(pulse_));
+    }
+    if (pass_.selection.only_returns) {
+      status_.resize(count);
+      targets.emplace_back(std::span(status_));
+    }
+    columns_.read(begin, targets);
+    select(count, batch);
+    if (wants_time_) look_up_times(batch);
+    require_finite(batch);
+  }
+
+ private:
+  ColumnTarget target(std::size_t c, std::size_t count, PointBatch& batch) const {
+    ColumnValues wanted = values_of(reader_.column(pass_.columns[c]).type);
+    if (batch.columns[c].index() != wanted.index()) batch.columns[c] = std::move(wanted);
+    return resized(batch.columns[c], count);
+  }
+
+  /// What is read of the file: `t` is made of the pulse.
+  std::vector<std::string> stored_columns(const Pass& pass) {
+    std::vector<std::string> names;
+    for (const std::string& name : pass.columns)
+      if (name == kTime && !reader_.points_.has(kTime))
+        wants_time_ = true;
+      else
+        names.push_back(name);
+    if (wants_time_) names.emplace_back("pulse");
+    if (pass.selection.only_returns) names.emplace_back("status");
+    return names;
+  }
+
+  void select(std::size_t count, PointBatch& batch) {
+    batch.selected.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (pass_.selection.only_returns && !is_return(status_[i])) continue;
+      if (seen_++ % pass_.selection.every == 0) batch.selected.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+
+  void look_up_times(PointBatch& batch) const {
+    const auto c = static_cast<std::size_t>(std::find(pass_.columns.begin(), pass_.columns.end(), kTime) -
+                                            pass_.columns.begin());
+    if (!std::holds_alternative<std::vector<double>>(batch.columns[c]))
+      batch.columns[c] = std::vector<double>();
+    auto& times = std::get<std::vector<double>>(batch.columns[c]);
+    times.resize(pulse_.size());
+    for (const std::uint32_t i : batch.selected) {
+      const std::int32_t pulse = pulse_[i];
+      if (pulse < 0 || static_cast<std::size_t>(pulse) >= reader_.pulse_times_s_.size())
+        fail(batch, "pulse", i, "is " + std::to_string(pulse) + ", which /pulses does not have");
+      times[i] = reader_.pulse_times_s_[static_cast<std::size_t>(pulse)];
+    }
+  }
+
+  void require_finite(const PointBatch& batch) const {
+    for (std::size_t c = 0; c < pass_.finite_columns; ++c)
+      for (const std::uint32_t i : batch.selected)
+        if (!std::isfinite(batch.real(c)[i])) fail(batch, pass_.columns[c], i, "of a return is not finite");
+  }
+
+  [[noreturn]] void fail(const PointBatch& batch, const std::string& column, std::size_t row,
+                         const std::string& what) const {
+    reader_.file_.fail("/points/" + column + "[" + std::to_string(batch.first_row + row) + "] " + what);
+  }
+
+  const PointReader& reader_;
+  const Pass& pass_;
+  bool wants_time_ = false;
+  ColumnReader columns_;
+  std::size_t seen_ = 0;
+  std::vector<std::int32_t> pulse_;
+  std::vector<std::int8_t> status_;
+};
+
+void PointReader::read(const Pass& pass, const std::function<void(const PointBatch& batch)>& use,
+                       const ProgressCallback& progress) const {
+  for (const std::string& name : pass.columns) static_cast<void>(column(name));
+  BatchSource source(*this, pass);
+  std::array<PointBatch, 2> slots;
+  const std::size_t count = (row_count_ + kBatchRows - 1) / kBatchRows;
+  read_ahead(
+      count, slots.size(),
+      [&](std::size_t i, std::size_t slot) {
+        const std::size_t begin = i * kBatchRows;
+        source.read(begin, std::min(kBatchRows, row_count_ - begin), slots[slot]);
+      },
+      [&](std::size_t i, std::size_t slot) {
+        use(slots[slot]);
+        report(progress, static_cast<double>(i + 1) / static_cast<double>(count));
+      });
+}
+
+void write_points(const PointReader& points, const PointReader::Pass& pass, const EncodeRows& encode,
+                  ByteSink& sink, const ProgressCallback& progress) {
+  std::vector<std::string> pieces;
+  const auto write_batch = [&](const PointBatch& batch) {
+    const std::span<const std::uint32_t> rows = batch.selected;
+    const std::size_t count = (rows.size() + kPieceRows - 1) / kPieceRows;
+    if (pieces.size() < count) pieces.resize(count);
+    parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        pieces[i].clear();
+        const std::size_t first = i * kPieceRows;
+        encode(batch, rows.subspan(first, std::min(kPieceRows, rows.size() - first)), pieces[i]);
+      }
+    });
+    for (std::size_t i = 0; i < count; ++i) sink.write(pieces[i]);
+  };
+  points.read(pass, write_batch, progress);
+}
+
+}  // namespace landfall

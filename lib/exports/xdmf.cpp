@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/xdmf.h"
+
+#include "base/number_text.h"
+
+namespace landfall {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A text within XML.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string number_type(h5::Type type) {
+  switch (type) {
+    case h5::Type::int8:
+      return R"(NumberType="Char" Precision="1")";
+    case h5::Type::int32:
+      return R"(NumberType="Int" Precision="4")";
+    case h5::Type::int64:
+      return R"(NumberType="Int" Precision="8")";
+    case h5::Type::float32:
+      return R"(NumberType="Float" Precision="4")";
+    default:
+      return R"(NumberType="Float" Precision="8")";
+  }
+}
+
+/// A dataset of the file.
+std::string data_item(const ContentInfo& info, const std::string& dimensions, const std::string& path) {
+  return "<DataItem Dimensions=\"" + dimensions + "\" " + number_type(info.type) + " Format=\"HDF\">" +
+         escaped(path + info.name) + "</DataItem>";
+}
+
+std::string attribute(const ContentInfo& info, const std::string& dimensions, const std::string& path) {
+  return "      <Attribute Name=\"" + info.name + "\" AttributeType=\"Scalar\" Center=\"Node\">\n        " +
+         data_item(info, dimensions, path) + "\n      </Attribute>\n";
+}
+
+std::string document(const std::string& name, const std::string& content) {
+  return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    <Grid Name=\"" +
+         name + "\" GridType=\"Uniform\">\n" + content + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+}
+
+const ContentInfo& named(const std::vector<ContentInfo>& columns, const std::string& name) {
+  std::size_t i = 0;
+  while (columns.at(i).name != name) ++i;
+  return columns[i];
+}
+
+/// Three numbers, x first; XDMF wants the slowest first.
+std::string triple(const char* what, double x, double y, double z) {
+  return std::string("        <DataItem Name=\"") + what +
+         "\" Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">" + number_text(z) + " " +
+         number_text(y) + " " + number_text(x) + "</DataItem>\n";
+}
+
+}  // namespace
+
+std::string xdmf_reference(const fs::path& data, const fs::path& xdmf) {
+  const fs::path target = fs::weakly_canonical(fs::absolute(data));
+  const fs::path folder = fs::weakly_canonical(fs::absolute(xdmf)).parent_path();
+  const fs::path relative = target.lexically_relative(folder);
+  return relative.empty() || *relative.begin() == ".." ? target.string() : relative.string();
+}
+
+std::string points_xdmf(const std::vector<ContentInfo>& columns, std::size_t rows,
+                        const std::string& position, const std::string& reference) {
+  const std::string count = std::to_string(rows);
+  const std::string path = reference + ":/points/";
+  std::string content = "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + count +
+                        "\" NodesPerElement=\"1\"/>\n      <Geometry GeometryType=\"X_Y_Z\">\n";
+  for (const char* const axis : {"x_", "y_", "z_"})
+    content += "        " + data_item(named(columns, axis + position), count, path) + "\n";
+  content += "      </Geometry>\n";
+  for (const ContentInfo& column : columns) content += attribute(column, count, path);
+  return document("points", content);
+}
+
+std::string grid_xdmf(const std::vector<ContentInfo>& layers, const GridSpec& spec,
+                      const std::string& reference) {
+  const std::string dimensions = std::to_string(spec.rows) + " " + std::to_string(spec.cols);
+  std::string content =
+      "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"1 " + dimensions +
+      "\"/>\n      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n" + triple("origin", spec.x(0), spec.y(0), 0) +
+      triple("spacing", spec.resolution_m, spec.resolution_m, spec.resolution_m) + "      </Geometry>\n";
+  for (const ContentInfo& layer : layers) content += attribute(layer, "1 " + dimensions, reference + ":/");
+  return document("grid", content);
+}
+
+}  // namespace landfall

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "io/temporary_folder.h"
+#include "memory_sink.h"
+#include "refusal.h"
+#include "small_scan.h"
+
+namespace landfall {
+namespace {
+
+std::string csv(const SmallScan& scan, const PointReader::Pass& pass) {
+  const TemporaryFolder folder;
+  scan.write(folder / "scan.h5");
+  MemorySink sink;
+  write_points_csv(PointReader(folder / "scan.h5"), pass, sink);
+  return sink.bytes();
+}
+
+std::string failure(const SmallScan& scan, const PointReader::Pass& pass) {
+  try {
+    static_cast<void>(csv(scan, pass));
+  } catch (const FormatError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(PointsCsv, HoldsTheReturnsWithUnitsInTheHeadings) {
+  EXPECT_EQ(csv({}, {{"x_est", "t", "pulse", "status"}, {true, 1}}),
+            "x_est_m,t_s,pulse,status\n1,0,0,0\n2,0.25,1,0\n2.5,0.25,1,6\n3,0.5,2,0\n");
+}
+
+TEST(PointsCsv, KeepsEveryRowWhereAskedTo) {
+  EXPECT_EQ(csv({}, {{"z_est", "status"}, {false, 1}}), "z_est_m,status\n2,0\nnan,1\n4,0\n5,6\n6,0\n");
+}
+
+TEST(PointsCsv, TakesEveryNthOfTheReturns) {
+  EXPECT_EQ(csv({}, {{"x_true"}, {true, 2}}), "x_true_m\n101\n102.5\n");
+  EXPECT_EQ(csv({}, {{"x_true"}, {true, 3}}), "x_true_m\n101\n103\n");
+}
+
+TEST(PointsCsv, NamesTheRowOfAPulseThatIsNotThere) {
+  SmallScan scan;
+  scan.pulse[3] = 3;
+  EXPECT_THAT(failure(scan, {{"t"}, {true, 1}}),
+              testing::EndsWith("/points/pulse[3] is 3, which /pulses does not have"));
+}
+
+TEST(PointsCsv, NamesTheRowOfAReturnWithoutAPlace) {
+  SmallScan scan;
+  scan.x[4] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(failure(scan, {{"x_est"}, {true, 1}, 1}),
+              testing::EndsWith("/points/x_est[4] of a return is not finite"));
+}
+
+TEST(PointReader, CountsWhatIsSelected) {
+  const TemporaryFolder folder;
+  SmallScan().write(folder / "scan.h5");
+  const PointReader points(folder / "scan.h5");
+  EXPECT_EQ(points.count({true, 1}), 4U);
+  EXPECT_EQ(points.count({true, 3}), 2U);
+  EXPECT_EQ(points.count({false, 1}), 5U);
+  EXPECT_EQ(points.count({false, 2}), 3U);
+  EXPECT_THAT(refusal([&] { static_cast<void>(points.column("q")); }),
+              testing::EndsWith("no column 'q'; it has x_est, y_est, z_est, x_true, y_true, z_true, pulse, "
+                                "status, t"));
+}
+
+TEST(LayersCsv, TellsBinsFromTheSouthRowByRow) {
+  const GridSpec spec{0.5, -1, 0, 2, 3};
+  Grid<float> z(spec, 0.1F);
+  z.at({0, 1}) = std::numeric_limits<float>::quiet_NaN();
+  Grid<std::int8_t> flag(spec, 1);
+  flag.at({1, 2}) = -3;
+  const std::vector<NamedLayer> layers = {{{"z", h5::Type::float32, "m", ""}, z},
+                                          {{"flag", h5::Type::int8, "1", ""}, flag}};
+  MemorySink all;
+  write_layers_csv(layers, 1, all);
+  EXPECT_EQ(
+      all.bytes(),
+      "x_m,y_m,z_m,flag\n0,-0.5,0.1,1\n0.5,-0.5,nan,1\n1,-0.5,0.1,1\n0,0,0.1,1\n0.5,0,0.1,1\n1,0,0.1,-3\n");
+  MemorySink some;
+  write_layers_csv(layers, 4, some);
+  EXPECT_EQ(some.bytes(), "x_m,y_m,z_m,flag\n0,-0.5,0.1,1\n0.5,0,0.1,1\n");
+}
+
+TEST(NameWithUnit, EndsWithTheUnitOnce) {
+  EXPECT_EQ(name_with_unit({"range", h5::Type::float64, "m", ""}), "range_m");
+  EXPECT_EQ(name_with_unit({"range_m", h5::Type::float64, "m", ""}), "range_m");
+  EXPECT_EQ(name_with_unit({"count", h5::Type::int32, "1", ""}), "count");
+  EXPECT_EQ(name_with_unit({"v", h5::Type::float64, "m s-1", ""}), "v");
+}
+
+}  // namespace
+}  // namespace landfall

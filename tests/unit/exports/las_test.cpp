@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/las.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "io/temporary_folder.h"
+#include "memory_sink.h"
+#include "small_scan.h"
+
+namespace landfall {
+namespace {
+
+template <class T>
+T at(const std::string& bytes, std::size_t offset) {
+  T value{};
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+std::string las(const SmallScan& scan, std::size_t every = 1) {
+  const TemporaryFolder folder;
+  scan.write(folder / "scan.h5");
+  MemorySink sink;
+  write_points_las(PointReader(folder / "scan.h5"), "est", every, "landfall-export 1.2.3 (a very long name)",
+                   sink);
+  return sink.bytes();
+}
+
+// Offsets of the public header block, LAS 1.2 (ASPRS, 2 September 2008), table 1.
+TEST(PointsLas, HasTheHeaderOfThePaper) {
+  const std::string file = las({});
+  EXPECT_EQ(file.substr(0, 4), "LASF");
+  EXPECT_EQ(at<std::uint8_t>(file, 24), 1);
+  EXPECT_EQ(at<std::uint8_t>(file, 25), 2);
+  EXPECT_EQ(file.substr(58, 32), "landfall-export 1.2.3 (a very lo");
+  EXPECT_EQ(at<std::uint32_t>(file, 90), 0U);  // day and year
+  EXPECT_EQ(at<std::uint16_t>(file, 94), 227);
+  const auto begin = at<std::uint32_t>(file, 96);
+  EXPECT_EQ(at<std::uint32_t>(file, 100), 1U);
+  EXPECT_EQ(at<std::uint8_t>(file, 104), 1);
+  EXPECT_EQ(at<std::uint16_t>(file, 105), 28);
+  EXPECT_EQ(at<std::uint32_t>(file, 107), 4U);
+  EXPECT_EQ(at<std::uint32_t>(file, 111), 4U);
+  EXPECT_EQ(at<std::uint32_t>(file, 115), 0U);
+  EXPECT_EQ(file.size(), begin + 4 * kLasPointBytes);
+  EXPECT_EQ(at<double>(file, 131), 1e-6);
+  EXPECT_EQ(at<double>(file, 155), 2);  // centre of 1 .. 3
+  EXPECT_EQ(at<double>(file, 179), 3);  // greatest x, then least
+  EXPECT_EQ(at<double>(file, 187), 1);
+  EXPECT_EQ(at<double>(file, 195), -1);
+  EXPECT_EQ(at<double>(file, 219), 2);  // least z
+  EXPECT_EQ(file.substr(227 + 2, 8), "landfall");
+  EXPECT_EQ(at<std::uint16_t>(file, 227 + 20), begin - 227 - 54);
+}
+
+TEST(PointsLas, HoldsPlaceTimeAndClass) {
+  const std::string file = las({});
+  const std::size_t third = at<std::uint32_t>(file, 96) + 2 * kLasPointBytes;  // the false return
+  EXPECT_EQ(at<std::int32_t>(file, third), 500000);
+  EXPECT_EQ(at<std::int32_t>(file, third + 4), -500000);
+  EXPECT_EQ(at<std::int32_t>(file, third + 8), 1000000);
+  EXPECT_EQ(at<std::uint8_t>(file, third + 14), 0b001'001);
+  EXPECT_EQ(at<std::uint8_t>(file, third + 15), 7);
+  EXPECT_EQ(at<std::uint8_t>(file, third + 15 - kLasPointBytes), 1);
+  EXPECT_EQ(at<double>(file, third + 20), 0.25);
+}
+
+TEST(PointsLas, BoundsAreThoseOfTheSelectedPoints) {
+  const std::string file = las({}, 2);  // x = 1 and 2.5
+  EXPECT_EQ(at<std::uint32_t>(file, 107), 2U);
+  EXPECT_EQ(at<double>(file, 179), 2.5);
+}
+
+TEST(LasGrid, TakesTheFinestScaleThatFits) {
+  const auto box = [](double half) { return PointBox{{-half, -1, -1}, {half, 1, 1}}; };
+  EXPECT_EQ(LasGrid::fitting(box(2147), "f").scale_m, 1e-6);
+  EXPECT_EQ(LasGrid::fitting(box(2148), "f").scale_m, 1e-5);
+  EXPECT_EQ(LasGrid::fitting(box(21475), "f").scale_m, 1e-4);
+  try {
+    static_cast<void>(LasGrid::fitting(box(214750), "f"));
+    FAIL() << "accepted";
+  } catch (const FormatError& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("f: points reach 214750 m from their centre; LAS holds 214748 m"));
+  }
+}
+
+TEST(LasGrid, StoresWithinHalfAStep) {
+  const LasGrid grid = LasGrid::fitting({{-3000, 7, -0.5}, {5000, 9, 0.25}}, "f");
+  EXPECT_EQ(grid.scale_m, 1e-5);
+  EXPECT_EQ(grid.offset_m, (std::array<double, 3>{1000, 8, -0.0}));
+  for (const double x : {-3000.0, -1234.567891, 0.1234567, 4999.999999, 5000.0})
+    EXPECT_NEAR(grid.read_back(grid.stored(x, 0), 0), x, 0.51e-5);
+}
+
+TEST(PointsLas, RefusesAScanWithoutReturns) {
+  SmallScan scan;
+  scan.status = {1, 1, 2, 3, 4};
+  try {
+    static_cast<void>(las(scan));
+    FAIL() << "accepted";
+  } catch (const FormatError& error) {
+    EXPECT_THAT(error.what(), testing::EndsWith("scan.h5: holds no return"));
+  }
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "exports/byte_sink.h"
+
+namespace landfall {
+
+/// Keeps what is written.
+class MemorySink final : public ByteSink {
+ public:
+  void write(std::string_view bytes) override { bytes_ += bytes; }
+  void finish() override {}
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+}  // namespace landfall

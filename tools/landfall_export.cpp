@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// landfall-export: writes what a landfall file holds in the formats of other programs.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "base/file_extension.h"
+#include "cli/tool.h"
+#include "exports/csv.h"
+#include "exports/grid_layers.h"
+#include "exports/las.h"
+#include "exports/ply.h"
+#include "exports/point_reader.h"
+#include "exports/xdmf.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  landfall-export scan.h5 -o scan.ply                          CloudCompare, ParaView
+  landfall-export scan.h5 -o scan.las --position true
+  landfall-export scan.h5 -o scan.xmf                          ParaView, without a copy
+  landfall-export scan.h5 -o - --format csv --columns x_est,y_est,z_est | head
+  landfall-export dem.h5 -o dem.csv --layers z_est,count
+docs/landfall-export.md tells what becomes what.)";
+
+struct Options {
+  std::string input;
+  std::string format;
+  std::vector<std::string> layers;
+  std::vector<std::string> columns;
+  std::string position;
+  std::size_t every = 1;
+  bool keep_misses = false;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation or plan")
+      ->type_name("FILE");
+  app.add_option("--format", o.format, "Format, where the output's extension does not say it; with -o -: csv")
+      ->check(CLI::IsMember({"csv", "las", "ply", "xmf"}));
+  app.add_option("--layers", o.layers, "Layers of a grid, comma-separated, or all; default: the main one")
+      ->type_name("NAME,...")
+      ->delimiter(',');
+  app.add_option("--columns", o.columns, "Columns of a scan's points, comma-separated; default: all")
+      ->type_name("NAME,...")
+      ->delimiter(',');
+  app.add_option("--position", o.position, "Which places of the points: est (default) or true")
+      ->check(CLI::IsMember({"est", "true"}));
+  app.add_option("--every", o.every, "Only the first point (line of a .csv), and every N-th after it")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 40U))
+      ->capture_default_str();
+  app.add_flag("--keep-misses", o.keep_misses, "csv: also the points without a return");
+}
+
+/// What the output is to be: "csv", "las", ...; the extensions' first names.
+std::string format_of(const Options& o, const std::string& output) {
+  if (output == "-") {
+    if (o.format.empty()) throw UsageError("-o - needs --format csv");
+    if (o.format != "csv")
+      throw UsageError("--format " + o.format + " does not go to standard output; csv does");
+    return o.format;
+  }
+  if (!o.format.empty()) return o.format;
+  const std::string extension = file_extension(output);
+  if (extension == ".xdmf") return "xmf";
+  for (const char* const known : {"csv", "las", "ply", "xmf"})
+    if (extension == std::string(".") + known) return known;
+  throw UsageError("output " + output + ": extension '" + extension +
+                   "' is none of .csv, .las, .ply, .xmf; --format names one");
+}
+
+/// Throws UsageError unless a file of this kind can become this.
+void require_possible(const std::string& input, const std::string& kind, const std::string& format) {
+  const bool is_scan = kind == "scan";
+  if (format == "csv" || format == "xmf" || is_scan) return;
+  throw UsageError(input + " is a landfall." + kind + " file, which can become .csv or .xmf; not ." + format);
+}
+
+/// Throws UsageError for an option that has no part in an export to this format.
+void require_no_stray_option(const Options& o, bool is_scan, const std::string& format) {
+  const auto refuse = [](bool given, const std::string& option, const std::string& where) {
+    if (given) throw UsageError(option + " has no part in " + where);
+  };
+  const std::string here = std::string("the export of a ") + (is_scan ? "scan" : "grid") + " to ." + format;
+  refuse(!o.layers.empty() && is_scan, "--layers", here);
+  refuse(!o.columns.empty() && (!is_scan || format == "las" || format == "xmf"), "--columns", here);
+  refuse(!o.position.empty() && (!is_scan || format == "csv"), "--position", here);
+  refuse(o.every != 1 && (format == "xmf" || (!is_scan && format != "csv")), "--every", here);
+  refuse(o.keep_misses && !(is_scan && format == "csv"), "--keep-misses", here);
+}
+
+void require_each_once(const std::vector<std::string>& columns) {
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (std::find(columns.begin(), columns.begin() + static_cast<std::ptrdiff_t>(i), columns[i]) !=
+        columns.begin() + static_cast<std::ptrdiff_t>(i))
+      throw UsageError("--columns names " + columns[i] + " twice");
+}
+
+/// The columns that are asked for; by default those of the file.
+std::vector<std::string> chosen_columns(const PointReader& points, const Options& o) {
+  require_each_once(o.columns);
+  for (const std::string& name : o.columns) static_cast<void>(points.column(name));
+  if (!o.columns.empty()) return o.columns;
+  std::vector<std::string> names;
+  for (const ContentInfo& column : points.columns())
+    if (column.name != "t") names.push_back(column.name);
+  return names;
+}
+
+std::string position_of(const Options& o) { return o.position.empty() ? "est" : o.position; }
+
+/// x, y and z first, then the others.
+PointReader::Pass ply_pass(const PointReader& points, const Options& o) {
+  PointReader::Pass pass{{}, {true, o.every}, 3};
+  for (const char* const axis : {"x_", "y_", "z_"}) pass.columns.push_back(axis + position_of(o));
+  for (const std::string& name : chosen_columns(points, o))
+    if (std::find(pass.columns.begin(), pass.columns.begin() + 3, name) == pass.columns.begin() + 3)
+      pass.columns.push_back(name);
+  return pass;
+}
+
+/// A scan's own rows cannot be left out of what only refers to them.
+void require_only_returns(const PointReader& points) {
+  if (points.count({true, 1}) != points.row_count())
+    throw UsageError(points.file().name() +
+                     " keeps points without a return, which an .xmf cannot leave out; export .ply");
+}
+
+std::string reference(const Options& o, const cli::Session& session) {
+  return xdmf_reference(o.input, session.options().output_path);
+}
+
+void export_scan(const cli::Session& session, const Options& o, const std::string& format, ByteSink& sink,
+                 const ProgressCallback& progress) {
+  const PointReader points(o.input);
+  if (format == "csv") {
+    write_points_csv(points, {chosen_columns(points, o), {!o.keep_misses, o.every}}, sink, progress);
+  } else if (format == "ply") {
+    write_points_ply(points, ply_pass(points, o), sink, progress);
+  } else if (format == "las") {
+    write_points_las(points, position_of(o), o.every, source_line(session.tool()), sink, progress);
+  } else {
+    require_only_returns(points);
+    std::vector<ContentInfo> columns = points.columns();
+    std::erase_if(columns, [](const ContentInfo& column) { return column.name == "t"; });
+    sink.write(points_xdmf(columns, points.row_count(), position_of(o), reference(o, session)));
+  }
+}
+
+void export_grid(cli::Session& session, const Options& o, const std::string& format, ByteSink& sink,
+                 const ProgressCallback& progress) {
+  const GridSource grid(o.input);
+  const std::vector<ContentInfo> chosen =
+      format == "xmf" && o.layers.empty() ? grid.layers() : grid.choose(o.layers);
+  if (format == "xmf") {
+    sink.write(grid_xdmf(chosen, grid.spec(), reference(o, session)));
+    return;
+  }
+  const std::vector<NamedLayer> layers = grid.read(chosen, [&](double f) { report(progress, f / 4); });
+  write_layers_csv(layers, o.every, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
+}
+
+std::unique_ptr<ByteSink> open_sink(const cli::Session& session) {
+  const cli::CommonOptions& options = session.options();
+  if (options.output_path == "-") return std::make_unique<StandardOutputSink>();
+  return std::make_unique<FileSink>(options.output_path, options.overwrite);
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.input.empty()) throw UsageError("a file to export is required");
+  const std::string& output = session.options().output_path;
+  if (output == "-" && session.options().json_summary) throw UsageError("-o - and --json both want stdout");
+  if (output != "-") static_cast<void>(session.output({o.input}));
+  const std::string format = format_of(o, output);
+  const std::string kind =
+      kind_of(LandfallFileReader(o.input, {"terrain", "scan", "dem", "evaluation", "plan"}));
+  require_possible(o.input, kind, format);
+  require_no_stray_option(o, kind == "scan", format);
+  const std::unique_ptr<ByteSink> sink = open_sink(session);
+  try {
+    session.phase("export", [&](const ProgressCallback& progress) {
+      if (kind == "scan")
+        export_scan(session, o, format, *sink, progress);
+      else
+        export_grid(session, o, format, *sink, progress);
+      sink->finish();
+    });
+  } catch (const ClosedPipe&) {
+    session.log("the reader of standard output has closed it");
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  Options options;
+  cli::Tool tool;
+  tool.name = "landfall-export";
+  tool.summary = "Writes what a landfall file holds in the formats of other programs.";
+  tool.examples = kExamples;
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool);
+}
