@@ -136,7 +136,7 @@ void write_export(cli::Session& session, const OutputOptions& output, const Terr
                      ": a mesh has no grid to write as GeoTIFF; .obj and .ply hold it");
   session.phase("write", [&](const ProgressCallback& progress) {
     if (geotiff)
-      write_geotiff(output, {grid->nodes(), origin.crs_wkt, source_line(session.tool()), origin.file_id},
+      write_geotiff(output, {{{&grid->nodes()}}, origin.crs_wkt, source_line(session.tool()), origin.file_id},
                     progress);
     else
       write_mesh_file(output, surface, progress);

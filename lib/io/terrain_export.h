@@ -5,6 +5,7 @@
 
 #include "base/progress.h"
 #include "io/landfall_file.h"
+#include "raster/rgb_image.h"
 #include "terrain/geotiff.h"
 
 namespace landfall {
@@ -16,11 +17,14 @@ enum class TerrainFormat { landfall, geotiff, mesh };
 /// known, for any other.
 [[nodiscard]] TerrainFormat terrain_format(const std::filesystem::path& output);
 
-/// Writes a terrain as a cloud-optimized GeoTIFF (save_geotiff() in terrain/gdal_loader.h) that appears whole
-/// or not at all (output_path.h). Throws UsageError where the output exists, IoError when it cannot be
+/// Writes grids as a cloud-optimized GeoTIFF (save_geotiff() in terrain/gdal_loader.h) that appears whole or
+/// not at all (output_path.h). Throws UsageError where the output exists, IoError when it cannot be
 /// written.
 void write_geotiff(const OutputOptions& output, const GeotiffContent& content,
                    const ProgressCallback& progress = {});
+
+/// Writes a picture as PNG that appears whole or not at all; throws as write_geotiff() does.
+void write_png(const OutputOptions& output, const RgbImage& image);
 
 /// True where `path` names an HDF5 file that some landfall tool has begun: not necessarily a terrain, nor
 /// complete.

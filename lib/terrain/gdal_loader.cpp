@@ -79,4 +79,6 @@ void save_geotiff(const std::string& path, const GeotiffContent& content, const 
   plugin().write_geotiff(path, content, options, progress);
 }
 
+void save_png(const std::string& path, const RgbImage& image) { plugin().write_png(path, image); }
+
 }  // namespace landfall

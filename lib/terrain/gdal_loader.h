@@ -6,6 +6,7 @@
 
 #include "base/progress.h"
 #include "raster/grid_spec.h"
+#include "raster/rgb_image.h"
 #include "terrain/dem_raster.h"
 #include "terrain/geotiff.h"
 #include "terrain/site_fit.h"
@@ -41,13 +42,18 @@ namespace landfall {
 /// throw where that fails; IoError without the plugin.
 [[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem);
 
-/// Writes a grid as a cloud-optimized GeoTIFF: float64, deflate with the floating-point predictor, tiles of
-/// 512 x 512, overviews (means of the nodes that are no holes), nodata NaN, each node the centre of its
-/// pixel, row 0 the northern. The grid is not copied: tiles and GDAL's block cache (64 MiB) are all that it
-/// needs besides. `path` is written in place and holds nothing useful after a failure.
+/// Writes grids as the bands of a cloud-optimized GeoTIFF: deflate with a predictor, tiles of 512 x 512, each
+/// node the centre of its pixel, row 0 the northern. Bands of a TIFF have one type: float64 if a band is or
+/// if there are float32 and int32, else float32, int32, or int16 for int8. Floating-point files have nodata
+/// NaN, integer ones none. Overviews hold the mean of the nodes that are no holes, those of integers, which
+/// may be flags, their middle node. The grids are not copied: tiles and GDAL's block cache (64 MiB) are all
+/// that it needs besides. `path` is written in place and holds nothing useful after a failure.
 ///
 /// Throws IoError with GDAL's reason, or without the plugin.
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                   const ProgressCallback& progress = {});
+
+/// Writes a picture as PNG. `path` as above. Throws IoError with GDAL's reason, or without the plugin.
+void save_png(const std::string& path, const RgbImage& image);
 
 }  // namespace landfall

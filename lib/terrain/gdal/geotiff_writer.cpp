@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "base/error.h"
@@ -28,18 +30,104 @@ struct Division {
   [[nodiscard]] std::int64_t first(std::int64_t i) const { return (2 * i * count + parts) / (2 * parts); }
 };
 
-class GridBand;
+std::int64_t coarser(std::int64_t count, int level) {
+  const std::int64_t factor = std::int64_t{1} << level;
+  return (count + factor - 1) / factor;
+}
 
-/// A grid as GDAL sees it, without a copy: north up, each node the centre of its pixel. At level n > 0 an
-/// overview, about 2^n times coarser: pixels are the mean of their nodes that are no holes.
+const GridSpec& spec_of(const GeotiffContent& content) {
+  return std::visit([](const auto* grid) -> const GridSpec& { return grid->spec(); },
+                    content.bands.front().values);
+}
+
+/// The one type of all bands.
+GDALDataType type_of(const GeotiffContent& content) {
+  const auto any = [&content]<class T>(T /*of*/) {
+    return std::any_of(content.bands.begin(), content.bands.end(), [](const GeotiffBand& band) {
+      return std::holds_alternative<const Grid<T>*>(band.values);
+    });
+  };
+  if (any(double{}) || (any(float{}) && any(std::int32_t{}))) return GDT_Float64;
+  if (any(float{})) return GDT_Float32;
+  return any(std::int32_t{}) ? GDT_Int32 : GDT_Int16;
+}
+
+/// A level of a grid: 0 is the grid itself, n > 0 an overview, about 2^n times coarser.
+struct Level {
+  int level;
+  Division rows;
+  Division cols;
+
+  Level(const GridSpec& spec, int number)
+      : level(number),
+        rows{spec.rows, coarser(spec.rows, number)},
+        cols{spec.cols, coarser(spec.cols, number)} {}
+};
+
+/// The mean of a pixel's nodes that are no holes. Row 0 is the northern one.
+template <class T>
+double mean_of(const Grid<T>& nodes, const Level& level, std::int64_t row, std::int64_t col) {
+  const std::int64_t last = nodes.spec().rows - 1;
+  double sum = 0;
+  std::int64_t count = 0;
+  for (std::int64_t r = level.rows.first(row); r < level.rows.first(row + 1); ++r)
+    for (std::int64_t c = level.cols.first(col); c < level.cols.first(col + 1); ++c) {
+      const double z = nodes.at({last - r, c});
+      if (std::isnan(z)) continue;
+      sum += z;
+      ++count;
+    }
+  return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+template <class T>
+double pixel(const Grid<T>& nodes, const Level& level, std::int64_t row, std::int64_t col) {
+  const std::int64_t last = nodes.spec().rows - 1;
+  if (level.level == 0) return nodes.at({last - row, col});
+  if constexpr (std::is_floating_point_v<T>) return mean_of(nodes, level, row, col);
+  return nodes.at({last - (level.rows.first(row) + level.rows.first(row + 1)) / 2,
+                   (level.cols.first(col) + level.cols.first(col + 1)) / 2});
+}
+
+/// The part of a band that is read at a time.
+struct Block {
+  std::int64_t first_row;
+  std::int64_t first_col;
+  std::int64_t rows;
+  std::int64_t cols;
+};
+
+template <class Out, class T>
+void fill(const Grid<T>& nodes, const Level& level, const Block& block, void* out) {
+  auto* const values = static_cast<Out*>(out);
+  for (std::int64_t row = 0; row < block.rows; ++row)
+    for (std::int64_t col = 0; col < block.cols; ++col)
+      values[row * kBlock + col] =
+          static_cast<Out>(pixel(nodes, level, block.first_row + row, block.first_col + col));
+}
+
+template <class T>
+void fill(GDALDataType type, const Grid<T>& nodes, const Level& level, const Block& block, void* out) {
+  switch (type) {
+    case GDT_Float64:
+      return fill<double>(nodes, level, block, out);
+    case GDT_Float32:
+      return fill<float>(nodes, level, block, out);
+    case GDT_Int32:
+      return fill<std::int32_t>(nodes, level, block, out);
+    default:
+      return fill<std::int16_t>(nodes, level, block, out);
+  }
+}
+
+/// Grids as GDAL sees them, without a copy: north up, each node the centre of its pixel.
 class GridDataset final : public GDALDataset {
  public:
   GridDataset(const GeotiffContent& content, int level);
 
   CPLErr GetGeoTransform(double* coefficients) override {
-    const GridSpec& spec = nodes_.spec();
-    const double s = spec.resolution_m;
-    const double values[] = {spec.x(0) - s / 2, s, 0, spec.y(spec.rows - 1) + s / 2, 0, -s};
+    const double s = spec_.resolution_m;
+    const double values[] = {spec_.x(0) - s / 2, s, 0, spec_.y(spec_.rows - 1) + s / 2, 0, -s};
     std::copy(std::begin(values), std::end(values), coefficients);
     return CE_None;
   }
@@ -48,91 +136,70 @@ class GridDataset final : public GDALDataset {
   /// The overviews of the full grid, finest first.
   std::vector<std::unique_ptr<GridDataset>> overviews;
 
-  [[nodiscard]] double value(std::int64_t row, std::int64_t col) const;
+  [[nodiscard]] const Level& level() const { return level_; }
 
  private:
-  const Grid<double>& nodes_;
+  const GridSpec& spec_;
   OGRSpatialReference crs_;
-  int level_;
-  Division rows_;
-  Division cols_;
+  Level level_;
 };
 
 class GridBand final : public GDALRasterBand {
  public:
-  explicit GridBand(GridDataset& dataset) : dataset_(dataset) {
+  GridBand(GridDataset& dataset, const GeotiffBand& band, GDALDataType type)
+      : dataset_(dataset), band_(band) {
     poDS = &dataset;
-    nBand = 1;
-    eDataType = GDT_Float64;
+    eDataType = type;
     nRasterXSize = dataset.GetRasterXSize();
     nRasterYSize = dataset.GetRasterYSize();
     nBlockXSize = kBlock;
     nBlockYSize = kBlock;
+    if (!band.name.empty()) SetDescription(band.name.c_str());
   }
   double GetNoDataValue(int* given) override {
-    if (given != nullptr) *given = TRUE;
+    const bool is_real = eDataType == GDT_Float64 || eDataType == GDT_Float32;
+    if (given != nullptr) *given = is_real ? TRUE : FALSE;
     return std::numeric_limits<double>::quiet_NaN();
   }
-  const char* GetUnitType() override { return "m"; }
+  const char* GetUnitType() override { return band_.unit.c_str(); }
   int GetOverviewCount() override { return static_cast<int>(dataset_.overviews.size()); }
   GDALRasterBand* GetOverview(int i) override {
     return i >= 0 && i < GetOverviewCount()
-               ? dataset_.overviews[static_cast<std::size_t>(i)]->GetRasterBand(1)
+               ? dataset_.overviews[static_cast<std::size_t>(i)]->GetRasterBand(nBand)
                : nullptr;
   }
 
  protected:
   CPLErr IReadBlock(int block_col, int block_row, void* out) override {
-    auto* const values = static_cast<double*>(out);
-    const int rows = std::min(kBlock, nRasterYSize - block_row * kBlock);
-    const int cols = std::min(kBlock, nRasterXSize - block_col * kBlock);
-    for (int row = 0; row < rows; ++row)
-      for (int col = 0; col < cols; ++col)
-        values[row * kBlock + col] = dataset_.value(block_row * kBlock + row, block_col * kBlock + col);
+    const Block block{std::int64_t{block_row} * kBlock, std::int64_t{block_col} * kBlock,
+                      std::min(kBlock, nRasterYSize - block_row * kBlock),
+                      std::min(kBlock, nRasterXSize - block_col * kBlock)};
+    std::visit([&](const auto* nodes) { fill(eDataType, *nodes, dataset_.level(), block, out); },
+               band_.values);
     return CE_None;
   }
 
  private:
   GridDataset& dataset_;
+  const GeotiffBand& band_;
 };
 
-std::int64_t coarser(std::int64_t count, int level) {
-  const std::int64_t factor = std::int64_t{1} << level;
-  return (count + factor - 1) / factor;
-}
-
 GridDataset::GridDataset(const GeotiffContent& content, int level)
-    : nodes_(content.nodes),
-      level_(level),
-      rows_{nodes_.spec().rows, coarser(nodes_.spec().rows, level)},
-      cols_{nodes_.spec().cols, coarser(nodes_.spec().cols, level)} {
-  nRasterXSize = static_cast<int>(cols_.parts);
-  nRasterYSize = static_cast<int>(rows_.parts);
+    : spec_(spec_of(content)), level_(spec_, level) {
+  nRasterXSize = static_cast<int>(level_.cols.parts);
+  nRasterYSize = static_cast<int>(level_.rows.parts);
   if (crs_.importFromWkt(content.crs_wkt.c_str()) != OGRERR_NONE) crs_.Clear();
   crs_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  SetBand(1, new GridBand(*this));  // the dataset owns its bands
-}
-
-/// Row 0 is the northern one.
-double GridDataset::value(std::int64_t row, std::int64_t col) const {
-  const std::int64_t last = nodes_.spec().rows - 1;
-  if (level_ == 0) return nodes_.at({last - row, col});
-  double sum = 0;
-  std::int64_t count = 0;
-  for (std::int64_t r = rows_.first(row); r < rows_.first(row + 1); ++r)
-    for (std::int64_t c = cols_.first(col); c < cols_.first(col + 1); ++c) {
-      const double z = nodes_.at({last - r, c});
-      if (std::isnan(z)) continue;
-      sum += z;
-      ++count;
-    }
-  return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
+  const GDALDataType type = type_of(content);
+  int number = 0;
+  for (const GeotiffBand& band : content.bands)
+    SetBand(++number, new GridBand(*this, band, type));  // the dataset owns its bands
 }
 
 /// Full grid and overviews: GDAL would compute these in a temporary file of its own.
 std::unique_ptr<GridDataset> source_of(const GeotiffContent& content) {
   auto source = std::make_unique<GridDataset>(content, 0);
-  const GridSpec& spec = content.nodes.spec();
+  const GridSpec& spec = spec_of(content);
   for (int level = 1; coarser(std::max(spec.rows, spec.cols), level - 1) > kBlock; ++level)
     source->overviews.push_back(std::make_unique<GridDataset>(content, level));
   source->SetMetadataItem("AREA_OR_POINT", "Area");

@@ -6,6 +6,7 @@
 
 #include "base/progress.h"
 #include "raster/grid_spec.h"
+#include "raster/rgb_image.h"
 #include "terrain/dem_raster.h"
 #include "terrain/geotiff.h"
 #include "terrain/site_fit.h"
@@ -21,6 +22,7 @@ struct GdalPlugin {
   std::vector<std::string> (*dem_files)(const DemBase& dem);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
+  void (*write_png)(const std::string& path, const RgbImage& image);
 };
 
 /// The name of the plugin's one object, of type GdalPlugin.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/gdal/png_writer.h"
+
+#include <cpl_conv.h>
+#include <gdal_priv.h>
+
+#include <cstddef>
+
+#include "base/error.h"
+#include "terrain/gdal/gdal_errors.h"
+#include "terrain/gdal/registry.h"
+
+namespace landfall {
+namespace {
+
+GDALDriver& driver_named(const char* name) {
+  GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName(name);
+  if (driver == nullptr) throw IoError(std::string("this GDAL has no driver ") + name);
+  return *driver;
+}
+
+}  // namespace
+
+void write_png(const std::string& path, const RgbImage& image) {
+  static_assert(sizeof(Rgb) == 3 && offsetof(Rgb, g) == 1 && offsetof(Rgb, b) == 2);
+  prepare_gdal("");
+  GdalErrors errors;
+  CPLConfigOptionSetter no_sidecar("GDAL_PAM_ENABLED", "NO", false);
+  const int width = static_cast<int>(image.width);
+  const int height = static_cast<int>(image.height);
+  GDALDatasetUniquePtr memory(driver_named("MEM").Create("", width, height, 3, GDT_Byte, nullptr));
+  // GDAL takes no const memory, also where it only reads.
+  auto* const pixels = const_cast<Rgb*>(image.pixels.data());
+  const bool copied =
+      memory != nullptr && memory->RasterIO(GF_Write, 0, 0, width, height, pixels, width, height, GDT_Byte, 3,
+                                            nullptr, 3, GSpacing{3} * width, 1, nullptr) == CE_None;
+  GDALDatasetUniquePtr written(
+      copied ? driver_named("PNG").CreateCopy(path.c_str(), memory.get(), FALSE, nullptr, nullptr, nullptr)
+             : nullptr);
+  const bool made = written != nullptr;
+  written.reset();  // what is still in buffers is written now
+  if (!made || errors.any()) throw IoError("writing failed: " + errors.reason());
+}
+
+}  // namespace landfall
