@@ -12,7 +12,7 @@ import sys
 LEVELS = {
     "base": 0,
     "geometry": 1, "raster": 1,
-    "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "errors": 2,
+    "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "errors": 2,
     "ray": 3,
     "simulation": 4, "gridding": 4, "evaluation": 4,
     "config": 5, "io": 5,

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// A map as it is drawn: square pixels, row 0 the northern.
+struct PixelMap {
+  std::int64_t rows = 0;
+  std::int64_t cols = 0;
+  double pixel_m = 0;          ///< edge of a pixel
+  double west_m = 0;           ///< western edge of column 0
+  double north_m = 0;          ///< northern edge of row 0
+  std::vector<double> values;  ///< row by row; NaN is no value
+
+  [[nodiscard]] double at(std::int64_t row, std::int64_t col) const {
+    return values[static_cast<std::size_t>(row * cols + col)];
+  }
+};
+
+/// What stands for the bins of one pixel.
+enum class Reduction {
+  mean,      ///< of those that have a value
+  greatest,  ///< so that no flag is lost
+};
+
+/// A layer with at most `most` pixels a side (>= 1): each covers the same square number of bins, the last
+/// ones of a row or column perhaps fewer. T: double, float, std::int32_t or std::int8_t.
+template <class T>
+[[nodiscard]] PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most);
+
+/// Gathers points seen from above: the mean of their values per pixel, or their count.
+class PointMap {
+ public:
+  /// Points lie within the box; pixels are so large that a pixel has about four of `count` evenly spread
+  /// points, and at most `most` pixels a side.
+  struct Box {
+    double west_m;
+    double east_m;
+    double south_m;
+    double north_m;
+  };
+  PointMap(const Box& box, std::size_t count, std::int64_t most);
+
+  /// A point outside the box counts in the nearest pixel.
+  void add(double x_m, double y_m, double value);
+  [[nodiscard]] PixelMap mean() const;
+  [[nodiscard]] PixelMap count() const;
+
+ private:
+  [[nodiscard]] PixelMap filled(std::span<const double> values) const;
+
+  PixelMap frame_;  ///< without values
+  std::vector<double> sums_;
+  std::vector<double> counts_;
+};
+
+}  // namespace landfall

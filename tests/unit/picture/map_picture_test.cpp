@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "picture/map_picture.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "picture/bitmap_font.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Rgb kWhite = {255, 255, 255};
+constexpr Rgb kBlack = {0, 0, 0};
+
+TEST(Colors, RunFromEndToEndAndStayThere) {
+  EXPECT_EQ(color_of(0, Colors::sequential), (Rgb{0, 34, 78}));
+  EXPECT_EQ(color_of(1, Colors::sequential), (Rgb{254, 232, 56}));
+  EXPECT_EQ(color_of(7, Colors::sequential), color_of(1, Colors::sequential));
+  EXPECT_EQ(color_of(-7, Colors::diverging), color_of(0, Colors::diverging));
+  EXPECT_EQ(color_of(0.5, Colors::diverging), (Rgb{247, 246, 246}));
+}
+
+TEST(Colors, GrowLighterWithTheValue) {
+  const auto light = [](Rgb c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
+  for (int i = 1; i <= 100; ++i)
+    EXPECT_GE(light(color_of(i / 100.0, Colors::sequential)),
+              light(color_of((i - 1) / 100.0, Colors::sequential)));
+}
+
+TEST(Colors, NoValueIsNoneOfThem) {
+  for (const Colors colors : {Colors::sequential, Colors::diverging})
+    for (int i = 0; i <= 100; ++i) {
+      const Rgb a = color_of(i / 100.0, colors);
+      const Rgb b = no_value_color(colors);
+      EXPECT_GE(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 60);
+    }
+}
+
+/// The dots of a text, row by row.
+std::string dots(const std::string& text) {
+  RgbImage image(static_cast<std::size_t>(text_width(text)), kTextHeight, kWhite);
+  draw_text(image, {0, 0}, text, kBlack);
+  std::string result;
+  for (std::size_t row = 0; row < image.height; row += kDot) {
+    for (std::size_t col = 0; col < image.width; col += kDot)
+      result += image.at(row, col) == kBlack ? '#' : '.';
+    result += '\n';
+  }
+  return result;
+}
+
+TEST(BitmapFont, DrawsLettersUpright) {
+  EXPECT_EQ(dots("Fy"),
+            "#####......\n#..........\n#.....#...#\n####..#...#\n#.....#...#\n#......####\n#.........#\n....."
+            "..###.\n");
+}
+
+TEST(BitmapFont, DrawsAQuestionMarkForWhatItDoesNotKnow) { EXPECT_EQ(dots("\xC3"), dots("?")); }
+
+TEST(BitmapFont, IsCutAtTheBorder) {
+  RgbImage image(3, 3, kWhite);
+  draw_text(image, {-5, -5}, "WWW", kBlack);
+  draw_text(image, {2, 2}, "WWW", kBlack);
+  EXPECT_EQ(image.pixels.size(), 9U);
+}
+
+TEST(Ticks, AreRoundNumbersWithin) {
+  EXPECT_EQ(ticks(-10.05, 10.05, 5), (std::vector<double>{-10, -5, 0, 5, 10}));
+  EXPECT_EQ(ticks(0, 0.3, 3), (std::vector<double>{0, 0.1, 0.2, 0.3}));
+  EXPECT_EQ(ticks(1234.1, 1234.9, 4), (std::vector<double>{1234.2, 1234.4, 1234.6, 1234.8}));
+  EXPECT_EQ(ticks(0, 2e6, 2), (std::vector<double>{0, 1e6, 2e6}));
+}
+
+PixelMap row_of(std::vector<double> values) {
+  PixelMap map{1, static_cast<std::int64_t>(values.size()), 1, 0, 1, {}};
+  map.values = std::move(values);
+  return map;
+}
+
+TEST(ColorRange, IsThatOfTheFiniteValues) {
+  MapStyle whole{"z", "m"};
+  whole.cut = false;
+  EXPECT_EQ(color_range(row_of({3, kNan, -1, 2}), whole), (std::array<double, 2>{-1, 3}));
+  EXPECT_EQ(color_range(row_of({kNan}), whole), (std::array<double, 2>{0, 1}));
+  EXPECT_EQ(color_range(row_of({4, 4}), whole), (std::array<double, 2>{2, 6}));
+  whole.colors = Colors::diverging;
+  EXPECT_EQ(color_range(row_of({3, -5, 0}), whole), (std::array<double, 2>{-5, 5}));
+}
+
+TEST(ColorRange, LeavesOutliersOut) {
+  std::vector<double> values(1001, 0);
+  for (int i = 0; i <= 1000; ++i) values[static_cast<std::size_t>(i)] = i;
+  values[0] = -1e9;
+  values[1000] = 1e9;
+  EXPECT_EQ(color_range(row_of(values), {"z", "m"}), (std::array<double, 2>{5, 995}));
+  values[0] = -500;
+  values[1000] = 1400;
+  EXPECT_EQ(color_range(row_of(values), {"z", "m"}), (std::array<double, 2>{-500, 1400}));
+}
+
+/// How often a colour stands in a picture.
+std::int64_t pixels_of(const RgbImage& image, Rgb color) {
+  return std::count(image.pixels.begin(), image.pixels.end(), color);
+}
+
+TEST(MapPicture, ShowsEveryPixelInItsColourEnlarged) {
+  PixelMap map{2, 2, 1, 0, 2, {0, 1, 2, kNan}};
+  MapStyle style{"z", "m"};
+  style.cut = false;
+  const RgbImage image = map_picture(map, style);
+  EXPECT_EQ(image.height, 3U * 16 + 40 + 600 + 2 * 16 + 32);
+  EXPECT_GE(pixels_of(image, color_of(0, Colors::sequential)), 300 * 300);
+  EXPECT_GE(pixels_of(image, color_of(0.5, Colors::sequential)), 300 * 300);
+  EXPECT_GE(pixels_of(image, color_of(1, Colors::sequential)), 300 * 300);
+  EXPECT_EQ(image.at(88 + 150, 120 + 150), color_of(0, Colors::sequential));
+  EXPECT_EQ(image.at(88 + 450, 120 + 450), no_value_color(Colors::sequential));
+}
+
+TEST(MapPicture, HasRoomForAMapWithoutAnyValue) {
+  const RgbImage image = map_picture(row_of(std::vector<double>(1000, kNan)), {"z", ""});
+  EXPECT_EQ(image.width, 120U + 1000 + 190);
+  EXPECT_GT(image.height, 240U);
+}
+
+}  // namespace
+}  // namespace landfall
