@@ -2,7 +2,6 @@
 // landfall-export: writes what a landfall file holds in the formats of other programs.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 #include <memory>
 
 #include "base/file_extension.h"
@@ -12,7 +11,9 @@
 #include "exports/las.h"
 #include "exports/ply.h"
 #include "exports/point_reader.h"
+#include "exports/quick_look.h"
 #include "exports/xdmf.h"
+#include "io/terrain_export.h"
 
 namespace landfall {
 namespace {
@@ -22,7 +23,9 @@ constexpr const char* kExamples = R"(Examples:
   landfall-export scan.h5 -o scan.las --position true
   landfall-export scan.h5 -o scan.xmf                          ParaView, without a copy
   landfall-export scan.h5 -o - --format csv --columns x_est,y_est,z_est | head
-  landfall-export dem.h5 -o dem.csv --layers z_est,count
+  landfall-export dem.h5 -o dem.tif --layers z_est,count       GIS
+  landfall-export eval.h5 -o eval.csv --layers fail
+  landfall-export eval.h5 -o eval.png --layers rel_z           a picture to look at
 docs/landfall-export.md tells what becomes what.)";
 
 struct Options {
@@ -39,8 +42,11 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation or plan")
       ->type_name("FILE");
   app.add_option("--format", o.format, "Format, where the output's extension does not say it; with -o -: csv")
-      ->check(CLI::IsMember({"csv", "las", "ply", "xmf"}));
-  app.add_option("--layers", o.layers, "Layers of a grid, comma-separated, or all; default: the main one")
+      ->check(CLI::IsMember({"csv", "las", "ply", "png", "tif", "xmf"}));
+  app.add_option("--layers", o.layers,
+                 "Layers of a grid, comma-separated, or all; for .png one layer, or a column of a scan or "
+                 "count; default: "
+                 "the main one")
       ->type_name("NAME,...")
       ->delimiter(',');
   app.add_option("--columns", o.columns, "Columns of a scan's points, comma-separated; default: all")
@@ -66,17 +72,21 @@ std::string format_of(const Options& o, const std::string& output) {
   if (!o.format.empty()) return o.format;
   const std::string extension = file_extension(output);
   if (extension == ".xdmf") return "xmf";
-  for (const char* const known : {"csv", "las", "ply", "xmf"})
+  if (extension == ".tiff") return "tif";
+  for (const char* const known : {"csv", "las", "ply", "png", "tif", "xmf"})
     if (extension == std::string(".") + known) return known;
   throw UsageError("output " + output + ": extension '" + extension +
-                   "' is none of .csv, .las, .ply, .xmf; --format names one");
+                   "' is none of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
 }
 
 /// Throws UsageError unless a file of this kind can become this.
 void require_possible(const std::string& input, const std::string& kind, const std::string& format) {
   const bool is_scan = kind == "scan";
-  if (format == "csv" || format == "xmf" || is_scan) return;
-  throw UsageError(input + " is a landfall." + kind + " file, which can become .csv or .xmf; not ." + format);
+  const bool possible = is_scan ? format != "tif" : format != "las" && format != "ply";
+  if (possible) return;
+  throw UsageError(input + " is a landfall." + kind + " file, which can become " +
+                   (is_scan ? ".csv, .las, .ply, .png or .xmf" : ".csv, .png, .tif or .xmf") + "; not ." +
+                   format);
 }
 
 /// Throws UsageError for an option that has no part in an export to this format.
@@ -85,10 +95,10 @@ void require_no_stray_option(const Options& o, bool is_scan, const std::string& 
     if (given) throw UsageError(option + " has no part in " + where);
   };
   const std::string here = std::string("the export of a ") + (is_scan ? "scan" : "grid") + " to ." + format;
-  refuse(!o.layers.empty() && is_scan, "--layers", here);
-  refuse(!o.columns.empty() && (!is_scan || format == "las" || format == "xmf"), "--columns", here);
-  refuse(!o.position.empty() && (!is_scan || format == "csv"), "--position", here);
-  refuse(o.every != 1 && (format == "xmf" || (!is_scan && format != "csv")), "--every", here);
+  refuse(!o.layers.empty() && is_scan && format != "png", "--layers", here);
+  refuse(!o.columns.empty() && !(is_scan && (format == "csv" || format == "ply")), "--columns", here);
+  refuse(!o.position.empty() && !(is_scan && format != "csv" && format != "png"), "--position", here);
+  refuse(o.every != 1 && !(format == "csv" || format == "ply" || format == "las"), "--every", here);
   refuse(o.keep_misses && !(is_scan && format == "csv"), "--keep-misses", here);
 }
 
@@ -150,6 +160,26 @@ void export_scan(const cli::Session& session, const Options& o, const std::strin
   }
 }
 
+/// Files that GDAL writes.
+void export_geotiff(const cli::Session& session, const Options& o, const OutputOptions& output,
+                    const ProgressCallback& progress) {
+  const GridSource grid(o.input);
+  const std::vector<NamedLayer> layers =
+      grid.read(grid.choose(o.layers), [&](double f) { report(progress, f / 2); });
+  GeotiffContent content{{}, grid.crs_wkt(), source_line(session.tool()), grid.file().file_id()};
+  for (const NamedLayer& layer : layers)
+    content.bands.push_back(
+        {std::visit([](const auto& values) { return decltype(GeotiffBand::values)(&values); }, layer.values),
+         layer.info.units, layer.info.name});
+  write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); });
+}
+
+void export_picture(const Options& o, const OutputOptions& output, const ProgressCallback& progress) {
+  if (o.layers.size() > 1)
+    throw UsageError("a .png shows one layer; --layers names " + std::to_string(o.layers.size()));
+  write_png(output, quick_look(o.input, o.layers.empty() ? "" : o.layers.front(), progress));
+}
+
 void export_grid(cli::Session& session, const Options& o, const std::string& format, ByteSink& sink,
                  const ProgressCallback& progress) {
   const GridSource grid(o.input);
@@ -171,17 +201,20 @@ std::unique_ptr<ByteSink> open_sink(const cli::Session& session) {
 
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.input.empty()) throw UsageError("a file to export is required");
-  const std::string& output = session.options().output_path;
-  if (output == "-" && session.options().json_summary) throw UsageError("-o - and --json both want stdout");
-  if (output != "-") static_cast<void>(session.output({o.input}));
-  const std::string format = format_of(o, output);
+  const std::string& name = session.options().output_path;
+  if (name == "-" && session.options().json_summary) throw UsageError("-o - and --json both want stdout");
+  OutputOptions output;
+  if (name != "-") output = session.output({o.input});
+  const std::string format = format_of(o, name);
   const std::string kind =
       kind_of(LandfallFileReader(o.input, {"terrain", "scan", "dem", "evaluation", "plan"}));
   require_possible(o.input, kind, format);
   require_no_stray_option(o, kind == "scan", format);
-  const std::unique_ptr<ByteSink> sink = open_sink(session);
   try {
     session.phase("export", [&](const ProgressCallback& progress) {
+      if (format == "tif") return export_geotiff(session, o, output, progress);
+      if (format == "png") return export_picture(o, output, progress);
+      const std::unique_ptr<ByteSink> sink = open_sink(session);
       if (kind == "scan")
         export_scan(session, o, format, *sink, progress);
       else

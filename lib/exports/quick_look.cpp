@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/quick_look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "exports/grid_layers.h"
+#include "exports/point_reader.h"
+#include "io/terrain_file.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::int64_t kMostPixels = 1100;
+constexpr std::int64_t kMeshPixels = 500;  ///< each is a search in the mesh
+
+bool is_among(std::string_view name, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool keeps_greatest(const ContentInfo& content) {
+  return content.type == h5::Type::int8 || content.name == "hole_id";
+}
+
+RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const ProgressCallback& progress) {
+  const AnyGrid values = grid.read(layer, progress);
+  const Reduction reduction = keeps_greatest(layer) ? Reduction::greatest : Reduction::mean;
+  const PixelMap map = std::visit([&](const auto& g) { return reduce(g, reduction, kMostPixels); }, values);
+  return map_picture(map, style_of(layer));
+}
+
+/// The estimated places of all returns.
+struct Extent {
+  PointMap::Box box{1, -1, 1, -1};  ///< of no point
+  std::size_t count = 0;
+
+  void add(double x, double y) {
+    box = count++ == 0 ? PointMap::Box{x, x, y, y}
+                       : PointMap::Box{std::min(box.west_m, x), std::max(box.east_m, x),
+                                       std::min(box.south_m, y), std::max(box.north_m, y)};
+  }
+};
+
+RgbImage scan_picture(const PointReader& points, const std::string& layer, const ProgressCallback& progress) {
+  PointReader::Pass pass{{"x_est", "y_est"}, {true, 1}, 2};
+  Extent extent;
+  points.read(
+      pass,
+      [&](const PointBatch& batch) {
+        for (const std::uint32_t i : batch.selected) extent.add(batch.real(0)[i], batch.real(1)[i]);
+      },
+      [&](double f) { report(progress, f / 3); });
+  if (extent.count == 0) points.file().fail("holds no return");
+  const bool counts = layer == "count";
+  PointMap map(extent.box, extent.count, kMostPixels);
+  if (!counts) pass.columns.push_back(layer);
+  points.read(
+      pass,
+      [&](const PointBatch& batch) {
+        for (const std::uint32_t i : batch.selected)
+          map.add(batch.real(0)[i], batch.real(1)[i], counts ? 1 : batch.number(2, i));
+      },
+      [&](double f) { report(progress, (1 + 2 * f) / 3); });
+  if (counts) return map_picture(map.count(), {"returns per pixel", "1"});
+  MapStyle style = style_of(points.column(layer));
+  style.title += ", mean of the returns";
+  style.cut = true;  // false returns lie far from the ground
+  return map_picture(map.mean(), style);
+}
+
+RgbImage mesh_picture(const TriangleMesh& mesh, const ProgressCallback& progress) {
+  Extent extent;
+  for (const auto& vertex : mesh.data().vertices) extent.add(vertex.x(), vertex.y());
+  const double width = extent.box.east_m - extent.box.west_m;
+  const double height = extent.box.north_m - extent.box.south_m;
+  PixelMap map;
+  map.pixel_m = std::max(width, height) / static_cast<double>(kMeshPixels);
+  if (!(map.pixel_m > 0)) map.pixel_m = 1;  // an upright sliver
+  const auto pixels = [&map](double extent_m) {
+    return std::clamp<std::int64_t>(std::llround(std::ceil(extent_m / map.pixel_m)), 1, kMeshPixels);
+  };
+  map.rows = pixels(height);
+  map.cols = pixels(width);
+  map.west_m = extent.box.west_m;
+  map.north_m = extent.box.north_m;
+  map.values.resize(static_cast<std::size_t>(map.rows * map.cols));
+  parallel_for(
+      map.values.size(), 1000,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto cols = static_cast<std::size_t>(map.cols);
+          map.values[i] = mesh.elevation(map.west_m + (static_cast<double>(i % cols) + 0.5) * map.pixel_m,
+                                         map.north_m - (static_cast<double>(i / cols) + 0.5) * map.pixel_m);
+        }
+      },
+      progress);
+  return map_picture(map, style_of({"z", h5::Type::float64, "m", ""}));
+}
+
+RgbImage mesh_file_picture(const std::filesystem::path& input, const std::string& layer,
+                           const ProgressCallback& progress) {
+  if (!layer.empty() && layer != "z")
+    throw UsageError(input.string() + ": no layer '" + layer + "'; a mesh terrain has z");
+  const TerrainInput terrain = read_terrain(input, [&](double f) { report(progress, f / 2); });
+  return mesh_picture(*terrain.mesh, [&](double f) { report(progress, (1 + f) / 2); });
+}
+
+}  // namespace
+
+MapStyle style_of(const ContentInfo& content) {
+  MapStyle style{content.name, content.units};
+  style.relief = is_among(content.name, {"z", "z_est", "z_true", "z_true_map", "z_corrected"});
+  if (is_among(content.name, {"e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z"}))
+    style.colors = Colors::diverging;
+  style.cut = !style.relief && !keeps_greatest(content);
+  return style;
+}
+
+RgbImage quick_look(const std::filesystem::path& input, const std::string& layer,
+                    const ProgressCallback& progress) {
+  bool is_mesh = false;
+  {
+    const LandfallFileReader file(input, {"terrain", "scan", "dem", "evaluation", "plan"});
+    if (kind_of(file) == "scan") {
+      const PointReader points(input);
+      return scan_picture(points, layer.empty() ? "z_est" : layer, progress);
+    }
+    is_mesh = kind_of(file) == "terrain" && !has_grid(file);
+  }
+  if (is_mesh) return mesh_file_picture(input, layer, progress);
+  const GridSource grid(input);
+  std::vector<std::string> names;
+  if (!layer.empty()) names.push_back(layer);
+  return grid_picture(grid, grid.choose(names).front(), progress);
+}
+
+}  // namespace landfall
