@@ -123,6 +123,8 @@ std::optional<UncertaintyMetrics> judge_uncertainty(const Options& o, const Eval
 
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
+  if (o.metrics_only && !session.options().view_path.empty())
+    throw UsageError("--metrics-only keeps no layers for --view to show");
   if (o.table && session.options().json_summary) throw UsageError("--table and --json both want stdout");
   const EvaluationParameters parameters = evaluation_config(session.config(), session.config_name());
   Outputs outputs(session, o);

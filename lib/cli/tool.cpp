@@ -11,6 +11,7 @@
 #include <memory>
 #include <new>
 
+#include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
 #include "cli/command_line.h"
@@ -18,7 +19,10 @@
 #include "cli/progress_bar.h"
 #include "config/json_source.h"
 #include "config/schema.h"
+#include "config/terrain_config.h"
+#include "exports/quick_look.h"
 #include "io/temporary_files.h"
+#include "io/terrain_export.h"
 
 namespace landfall::cli {
 namespace {
@@ -83,8 +87,10 @@ void bind_output(CLI::App& app, CommonOptions& o) {
 void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
   if (!tool.schema.empty()) bind_config(app, o);
   if (tool.writes) bind_output(app, o);
-  if (tool.writes && !tool.schema.empty())
+  if (tool.writes && !tool.schema.empty()) {
     app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output");
+    app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")->type_name("FILE");
+  }
   app.add_option("-t,--threads", o.threads, "Threads; 0 is all cores")
       ->type_name("N")
       ->check(CLI::Range(0, 4096))
@@ -126,7 +132,9 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   if (options.print_config || options.check_only) return ExitCode::done;
   const ThreadLimit limit(options.threads);
   install_signal_cleanup(tool.name);
+  session.require_output_for_view();
   const ExitCode code = run_naming_output(tool, session);
+  session.view_output();
   if (options.json_summary) std::cout << session.summary().dump(2) << '\n';
   return code;
 }
@@ -175,8 +183,34 @@ OutputOptions Session::output(const std::vector<std::string>& inputs) const {
   for (const std::string& input : inputs)
     if (same_file(options_.output_path, input))
       throw UsageError("output " + options_.output_path + " is an input of this run; name another file");
+  check_view(inputs);
   log("writes " + options_.output_path);
   return {options_.output_path, options_.overwrite, options_.compression};
+}
+
+void Session::require_output_for_view() const {
+  if (!options_.view_path.empty() && options_.output_path.empty())
+    throw UsageError("--view shows the output; without -o there is none");
+}
+
+void Session::check_view(const std::vector<std::string>& inputs) const {
+  const std::string& view = options_.view_path;
+  if (view.empty()) return;
+  if (file_extension(view) != ".png") throw UsageError("--view " + view + " is a picture; name a .png");
+  for (const char* const other : {".tif", ".tiff", ".obj", ".ply"})
+    if (file_extension(options_.output_path) == other)
+      throw UsageError("--view shows an .h5 output, not " + options_.output_path);
+  if (same_file(view, options_.output_path)) throw UsageError("-o and --view name the same file, " + view);
+  for (const std::string& input : inputs)
+    if (same_file(view, input)) throw UsageError("--view names an input of this run, " + view);
+  require_usable_output(view, options_.overwrite);
+}
+
+void Session::view_output() {
+  if (options_.view_path.empty()) return;
+  phase("view", [this](const ProgressCallback& progress) {
+    write_png({options_.view_path, options_.overwrite}, quick_look(options_.output_path, "", progress));
+  });
 }
 
 Provenance Session::provenance() const {

@@ -24,6 +24,7 @@ struct CommonOptions {
   std::string config_path;
   std::vector<std::string> assignments;
   std::string output_path;
+  std::string view_path;  ///< a picture of the output; empty: none
   bool overwrite = false;
   std::size_t threads = 0;
   std::optional<std::uint64_t> seed;
@@ -50,11 +51,16 @@ class Session {
   /// The resolved configuration, and its name for messages.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   [[nodiscard]] const std::string& config_name() const { return config_name_; }
-  /// Throws UsageError without -o, or where the output exists, cannot be, or is one of the run's own inputs:
-  /// call it before the work.
+  /// Throws UsageError without -o, or where the output exists, cannot be, or is one of the run's own inputs,
+  /// and the same of the picture of --view: call it before the work.
   [[nodiscard]] OutputOptions output(const std::vector<std::string>& inputs = {}) const;
   /// The provenance of this run, its inputs still to be added.
   [[nodiscard]] Provenance provenance() const;
+
+  /// Throws UsageError where --view is given and -o is not.
+  void require_output_for_view() const;
+  /// Draws the output for --view, if it was asked for: after the run.
+  void view_output();
 
   /// Runs one phase of the work: shows its progress on a terminal, records its wall and CPU time for --json.
   /// Returns its wall time, seconds.
@@ -71,6 +77,8 @@ class Session {
   [[nodiscard]] nlohmann::json summary() const;
 
  private:
+  void check_view(const std::vector<std::string>& inputs) const;
+
   std::string tool_;
   std::string schema_;
   CommonOptions options_;
