@@ -22,7 +22,12 @@ constexpr const char* kExamples = R"(Examples:
   dem-eval dem.h5 --metrics-only --require-pass > metrics.json
   dem-eval dem.h5 -o eval.h5 --table --set region_radius_m=40 --set limits.relative_elevation_m=0.03
 Exit: 3 where --require-pass is given and a requirement is missed or cannot be judged.
-Configuration: docs/dem-eval.md and --print-schema.)";
+Configuration: --print-schema, man dem-eval, docs/dem-eval.md.)";
+
+constexpr const char* kDescription =
+    R"(Compares a DEM with the truth that regrid wrote beside it, over a region about the intended landing site: share of bins without an elevation, size of the holes and distance across them, mean error and relative error of every footprint that a lander may stand on. Each is held against its limit.
+
+The output has the error layers and a map of what fails where; --metrics writes the numbers as JSON, --table prints them.)";
 
 struct Options {
   std::string dem;
@@ -164,6 +169,7 @@ int main(int argc, char** argv) {
   tool.name = "dem-eval";
   tool.summary =
       "Judges a DEM against landing requirements: coverage, holes, absolute and relative accuracy.";
+  tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "eval";
   tool.bind = [&](CLI::App& app) { bind(app, options); };

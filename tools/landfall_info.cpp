@@ -17,6 +17,11 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info huge.h5 --no-statistics --config
 Keys of --json: docs/landfall-info.md.)";
 
+constexpr const char* kDescription =
+    R"(Prints for each file its kind and origin, extent and frame, statistics of every layer and column, what became of a scan's pulses, the verdicts of an evaluation, the configuration where it differs from the defaults, and every step that led to the file.
+
+Files are read in pieces, so that memory does not grow with them. A file that is damaged, incomplete or none of landfall's is refused with one line; the others that were named are described all the same.)";
+
 struct Options {
   std::vector<std::string> files;
   bool json = false;
@@ -25,7 +30,7 @@ struct Options {
 };
 
 void bind(CLI::App& app, Options& o) {
-  app.add_option("files", o.files, "Files to describe: terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5")
+  app.add_option("files", o.files, "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5 or plan.h5)")
       ->type_name("FILE...");
   app.add_flag("--json", o.json, "The same as a JSON object; an array where there are several files");
   app.add_flag("--no-statistics", o.no_statistics,
@@ -75,6 +80,7 @@ int main(int argc, char** argv) {
   tool.name = "landfall-info";
   tool.summary =
       "Says what landfall's files are: kind, extent, statistics, configuration, provenance, verdict.";
+  tool.description = kDescription;
   tool.examples = kExamples;
   tool.writes = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };

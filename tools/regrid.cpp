@@ -27,8 +27,14 @@ constexpr const char* kExamples = R"(Examples:
   regrid first.h5 second.h5 -c regrid.json --terrain terrain.h5 -o merged.h5
   regrid scan.h5 -o highest.h5 --method max
   regrid scan.h5 -o dem.h5 --set resolution_m=0.1 --layers z_est,count
-  regrid scan.h5 --terrain terrain.h5 -o dem.h5 --uncertainty --navigation-sigma velocity_mps=0.3,0.3,0.7
-Without --terrain there is no z_true. Configuration: docs/regrid.md and --print-schema.)";
+  regrid scan.h5 --terrain terrain.h5 -o dem.h5 --uncertainty \
+    --navigation-sigma velocity_mps=0.3,0.3,0.7
+Without --terrain there is no z_true. Configuration: --print-schema, man regrid, docs/regrid.md.)";
+
+constexpr const char* kDescription =
+    R"(Grids the estimated points of one or more scans: each return adds to the bin whose centre is nearest, weighted by its distance from that centre, or by another method. With the terrain the DEM also holds the true elevation of each bin, which dem-eval compares with.
+
+--uncertainty adds the one-sigma map of the elevations by error propagation, --corrected the elevations carried along the local slope to the centres of the bins.)";
 
 /// Rows read at a time: 4 chunks of the file, 15 MB.
 constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
@@ -49,7 +55,8 @@ struct Options {
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("scans", o.scans, "Scans to grid (scan.h5)")->type_name("FILE...");
-  app.add_option("--terrain", o.terrain, "True terrain, for the layer z_true")->type_name("FILE");
+  app.add_option("--terrain", o.terrain, "True terrain (terrain.h5), for the layer z_true")
+      ->type_name("FILE");
   app.add_option("--layers", o.layers_text, "Write only these layers, comma-separated")
       ->type_name("NAME,...")
       ->each([&o](const std::string& text) { o.layers = CLI::detail::split(text, ','); });
@@ -269,6 +276,7 @@ int main(int argc, char** argv) {
   tool.name = "regrid";
   tool.summary =
       "Gathers the returns of one or more scans into a DEM, with its truth where the terrain is given.";
+  tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "regrid";
   tool.bind = [&](CLI::App& app) { bind(app, options); };

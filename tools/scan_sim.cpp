@@ -35,7 +35,12 @@ constexpr const char* kExamples = R"(Examples:
   scan-sim --terrain terrain.h5 -o flash.h5 --set 'scanner={"type":"flash"}' --set detector.rows=128
   scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2 --set noise.range_sigma_m=0.02
   scan-sim -c scan.json --plan -o plan.h5
-Configuration: docs/scan-sim.md and --print-schema.)";
+Configuration: --print-schema, man scan-sim, docs/scan-sim.md.)";
+
+constexpr const char* kDescription =
+    R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and what the lander's navigation believes. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.
+
+--ranges-from takes the true ranges of an earlier scan and draws only the errors anew, without tracing. --plan traces nothing either: it tells how the scan's time is spent and what it would cover of flat ground.)";
 
 struct Options {
   std::string terrain;
@@ -73,7 +78,8 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
       ->capture_default_str();
   app.add_option("--ranges-from", o.ranges_from,
-                 "Take the true ranges of an earlier scan and draw only the errors anew; --terrain is needed "
+                 "Take the true ranges of an earlier scan (scan.h5) and draw only the errors anew; --terrain "
+                 "is needed "
                  "only for noise that depends on the incidence")
       ->type_name("FILE");
   app.add_option("--batch-points", o.batch_points,
@@ -307,6 +313,7 @@ int main(int argc, char** argv) {
   cli::Tool tool;
   tool.name = "scan-sim";
   tool.summary = "Scans a terrain with a lander's scanning lidar: true and estimated points of every return.";
+  tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "scan";
   tool.has_seed = true;

@@ -22,13 +22,21 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   terrain-gen -c terrain.json -o terrain.h5
-  terrain-gen -o slope.h5 --set base.slope_x=0.1 --set 'features=[{"type":"cone","radius_m":3,"height_m":10}]'
+  terrain-gen -o slope.h5 --set base.slope_x=0.1 \
+    --set 'features=[{"type":"cone","radius_m":3,"height_m":10}]'
   terrain-gen --from europa.tif -o europa.h5 --center 3800,3380 --half-width 60 --resolution 0.05
   terrain-gen --from apollo15.png -o apollo.h5 --horizontal-scale 2 --vertical-scale 0.192
   terrain-gen --from itokawa.obj -o itokawa.h5 --set mesh.scale_m=1000
   terrain-gen --from europa.h5 -o europa.tif
-The output's extension decides: .h5 terrain, .tif or .tiff cloud-optimized GeoTIFF, .obj or .ply mesh.
-Configuration: docs/terrain-gen.md and --print-schema.)";
+By the output's extension: .h5 terrain, .tif (.tiff) cloud-optimized GeoTIFF, .obj or .ply mesh.
+Configuration: --print-schema, man terrain-gen, docs/terrain-gen.md.)";
+
+constexpr const char* kDescription =
+    R"(Writes the terrain that scan-sim scans and regrid compares with: elevations on a regular grid, or a triangle mesh.
+
+The relief is a plane, fractal ground, an imported raster, or a sum of these; features (cones, rocks, craters, ice blocks, ridges, fractures, pits, penitentes) are placed one by one, in patterns, or as populations drawn from a size distribution. Lengths are metres in the site's frame, z upwards, the origin at the intended landing site.
+
+--from imports a raster that GDAL reads or a mesh (OBJ, PLY, OFF, STL), or exports a terrain.h5. The same configuration and seed give the same bytes on any machine with any number of threads.)";
 
 void bind(CLI::App& app, ImportOptions& import) {
   CLI::Option* const from =
@@ -245,8 +253,8 @@ int main(int argc, char** argv) {
   ImportOptions import;
   cli::Tool tool;
   tool.name = "terrain-gen";
-  tool.summary =
-      "Builds the true terrain of a landing site: planes, fractals, imported DEMs, and features on them.";
+  tool.summary = "Builds the true terrain of a landing site: relief, features, imported rasters and meshes.";
+  tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "terrain";
   tool.has_seed = true;

@@ -15,7 +15,10 @@
 #include "base/number_text.h"
 #include "base/parallel.h"
 #include "cli/command_line.h"
+#include "cli/completion.h"
 #include "cli/config_changes.h"
+#include "cli/manual.h"
+#include "cli/option_view.h"
 #include "cli/progress_bar.h"
 #include "config/json_source.h"
 #include "config/schema.h"
@@ -62,49 +65,80 @@ void flush_stdout() {
   if (!std::cout) throw IoError("writing to standard output failed");
 }
 
-void bind_config(CLI::App& app, CommonOptions& o) {
-  app.add_option("-c,--config", o.config_path, "JSON configuration; - is standard input")->type_name("FILE");
+// The groups by which help and man page order the options; a tool's own stand in CLI11's "Options".
+constexpr const char* kConfiguration = "Configuration";
+constexpr const char* kOutput = "Output";
+constexpr const char* kGeneral = "General";
+constexpr const char* kHidden = "";
+
+void bind_config(CLI::App& app, CommonOptions& o, bool has_seed) {
+  app.add_option("-c,--config", o.config_path, "JSON configuration; - is standard input")
+      ->type_name("FILE")
+      ->group(kConfiguration);
   app.add_option("--set", o.assignments, "Set one config value, a.b.c=JSON; repeatable, wins over the file")
       ->type_name("KEY=JSON")
       ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop");
-  app.add_flag("--print-schema", o.print_schema, "Print the configuration's JSON schema and stop");
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(kConfiguration);
+  if (has_seed)
+    app.add_option("--seed", o.seed, "Seed of all chance; wins over the config")
+        ->type_name("N")
+        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}))
+        ->group(kConfiguration);
   app.add_flag("--check", o.check_only,
-               "Check the configuration, without the data files that it names, and stop");
+               "Check the configuration, without the data files that it names, and stop")
+      ->group(kConfiguration);
+  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop")
+      ->group(kConfiguration);
+  app.add_flag("--print-schema", o.print_schema,
+               "Print the configuration's JSON schema, with every key's meaning, and stop")
+      ->group(kConfiguration);
 }
 
 void bind_output(CLI::App& app, CommonOptions& o) {
-  app.add_option("-o,--output", o.output_path, "Output file")->type_name("FILE");
-  app.add_flag("-O,--overwrite", o.overwrite, "Replace an existing output");
+  app.add_option("-o,--output", o.output_path, "Output file")->type_name("FILE")->group(kOutput);
+  app.add_flag("-O,--overwrite", o.overwrite, "Replace an existing output")->group(kOutput);
   app.add_option("--compression", o.compression, "Deflate level of the output, 0 is none")
       ->type_name("0..9")
       ->check(CLI::Range(0, 9))
-      ->capture_default_str();
-  app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory");
+      ->capture_default_str()
+      ->group(kOutput);
+  app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory")
+      ->group(kOutput);
 }
 
-void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
-  if (!tool.schema.empty()) bind_config(app, o);
-  if (tool.writes) bind_output(app, o);
-  if (tool.writes && !tool.schema.empty()) {
-    app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output");
-    app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")->type_name("FILE");
-  }
+void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
   app.add_option("-t,--threads", o.threads, "Threads; 0 is all cores")
       ->type_name("N")
       ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  if (tool.has_seed)
-    app.add_option("--seed", o.seed, "Seed of all chance; wins over the config")
-        ->type_name("N")
-        ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}));
-  app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress");
-  app.add_flag("-v,--verbose", o.verbose, "Say what is done, on stderr");
+      ->capture_default_str()
+      ->group(kGeneral);
+  app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress")->group(kGeneral);
+  app.add_flag("-v,--verbose", o.verbose, "Say what is done, on stderr")->group(kGeneral);
   // As a function: bound to an optional, the flag would be set to false where it is not given.
   app.add_flag_function(
-      "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
-      "Show progress; default: if stderr is a terminal");
+         "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
+         "Show progress; default: if stderr is a terminal")
+      ->group(kGeneral);
+  app.set_version_flag("-V,--version", source_line(tool.name), "Print the version and stop")->group(kGeneral);
+  // CLI11 has declared its own before all others.
+  app.set_help_flag("-h,--help", "Print this help and stop")->group(kGeneral);
+  app.add_flag("--print-man", o.print_man, "Print the man page and stop")->group(kHidden);
+  app.add_flag("--print-completion", o.print_completion, "Print the bash completion and stop")
+      ->group(kHidden);
+}
+
+void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  if (!tool.schema.empty()) bind_config(app, o, tool.has_seed);
+  if (tool.writes) bind_output(app, o);
+  if (tool.writes && !tool.schema.empty()) {
+    app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")
+        ->type_name("FILE")
+        ->group(kOutput);
+    app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output")
+        ->group(kOutput);
+  }
+  bind_general(app, o, tool);
 }
 
 /// A write that the system refused must say which output is lost; deep down only the dataset is known.
@@ -149,6 +183,10 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
     return ExitCode::done;
   } catch (const CLI::CallForVersion&) {
     std::cout << source_line(tool.name) << '\n';
+    return ExitCode::done;
+  }
+  if (options.print_man || options.print_completion) {
+    std::cout << (options.print_man ? manual_page(app, tool) : bash_completion(app, tool));
     return ExitCode::done;
   }
   return run_tool(tool, options);
@@ -259,7 +297,7 @@ Json Session::summary() const {
 int tool_main(int argc, const char* const* argv, const Tool& tool) {
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
-  app.set_version_flag("-V,--version", source_line(tool.name));
+  set_help_format(app);
   app.footer(tool.examples);
   tool.bind(app);
   bind_common(app, options, tool);

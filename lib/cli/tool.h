@@ -36,6 +36,8 @@ struct CommonOptions {
   bool print_schema = false;
   bool check_only = false;
   bool record_environment = false;
+  bool print_man = false;
+  bool print_completion = false;
   int compression = 1;
 };
 
@@ -92,9 +94,11 @@ class Session {
 /// A tool as its source file declares it.
 struct Tool {
   std::string name;
-  std::string summary;   ///< one line
-  std::string examples;  ///< shown under --help
-  std::string schema;    ///< of embedded_schema(); empty for a tool without a configuration
+  std::string summary;           ///< one line
+  std::string description = {};  ///< for the man page: paragraphs, parted by empty lines
+  /// Shown under --help: "Examples:", commands indented by two spaces, then lines of prose.
+  std::string examples;
+  std::string schema;  ///< of embedded_schema(); empty for a tool without a configuration
   bool has_seed = false;
   bool writes = true;                   ///< false: no -o, no summary of the run
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/manual.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <sstream>
+
+#include "cli/option_view.h"
+#include "cli/tool.h"
+#include "config/schema.h"
+#include "config/schema_keys.h"
+#include "io/provenance.h"
+
+namespace landfall::cli {
+namespace {
+
+constexpr std::array kTools = {"dem-eval", "landfall-export", "landfall-info",
+                               "regrid",   "scan-sim",        "terrain-gen"};
+
+/// Text as roff prints it unchanged, also where it is copied into a shell.
+std::string roff(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '\\':
+        result += "\\e";
+        break;
+      case '-':
+        result += "\\-";
+        break;
+      case '\'':
+        result += "\\(aq";
+        break;
+      case '"':
+        result += "\\(dq";
+        break;
+      case '^':
+        result += "\\(ha";
+        break;
+      case '~':
+        result += "\\(ti";
+        break;
+      case '`':
+        result += "\\(ga";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return !result.empty() && result.front() == '.' ? "\\&" + result : result;
+}
+
+std::string upper(std::string text) {
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return text;
+}
+
+/// A summary as the index of man pages has it: no sentence.
+std::string name_line(const Tool& tool) {
+  std::string text = tool.summary;
+  if (text.ends_with('.')) text.pop_back();
+  if (text.front() >= 'A' && text.front() <= 'Z') text.front() = static_cast<char>(text.front() - 'A' + 'a');
+  return ".SH NAME\n" + roff(tool.name) + " \\- " + roff(text) + "\n";
+}
+
+std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
+std::string italic(const std::string& text) { return "\\fI" + roff(text) + "\\fR"; }
+
+std::string joined(const std::vector<std::string>& words, const std::string& between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
+  return text;
+}
+
+std::string option_lines(const OptionView& option) {
+  std::string names;
+  for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + bold(name);
+  std::string text = ".TP\n" + names;
+  if (!option.type.empty()) text += " " + italic(option.type);
+  if (!option.values.empty()) text += " " + roff("{" + joined(option.values, ", ") + "}");
+  text += "\n" + roff(option.description) + (option.description.ends_with('.') ? "" : ".");
+  if (!option.default_value.empty()) text += " Default: " + roff(option.default_value) + ".";
+  return text + "\n";
+}
+
+std::string synopsis(const Tool& tool, const std::vector<OptionView>& options) {
+  std::string text = ".SH SYNOPSIS\n" + bold(tool.name) + " [" + italic("OPTION") + "...]";
+  for (const OptionView& option : options)
+    if (option.positional) text += " [" + italic(option.type) + "]";
+  return text + "\n";
+}
+
+std::string option_section(const std::vector<OptionView>& options) {
+  std::string text = ".SH OPTIONS\n";
+  std::string group;
+  for (const OptionView& option : options) {
+    if (option.group != group && option.group != "Options") text += ".SS " + roff(option.group) + "\n";
+    group = option.group;
+    text += option_lines(option);
+  }
+  return text;
+}
+
+/// "number, m, above 0; default 5".
+std::string facts(const SchemaKey& key) {
+  std::string text = key.type;
+  if (!key.unit.empty()) text += ", " + key.unit;
+  if (!key.bounds.empty()) text += ", " + key.bounds;
+  if (!key.values.empty()) text = "one of " + joined(key.values, ", ");
+  if (!key.default_value.empty()) text += "; default " + key.default_value;
+  return text;
+}
+
+std::string sentence(const std::string& text) {
+  return text.empty() ? "\\&\n" : roff(text) + (text.ends_with('.') ? "\n" : ".\n");
+}
+
+std::string key_lines(const SchemaKey& key) {
+  const std::string head = ".TP\n" + bold(key.path);
+  if (key.type.empty())
+    return head + " of type " + bold("\"" + key.choice + "\"") + "\n" + sentence(key.description);
+  return head + " (" + roff(facts(key)) + ")\n" + sentence(key.description);
+}
+
+/// The keys of one choice of "type" stand indented under its head.
+std::string indented_keys(const std::vector<SchemaKey>& keys) {
+  std::string text;
+  std::vector<std::string> heads;
+  for (const SchemaKey& key : keys) {
+    const bool is_head = key.type.empty();
+    while (!heads.empty() &&
+           (!key.path.starts_with(heads.back() + ".") || (is_head && key.path == heads.back()))) {
+      text += ".RE\n";
+      heads.pop_back();
+    }
+    text += key_lines(key);
+    if (!is_head) continue;
+    text += ".RS\n";
+    heads.push_back(key.path);
+  }
+  for (std::size_t i = 0; i < heads.size(); ++i) text += ".RE\n";
+  return text;
+}
+
+std::string configuration_section(const Tool& tool) {
+  if (tool.schema.empty()) return "";
+  std::string text = ".SH CONFIGURATION\nA JSON object, given by " + bold("--config") + " and " +
+                     bold("--set") + ". Each key is written as " + bold("--set") +
+                     " takes it; N is an index from 0. Unknown keys and values out of bounds are refused. " +
+                     bold("--print-config") + " shows the resolved configuration, " + bold("--print-schema") +
+                     " the JSON schema that these lines are made from.\n";
+  return text + indented_keys(schema_keys(embedded_schema(tool.schema)));
+}
+
+std::string exit_section(const Tool& tool) {
+  std::string text =
+      ".SH EXIT STATUS\n.TP\n.B 0\nDone.\n.TP\n.B 1\nThe content of a data file is wrong, or "
+      "reading or writing failed.\n.TP\n.B 2\nA flag or the configuration is wrong, or the output "
+      "exists.\n";
+  if (tool.name == "dem-eval")
+    text += ".TP\n.B 3\nWith " + bold("--require-pass") + ": a requirement is missed or cannot be judged.\n";
+  return text;
+}
+
+/// Commands are indented in the text; what is not is prose after them.
+std::string example_section(const Tool& tool) {
+  std::string commands;
+  std::string prose;
+  std::istringstream lines(tool.examples);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  "))
+      commands += roff(line.substr(2)) + "\n";
+    else if (line != "Examples:")
+      prose += roff(line) + "\n";
+  }
+  return ".SH EXAMPLES\n.EX\n" + commands + ".EE\n" + (prose.empty() ? "" : ".PP\n" + prose);
+}
+
+std::string see_also(const Tool& tool) {
+  std::string text;
+  for (const char* const name : kTools)
+    if (name != tool.name) text += (text.empty() ? "" : ",\n") + std::string(".BR ") + roff(name) + " (1)";
+  return ".SH SEE ALSO\n" + text + "\n";
+}
+
+/// Paragraphs are parted by empty lines.
+std::string paragraphs(const std::string& text) {
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) result += line.empty() ? ".PP\n" : roff(line) + "\n";
+  return result;
+}
+
+}  // namespace
+
+std::string manual_page(const CLI::App& app, const Tool& tool) {
+  const std::vector<OptionView> options = options_of(app);
+  std::string text =
+      ".TH " + upper(tool.name) + " 1 \"\" \"landfall " + program_version() + "\" \"landfall\"\n.nh\n.ad l\n";
+  text += name_line(tool) + synopsis(tool, options);
+  text += ".SH DESCRIPTION\n" + paragraphs(tool.description.empty() ? tool.summary : tool.description);
+  text += option_section(options) + configuration_section(tool) + exit_section(tool) + example_section(tool);
+  text +=
+      ".SH FILES\nEvery file is HDF5; what it holds is in files.md beside the documentation, and\n.BR "
+      "landfall\\-info (1)\nprints it.\n";
+  return text + see_also(tool);
+}
+
+}  // namespace landfall::cli
