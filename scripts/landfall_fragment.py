@@ -262,7 +262,8 @@ def cases_text(study, graph, layout, limits):
     """cases.json: the axes, the limits that all cases share, and each case's values and metrics."""
     axes = [{"name": axis.name, "label": axis.label, "unit": axis.unit, "log": axis.log, "numeric": axis.is_numeric(),
              "role": axis.role} for axis in study.axes()]
-    head = {"format": "landfall.cases", "version": 1, "name": study.name, "title": study.title, "plot": study.plot,
+    description = {"description": study.description} if study.description else {}
+    head = {"format": "landfall.cases", "version": 1, "name": study.name, "title": study.title, **description, "plot": study.plot,
             "limits": limits, "axes": axes}
     rows = [json.dumps([*values, layout.metrics(stage)], ensure_ascii=False) for values, stage in graph.cases]
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"

@@ -52,6 +52,7 @@ class Study:
     options: dict  # stage: list of options
     plot: dict
     files: tuple = field(default=())  # all that it was read from
+    description: str = ""
 
     def axes(self):
         return [axis for dimension in self.dimensions for axis in dimension]

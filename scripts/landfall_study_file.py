@@ -40,7 +40,7 @@ class _Reader:
         if "repeat" in tree:
             dimensions.append(self.repeat(tree["repeat"]))
         study = Study(self.path, name, tree.get("title", name), self.base(tree), tuple(dimensions),
-                      tree.get("options", {}), tree.get("plot", {}), tuple(self.files))
+                      tree.get("options", {}), tree.get("plot", {}), tuple(self.files), tree.get("description", ""))
         self.check_columns(study)
         self.check_keys(study)
         if study.case_count() > MOST_CASES:
