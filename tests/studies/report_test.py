@@ -1,0 +1,390 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""report_study.py: what the page holds against the study's files, and how it behaves in a browser."""
+import contextlib
+import csv
+import html.parser
+import io
+import json
+import os
+import re
+import subprocess
+import time
+import unittest
+
+import browser
+import h5py
+from case import BASE, BIN, PYTHON, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+
+# pylint: disable=wrong-import-order
+import landfall_study
+import landfall_study_configs
+import landfall_study_file
+import landfall_study_table
+import plot_study
+
+HOSTILE = "</script><script>alert(1)</script><b>&\"'"
+REPEATS = {"repeat": {"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}}}
+
+
+class Page(html.parser.HTMLParser):
+    """Texts of a page's tables and the tree it holds."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.tables, self.tags, self._script, self._cell = [], [], None, None
+        self.scripts = {}
+        self.feed(read(path).decode())
+        self.tree = json.loads(self.scripts["study-data"])
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag == "table":
+            self.tables.append([])
+        elif tag == "tr":
+            self.tables[-1].append([])
+        elif tag in ("td", "th"):
+            self._cell = []
+        elif tag == "script":
+            self._script = dict(attrs).get("id", "")
+
+    def handle_endtag(self, tag):
+        if tag in ("td", "th"):
+            self.tables[-1][-1].append(" ".join("".join(self._cell).split()))
+            self._cell = None
+        elif tag == "script":
+            self._script = None
+
+    def handle_data(self, data):
+        if self._script is not None:
+            self.scripts[self._script] = data
+        elif self._cell is not None:
+            self._cell.append(data)
+
+
+def values(column, count):
+    return column["values"] if "values" in column else [column["all"]] * count
+
+
+class ReportTest(StudyTest):
+    def report(self, *arguments, code=0, folder=None):
+        result = subprocess.run([PYTHON, os.path.join(ROOT, "scripts", "report_study.py"), folder or self.out(), *arguments],
+                                capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def page(self, **where):
+        return Page(self.out("report.html", **where))
+
+
+class Made(ReportTest):
+    """Of one study that make runs."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = ReportTest("report")
+        cls.shared.setUp()
+        cls.addClassCleanup(cls.shared.doCleanups)
+        cls.shared.write(study(SIGMAS, RESOLUTIONS, title=HOSTILE, description="Why " + HOSTILE, **REPEATS))
+        cls.shared.make("study", "-j2")
+
+    def setUp(self):
+        self.folder = self.shared.folder
+
+    def test_every_number_of_the_table(self):
+        tree, rows = self.page().tree, self.rows()
+        columns = {column["name"]: column for column in tree["columns"]}
+        self.assertEqual(len(rows), 12)
+        self.assertEqual(set(rows[0]) - set(columns), {"pass"})
+        for name in set(rows[0]) - {"pass"}:
+            for row, value in zip(rows, values(columns[name], 12)):
+                if row[name] == "":
+                    self.assertIsNone(value)
+                else:
+                    self.assertLessEqual(abs(float(row[name]) - value), 1e-6 * abs(value), name)
+        verdicts = ["pass" if row["pass"] == "1" else "fail" for row in rows]
+        self.assertEqual(set(verdicts), {"pass", "fail"})
+        self.assertEqual(values(columns["verdict"], 12), verdicts)
+        for row, missed in zip(rows, values(columns["missed"], 12)):
+            failing = [name.split(".")[1].replace("_", " ") for name in row if name.startswith("requirements.") and name.endswith(".pass")
+                       and row[name] == "0"]
+            self.assertEqual(missed, ", ".join(failing))
+
+    def test_points_are_those_of_the_figures(self):
+        page = self.page()
+        (table,) = [table for table in page.tables if any("all requirements" in head for head in table[0])]
+        with open(self.out("figures", "pass_rates.csv"), encoding="utf-8") as file:
+            rates = [row for row in csv.DictReader(file) if row["requirement"] == "all"]
+        self.assertEqual(len(table), 1 + len(rates))
+        for line, rate in zip(table[1:], rates):
+            self.assertEqual((float(line[0]), float(line[1])), (float(rate["range_sigma_m"]), float(rate["resolution_m"])))
+            low, high = 100 * float(rate["low_95"]), 100 * float(rate["high_95"])
+            self.assertEqual(line[3], f"{rate['passed']}/{rate['count']} {low:.0f}–{high:.0f} %")
+        with open(self.out("figures", "percentiles.csv"), encoding="utf-8") as file:
+            estimates = [row for row in csv.DictReader(file) if row["metric"] == "accuracy.relative.z.max_m"]
+        at = table[0].index("relative elevation error, largest [m]")
+        for line, row in zip(table[1:], estimates):
+            self.assertEqual(line[at], f"{float(row['value']):.3g} {float(row['low_95']):.3g}–{float(row['high_95']):.3g}")
+
+    def test_configuration_of_every_case(self):
+        tree = self.page().tree
+        planned = landfall_study_file.read_study(self.path("tiny.json"))
+        for number, indices in enumerate(planned.cases()):
+            for place, stage in enumerate(landfall_study.STAGES):
+                config = tree["configs"][stage]
+                found = landfall_study_configs.changed(config["base"], config["changes"][tree["caseConfigs"][number][place]])
+                self.assertEqual(found, landfall_study.configuration(planned, stage, indices), (number, stage))
+        self.assertEqual(tree["configs"]["scan"]["shared"]["noise"], {"range_sigma_m": "(varies)"})
+        self.assertEqual(tree["configs"]["scan"]["shared"]["detector"], BASE["scan"]["detector"])
+
+    def test_times_and_files(self):
+        """A case's time is that of its five runs, whose summaries lie in four logs."""
+        tree = self.page().tree
+        seconds = {}
+        for name in self.files("log"):
+            if name.endswith(".json"):
+                text = "[" + re.sub(r"(?m)^}\n{", "},{", read(self.out("log", name)).decode()) + "]"
+                seconds[name.rsplit(".", 1)[0]] = [entry["wall_s"] for entry in json.loads(text)]
+        metrics, log, *needs = read(self.out("targets.txt")).decode().splitlines()[0].split()
+        logs = [os.path.basename(log)[:-4], *(re.sub(r"^shared/(.*)\.scan", r"scan/\1", need)[:-3].replace("/", "-") for need in needs)]
+        runs = [len(seconds[name]) for name in logs]
+        self.assertEqual((runs[0], sum(runs)), (2, 5), logs)  # gridded and judged; terrain, truth and scan are others' too
+        self.assertEqual(metrics, json.loads(read(self.out("cases.json")))["cases"][0][-1])
+        expected = sum(sum(seconds[name]) for name in logs)
+        times = values(next(column for column in tree["columns"] if column["name"] == "time_s"), 12)
+        self.assertAlmostEqual(times[0], expected, delta=1e-3 * expected)
+        kept = {run[1] for run in tree["runs"] if run[5]}
+        self.assertEqual(kept, {f"{kind}/{name}" for kind in ("terrain", "truth") for name in self.files(kind)})
+        self.assertEqual(tree["tools"], read(self.out("tools.txt")).decode().splitlines())
+
+    def test_whatever_a_study_says_is_text(self):
+        page, text = self.page(), read(self.out("report.html")).decode()
+        self.assertEqual(page.tree["title"], HOSTILE)
+        self.assertNotIn("<b>", text)
+        self.assertNotIn("<script>alert", text)
+        self.assertIn("Why &lt;/script&gt;", text)
+
+    def test_nothing_is_asked_of_a_network(self):
+        page = self.page()
+        for tag, attributes in page.tags:
+            for name in ("src", "href", "srcset", "action"):
+                self.assertRegex(attributes.get(name) or "#", "^(data:|#)", tag)
+        self.assertEqual(sum(tag == "img" for tag, _ in page.tags), len([name for name in self.files("figures") if name.endswith(".png")]))
+        self.assertNotRegex(read(self.out("report.html")).decode(), r"@import|url\(")
+
+    def test_the_same_bytes_and_nothing_to_do(self):
+        self.assertIn("Nothing to be done", self.make("study").stdout)
+        self.report("-o", self.path("again.html"))
+        self.assertEqual(read(self.path("again.html")), read(self.out("report.html")))
+
+    def test_refusals(self):
+        for arguments, code, words in (
+                ([], 2, "report.html: exists"), (["-o", self.path("a.pdf")], 2, "must end in .html"),
+                (["-o", self.path("none", "a.html")], 1, "there is no folder"),
+                (["-o", self.path("a.html"), "--figures", self.path("none")], 1, "percentiles.csv: No such file")):
+            self.assertIn(words, self.report(*arguments, code=code).stderr)
+        self.assertIn("no planned study", self.report("-O", folder=self.path(), code=1).stderr)
+        self.assertFalse([name for name in os.listdir(self.path()) if name.startswith("a.")])
+
+
+class Changed(ReportTest):
+    def test_failed_and_missing_cases(self):
+        self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
+        self.make("study", "-k", "-j2", code=2)
+        self.assertFalse(os.path.exists(self.out("report.html")))
+        self.make("study-partial")
+        tree = self.page().tree
+        self.assertEqual(tree["verdicts"].get("error"), 1)
+        ((log, end, tail, cases),) = tree["failures"]["logs"]
+        self.assertEqual(cases, [1])
+        self.assertRegex(log, r"^log/metrics-[0-9a-f]{16}\.log$")
+        self.assertRegex(end, r"^exit 2 after ")
+        self.assertRegex(tail[-1], r"dem-eval: .*region_radius_m: 3.5 does not fit")
+        self.assertIn(tail[-1].split("/")[0], read(self.out("report.html")).decode())
+        os.remove(self.out(log))  # as of a case that nobody has run
+        self.report("-O")
+        self.assertEqual((self.page().tree["failures"]), {"logs": [], "notMade": [1]})
+
+    def test_a_table_of_another_plan(self):
+        folder = fake_study(self, {"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]})
+        self.report()
+        self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.3, 0.25]}), "--no-check")
+        self.assertRegex(self.report("-O", code=1).stderr, r"results.h5: case 1: resolution_m is not that of cases.json")
+        with open(os.path.join(folder, "study.mk"), "w", encoding="utf-8") as file:
+            file.write("# nothing\n")
+        self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]}), "--no-check")
+        os.remove(os.path.join(folder, "figures", "percentiles.csv"))
+        self.assertIn("percentiles.csv", self.report("-O", code=1).stderr)
+
+    def test_paths_are_cut(self):
+        config = landfall_study_configs.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
+        self.assertEqual(config, {"base": {"path": "a.tif"}, "list": [{"path": 'NETCDF:"y.h5":z'}]})
+
+    def test_changes_make_the_tree(self):
+        base = {"a": 1, "b": {"c": [1, 2, {"d": True}]}, "e": "x"}
+        for tree in (base, {"a": 1}, {**base, "a": True}, {**base, "b": {"c": [1, 3, {"d": 1}]}}, {**base, "b": {"c": [1]}, "f": None}):
+            steps = landfall_study_configs.changes(base, tree)
+            self.assertEqual(json.dumps(landfall_study_configs.changed(base, steps), sort_keys=True), json.dumps(tree, sort_keys=True))
+        self.assertEqual(landfall_study_configs.changes(base, base), [])
+        self.assertEqual(landfall_study_configs.shared(base, [landfall_study_configs.changes(base, {**base, "a": 2})]), {**base, "a": "(varies)"})
+
+
+def fake_study(test, *axes, **keys):
+    """A study whose metrics were never measured: those of a real case, changed with the case's number. Returns its folder."""
+    folder = test.plan(study(*axes, **keys), "--no-check")
+    with open(os.path.join(ROOT, "tests", "studies", "metrics.json"), encoding="utf-8") as file:
+        metrics = json.load(file)
+    statistics = metrics["statistics"]
+    for number, (*_, name) in enumerate(json.loads(read(os.path.join(folder, "cases.json")))["cases"]):
+        largest = 0.02 + 0.06 * (number * 7919 % 1000) / 1000
+        metrics["statistics"] = scaled(statistics, 1 + number * 1e-4)
+        metrics["accuracy"]["relative"]["z"]["max_m"] = largest
+        metrics["pass"] = metrics["requirements"]["relative_elevation"]["pass"] = largest <= 0.05
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            json.dump(metrics, file)
+    test.sweep("collect", folder)
+    write_numbers(folder)
+    return folder
+
+
+def scaled(tree, factor):
+    return {key: scaled(value, factor) for key, value in tree.items()} if isinstance(tree, dict) else tree * factor
+
+
+def write_numbers(folder):
+    """What plot_study.py writes, without the pictures."""
+    with h5py.File(os.path.join(folder, "results.h5")) as file:
+        results = landfall_study_table.Results(file)
+    axes, metrics = [axis.name for axis in results.axes], ["accuracy.relative.z.max_m", "coverage.invalid_frac"]
+    os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
+    with contextlib.redirect_stdout(io.StringIO()):
+        plot_study.write_csv(os.path.join(folder, "figures", "percentiles.csv"),
+                             [*axes, "metric", "count", "percentile", "value", "low_95", "high_95"],
+                             plot_study.percentile_rows(results, metrics, 0.5))
+        plot_study.write_csv(os.path.join(folder, "figures", "pass_rates.csv"),
+                             [*axes, "requirement", "passed", "count", "rate", "low_95", "high_95"], plot_study.pass_rate_rows(results))
+
+
+class InBrowser(ReportTest):
+    """A small study with repeats, and one of 5,000 cases."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = browser.start(cls)
+
+    def open(self, *axes, fragment="", **keys):
+        fake_study(self, *axes, **keys)
+        self.report()
+        self.browser.get("file://" + self.out("report.html") + fragment)
+        self.rows_of_table = self.rows()
+
+    def tearDown(self):
+        self.assertEqual([entry["message"] for entry in self.browser.get_log("browser")], [])
+        self.assertEqual({url.split("#")[0] for url in browser.requests(self.browser)}, {"file://" + self.out("report.html")})
+
+    def run_script(self, script, *arguments):
+        return self.browser.execute_script(script, *arguments)
+
+    def seen_cases(self):
+        return self.run_script("return [...document.querySelectorAll('.window tr[data-case]')].map(row => Number(row.dataset.case))")
+
+    def by_css(self, selector):
+        return self.browser.find_element("css selector", selector)
+
+    def choose(self, name, words):
+        from selenium.webdriver.support.select import Select
+        Select(self.by_css(f'#filters select[name="{name}"]')).select_by_visible_text(words)
+
+    def largest(self, case):
+        return float(self.rows_of_table[case]["accuracy.relative.z.max_m"])
+
+    def test_sort_filter_and_open(self):
+        self.open(SIGMAS, RESOLUTIONS, title=HOSTILE, repeat={"count": 3})
+        self.assertEqual(self.seen_cases(), list(range(18)))
+        by_size = sorted(range(18), key=self.largest)
+        button = self.by_css('.window th[data-column="accuracy.relative.z.max_m"] button')
+        button.click()
+        self.assertEqual(self.seen_cases(), by_size)
+        button.send_keys("\ue007")  # Enter
+        self.assertEqual(self.seen_cases(), by_size[::-1])
+        self.assertEqual(self.by_css('.window th[aria-sort]').get_attribute("aria-sort"), "descending")
+        self.choose("verdict", "fail")
+        failing = [case for case in by_size[::-1] if self.rows_of_table[case]["pass"] == "0"]
+        self.assertEqual(self.seen_cases(), failing)
+        self.choose("resolution_m", "0.2")
+        failing = [case for case in failing if self.rows_of_table[case]["resolution_m"] == "0.2"]
+        self.assertEqual(self.seen_cases(), failing)
+        self.assertEqual(self.by_css("#case-count").text, f"{len(failing)} of 18 cases")
+        marks = self.run_script("return [...document.querySelectorAll('#plot .mark')].map(mark => Number(mark.dataset.case))")
+        self.assertEqual(marks, failing)
+        self.by_css("#clear").click()
+        self.assertEqual(len(self.seen_cases()), 18)
+
+        self.by_css("table.points tbody tr:nth-child(2)").click()
+        self.assertEqual(sorted(self.seen_cases()), [3, 4, 5])
+        self.by_css('.window tr[data-case="4"] button').click()
+        detail = self.by_css("#case-detail").text
+        self.assertIn("Case 4: range_sigma_m 0.01 m, resolution_m 0.2 m, repeat 2", detail)
+        self.assertIn("relative elevation", detail)
+        self.by_css("#close").click()
+        self.assertEqual(self.run_script("return document.activeElement.textContent"), "4")
+
+    def test_a_case_as_a_study_file(self):
+        self.open(SIGMAS, RESOLUTIONS, repeat={"count": 2, "draws": {"scan.noise.dropout_frac": {"uniform": [0, 0.2]}}},
+                  options={"regrid": ["--corrected"]})
+        planned = landfall_study_file.read_study(self.path("tiny.json"))
+        for case, indices in ((0, (0, 0, 0)), (7, (1, 1, 1)), (11, (2, 1, 1))):
+            saved = self.run_script("return caseStudy(arguments[0])", case)
+            alone = landfall_study_file.read_study(self.write(saved, f"case{case}"))
+            self.assertEqual(alone.options, planned.options)
+            for stage in landfall_study.STAGES:
+                self.assertEqual(landfall_study.configuration(alone, stage, ()), landfall_study.configuration(planned, stage, indices))
+
+    def test_a_failed_case_and_the_address_of_a_case(self):
+        self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
+        self.make("study-results", "-k", "-j2", code=2)
+        self.make("study-partial")
+        self.browser.get("file://" + self.out("report.html") + "#case-1")
+        detail = self.by_css("#case-detail").text
+        self.assertIn("half_width_m 2 m", detail)
+        self.assertIn("does not fit the DEM", detail)
+        self.choose("verdict", "error")
+        self.assertEqual(self.seen_cases(), [1])
+
+    def test_widths(self):
+        long_name = {"name": "a_very_long_name_of_an_axis_that_nobody_would_choose_but_somebody_will", "key": "scan.noise.range_sigma_m",
+                     "list": [0, 0.01]}
+        self.open(long_name, RESOLUTIONS, description="word " * 100, repeat={"count": 2}, fragment="#case-1")
+        self.assertTrue(self.by_css("#case-detail").is_displayed())
+        for details in self.browser.find_elements("css selector", "details"):
+            self.run_script("arguments[0].open = true", details)
+        for width in (1400, 800):
+            browser.set_width(self.browser, width)
+            self.assertEqual(self.run_script("return innerWidth"), width)
+            self.assertLessEqual(self.run_script("return document.documentElement.scrollWidth"), width)
+            self.assertEqual(self.run_script("return [...document.querySelectorAll('section')].filter(part => part.scrollWidth > part.clientWidth)"
+                                             ".map(part => part.id)"), [])
+
+    def test_many_cases(self):
+        self.open({"key": "scan.noise.range_sigma_m", "linspace": [0, 0.1, 500]}, {"key": "scan.noise.dropout_frac", "linspace": [0, 0.9, 10]})
+        self.assertEqual(len(self.rows_of_table), 5000)
+        self.assertLess(os.path.getsize(self.out("report.html")), 8e6)
+        self.assertLess(len(self.seen_cases()), 100)
+        start = time.monotonic()
+        self.by_css('.window th[data-column="accuracy.relative.z.max_m"] button').click()
+        self.assertLess(time.monotonic() - start, 5)
+        by_size = sorted(range(5000), key=self.largest)
+        self.assertEqual(self.seen_cases()[:30], by_size[:30])
+        self.run_script("document.getElementById('case-window').scrollTop = 1e9")
+        self.run_script("body.build()")
+        self.assertEqual(self.seen_cases()[-20:], by_size[-20:])
+        low = self.by_css('#filters input[name="range_sigma_m from"]')
+        low.send_keys("0.0999")
+        self.assertEqual(self.by_css("#case-count").text, "10 of 5,000 cases")
+        self.run_script("window.dispatchEvent(new Event('beforeprint'))")
+        self.assertEqual(len(self.seen_cases()), 10)
+        self.run_script("window.dispatchEvent(new Event('afterprint'))")
+
+
+if __name__ == "__main__":
+    unittest.main()
