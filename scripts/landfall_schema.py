@@ -7,7 +7,7 @@ import json
 import re
 
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
-WORDS = {"$schema", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
+WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
          "required", "propertyNames", "minProperties", "items", "minItems", "maxItems", "uniqueItems", "enum", "minimum",
          "maximum", "minLength", "pattern", "$ref"}
 

@@ -21,6 +21,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Tells an editor which schema to check by; no part of the configuration.
+constexpr const char* kSchemaKey = "$schema";
+
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -243,7 +246,8 @@ class Resolver {
   [[noreturn]] void fail_unknown_key(const Json& properties, const std::string& key,
                                      const std::string& pointer) const {
     std::vector<std::string> known;
-    for (const auto& [name, unused] : properties.items()) known.push_back(name);
+    for (const auto& [name, unused] : properties.items())
+      if (name != kSchemaKey) known.push_back(name);
     const std::string near = nearest_word(key, known);
     std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
     if (near.empty())
@@ -301,6 +305,7 @@ Json resolve_config(const JsonSource& source, const Json& schema) {
   Json value = source.value;
   Resolver(source.name, schema).resolve(schema, value, "");
   validate(source.name, schema, value);
+  if (value.is_object()) value.erase(kSchemaKey);
   return value;
 }
 

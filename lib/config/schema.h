@@ -18,7 +18,8 @@ namespace landfall {
 /// valijson decides; before it, a walk over schema and value together fills the defaults and names what is
 /// wrong: `scan.json: /noise/dropout_frac: 1.7 is not in [0, 1]`, and for an unknown key the nearest
 /// known one. A `oneOf` is a choice by the value's "type" (defaulting to the `oneOf` owner's default) or by
-/// JSON type. Throws UsageError.
+/// JSON type. A key "$schema" at the top, by which an editor knows what to check, is dropped. Throws
+/// UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
 
 /// The member of `known` that `word` most probably means, empty where none is near (edit distance <= 2, or

@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 std::string refusal(const std::string& schema, const std::string& text) {
   try {
@@ -87,6 +88,17 @@ TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {
             "c.json: /base: \"plane\"" + wanted + R"( or array; did you mean {"type": "plane"}?)");
 }
 
+TEST(Schema, AConfigurationMayNameItsSchemaAndKeepsNoTraceOfIt) {
+  for (const char* const name : {"terrain", "scan", "regrid", "eval"}) {
+    const Json& schema = embedded_schema(name);
+    EXPECT_EQ(schema.at("$id"), std::string("urn:landfall:schema:") + name + ":1.0");
+    const Json named = Json::parse(R"({"$schema": "../schemas/x.schema.json"})");
+    EXPECT_EQ(resolve_config({"c", named}, schema), resolve_config({"c", Json::object()}, schema)) << name;
+  }
+  EXPECT_EQ(refusal("regrid", R"({"$schema": 7})"), "c.json: /$schema: 7 is of type integer, not string");
+  EXPECT_THAT(refusal("regrid", R"({"zzzzzzzz": 1})"), Not(HasSubstr("$schema")));
+}
+
 TEST(Schema, BasesMayBeStacked) {
   const Json terrain = resolve_config(
       {"c", Json::parse(R"({"base": [{"type": "plane", "slope_x": 0.1}, {"type": "fractal"}]})")},
@@ -99,6 +111,7 @@ TEST(Schema, BasesMayBeStacked) {
 // with messages that name no bound.
 void expect_known_keywords(const Json& schema) {
   static const std::set<std::string> kKnown = {"$schema",
+                                               "$id",
                                                "$ref",
                                                "title",
                                                "description",
