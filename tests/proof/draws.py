@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random draws as functions of (seed, stream, i, j): docs/draws.md, in numpy."""
+import numpy as np
+
+RANGE_NOISE, DROPOUT, DEAD_PIXEL, ENCODER, FALSE_RETURN = 1, 2, 3, 5, 6
+POINTING_JITTER, TIME_STAMP, NAVIGATION_WALK, DISTURBANCE, RISLEY_ENCODER, GAUSS_MARKOV = 8, 9, 10, 11, 12, 13
+PENITENTE = 20
+
+LOW = np.uint64(0xFFFFFFFF)
+HALF = np.uint64(32)
+MULTIPLIERS = (np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157))
+WEYL = (0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B)
+
+
+def product(a, b):
+    """The upper and the lower 64 bits of a b, by halves of 32 bits."""
+    a_low, a_high, b_low, b_high = a & LOW, a >> HALF, b & LOW, b >> HALF
+    low, middle_1, middle_2 = a_low * b_low, a_high * b_low, a_low * b_high
+    carry = (low >> HALF) + (middle_1 & LOW) + (middle_2 & LOW)
+    return a_high * b_high + (middle_1 >> HALF) + (middle_2 >> HALF) + (carry >> HALF), a * b
+
+
+def philox(counter, key):
+    """Philox4x64-10 (Salmon et al. 2011): four words for the four words of a counter and the two of a key."""
+    with np.errstate(over="ignore"):
+        words = [np.asarray(word).astype(np.uint64) for word in counter]
+        for turn in range(10):
+            k0, k1 = (np.uint64((key[n] + turn * WEYL[n]) % 2**64) for n in (0, 1))
+            high_0, low_0 = product(MULTIPLIERS[0], words[0])
+            high_1, low_1 = product(MULTIPLIERS[1], words[2])
+            words = [high_1 ^ words[1] ^ k0, low_1, high_0 ^ words[3] ^ k1, low_0]
+    return words
+
+
+def blocks(seed, stream, i, j):
+    i, j = np.broadcast_arrays(np.asarray(i, np.int64), np.asarray(j, np.int64))
+    zero = np.zeros(i.shape, np.uint64)
+    return philox((i, j, zero, zero), (seed, stream))
+
+
+def unit(word):
+    return (word >> np.uint64(11)).astype(float) * 2.0**-53
+
+
+def uniform(seed, stream, i, j=0):
+    """In [0, 1)."""
+    return unit(blocks(seed, stream, i, j)[0])
+
+
+def normal(seed, stream, i, j=0):
+    """Box and Muller (1958): the cosine branch of the block's first two words."""
+    words = blocks(seed, stream, i, j)
+    return np.sqrt(-2 * np.log1p(-unit(words[0]))) * np.cos(2 * np.pi * unit(words[1]))
