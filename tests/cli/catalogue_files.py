@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files, most of them broken in one way each, that the catalogue of error messages runs the tools on."""
+import json
+import os
+import shutil
+import struct
+
+import h5py
+import numpy as np
+from tools import EVAL, REGRID, SCAN, TERRAIN, run, with_values
+
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+# A raster of 13 x 13 pixels of 1 m, and a CRS for it.
+ASC = "ncols {0}\nnrows {1}\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n"
+WGS84 = ('GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
+         'UNIT["degree",0.0174532925199433]]')
+UTM = ('PROJCS["UTM",' + WGS84 + ',PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],'
+       'PARAMETER["central_meridian",-3],PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],'
+       'PARAMETER["false_northing",0],UNIT["metre",1]]')
+GEOCENTRIC = ('GEOCCS["earth",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
+              'UNIT["metre",1]]')
+SOURCE = ('<SimpleSource><SourceFilename relativeToVRT="1">{}</SourceFilename><SourceBand>1</SourceBand>'
+          "</SimpleSource>")
+
+
+def write(path, text):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def edited(path, source, change):
+    """A copy of an HDF5 file with one change."""
+    shutil.copy(source, path)
+    with h5py.File(path, "r+") as file:
+        change(file)
+
+
+def asc(values):
+    rows = [" ".join(f"{value:g}" for value in row) for row in values]
+    return ASC.format(len(values[0]), len(values)) + "\n".join(rows) + "\n"
+
+
+def vrt(content, head="", data_type="Float32"):
+    return (f'<VRTDataset rasterXSize="13" rasterYSize="13">{head}<VRTRasterBand dataType="{data_type}" band="1">'
+            f"{content}</VRTRasterBand></VRTDataset>")
+
+
+def replaced(name, values):
+    """Writes a dataset anew, with another shape or content."""
+    def change(file):
+        attributes = dict(file[name].attrs)
+        del file[name]
+        file[name] = values
+        for key, value in attributes.items():
+            if key not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_FillValue"):
+                file[name].attrs[key] = value
+    return change
+
+
+def value_at(name, index, value):
+    def change(file):
+        file[name][index] = value
+    return change
+
+
+def removed(name):
+    def change(file):
+        del file[name]
+    return change
+
+
+def attribute(name, value):
+    def change(file):
+        file.attrs[name] = value
+    return change
+
+
+def damaged(path, source, name):
+    """A copy in which the stored bytes of a dataset are overwritten."""
+    shutil.copy(source, path)
+    with h5py.File(path) as file:
+        dataset = file[name]
+        chunk = dataset.id.get_chunk_info(0) if dataset.chunks else None
+        offset, size = (chunk.byte_offset, chunk.size) if chunk else (dataset.id.get_offset(), 64)
+    with open(path, "r+b") as raw:
+        raw.seek(offset)
+        raw.write(b"\xa5" * min(size, 64))
+
+
+def run_quietly(*arguments):
+    result = run(*arguments)
+    if (result.returncode, result.stderr) != (0, ""):
+        raise AssertionError(f"{arguments}: {result.stderr}")
+
+
+def make_chain():
+    for name, config in [("terrain", TERRAIN), ("scan", SCAN), ("regrid", REGRID), ("eval", EVAL)]:
+        write(name + ".json", json.dumps(config))
+    run_quietly("terrain-gen", "-c", "terrain.json", "-o", "terrain.h5")
+    run_quietly("terrain-gen", "-c", "terrain.json", "-o", "other_terrain.h5", "--set", "base.elevation_m=0")
+    scan = ["scan-sim", "-c", "scan.json", "--terrain", "terrain.h5", "-o"]
+    run_quietly(*scan, "scan.h5")
+    run_quietly(*scan, "float_scan.h5", "--float32", "--keep-misses")
+    run_quietly(*scan, "incidence_scan.h5", "--set", "noise.incidence_sigma_rad=0.001")
+    run_quietly(*scan, "quiet_scan.h5", "--set", "noise.range_sigma_m=0.02")
+    run_quietly(*scan, "full_scan.h5", "--keep-misses")
+    run_quietly(*scan, "moved_scan.h5", "--set", "trajectory.position_m.0=0.6")
+    run_quietly("regrid", "scan.h5", "-c", "regrid.json", "--terrain", "terrain.h5", "-o", "dem.h5")
+    run_quietly("regrid", "scan.h5", "-c", "regrid.json", "-o", "no_truth_dem.h5")
+    write("tetra.obj", TETRAHEDRON)
+    run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
+
+
+def make_broken_landfall_files():
+    write("text.h5", "no HDF5 at all\n")
+    write("empty.h5", "")
+    with open("dem.h5", "rb") as whole, open("cut.h5", "wb") as cut:
+        cut.write(whole.read()[:5000])
+    with h5py.File("foreign.h5", "w") as file:
+        file["x"] = 1
+    with h5py.File("two_layers.h5", "w") as file:
+        file["a"] = file["b"] = np.zeros((4, 4))
+    with h5py.File("times.h5", "w") as file:
+        file["t_s"] = [0.0, 1.0]
+    edited("incomplete.h5", "dem.h5", attribute("complete", 0))
+    edited("newer.h5", "dem.h5", attribute("format_version", "2.0"))
+    with h5py.File("terrain.h5") as file:
+        z, x = file["z"][:], file["x"][:]
+    edited("no_z.h5", "terrain.h5", removed("z"))
+    edited("no_x.h5", "terrain.h5", removed("x"))
+    edited("short_z.h5", "terrain.h5", replaced("z", z[:-1]))
+    edited("flat_x.h5", "terrain.h5", replaced("x", np.zeros((2, 2))))
+    edited("uneven_x.h5", "terrain.h5", value_at("x", 3, x[3] + 0.03))
+    edited("falling_x.h5", "terrain.h5", value_at("x", slice(None), x[::-1]))
+    edited("infinite_z.h5", "terrain.h5", value_at("z", (0, 0), np.inf))
+    edited("holes_z.h5", "terrain.h5", value_at("z", slice(None), np.nan))
+    damaged("damaged_z.h5", "terrain.h5", "z")
+    edited("no_points.h5", "scan.h5", removed("points"))
+    edited("no_column.h5", "scan.h5", removed("points/z_est"))
+    with h5py.File("scan.h5") as file:
+        pulse = file["points/pulse"][:]
+    edited("short_column.h5", "scan.h5", replaced("points/pulse", pulse[:-1]))
+    edited("bad_pulse.h5", "scan.h5", value_at("points/pulse", 5, 12345))
+    edited("not_finite.h5", "scan.h5", value_at("points/z_est", 5, np.nan))
+    damaged("damaged_points.h5", "scan.h5", "points/z_est")
+    edited("no_z_est.h5", "dem.h5", removed("z_est"))
+    edited("infinite_z_est.h5", "dem.h5", value_at("z_est", (50, 50), np.inf))
+    damaged("damaged_z_est.h5", "dem.h5", "z_est")
+    edited("no_history.h5", "scan.h5", removed("provenance"))
+    edited("no_poses.h5", "scan.h5", removed("pulses/pz_est"))
+    edited("short_poses.h5", "scan.h5", replaced("pulses/pz_est", np.zeros(3)))
+    edited("no_pose_values.h5", "scan.h5", value_at("pulses/pz_est", 7, np.nan))
+    edited("falling_times.h5", "scan.h5", value_at("pulses/t", 7, 0))
+    edited("bad_begin.h5", "full_scan.h5", value_at("pulses/point_begin", 7, 10**9))
+    edited("bad_pixel.h5", "full_scan.h5", value_at("points/pixel", 7, 9999))
+    with h5py.File("full_scan.h5") as file:
+        ranges = file["points/range_true"][:]
+    edited("few_ranges.h5", "full_scan.h5", replaced("points/range_true", ranges[:-1]))
+    edited("old_scan.h5", "scan.h5", lambda file: file["provenance"].attrs.__setitem__("version", "0.0.1"))
+    with h5py.File("dem.h5") as dem, h5py.File("no_bin.h5", "w") as file:
+        file["mask"] = np.zeros(dem["z_est"].shape, np.int8)
+        file["corner"] = np.ones((3, 3), np.int8)
+    edited("mesh_no_triangles.h5", "mesh.h5", removed("mesh/triangles"))
+    edited("mesh_bad_corner.h5", "mesh.h5", value_at("mesh/triangles", (1, 2), 99))
+    edited("mesh_negative_corner.h5", "mesh.h5", value_at("mesh/triangles", (1, 2), -1))
+    edited("mesh_not_finite.h5", "mesh.h5", value_at("mesh/vertices", (1, 2), np.nan))
+    edited("mesh_no_area.h5", "mesh.h5", value_at("mesh/triangles", (1, slice(None)), 1))
+    edited("no_mesh.h5", "mesh.h5", replaced("mesh", np.zeros(3)))
+    edited("mesh_flat_shape.h5", "mesh.h5", replaced("mesh/vertices", np.zeros(12)))
+
+
+def make_rasters():
+    slope = [[column + 0.5 * row for column in range(13)] for row in range(13)]
+    write("dem.asc", asc(slope))
+    write("dem_crs.asc", asc(slope))
+    write("dem_crs.prj", UTM)
+    write("dem.vrt", vrt(SOURCE.format("dem_crs.asc"), f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,13,0,-1</GeoTransform>"))
+    write("line.asc", asc(slope[:1]))
+    write("bad_nodata.asc", asc([row[:6] + [-3.4e38] + row[7:] for row in slope]))
+    write("holes.asc", asc([[-9999 if 4 <= row <= 8 and 4 <= column <= 8 else 1 for column in range(13)]
+                            for row in range(13)]))
+    write("chess.asc", asc([[-9999 if (row + column) % 2 else 1 for column in range(13)] for row in range(13)]))
+    write("big.vrt", vrt("").replace('"13"', '"30000"'))
+    write("beyond_pole.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{WGS84}</SRS>"
+                                 "<GeoTransform>0,0.001,0,95.01,0,-0.001</GeoTransform>"))
+    write("complex.vrt", vrt(SOURCE.format("dem.asc"), data_type="CFloat32"))
+    write("zero_scale.vrt", vrt("<Scale>0</Scale>" + SOURCE.format("dem.asc")))
+    write("missing.vrt", vrt(SOURCE.format("nowhere.asc")))
+    write("pipe.vrt", vrt(SOURCE.format("pipe")))
+    write("no_transform.vrt", vrt(SOURCE.format("dem.asc"), f"<SRS>{UTM}</SRS>"))
+    write("flat_transform.vrt", vrt(SOURCE.format("dem.asc"),
+                                    f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,0,1,0</GeoTransform>"))
+    write("geocentric.vrt", vrt(SOURCE.format("dem.asc"),
+                                f"<SRS>{GEOCENTRIC}</SRS><GeoTransform>0,1,0,0,0,1</GeoTransform>"))
+    with open("cut.tif", "wb") as file:
+        file.write(b"II*\0" + struct.pack("<I", 8) + b"\x05")
+
+
+def make_files():
+    """Into the current folder."""
+    make_chain()
+    make_broken_landfall_files()
+    make_rasters()
+    os.mkdir("folder")
+    os.mkdir("bad_plugin")
+    write("bad_plugin/landfall-gdal.so", "no library\n")
+    write("old.h5", "an older output\n")
+    for name in ("pipe", "pipe.obj"):
+        os.mkfifo(name)
+    with open("cut.ply", "wb") as file:
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+                   b"end_header\n\x03\0\0")
+    with open("short.stl", "wb") as file:
+        file.write(b" " * 80 + struct.pack("<I", 7) + b"\0" * 60)

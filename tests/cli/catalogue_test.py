@@ -1,0 +1,201 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Provokes every error message of tests/cli/catalogue.json and compares exit code and text.
+
+usage: catalogue_test.py [--write]
+
+--write takes the messages as they are now into the catalogue, and writes docs/errors.md: look at the difference.
+
+A case has the command (`run`), the `text` on stderr, and what it needs besides: `files` (name and content), `stdin`,
+`stdout`, `env`, `limit` (of the process: file_bytes, memory_bytes). It runs in a folder with the files of
+catalogue_files.py, so that the names in the messages are short and always the same.
+
+What no case provokes, since no command line does:
+- refusals of lib/ that the configuration's schema or another check comes before (a library's own caller sees them);
+- refusals of liblandfall's interface (lib/lidar), which tests/module and tests/unit/lidar provoke;
+- sizes beyond 2^31 vertices, triangles or pulses, rows beyond 10^8, blocks of more than 256 MiB;
+- a system that fails in the middle (a compressor without memory, an HDF5 call that fails, a file that shrinks while
+  it is read, an output that appears meanwhile, a rename that is refused);
+- a GDAL without its COG driver, a plugin of another version, and a file without read permission, as root reads all.
+"""
+import json
+import os
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import textwrap
+import unittest
+
+from catalogue_files import make_files
+from tools import tool
+
+ROOT = os.environ["LANDFALL_ROOT"]
+CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
+PAGE = os.path.join(ROOT, "docs", "errors.md")
+LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
+# Words of libraries and of our own code, which say nothing to a user.
+JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", "internal error", "0x", "bad_alloc",
+          "json.exception"]
+
+
+HEAD = """# Error messages
+
+Every error is one line on stderr that begins with the tool's name; there is no output then, and an old one is as it was.
+The exit code tells the kind: 1 the content of a data file is wrong, or reading or writing failed; 2 an option or the
+configuration; 3 `dem-eval --require-pass` and the DEM does not pass ([cli.md](cli.md)).
+
+This page is written from tests/cli/catalogue.json, whose test provokes each of these messages.
+"""
+
+
+def read_catalogue():
+    with open(CATALOGUE, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def with_version(text, before, after):
+    """The one part of a message that a release changes."""
+    return text.replace(f"this is {before}", f"this is {after}")
+
+
+def program_version():
+    return subprocess.run([tool("dem-eval"), "--version"], capture_output=True, text=True, check=True).stdout.split()[2]
+
+
+def cases_of(catalogue):
+    """Every case with the fault that it belongs to."""
+    return [(fault, case) for section in catalogue for fault in section["faults"] for case in fault["cases"]]
+
+
+def set_limits(limits):
+    for name, value in limits.items():
+        resource.setrlimit(LIMITS[name], (value, value))
+
+
+def provoke(case):
+    """Runs a case in the current folder."""
+    for name, text in case.get("files", {}).items():
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
+    name, *arguments = shlex.split(case["run"])
+    with open(case.get("stdout", os.devnull), "w", encoding="utf-8") as stdout:
+        return subprocess.run([tool(name), *arguments], input=case.get("stdin", ""), stdout=stdout,
+                              stderr=subprocess.PIPE, text=True, timeout=30, check=False,
+                              env={**os.environ, **case.get("env", {})},
+                              preexec_fn=lambda: set_limits(case.get("limit", {})))
+
+
+class Folder:
+    """A folder with the files, the current one while it is open."""
+
+    def __enter__(self):
+        self.before, self.path = os.getcwd(), tempfile.mkdtemp(prefix="landfall-catalogue-")
+        os.chdir(self.path)
+        make_files()
+        return self
+
+    def __exit__(self, *unused):
+        os.chdir(self.before)
+        shutil.rmtree(self.path)
+
+
+def state():
+    """Size and time of every file, by its name."""
+    found = {}
+    for folder, _, names in os.walk("."):
+        for name in names:
+            path = os.path.normpath(os.path.join(folder, name))
+            status = os.lstat(path)
+            found[path] = (status.st_size, status.st_mtime_ns)
+    return found
+
+
+def tidy(made):
+    """Removes what a case left behind."""
+    for path in state():
+        if path not in made:
+            os.remove(path)
+
+
+class Catalogue(unittest.TestCase):
+    def test_every_message(self):
+        version = program_version()
+        with Folder():
+            made = state()
+            for fault, case in cases_of(read_catalogue()):
+                with self.subTest(case["run"]):
+                    result = provoke(case)
+                    self.assertEqual(result.stderr, with_version(case["text"], "VERSION", version) + "\n")
+                    self.assertEqual(result.returncode, fault["exit"])
+                    changed = {path for path, there in state().items() if made.get(path) != there}
+                    # A missed requirement is no failure: the metrics are written.
+                    written = set(case.get("files", {})) | ({"out.json"} if fault["exit"] == 3 else set())
+                    self.assertEqual(changed, written)
+                tidy(made)
+
+    def test_the_texts_are_of_one_form(self):
+        for _, case in cases_of(read_catalogue()):
+            with self.subTest(case["text"]):
+                self.assertTrue(case["text"].startswith(case["run"].split()[0] + ": "))
+                self.assertNotIn("\n", case["text"])
+                self.assertRegex(case["text"], r"([^.]|\.\.\.)\Z")
+                for word in JARGON:
+                    self.assertNotIn(word, case["text"])
+
+    def test_the_page_is_current(self):
+        with open(PAGE, encoding="utf-8") as file:
+            self.assertEqual(file.read(), page(read_catalogue()), "catalogue_test.py --write makes it anew")
+
+
+def page(catalogue):
+    text = HEAD
+    for section in catalogue:
+        text += f"\n## {section['section']}\n"
+        for fault in section["faults"]:
+            lines = "\n".join(dict.fromkeys(shortened(case["text"]) for case in fault["cases"]))
+            about = textwrap.fill(f"**{fault['cause']}** {fault['do']} Exit {fault['exit']}.", 140, break_on_hyphens=False)
+            text += f"\n{about}\n\n```text\n{lines}\n```\n"
+    return text
+
+
+def shortened(text):
+    return text if len(text) <= 400 else text[:397] + "..."
+
+
+def write():
+    catalogue, version = read_catalogue(), program_version()
+    with Folder():
+        made = state()
+        for fault, case in cases_of(catalogue):
+            result = provoke(case)
+            tidy(made)
+            case["text"] = with_version(result.stderr.rstrip("\n"), version, "VERSION")
+            if result.returncode != fault["exit"]:
+                print(f"exit {result.returncode}, not {fault['exit']}: {case['run']}", file=sys.stderr)
+    with open(CATALOGUE, "w", encoding="utf-8") as file:
+        file.write(as_text(catalogue))
+    with open(PAGE, "w", encoding="utf-8") as file:
+        file.write(page(catalogue))
+
+
+def as_text(catalogue):
+    """JSON with one case a line."""
+    parts = []
+    for section in catalogue:
+        faults = []
+        for fault in section["faults"]:
+            cases = ",\n".join("      " + json.dumps(case) for case in fault["cases"])
+            head = ", ".join(f"{json.dumps(key)}: {json.dumps(fault[key])}" for key in ("cause", "do", "exit"))
+            faults.append(f'    {{{head}, "cases": [\n{cases}]}}')
+        parts.append(f'  {{"section": {json.dumps(section["section"])}, "faults": [\n' + ",\n".join(faults) + "]}")
+    return "[\n" + ",\n".join(parts) + "\n]\n"
+
+
+if __name__ == "__main__":
+    if "--write" in sys.argv:
+        write()
+    else:
+        unittest.main()
