@@ -108,9 +108,9 @@ TEST(ErrorConfig, RefusalsNameKeyValueAndBound) {
   EXPECT_THAT(refusal_of(R"({"noise": {"false_range_m": [30, 20]}})"),
               AllOf(HasSubstr("c.json: /noise/false_range_m/1: 20"), HasSubstr("greater")));
   EXPECT_THAT(refusal_of(R"({"noise": {"incidence_sigma_rad": -1}})"),
-              AllOf(HasSubstr("/noise/incidence_sigma_rad: -1"), HasSubstr("minimum 0")));
+              AllOf(HasSubstr("/noise/incidence_sigma_rad: -1"), HasSubstr("is not >= 0")));
   EXPECT_THAT(refusal_of(R"({"pointing_error": {"jitter_sigma_rad": [1, -2]}})"),
-              AllOf(HasSubstr("/pointing_error/jitter_sigma_rad/1: -2"), HasSubstr("minimum 0")));
+              AllOf(HasSubstr("/pointing_error/jitter_sigma_rad/1: -2"), HasSubstr("is not >= 0")));
   EXPECT_THAT(refusal_of(R"({"navigation_error": {"gauss_markov": {"position_time_s": 0}}})"),
               HasSubstr("/navigation_error/gauss_markov/position_time_s: 0 is not > 0"));
   EXPECT_THAT(

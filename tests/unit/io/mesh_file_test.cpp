@@ -88,7 +88,7 @@ TEST_F(MeshFileTest, ABackslashJoinsLinesOfObj) {
   const fs::path path = write("t.obj",
                               "# no more \\\nv 0 0 \\\n0\nv 1\\\r\n 0 0\nv 0 1 0\nv 0 0 1.5 \\\n1 1 1\n"
                               "f 1 3\\\n2\nf 1 2 \\\n \\\n4\nf 2 3 4\nf 1 4 3 \\");
-  EXPECT_THAT(refusal_of(path), ::testing::HasSubstr("line 13: '\\' is not an integer"));
+  EXPECT_THAT(refusal_of(path), ::testing::HasSubstr("line 15: '\\' is not an integer"));
   std::string text;
   std::getline(std::ifstream(path), text, '\0');
   text.erase(text.size() - 2);

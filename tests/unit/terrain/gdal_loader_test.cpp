@@ -52,7 +52,7 @@ class LoadDem : public ::testing::Test {
 };
 
 TEST_F(LoadDem, TellsItsFiles) {
-  DemBase dem = written({});
+  DemBase dem = written({4, 4, [](int col, int) { return col; }, "Float64", {}, "", {}, 1, 0, {}});
   const std::string raster = dem.path;
   const auto files = [&](const std::string& path) {
     dem.path = path;
@@ -82,7 +82,7 @@ TEST_F(LoadDem, TellsItsFiles) {
 }
 
 TEST_F(LoadDem, RefusesAPipe) {
-  DemBase dem = written({});
+  DemBase dem = written({4, 4, [](int col, int) { return col; }, "Float64", {}, "", {}, 1, 0, {}});
   const std::string pipe = (folder_ / "pipe.tif").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const std::string vrt = (folder_ / "pipe.vrt").string();
