@@ -140,7 +140,8 @@ class Usage(ToolTest):
             for option in options:
                 wanted = f"{name}: {long_names.get(option, option)} wants a file\n"
                 for arguments in ([option, ""], [f"{option}="] if option.startswith("--") else [option, ""]):
-                    result = self.refuse(2, name, *INPUTS[name], *arguments)
+                    inputs = [] if option in INPUTS[name] else INPUTS[name]
+                    result = self.refuse(2, name, *inputs, *arguments)
                     self.assertEqual(result.stderr.replace(" (see --help)", ""), wanted)
         for name, argument in [("regrid", "scans"), ("dem-eval", "dem")]:
             self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} wants a file\n")
