@@ -227,7 +227,7 @@ class Features(ToolTest):
                 ({"type": "ridge", "length_m": 9, "width_m": 1, "height_m": 1, "taper_m": 5}, "/features/0/taper_m: 5"),
                 ({"type": "fracture", "length_m": 9}, "/features/0/depth_m: 0"),
                 ({"type": "penitente_field", "amplitude_m": 1}, "/features/0/length_m: 0"),
-                ({"type": "ice_block", "length_m": 1, "width_m": 1, "height_m": 1, "tilt_deg": 85}, "tilt_deg: 85 is above"),
+                ({"type": "ice_block", "length_m": 1, "width_m": 1, "height_m": 1, "tilt_deg": 85}, "tilt_deg: 85 is not in [-80, 80]"),
                 ({"type": "rock", "diameter_m": 1, "x_m": 99}, "features/0: its centre (99, 0) m is outside the grid"),
                 ({"type": "rock", "diameter_m": 1, "yaw": 3}, "/features/0/yaw: unknown key")]:
             with self.subTest(feature):
