@@ -223,7 +223,7 @@ class MeshTest(ToolTest):
         bad = self.config({"mesh": {"path": self.path("mesh.off"), "scale_m": 0}}, "bad.json")
         self.refuse(2, "terrain-gen", "-c", bad, "-o", out, words=["/mesh/scale_m"], output=out)
         text = self.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 7\n")
-        for path, words in [(text, ["bad.obj", "vertex 7 of 2"]), (self.path("none.ply"), ["none.ply", "exist"])]:
+        for path, words in [(text, ["bad.obj", "vertex 7 of 2"]), (self.path("none.ply"), ["none.ply", "no such file"])]:
             config = self.config({"mesh": {"path": path}}, "c.json")
             self.refuse(1, "terrain-gen", "-c", config, "-o", out, words=words, output=out)
 
