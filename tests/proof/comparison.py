@@ -14,11 +14,12 @@ import surface
 import terrain
 from frames import matrix_of_quaternion, roll_pitch_yaw
 
+BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 SINGLE = 6e-8  # half a unit in the last place of single precision, relative
 
 
 def run(tool, *arguments):
-    result = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "-t", "1", *map(str, arguments)],
+    result = subprocess.run([os.path.join(BIN, tool), "-t", "1", *map(str, arguments)],
                             capture_output=True, text=True, timeout=120)
     if result.returncode or result.stderr:
         raise AssertionError(f"{tool} {arguments}: exit {result.returncode}: {result.stderr}")
