@@ -22,6 +22,10 @@ const char* ply_type(h5::Type type) {
   }
 }
 
+std::string property_name(const ContentInfo& column) {
+  return "scalar_" + (column.name == "range_measured" ? "range_meas" : column.name);
+}
+
 template <class T>
 void append_bytes(std::string& out, T value) {
   char bytes[sizeof(T)];
@@ -51,16 +55,17 @@ std::string ply_header(const std::vector<ContentInfo>& columns, std::size_t coun
       "comment landfall points: metres, x right, y up on the map, z up\n"
       "comment file_id " +
       file_id + "\n";
+  const auto is_place = [](std::size_t c) { return c < 3; };
+  const auto name_of = [&](std::size_t c) {
+    return is_place(c) ? std::string(1, "xyz"[c]) : property_name(columns[c]);
+  };
   for (std::size_t c = 0; c < columns.size(); ++c)
-    header += "comment " +
-              std::string(c < 3 ? std::string(1, "xyz"[c]) : "scalar_" + name_with_unit(columns[c])) + ": " +
-              (c < 3 ? columns[c].name + ", " : "") + columns[c].long_name + ", unit " + columns[c].units +
-              "\n";
+    header += "comment " + name_of(c) + ": " + columns[c].name + ", " + columns[c].long_name + ", unit " +
+              columns[c].units + "\n";
   header += "element vertex " + std::to_string(count) + "\n";
   for (std::size_t c = 0; c < columns.size(); ++c)
-    header += c < 3 ? "property double " + std::string(1, "xyz"[c]) + "\n"
-                    : "property " + std::string(ply_type(columns[c].type)) + " scalar_" +
-                          name_with_unit(columns[c]) + "\n";
+    header += std::string("property ") + (is_place(c) ? "double" : ply_type(columns[c].type)) + " " +
+              name_of(c) + "\n";
   return header + "end_header\n";
 }
 

@@ -12,8 +12,8 @@
 namespace landfall {
 
 /// The header of a binary PLY of `count` points: x, y and z as double, the others as properties scalar_NAME
-/// of the type that the file stores them in. NAME ends with the unit (name_with_unit()): CloudCompare takes a
-/// property whose name ends with "red", as range_measured does, for a colour.
+/// of the type that the file stores them in; their units are in comments. range_measured is
+/// scalar_range_meas: CloudCompare takes a property whose name holds "red" for a colour.
 [[nodiscard]] std::string ply_header(const std::vector<ContentInfo>& columns, std::size_t count,
                                      const std::string& file_id);
 

@@ -28,7 +28,7 @@ TEST(PointsPly, HasDoublePlacesAndStoredTypes) {
                    {{"x_true", "y_true", "z_true", "x_est", "pulse", "status"}, {true, 1}, 3}, sink);
   const std::string properties =
       "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
-      "property double scalar_x_est_m\nproperty int scalar_pulse\nproperty char scalar_status\nend_header\n";
+      "property double scalar_x_est\nproperty int scalar_pulse\nproperty char scalar_status\nend_header\n";
   const std::size_t header = sink.bytes().find(properties);
   ASSERT_NE(header, std::string::npos);
   EXPECT_THAT(sink.bytes(), testing::StartsWith("ply\nformat binary_little_endian 1.0\ncomment "));
