@@ -151,7 +151,8 @@ void export_scan(const cli::Session& session, const Options& o, const std::strin
   } else if (format == "ply") {
     write_points_ply(points, ply_pass(points, o), sink, progress);
   } else if (format == "las") {
-    write_points_las(points, position_of(o), o.every, source_line(session.tool()), sink, progress);
+    write_points_las(points, position_of(o), o.every, session.tool() + " " + program_version(), sink,
+                     progress);
   } else {
     require_only_returns(points);
     std::vector<ContentInfo> columns = points.columns();

@@ -16,6 +16,7 @@ constexpr Rgb kInk = {30, 30, 30};
 constexpr std::int64_t kEnlargeTo = 600;
 constexpr std::int64_t kLeastSide = 240;  ///< of the frame, so that labels have room
 constexpr double kOutliers = 0.005;       ///< on either side
+constexpr double kLeastRange = 1e-9;      ///< less is rounding
 constexpr std::int64_t kTick = 6;
 constexpr std::int64_t kGap = 8;
 constexpr std::int64_t kBarWidth = 22;
@@ -190,7 +191,7 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
     high = std::max(std::abs(low), std::abs(high));
     low = -high;
   }
-  if (high - low > 1e-12 * std::max(std::abs(low), std::abs(high))) return {low, high};
+  if (high - low > std::max(kLeastRange, 1e-12 * std::max(std::abs(low), std::abs(high)))) return {low, high};
   const double half = low == 0 ? 0.5 : std::abs(low) / 2;
   return {low - half, low + half};
 }
