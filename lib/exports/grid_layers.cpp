@@ -8,6 +8,9 @@
 namespace landfall {
 namespace {
 
+/// Of more bins, a layer is read in strips where that will do.
+constexpr std::size_t kLargeBins = std::size_t{1} << 24U;
+
 LandfallFileReader require_grid(LandfallFileReader file) {
   if (has_grid(file)) return file;
   if (kind_of(file) == "terrain")
@@ -59,6 +62,23 @@ std::vector<ContentInfo> GridSource::choose(const std::vector<std::string>& name
     chosen.push_back(*found);
   }
   return chosen;
+}
+
+void GridSource::read_strips(const ContentInfo& layer, const std::function<void(const AnyGrid& rows)>& use,
+                             const ProgressCallback& progress) const {
+  const GridSpec& whole = spec();
+  if (layer.type != h5::Type::float64 || whole.size() <= kLargeBins) {
+    use(read(layer, progress));
+    return;
+  }
+  const std::int64_t step = reader_.tile().row;
+  for (std::int64_t row = 0; row < whole.rows; row += step) {
+    GridSpec strip = whole;
+    strip.first_row += row;
+    strip.rows = std::min(step, whole.rows - row);
+    use(reader_.read_window<double>(layer.name, strip));
+    report(progress, static_cast<double>(row + strip.rows) / static_cast<double>(whole.rows));
+  }
 }
 
 AnyGrid GridSource::read(const ContentInfo& layer, const ProgressCallback& progress) const {

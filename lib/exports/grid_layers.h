@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -43,6 +44,10 @@ class GridSource {
   /// Throws UsageError, naming those that there are, for an unknown name or one that stands twice.
   [[nodiscard]] std::vector<ContentInfo> choose(const std::vector<std::string>& names) const;
 
+  /// Calls use(rows) with all rows of a layer, from the south: strip by strip where it is large and float64,
+  /// so that it is never in memory as a whole.
+  void read_strips(const ContentInfo& layer, const std::function<void(const AnyGrid& rows)>& use,
+                   const ProgressCallback& progress = {}) const;
   [[nodiscard]] AnyGrid read(const ContentInfo& layer, const ProgressCallback& progress = {}) const;
   [[nodiscard]] std::vector<NamedLayer> read(const std::vector<ContentInfo>& layers,
                                              const ProgressCallback& progress = {}) const;

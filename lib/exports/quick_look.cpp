@@ -27,10 +27,15 @@ bool keeps_greatest(const ContentInfo& content) {
 }
 
 RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const ProgressCallback& progress) {
-  const AnyGrid values = grid.read(layer, progress);
   const Reduction reduction = keeps_greatest(layer) ? Reduction::greatest : Reduction::mean;
-  const PixelMap map = std::visit([&](const auto& g) { return reduce(g, reduction, kMostPixels); }, values);
-  return map_picture(map, style_of(layer));
+  LayerReducer reducer(grid.spec(), reduction, kMostPixels);
+  grid.read_strips(
+      layer,
+      [&reducer](const AnyGrid& strip) {
+        std::visit([&reducer](const auto& rows) { reducer.add(rows); }, strip);
+      },
+      progress);
+  return map_picture(reducer.map(), style_of(layer));
 }
 
 /// The estimated places of all returns.

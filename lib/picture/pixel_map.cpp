@@ -13,39 +13,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPointsPerPixel = 4;
 
-/// The bins of one pixel.
-struct Bins {
-  std::int64_t first_row;
-  std::int64_t end_row;
-  std::int64_t first_col;
-  std::int64_t end_col;
-};
-
-template <class T>
-double mean_of(const Grid<T>& layer, const Bins& bins) {
-  double sum = 0;
-  std::int64_t count = 0;
-  for (std::int64_t row = bins.first_row; row < bins.end_row; ++row)
-    for (std::int64_t col = bins.first_col; col < bins.end_col; ++col) {
-      const double value = layer.at({row, col});
-      if (!std::isfinite(value)) continue;
-      sum += value;
-      ++count;
-    }
-  return count > 0 ? sum / static_cast<double>(count) : kNan;
-}
-
-template <class T>
-double greatest_of(const Grid<T>& layer, const Bins& bins) {
-  double greatest = kNan;
-  for (std::int64_t row = bins.first_row; row < bins.end_row; ++row)
-    for (std::int64_t col = bins.first_col; col < bins.end_col; ++col) {
-      const double value = layer.at({row, col});
-      if (std::isfinite(value) && !(value <= greatest)) greatest = value;
-    }
-  return greatest;
-}
-
 std::int64_t divided_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
 std::int64_t pixels_over(double extent_m, double pixel_m, std::int64_t most) {
@@ -58,28 +25,72 @@ std::int64_t pixel_of(double distance_m, double pixel_m, std::int64_t count) {
 
 }  // namespace
 
+LayerReducer::LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t most)
+    : layer_(layer),
+      reduction_(reduction),
+      factor_(divided_up(std::max(layer.rows, layer.cols), most)),
+      frame_{divided_up(layer.rows, factor_),
+             divided_up(layer.cols, factor_),
+             static_cast<double>(factor_) * layer.resolution_m,
+             layer.x(0) - layer.resolution_m / 2,
+             layer.y(layer.rows - 1) + layer.resolution_m / 2,
+             {}},
+      sums_(static_cast<std::size_t>(frame_.rows * frame_.cols)),
+      counts_(sums_.size()) {}
+
 template <class T>
-PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most) {
-  const GridSpec& spec = layer.spec();
-  const std::int64_t factor = divided_up(std::max(spec.rows, spec.cols), most);
-  const double s = spec.resolution_m;
-  PixelMap map{divided_up(spec.rows, factor),   divided_up(spec.cols, factor),
-               static_cast<double>(factor) * s, spec.x(0) - s / 2,
-               spec.y(spec.rows - 1) + s / 2,   {}};
-  map.values.resize(static_cast<std::size_t>(map.rows * map.cols));
-  parallel_for(static_cast<std::size_t>(map.rows), 8, [&](std::size_t begin, std::size_t end) {
-    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
-      for (std::int64_t col = 0; col < map.cols; ++col) {
-        const std::int64_t north = spec.rows - row * factor;  // bins run from the south
-        const Bins bins{std::max<std::int64_t>(0, north - factor), north, col * factor,
-                        std::min(spec.cols, (col + 1) * factor)};
-        map.values[static_cast<std::size_t>(row * map.cols + col)] =
-            reduction == Reduction::mean ? mean_of(layer, bins) : greatest_of(layer, bins);
-      }
+void LayerReducer::add_row(std::span<const T> bins, std::int64_t pixel_row) {
+  for (std::size_t col = 0; col < bins.size(); ++col) {
+    const double value = bins[col];
+    if (!std::isfinite(value)) continue;
+    const auto i =
+        static_cast<std::size_t>(pixel_row * frame_.cols + static_cast<std::int64_t>(col) / factor_);
+    if (reduction_ == Reduction::mean)
+      sums_[i] += value;
+    else if (counts_[i] == 0 || value > sums_[i])
+      sums_[i] = value;
+    ++counts_[i];
+  }
+}
+
+template <class T>
+void LayerReducer::add(const Grid<T>& rows) {
+  // Pixels run from the north, bins from the south.
+  const std::int64_t first = rows.spec().first_row - layer_.first_row;
+  const std::int64_t end = first + rows.spec().rows;
+  const std::int64_t first_pixel = (layer_.rows - end) / factor_;
+  const std::int64_t last_pixel = (layer_.rows - 1 - first) / factor_;
+  const auto count = static_cast<std::size_t>(last_pixel - first_pixel + 1);
+  parallel_for(count, 8, [&](std::size_t begin_piece, std::size_t end_piece) {
+    for (std::size_t i = begin_piece; i < end_piece; ++i) {
+      const std::int64_t pixel_row = first_pixel + static_cast<std::int64_t>(i);
+      const std::int64_t north = std::min(end, layer_.rows - pixel_row * factor_);
+      const std::int64_t south = std::max(first, layer_.rows - (pixel_row + 1) * factor_);
+      for (std::int64_t row = south; row < north; ++row) add_row(rows.row(row - first), pixel_row);
+    }
   });
+}
+
+PixelMap LayerReducer::map() const {
+  PixelMap map = frame_;
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    const double value = reduction_ == Reduction::mean ? sums_[i] / counts_[i] : sums_[i];
+    map.values.push_back(counts_[i] > 0 ? value : kNan);
+  }
   return map;
 }
 
+template <class T>
+PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most) {
+  LayerReducer reducer(layer.spec(), reduction, most);
+  reducer.add(layer);
+  return reducer.map();
+}
+
+template void LayerReducer::add(const Grid<double>&);
+template void LayerReducer::add(const Grid<float>&);
+template void LayerReducer::add(const Grid<std::int32_t>&);
+template void LayerReducer::add(const Grid<std::int8_t>&);
 template PixelMap reduce(const Grid<double>&, Reduction, std::int64_t);
 template PixelMap reduce(const Grid<float>&, Reduction, std::int64_t);
 template PixelMap reduce(const Grid<std::int32_t>&, Reduction, std::int64_t);

@@ -29,8 +29,31 @@ enum class Reduction {
   greatest,  ///< so that no flag is lost
 };
 
-/// A layer with at most `most` pixels a side (>= 1): each covers the same square number of bins, the last
-/// ones of a row or column perhaps fewer. T: double, float, std::int32_t or std::int8_t.
+/// Makes a map of a layer that comes in strips.
+class LayerReducer {
+ public:
+  /// At most `most` pixels a side (>= 1): each covers the same square number of bins of the layer, those at
+  /// its southern and eastern border perhaps fewer.
+  LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t most);
+
+  /// Adds whole rows of the layer, in any order, each once. T: double, float, std::int32_t or std::int8_t.
+  template <class T>
+  void add(const Grid<T>& rows);
+  [[nodiscard]] PixelMap map() const;
+
+ private:
+  template <class T>
+  void add_row(std::span<const T> bins, std::int64_t pixel_row);
+
+  GridSpec layer_;
+  Reduction reduction_;
+  std::int64_t factor_;
+  PixelMap frame_;            ///< without values
+  std::vector<double> sums_;  ///< or the greatest so far
+  std::vector<double> counts_;
+};
+
+/// A layer that is there as a whole.
 template <class T>
 [[nodiscard]] PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most);
 

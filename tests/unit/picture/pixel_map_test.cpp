@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -34,6 +35,26 @@ TEST(PixelMap, TakesTheMeanOfWhatHasAValue) {
   const PixelMap map = reduce(grid, Reduction::mean, 2);
   EXPECT_EQ(map.values, (std::vector<double>{(4 + 5 + 8) / 3.0, 7.5, 1.5, 3}));
   EXPECT_EQ(map.pixel_m, 1);
+}
+
+TEST(PixelMap, IsTheSameFromStripsInAnyOrder) {
+  Grid<double> grid(GridSpec{0.25, -3, 5, 23, 17});
+  for (std::size_t i = 0; i < grid.values().size(); ++i)
+    grid.values()[i] = i % 7 == 3 ? kNan : static_cast<double>(i * i % 101);
+  for (const Reduction reduction : {Reduction::mean, Reduction::greatest}) {
+    LayerReducer reducer(grid.spec(), reduction, 6);
+    for (const std::int64_t first : {16, 0, 8}) {
+      const std::int64_t rows = std::min<std::int64_t>(8, 23 - first);
+      Grid<double> strip(GridSpec{0.25, first - 3, 5, rows, 17});
+      for (std::int64_t row = 0; row < rows; ++row)
+        std::ranges::copy(grid.row(first + row), strip.row(row).begin());
+      reducer.add(strip);
+    }
+    const PixelMap whole = reduce(grid, reduction, 6);
+    const PixelMap strips = reducer.map();
+    ASSERT_EQ(strips.values.size(), 6U * 5U);
+    for (std::size_t i = 0; i < whole.values.size(); ++i) EXPECT_EQ(strips.values[i], whole.values[i]) << i;
+  }
 }
 
 TEST(PixelMap, LosesNoFlag) {
