@@ -133,7 +133,7 @@ void draw_axes(RgbImage& image, const PixelMap& map, const Layout& layout) {
   draw_text(image,
             {bottom + kTick + kTextHeight + kGap, layout.left + (layout.map_width - text_width(x_axis)) / 2},
             x_axis, kInk);
-  draw_text(image, {layout.top - kTextHeight - kGap, layout.left - text_width("y (m)") - kGap}, "y (m)",
+  draw_text(image, {layout.top - kTextHeight - 2 * kGap, layout.left - text_width("y (m)") - kGap}, "y (m)",
             kInk);
 }
 
