@@ -16,7 +16,7 @@ LEVELS = {
     "ray": 3,
     "simulation": 4, "gridding": 4, "evaluation": 4,
     "config": 5, "io": 5,
-    "exports": 6, "lidar": 6,
+    "exports": 6, "lidar": 6, "report": 6,
     "cli": 7,
 }
 
@@ -30,7 +30,7 @@ ONLY_IN = {
     r"(hdf5|H5)": {"io"},
     r"libdeflate": {"io"},
     r"zlib": {"io"},
-    r"nlohmann/": {"config", "io", "cli", "lidar"},
+    r"nlohmann/": {"config", "io", "cli", "lidar", "report"},
     r"valijson/": {"config"},
     r"CLI/": {"cli"},
     r"(iostream|fstream|chrono|ctime)$": {"config", "io", "cli"},

@@ -7,18 +7,21 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
 #include "config/dem_config.h"
 #include "io/evaluation_file.h"
 #include "io/metrics_json.h"
+#include "report/page.h"
 
 namespace landfall {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
   dem-eval dem.h5 -o eval.h5 --metrics metrics.json
+  dem-eval dem.h5 -o eval.h5 --report report.html
   dem-eval dem.h5 --metrics-only --require-pass > metrics.json
   dem-eval dem.h5 -o eval.h5 --table --set region_radius_m=40 --set limits.relative_elevation_m=0.03
 Exit: 3 where --require-pass is given and a requirement is missed or cannot be judged.
@@ -32,6 +35,7 @@ The output has the error layers and a map of what fails where; --metrics writes 
 struct Options {
   std::string dem;
   std::string metrics;
+  std::string report;
   bool metrics_only = false;
   bool require_pass = false;
   bool table = false;
@@ -40,50 +44,130 @@ struct Options {
 void bind(CLI::App& app, Options& o) {
   app.add_option("dem", o.dem, "DEM to judge (dem.h5)")->type_name("FILE");
   app.add_option("--metrics", o.metrics, "Write the metrics as JSON")->type_name("FILE");
+  app.add_option("--report", o.report, "Write a report: one HTML file with verdicts, maps and a 3-D view")
+      ->type_name("FILE");
   app.add_flag("--metrics-only", o.metrics_only,
-               "Keep no layers; without -o and --metrics the metrics go to stdout");
+               "Keep no layers; without -o, --metrics and --report the metrics go to stdout");
   app.add_flag("--require-pass", o.require_pass, "Exit with 3 unless every requirement passes");
   app.add_flag("--table", o.table, "Print the table of requirements; the default on a terminal");
 }
+
+/// Gives what an evaluation gives to each of several.
+class SinkList : public LayerSink {
+ public:
+  void add(LayerSink* sink) {
+    if (sink != nullptr) sinks_.push_back(sink);
+  }
+  [[nodiscard]] bool empty() const { return sinks_.empty(); }
+  void take(const CoverageLayers& layers) override {
+    for (LayerSink* const sink : sinks_) sink->take(layers);
+  }
+  void take(Axis axis, const AxisLayers& layers) override {
+    for (LayerSink* const sink : sinks_) sink->take(axis, layers);
+  }
+  void take(const Grid<std::int8_t>& fail) override {
+    for (LayerSink* const sink : sinks_) sink->take(fail);
+  }
+
+ private:
+  std::vector<LayerSink*> sinks_;
+};
+
+/// The report of a run: its page is made at the end, of what it kept of the layers and of the DEM.
+class ReportOutput {
+ public:
+  ReportOutput(const std::string& path, bool overwrite) : output_(path, overwrite) {}
+
+  /// Before the DEM is judged.
+  void open(const Options& o, const DemLayers& dem, const EvaluationParameters& parameters) {
+    dem_.emplace(o.dem);
+    layers_.emplace(dem.z_est.spec(), parameters);
+    layers_->take(dem);
+    if (const auto count = dem_->count()) layers_->take(*count);
+  }
+
+  LayerSink* sink() { return &*layers_; }
+
+  void write(const Evaluation& evaluation, const EvaluationParameters& parameters,
+             const Provenance& provenance) {
+    nlohmann::json steps = provenance.chain;
+    steps.push_back(provenance.as_step());
+    const auto worst = html_report::worst_footprints(
+        layers_->shares(), parameters, [this](const GridSpec& window) { return dem_->read(window); });
+    write_text(output_, html_report::report_page({parameters, evaluation, *layers_, worst, steps}));
+  }
+
+  void commit() { output_.commit(); }
+
+ private:
+  OutputPath output_;
+  std::optional<DemWindowReader> dem_;
+  std::optional<html_report::ReportLayers> layers_;
+};
 
 /// The outputs of a run, refused before the DEM is read. They appear together or not at all.
 class Outputs {
  public:
   Outputs(const cli::Session& session, const Options& o) {
     if (!o.metrics_only || !session.options().output_path.empty()) layers_ = session.output({o.dem});
-    if (o.metrics.empty()) return;
     if (o.metrics == "-") throw UsageError("--metrics wants a file; --metrics-only alone prints the metrics");
-    if (same_file(o.metrics, o.dem)) throw UsageError("--metrics names the DEM itself, " + o.metrics);
-    if (layers_ && same_file(layers_->path, o.metrics))
-      throw UsageError("-o and --metrics name the same file, " + o.metrics);
-    metrics_ = std::make_unique<OutputPath>(o.metrics, session.options().overwrite);
+    if (o.report == "-") throw UsageError("--report wants a file");
+    check_names(o);
+    const bool overwrite = session.options().overwrite;
+    if (!o.metrics.empty()) metrics_ = std::make_unique<OutputPath>(o.metrics, overwrite);
+    if (!o.report.empty()) report_ = std::make_unique<ReportOutput>(o.report, overwrite);
   }
 
-  void open(const Provenance& provenance, const DemInput& dem) {
-    if (!layers_) return;
-    file_ = std::make_unique<LandfallFileWriter>(*layers_, "evaluation", provenance);
-    writer_.emplace(*file_, dem.layers.z_est.spec(), dem.crs_wkt);
+  void open(const Options& o, const EvaluationParameters& parameters, const Provenance& provenance,
+            const DemInput& dem) {
+    if (layers_) {
+      file_ = std::make_unique<LandfallFileWriter>(*layers_, "evaluation", provenance);
+      writer_.emplace(*file_, dem.layers.z_est.spec(), dem.crs_wkt);
+      if (!o.metrics_only) sinks_.add(&*writer_);
+    }
+    if (!report_) return;
+    report_->open(o, dem.layers, parameters);
+    sinks_.add(report_->sink());
   }
 
-  /// Takes the layers; null where there is no file to write.
-  LayerSink* sink() { return writer_ ? &*writer_ : nullptr; }
+  /// Takes the layers; null where none are wanted.
+  LayerSink* sink() { return sinks_.empty() ? nullptr : &sinks_; }
 
-  void finish(const Evaluation& evaluation) {
+  void finish(const Evaluation& evaluation, const EvaluationParameters& parameters,
+              const Provenance& provenance) {
     if (metrics_) write_text(*metrics_, metrics_json(evaluation.metrics).dump(2) + "\n");
+    if (report_) report_->write(evaluation, parameters, provenance);
     if (writer_) writer_->finish(evaluation);
     if (metrics_) metrics_->commit();
+    if (report_) report_->commit();
   }
 
  private:
+  void check_names(const Options& o) const {
+    const std::pair<const char*, const std::string&> names[] = {{"--metrics", o.metrics},
+                                                                {"--report", o.report}};
+    for (const auto& [option, path] : names) {
+      if (path.empty()) continue;
+      if (same_file(path, o.dem)) throw UsageError(std::string(option) + " names the DEM itself, " + path);
+      if (layers_ && same_file(layers_->path, path))
+        throw UsageError("-o and " + std::string(option) + " name the same file, " + path);
+    }
+    if (!o.metrics.empty() && !o.report.empty() && same_file(o.metrics, o.report))
+      throw UsageError("--metrics and --report name the same file, " + o.report);
+  }
+
   std::optional<OutputOptions> layers_;
   std::unique_ptr<LandfallFileWriter> file_;
   std::optional<EvaluationWriter> writer_;
   std::unique_ptr<OutputPath> metrics_;
+  std::unique_ptr<ReportOutput> report_;
+  SinkList sinks_;
 };
 
 void print_result(const cli::Session& session, const Options& o, const Evaluation& evaluation,
                   const EvaluationParameters& parameters) {
-  const bool metrics_to_stdout = o.metrics_only && o.metrics.empty() && session.options().output_path.empty();
+  const bool metrics_to_stdout =
+      o.metrics_only && o.metrics.empty() && o.report.empty() && session.options().output_path.empty();
   if (metrics_to_stdout && !session.options().json_summary && !o.table) {
     std::cout << metrics_json(evaluation.metrics).dump(2) << '\n';
   } else if (o.table ||
@@ -143,17 +227,17 @@ ExitCode run(cli::Session& session, const Options& o) {
     provenance.add_input("region", region.file_id, nlohmann::json::array());
     dem.layers.region_mask = std::move(region.mask);
   }
-  outputs.open(provenance, dem);
-  LayerSink* const sink = o.metrics_only ? nullptr : outputs.sink();
+  outputs.open(o, parameters, provenance, dem);
   std::optional<BinMask> region_mask = dem.layers.region_mask;
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
-    evaluation = judge_dem(session, o, std::move(dem.layers), parameters, sink, progress);
+    evaluation = judge_dem(session, o, std::move(dem.layers), parameters, outputs.sink(), progress);
   });
   session.phase("uncertainty", [&](const ProgressCallback&) {
     evaluation.metrics.uncertainty = judge_uncertainty(o, parameters, std::move(region_mask));
   });
-  session.phase("write", [&](const ProgressCallback&) { outputs.finish(evaluation); });
+  session.phase("write",
+                [&](const ProgressCallback&) { outputs.finish(evaluation, parameters, provenance); });
   session.count("metrics", metrics_json(evaluation.metrics));
   print_result(session, o, evaluation, parameters);
   return verdict(session, o, evaluation.metrics);

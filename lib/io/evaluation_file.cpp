@@ -134,6 +134,35 @@ DemInput read_dem(const std::filesystem::path& path) {
   return dem;
 }
 
+DemWindowReader::DemWindowReader(const std::filesystem::path& path) : file_(path, {"dem"}), layers_(file_) {}
+
+Grid<double> DemWindowReader::read(const std::string& name, const GridSpec& window) const {
+  const GridSpec& dem = layers_.spec();
+  // Whole tiles are read, as a part of one takes as long.
+  const BinIndex before{(window.first_row - dem.first_row) % layers_.tile().row,
+                        (window.first_col - dem.first_col) % layers_.tile().col};
+  const GridSpec wider{window.resolution_m, window.first_row - before.row, window.first_col - before.col,
+                       window.rows + before.row, window.cols + before.col};
+  const Grid<double> values = layers_.read_window<double>(name, wider);
+  auto part = Grid<double>::unset(window);
+  for (std::int64_t row = 0; row < window.rows; ++row)
+    std::ranges::copy(values.row(row + before.row).subspan(static_cast<std::size_t>(before.col)),
+                      part.row(row).begin());
+  return part;
+}
+
+DemLayers DemWindowReader::read(const GridSpec& window) const {
+  DemLayers result{.z_est = read("z_est", window), .truth = std::nullopt};
+  if (layers_.has("x_true") && layers_.has("y_true") && layers_.has("z_true"))
+    result.truth = TrueLayers{read("x_true", window), read("y_true", window), read("z_true", window)};
+  return result;
+}
+
+std::optional<Grid<std::int32_t>> DemWindowReader::count() const {
+  if (!layers_.has("count")) return std::nullopt;
+  return layers_.read<std::int32_t>("count");
+}
+
 EvaluationWriter::EvaluationWriter(LandfallFileWriter& file, const GridSpec& spec, std::string crs_wkt)
     : file_(file), spec_(spec), crs_wkt_(std::move(crs_wkt)) {}
 

@@ -24,6 +24,24 @@ struct DemInput {
 /// if there is one. Throws FormatError.
 [[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
 
+/// Parts of a DEM, read one at a time.
+class DemWindowReader {
+ public:
+  /// Throws FormatError.
+  explicit DemWindowReader(const std::filesystem::path& path);
+
+  /// z_est and, where the DEM has it, truth of bins that lie within its grid. Throws FormatError.
+  [[nodiscard]] DemLayers read(const GridSpec& window) const;
+  /// The returns of every bin; nothing where the DEM has no such layer. Throws FormatError.
+  [[nodiscard]] std::optional<Grid<std::int32_t>> count() const;
+
+ private:
+  [[nodiscard]] Grid<double> read(const std::string& name, const GridSpec& window) const;
+
+  LandfallFileReader file_;
+  GridLayerReader layers_;
+};
+
 /// The bins of a grid whose value in a layer of an HDF5 file is neither 0 nor NaN. The file may be any that
 /// has the layer in the shape (y, x); coordinates /x and /y, where it has them, must be the grid's. Throws
 /// FormatError.

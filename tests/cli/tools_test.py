@@ -373,6 +373,37 @@ class DemEval(ChainTest):
                 self.refuse(2, "dem-eval", *self.arguments(*more), "-o", self.path("same"), "--metrics",
                             os.path.join(self.folder, other), words=["--metrics"], output=self.path("same"))
 
+    def test_report_is_the_same_for_any_threads_and_with_or_without_layers(self):
+        reports = [self.path(f"r{k}.html") for k in range(3)]
+        self.succeed("dem-eval", *self.arguments("-t", "1"), "-o", self.path("e.h5"), "--report", reports[0])
+        self.succeed("dem-eval", *self.arguments("-t", "2"), "-o", self.path("f.h5"), "--report", reports[1])
+        self.assertEqual(read_bytes(reports[0]), read_bytes(reports[1]))
+        self.assertEqual(read_bytes(self.path("e.h5")), read_bytes(self.chain.eval))
+        result = self.succeed("dem-eval", *self.arguments("--metrics-only"), "--report", reports[2])
+        self.assertEqual(result.stdout, "")
+        data = [read_bytes(path).split(b'id="report-data"')[1] for path in (reports[0], reports[2])]
+        self.assertEqual(data[0], data[1])
+        self.assertEqual(self.entries(), ["e.h5", "f.h5", "r0.html", "r1.html", "r2.html"])
+
+    def test_report_is_refused_before_any_work(self):
+        with open(self.path("r.html"), "w", encoding="utf-8") as file:
+            file.write("precious")
+        outputs = ["-o", self.path("e.h5"), "--report", self.path("r.html")]
+        self.refuse(2, "dem-eval", "/nowhere/dem.h5", *outputs, words=["r.html", "-O"], output=self.path("e.h5"))
+        self.assertEqual(read_bytes(self.path("r.html")), b"precious")
+        self.succeed("dem-eval", *self.arguments("-O"), *outputs)
+        self.assertIn(b"<!DOCTYPE html>", read_bytes(self.path("r.html")))
+
+    def test_report_must_differ_from_the_other_files(self):
+        shutil.copy(self.chain.dem, self.path("d.h5"))
+        for arguments in (["-o", self.path("same"), "--report", self.path("same")],
+                          ["-o", self.path("e.h5"), "--metrics", self.path("same"), "--report", self.path("same")],
+                          ["-o", self.path("e.h5"), "--report", self.path("d.h5")],
+                          ["-o", self.path("e.h5"), "--report", "-"]):
+            self.refuse(2, "dem-eval", self.path("d.h5"), "-O", *arguments, words=["--report"])
+            self.assertEqual(self.entries(), ["d.h5"])
+        self.assertEqual(read_bytes(self.path("d.h5")), read_bytes(self.chain.dem))
+
     def test_table_and_json_exclude_each_other(self):
         self.refuse(2, "dem-eval", *self.arguments("--table", "--json"), "-o", self.path("e.h5"), words=["--table"])
 

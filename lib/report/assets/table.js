@@ -30,7 +30,10 @@ function sortRows(table, column, descending) {
   }
 }
 
+/** Once for each table; those of the page as it is loaded need no call. */
 function makeSortable(table) {
+  if (table.dataset.sortable) return;
+  table.dataset.sortable = "yes";
   const headings = [...(table.tHead?.rows[table.tHead.rows.length - 1]?.cells ?? [])];
   headings.forEach((heading, column) => {
     const button = document.createElement("button");

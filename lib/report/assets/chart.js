@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+"use strict";
+
+// Diagrams: curves, bars and points between two axes, linear or logarithmic.
+
+const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};
+
+class Axis {
+  /** `pixels`: where low and high lie. */
+  constructor({low, high, label, log = false, whole = false}, pixels) {
+    Object.assign(this, {low, high, label, log, whole, pixels});
+  }
+
+  at(value) {
+    const place = (v) => this.log ? Math.log(v) : v;
+    const share = (place(value) - place(this.low)) / (place(this.high) - place(this.low));
+    return this.pixels[0] + share * (this.pixels[1] - this.pixels[0]);
+  }
+
+  ticks() {
+    if (!this.log) {
+      const most = Math.abs(this.pixels[1] - this.pixels[0]) / 45;
+      return ticks(this.low, this.high, this.whole ? Math.min(most, this.high - this.low) : most);
+    }
+    const digits = this.high / this.low < 30 ? [1, 2, 3, 5] : [1];
+    const result = [];
+    for (let power = Math.floor(Math.log10(this.low)); power <= Math.log10(this.high); ++power) {
+      for (const digit of digits) {
+        const value = digit * 10 ** power;
+        if (value >= this.low * 0.999 && value <= this.high * 1.001) {
+          result.push({value, text: String(Number(value.toPrecision(3)))});
+        }
+      }
+    }
+    return result;
+  }
+}
+
+class Chart {
+  constructor(title, xAxis, yAxis) {
+    const {width, height, left, right, top, bottom} = CHART;
+    this.x = new Axis(xAxis, [left, width - right]);
+    this.y = new Axis(yAxis, [height - bottom, top]);
+    this.svg = svgElement("svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": title});
+    this.legend = htmlElement("div", {class: "legend"});
+    this.element = htmlElement("figure", {class: "panel chart"}, htmlElement("figcaption", {}, title), this.svg,
+                               this.legend);
+    this.drawAxes();
+  }
+
+  drawAxes() {
+    const {width, height, left, right, top, bottom} = CHART;
+    for (const {value, text} of this.x.ticks()) {
+      const x = this.x.at(value);
+      this.svg.append(svgElement("line", {x1: x, x2: x, y1: top, y2: height - bottom, class: "grid"}),
+                      svgElement("text", {x, y: height - bottom + 17, "text-anchor": "middle"}, text));
+    }
+    for (const {value, text} of this.y.ticks()) {
+      const y = this.y.at(value);
+      this.svg.append(svgElement("line", {x1: left, x2: width - right, y1: y, y2: y, class: "grid"}),
+                      svgElement("text", {x: left - 6, y: y + 4, "text-anchor": "end"}, text));
+    }
+    this.svg.append(
+        svgElement("rect", {x: left, y: top, width: width - left - right, height: height - top - bottom,
+                            fill: "none", stroke: INK}),
+        svgElement("text", {x: (left + width - right) / 2, y: height - 8, "text-anchor": "middle"}, this.x.label),
+        svgElement("text", {transform: `translate(13 ${(top + height - bottom) / 2}) rotate(-90)`,
+                            "text-anchor": "middle"}, this.y.label));
+  }
+
+  inside(value, axis) { return Math.min(axis.high, Math.max(axis.low, value)); }
+
+  curve(points, {color, dash = "", text = "", width = 2}) {
+    const path = points.map(([x, y]) => `${this.x.at(this.inside(x, this.x)).toFixed(2)},` +
+                                        this.y.at(this.inside(y, this.y)).toFixed(2));
+    this.svg.append(svgElement("polyline", {points: path.join(" "), fill: "none", stroke: color,
+                                            "stroke-width": width, "stroke-dasharray": dash}));
+    if (text) this.entry(text, color, dash);
+    return this;
+  }
+
+  bars(bars, color) {
+    for (const {low, high, count} of bars) {
+      const x = this.x.at(low), top = this.y.at(this.inside(count, this.y));
+      this.svg.append(svgElement("rect", {x, y: top, width: Math.max(1, this.x.at(high) - x - 0.5),
+                                          height: this.y.pixels[0] - top, fill: color}));
+    }
+    return this;
+  }
+
+  dots(points, color, text) {
+    for (const [x, y, radius] of points) {
+      this.svg.append(svgElement("circle", {cx: this.x.at(x), cy: this.y.at(y), r: radius, fill: color,
+                                            "fill-opacity": 0.75}));
+    }
+    const sample = svgElement("svg", {viewBox: "0 0 12 12", class: "swatch"},
+                              svgElement("circle", {cx: 6, cy: 6, r: 4, fill: color}));
+    this.legend.append(htmlElement("span", {}, sample, text));
+    return this;
+  }
+
+  /** A line across at x; one beyond the axis is only named. */
+  limit(x, text, color = VERMILION) {
+    const beyond = x > this.x.high || x < this.x.low;
+    if (!beyond) this.curve([[x, this.y.low], [x, this.y.high]], {color, dash: "7 3"});
+    this.entry(text + (beyond ? " (beyond this diagram)" : ""), color, "7 3");
+    return this;
+  }
+
+  entry(text, color, dash) {
+    const sample = svgElement("svg", {viewBox: "0 0 30 10", class: "sample"}, svgElement(
+        "line", {x1: 1, x2: 29, y1: 5, y2: 5, stroke: color, "stroke-width": 2.5, "stroke-dasharray": dash}));
+    this.legend.append(htmlElement("span", {}, sample, text));
+  }
+}
+
+const AXIS_STYLES = {x: {color: BLUE, dash: ""}, y: {color: VERMILION, dash: "6 3"}, z: {color: INK, dash: "2 2"}};
+
+/** [[value, classes up to it]] of a histogram, its upper edges. */
+function cumulative({low, high, count}) {
+  const total = count.reduce((sum, n) => sum + n, 0);
+  let sum = 0;
+  const points = count.map((n, k) => {
+    sum += n;
+    return [low + (k + 1) * (high - low) / count.length, sum / total];
+  });
+  return [[low, low === high ? 1 : 0], ...points];
+}
+
+/** The value below which a share of a histogram lies. */
+function shareBelow(histogram, share) {
+  return cumulative(histogram).find(([, y]) => y >= share)[0];
+}
+
+function errorChart(axes) {
+  const shown = axes.filter(([, h]) => h.error.count.length > 1);
+  if (shown.length === 0) return null;
+  const bound = Math.max(1e-9, ...shown.map(([, h]) => Math.max(Math.abs(shareBelow(h.error, 0.001)),
+                                                                 Math.abs(shareBelow(h.error, 0.999)))));
+  const [unit, factor] = lengthUnit(bound);
+  const curves = shown.map(([axis, h]) => [axis, merged(h.error, bound, 80)]);
+  const high = 1.08 * Math.max(...curves.map(([, points]) => Math.max(...points.map(([, y]) => y))));
+  const chart = new Chart("Errors of the bins", {low: -bound * factor, high: bound * factor, label: `error (${unit})`},
+                          {low: 0, high: 100 * high, label: "bins in a class (%)"});
+  for (const [axis, points] of curves) {
+    chart.curve(points.map(([x, y]) => [x * factor, 100 * y]), {...AXIS_STYLES[axis], text: `e_${axis}`});
+  }
+  return chart.element;
+}
+
+/** [[middle, share]] of `classes` even classes from -bound to bound. */
+function merged({low, high, count}, bound, classes) {
+  const total = count.reduce((sum, n) => sum + n, 0);
+  const shares = new Array(classes).fill(0);
+  count.forEach((n, k) => {
+    const middle = low + (k + 0.5) * (high - low) / count.length;
+    const at = Math.floor((middle + bound) / (2 * bound) * classes);
+    if (at >= 0 && at < classes) shares[at] += n / total;
+  });
+  return shares.map((share, k) => [(2 * (k + 0.5) / classes - 1) * bound, share]);
+}
+
+function absoluteErrorChart(axes) {
+  const shown = axes.filter(([, h]) => h.error.count.length > 0);
+  if (shown.length === 0) return null;
+  const curves = shown.map(([axis, h]) => [axis, folded(h.error)]);
+  const bound = Math.max(1e-9, ...curves.map(([, points]) => points.find(([, y]) => y >= 0.999)[0]));
+  const [unit, factor] = lengthUnit(bound);
+  const chart = new Chart("Bins with an error up to ...", {low: 0, high: bound * factor, label: `|error| (${unit})`},
+                          {low: 0, high: 100, label: "share of the bins (%)"});
+  for (const [axis, points] of curves) {
+    chart.curve(points.map(([x, y]) => [x * factor, 100 * y]), {...AXIS_STYLES[axis], text: `e_${axis}`});
+  }
+  return chart.element;
+}
+
+/** The cumulative shares of |value|. */
+function folded({low, high, count}) {
+  const total = count.reduce((sum, n) => sum + n, 0);
+  const values = count.map((n, k) => [Math.abs(low + (k + 0.5) * (high - low) / count.length), n]);
+  values.sort((a, b) => a[0] - b[0]);
+  let sum = 0;
+  return values.map(([value, n]) => [value, (sum += n) / total]);
+}
+
+function relativeChart(axes, limits) {
+  const shown = axes.filter(([, h]) => h.relative.count.length > 0);
+  if (shown.length === 0) return null;
+  const largest = Math.max(...shown.map(([, h]) => h.relative.high));
+  const closest = Math.max(limits.relative_elevation_m, limits.relative_horizontal_m);
+  const bound = Math.max(1e-9, closest > 30 * largest ? largest : Math.max(largest, closest) * 1.05);
+  const [unit, factor] = lengthUnit(bound);
+  const chart = new Chart("Footprints with a relative error up to ...",
+                          {low: 0, high: bound * factor, label: `relative error (${unit})`},
+                          {low: 0, high: 100, label: "share of the footprints (%)"});
+  for (const [axis, h] of shown) {
+    chart.curve(cumulative(h.relative).map(([x, y]) => [x * factor, 100 * y]),
+                {...AXIS_STYLES[axis], text: `rel_${axis}`});
+  }
+  const texts = limits.relative_elevation_m === limits.relative_horizontal_m ?
+      [["limit", limits.relative_elevation_m]] :
+      [["limit of z", limits.relative_elevation_m], ["limit of x and y", limits.relative_horizontal_m]];
+  for (const [text, limit] of texts) chart.limit(limit * factor, `${text} ${metresAs(limit, unit, factor)}`, PURPLE);
+  return chart.element;
+}
+
+function holeChart({size_bins, count}, limit) {
+  const largest = size_bins[size_bins.length - 1];
+  const log = largest >= 60;
+  const high = Math.max(largest, limit <= Math.max(30, 3 * largest) ? limit : 0) * (log ? 1.3 : 1) + 1;
+  const most = Math.max(...count);
+  const countLog = most > 50;
+  const chart = new Chart("Sizes of the holes", {low: log ? 0.8 : 0, high, label: "bins of a hole (8-connected)", log, whole: true},
+                          {low: countLog ? 0.7 : 0, high: countLog ? most * 1.5 : most * 1.1, label: "holes", log: countLog,
+                           whole: true});
+  const bars = size_bins.map((size, k) => log ? {low: size / 1.05, high: size * 1.05, count: count[k]} :
+                                                {low: size - 0.4, high: size + 0.4, count: count[k]});
+  return chart.bars(bars, BLUE).limit(limit + 0.5, `limit ${counted(limit, "bin")}`).element;
+}
+
+function reliabilityChart(title, {sigma_m, rmse_m, bins}) {
+  const shown = sigma_m.map((sigma, k) => [sigma, rmse_m[k], bins[k]]).filter(([s, r]) => s > 0 && r > 0);
+  if (shown.length === 0) return null;
+  const values = shown.flatMap(([sigma, rmse]) => [sigma, rmse]);
+  const [unit, factor] = lengthUnit(Math.max(...values));
+  const low = factor * Math.min(...values) / 1.3, high = factor * Math.max(...values) * 1.3;
+  const most = Math.max(...shown.map(([, , n]) => n));
+  const chart = new Chart(title, {low, high, log: true, label: `predicted sigma (${unit})`},
+                          {low, high, log: true, label: `root mean square error (${unit})`});
+  return chart.curve([[low, low], [high, high]], {color: INK, text: "as foretold", width: 1.2})
+      .dots(shown.map(([sigma, rmse, n]) => [sigma * factor, rmse * factor, 2.5 + 6 * Math.sqrt(n / most)]), BLUE,
+            "found (area: bins)").element;
+}
+
+/** The error function, within 1.5e-7 (Abramowitz and Stegun 7.1.26). */
+function errorFunction(x) {
+  const t = 1 / (1 + 0.3275911 * x);
+  const factors = [0.254829592, -0.284496736, 1.421413741, -1.453152027, 1.061405429];
+  return 1 - factors.reduceRight((sum, factor) => (sum + factor) * t, 0) * Math.exp(-x * x);
+}
+
+function shareChart(title, {k, frac}) {
+  if (k.length === 0) return null;
+  const chart = new Chart(title, {low: 0, high: 4, label: "k"},
+                          {low: 0, high: 100, label: "errors within k sigma (%)"});
+  const normal = Array.from({length: 81}, (_, i) => [i / 20, 100 * errorFunction(i / 20 / Math.SQRT2)]);
+  return chart.curve(normal, {color: INK, text: "normal distribution", width: 1.2})
+      .dots(k.map((value, i) => [value, 100 * frac[i], 3.5]), BLUE, "found").element;
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+"use strict";
+
+// Fills the page's sections. data-ready on <body> says that all is drawn.
+
+const MAP_GROUPS = [
+  ["Elevation and returns", ["z_est", "z_true", "count"]],
+  ["Errors of the bins: true minus estimated", ["e_x", "e_y", "e_z"]],
+  ["Absolute error: mean over the footprint centred on the bin", ["abs_x", "abs_y", "abs_z"]],
+  ["Relative error: quantile of the deviation from that mean", ["rel_x", "rel_y", "rel_z"]],
+  ["Coverage and verdict", ["invalid", "fail"]],
+];
+const RULE_TEXTS = {
+  mean: "elevations their mean", extreme: "errors the one of the largest magnitude",
+  largest: "relative errors and masks the largest", least: "returns the least",
+  any_bit: "missed requirements all of them",
+};
+
+function mapOptions(layer, region, marks) {
+  const options = {region};
+  if (layer.name === "z_est") options.marks = marks;
+  if (layer.name === "rel_z") options.limit_m = report.limits.relative_elevation_m;
+  if (layer.name === "rel_x" || layer.name === "rel_y") options.limit_m = report.limits.relative_horizontal_m;
+  const {coverage} = report.metrics;
+  if (layer.name === "invalid") {
+    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}, enlarged`;
+  }
+  if (layer.name === "fail") {
+    options.note = "bins and centres of footprints, enlarged; numbered: the worst";
+    options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
+  }
+  return options;
+}
+
+function failLegend() {
+  const entries = FAIL_FLAGS.map(({bits, text, color}) => {
+    const count = report.fail_count[Math.log2(bits)];
+    const sample = svgElement("svg", {viewBox: "0 0 12 12", class: "swatch"},
+                              svgElement("rect", {width: 12, height: 12, fill: color}));
+    return htmlElement("span", {}, sample, `${text}: ${count}`);
+  });
+  return htmlElement("div", {class: "legend"}, ...entries);
+}
+
+function mapsNote() {
+  const {factor, rows, cols, resolution_m} = report.grid;
+  const size = `${cols} x ${rows} bins of ${Number((resolution_m * 100).toPrecision(6))} cm`;
+  if (factor === 1) return `${size}, each of them here. North (y) is up; grey: no value; dashed: the judged region.`;
+  return `${size}; ${factor} x ${factor} of them are one cell here: of ${Object.values(RULE_TEXTS).join(", of ")}. ` +
+      "North (y) is up; grey: no value; dashed: the judged region; boxes on the elevation: invalid bins, enlarged; " +
+      "a red mark on a colour bar: the limit.";
+}
+
+async function fillMaps(section) {
+  section.append(htmlElement("p", {class: "note"}, mapsNote()));
+  const region = await rasterOf(layerNamed("in_region"), report.grid);
+  const marks = await rasterOf(layerNamed("invalid"), report.grid);
+  for (const [title, names] of MAP_GROUPS) {
+    const layers = names.map(layerNamed).filter((layer) => layer !== null);
+    if (layers.length === 0) continue;
+    const figures = htmlElement("div", {class: "figures"});
+    section.append(htmlElement("h3", {}, title), figures);
+    for (const layer of layers) {
+      const panel = new MapPanel(await rasterOf(layer, report.grid), mapOptions(layer, region, marks));
+      if (layer.name === "fail") panel.element.append(failLegend());
+      figures.append(panel.element);
+    }
+  }
+}
+
+function statisticsTable({statistics}) {
+  const keys = [["mean", "mean_m"], ["standard deviation", "std_m"], ["root mean square", "rmse_m"],
+                ["median", "median_m"], ["NMAD", "nmad_m"], ["LE90", "le90_m"], ["95 % within", "p95_m"]];
+  const rows = keys.map(([text, key]) => [[text], ...["x", "y", "z"].map((axis) => centimetres(statistics[axis][key]))]);
+  return tableElement("statistics", [["of the bins", false], ["x (cm)", true], ["y (cm)", true], ["z (cm)", true]], rows);
+}
+
+function fillErrors(section) {
+  const axes = Object.entries(report.histograms);
+  const charts = [errorChart(axes), absoluteErrorChart(axes), relativeChart(axes, report.limits)];
+  const shown = charts.filter((chart) => chart !== null);
+  if (shown.length === 0) {
+    section.append(htmlElement("p", {}, "No errors: the DEM has no truth, or no bin with an elevation."));
+    return;
+  }
+  section.append(htmlElement("div", {class: "figures"}, ...shown), statisticsTable(report.metrics));
+  const {horizontal} = report.metrics.statistics;
+  section.append(htmlElement("p", {class: "note"}, `Horizontal: CE90 ${metresAs(horizontal.ce90_m, "cm", 100)}.`));
+}
+
+function fillUncertainty(section) {
+  const {uncertainty} = report.metrics;
+  if (!uncertainty) {
+    section.remove();
+    return;
+  }
+  section.append(htmlElement("p", {}, "Do the DEM's 1-sigma maps foretell its errors? On the line they do; above it " +
+      "the errors are larger than foretold."));
+  for (const kind of ["absolute", "relative"]) {
+    const score = uncertainty[kind];
+    const percent = (share) => share === null ? "\u2013" : `${formatNumber(100 * share, 0.01)} %`;
+    const charts = [reliabilityChart(`${kind}: errors against sigma`, score.reliability),
+                    shareChart(`${kind}: errors within k sigma`, score.within_k_sigma)].filter((c) => c !== null);
+    section.append(htmlElement("h3", {}, `${kind[0].toUpperCase()}${kind.slice(1)} error`),
+                   htmlElement("p", {class: "note"}, `${score.count} bins; within 1 sigma ${percent(score.within_1_sigma_frac)} ` +
+                       `(normal 68.27 %), within 2 ${percent(score.within_2_sigma_frac)} (95.45 %); standard deviation of ` +
+                       `error over sigma ${formatNumber(score.std, 0.001)}.`),
+                   htmlElement("div", {class: "figures"}, ...charts));
+  }
+}
+
+function fillContents() {
+  const links = [...document.querySelectorAll("main > section")].map((section) => htmlElement(
+      "a", {href: `#${section.id}`}, section.querySelector("h2").textContent));
+  document.querySelector("nav.contents").append(...links);
+}
+
+async function fillPage() {
+  const section = (id) => document.getElementById(id);
+  fillUncertainty(section("uncertainty"));
+  fillErrors(section("errors"));
+  fillHoles(section("holes"));
+  if (report.metrics.requirements.relative_elevation.pass === null) section("worst").remove();
+  fillContents();
+  for (const table of document.querySelectorAll("#holes table.sortable, #errors table.sortable")) makeSortable(table);
+  if (typeof DecompressionStream === "undefined") {
+    section("message").textContent = "This browser cannot unpack the maps: it has no DecompressionStream " +
+        "(Chromium 80, Firefox 113, Safari 16.4 or later have it).";
+    return;
+  }
+  await fillMaps(section("maps"));
+  await fillTerrainView(section("view-3d"));
+  if (section("worst")) {
+    await fillWorst(section("worst"));
+    for (const table of document.querySelectorAll("#worst table.sortable")) makeSortable(table);
+  }
+}
+
+/** Resolves after the next picture: by then all panels know their width. */
+function nextFrame() {
+  return new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });
+}
+
+fillPage().then(nextFrame).then(
+    () => { document.body.dataset.ready = "yes"; },
+    (error) => {
+      document.getElementById("message").textContent = `Drawing failed: ${error.message}`;
+      throw error;
+    });

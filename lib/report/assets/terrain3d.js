@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+"use strict";
+
+// The DEM in three dimensions (WebGL 2): z_est as the surface, any layer as its colour, holes left out.
+
+const MOST_VERTICES = 512;  // along either axis
+
+const VERTEX_SHADER = `#version 300 es
+in float elevation;
+in vec3 color;
+uniform mat4 projection;
+uniform vec2 first, cell;
+uniform float middle, exaggeration;
+uniform int columns;
+out vec3 shade, place;
+void main() {
+  vec2 at = first + cell * vec2(gl_VertexID % columns, gl_VertexID / columns);
+  place = vec3(at, (elevation - middle) * exaggeration);
+  shade = color;
+  gl_Position = projection * vec4(place, 1.0);
+}`;
+
+const FRAGMENT_SHADER = `#version 300 es
+precision highp float;
+in vec3 shade, place;
+out vec4 result;
+void main() {
+  vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
+  if (normal.z < 0.0) normal = -normal;
+  float light = 0.5 + 0.65 * max(0.0, dot(normal, normalize(vec3(-0.5, 0.5, 0.7))));
+  result = vec4(shade * light, 1.0);
+}`;
+
+/** The raster with at most MOST_VERTICES cells a side: every few cells become one by the layer's rule. */
+function coarseRaster(raster) {
+  const stride = Math.ceil(Math.max(raster.rows, raster.cols) / MOST_VERTICES);
+  const rows = Math.ceil(raster.rows / stride), cols = Math.ceil(raster.cols / stride);
+  const values = new Float32Array(rows * cols);
+  for (let row = 0; row < rows; ++row) {
+    for (let col = 0; col < cols; ++col) {
+      values[row * cols + col] = blockValue(raster, [row * stride, Math.min(raster.rows, (row + 1) * stride)],
+                                            [col * stride, Math.min(raster.cols, (col + 1) * stride)]);
+    }
+  }
+  return {rows, cols, values, stride, cell_m: stride * raster.cell_m};
+}
+
+/** Two triangles for each square of four vertices that have a value. */
+function triangles({rows, cols, values}) {
+  const indices = [];
+  for (let row = 0; row + 1 < rows; ++row) {
+    for (let col = 0; col + 1 < cols; ++col) {
+      const a = row * cols + col, b = a + 1, c = a + cols, d = c + 1;
+      if (Number.isNaN(values[b]) || Number.isNaN(values[c])) continue;
+      if (!Number.isNaN(values[a])) indices.push(a, b, c);
+      if (!Number.isNaN(values[d])) indices.push(b, d, c);
+    }
+  }
+  return new Uint32Array(indices);
+}
+
+class TerrainView {
+  /** Throws where WebGL 2 is missing. */
+  constructor(surface, left_m, bottom_m) {
+    this.surface = surface;
+    this.view = {azimuth: -0.6, tilt: 0.75, distance: 1.4, exaggeration: 1};
+    this.canvas = htmlElement("canvas", {id: "terrain", tabindex: "0", role: "img", "aria-label":
+      "The DEM in three dimensions. Arrow keys turn it, plus and minus zoom."});
+    this.gl = this.canvas.getContext("webgl2", {antialias: true, preserveDrawingBuffer: true});
+    if (!this.gl) throw new Error("no WebGL 2");
+    this.program = this.link();
+    this.place(left_m, bottom_m);
+    this.upload("elevation", 1, surface.values.map((v) => Number.isNaN(v) ? 0 : v));
+    const indices = triangles(surface);
+    this.indexCount = indices.length;
+    this.gl.bindBuffer(this.gl.ELEMENT_ARRAY_BUFFER, this.gl.createBuffer());
+    this.gl.bufferData(this.gl.ELEMENT_ARRAY_BUFFER, indices, this.gl.STATIC_DRAW);
+    this.listen();
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  link() {
+    const {gl} = this;
+    const program = gl.createProgram();
+    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX_SHADER], [gl.FRAGMENT_SHADER, FRAGMENT_SHADER]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    gl.useProgram(program);
+    gl.enable(gl.DEPTH_TEST);
+    return program;
+  }
+
+  /** Where the vertices lie, about the middle of the map. */
+  place(left_m, bottom_m) {
+    const {rows, cols, cell_m, values} = this.surface;
+    let low = Infinity, high = -Infinity;
+    for (const value of values) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+    this.size_m = Math.max(rows, cols) * cell_m;
+    const at = (name) => this.gl.getUniformLocation(this.program, name);
+    const centre = [left_m + cols * cell_m / 2, bottom_m + rows * cell_m / 2];
+    this.gl.uniform2f(at("first"), left_m + cell_m / 2 - centre[0], bottom_m + cell_m / 2 - centre[1]);
+    this.gl.uniform2f(at("cell"), cell_m, cell_m);
+    this.gl.uniform1f(at("middle"), low <= high ? (low + high) / 2 : 0);
+    this.gl.uniform1i(at("columns"), cols);
+  }
+
+  upload(name, size, data) {
+    const {gl} = this;
+    const at = gl.getAttribLocation(this.program, name);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(at);
+    gl.vertexAttribPointer(at, size, data instanceof Uint8Array ? gl.UNSIGNED_BYTE : gl.FLOAT,
+                           data instanceof Uint8Array, 0, 0);
+  }
+
+  /** The colours of another layer's raster. */
+  show(raster) {
+    const {values} = coarseRaster(raster);
+    const scale = scaleOf(raster);
+    const {style} = raster.layer;
+    const colors = new Uint8Array(3 * values.length);
+    values.forEach((value, i) => {
+      const color = style === "flags" ? parseColor(failColor(value) ?? "#e8ebee") : colorOf(scale, value);
+      colors.set(color, 3 * i);
+    });
+    this.upload("color", 3, colors);
+    this.draw();
+  }
+
+  draw() {
+    const {gl, canvas} = this;
+    const ratio = Math.min(2, Math.max(1, window.devicePixelRatio));
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0.957, 0.965, 0.973, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const at = (name) => gl.getUniformLocation(this.program, name);
+    gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, this.size_m, width / height));
+    gl.uniform1f(at("exaggeration"), this.view.exaggeration);
+    gl.drawElements(gl.TRIANGLES, this.indexCount, gl.UNSIGNED_INT, 0);
+  }
+
+  turn(azimuth, tilt) {
+    this.view.azimuth += azimuth;
+    this.view.tilt = Math.min(Math.PI / 2, Math.max(0.05, this.view.tilt + tilt));
+    this.draw();
+  }
+
+  zoom(factor) {
+    this.view.distance = Math.min(6, Math.max(0.1, this.view.distance * factor));
+    this.draw();
+  }
+
+  reset() {
+    Object.assign(this.view, {azimuth: -0.6, tilt: 0.75, distance: 1.4});
+    this.draw();
+  }
+
+  listen() {
+    const pointers = new Map();
+    const spread = () => {
+      const [a, b] = [...pointers.values()];
+      return Math.hypot(a.x - b.x, a.y - b.y);
+    };
+    this.canvas.addEventListener("pointerdown", (event) => {
+      this.canvas.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      const before = pointers.get(event.pointerId);
+      if (!before) return;
+      const apart = pointers.size === 2 ? spread() : 0;
+      pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+      if (pointers.size === 1) this.turn((before.x - event.clientX) / 200, (event.clientY - before.y) / 200);
+      if (apart > 0) this.zoom(apart / Math.max(1, spread()));
+    });
+    for (const name of ["pointerup", "pointercancel"]) {
+      this.canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+    }
+    this.canvas.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && document.activeElement !== this.canvas) return;  // the wheel scrolls the page
+      event.preventDefault();
+      this.zoom(Math.exp(event.deltaY / 600));
+    }, {passive: false});
+    const keys = {ArrowLeft: () => this.turn(0.1, 0), ArrowRight: () => this.turn(-0.1, 0),
+                  ArrowUp: () => this.turn(0, 0.1), ArrowDown: () => this.turn(0, -0.1),
+                  "+": () => this.zoom(0.9), "-": () => this.zoom(1 / 0.9)};
+    this.canvas.addEventListener("keydown", (event) => {
+      if (!keys[event.key]) return;
+      event.preventDefault();
+      keys[event.key]();
+    });
+  }
+}
+
+/** From the map's coordinates, about its middle, to the screen's; columns first. The eye looks at the middle
+ * from `tilt` above the horizon, `azimuth` from the south, counter-clockwise. */
+function viewMatrix({azimuth, tilt, distance}, size_m, aspect) {
+  const [ca, sa, ct, st] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(tilt), Math.sin(tilt)];
+  const right = [ca, sa, 0], up = [-st * sa, st * ca, ct], back = [sa * ct, -ca * ct, st];
+  const away = distance * size_m, near = away / 50, far = away + 4 * size_m;
+  const zoom = 1.8, a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+  const sx = zoom / Math.max(1, aspect), sy = sx * aspect;
+  const matrix = [];
+  for (let k = 0; k < 3; ++k) matrix.push(sx * right[k], sy * up[k], a * back[k], -back[k]);
+  matrix.push(0, 0, -a * away + b, away);
+  return new Float32Array(matrix);
+}
+
+/** The view with its controls. */
+async function fillTerrainView(section) {
+  const say = (text) => section.append(htmlElement("p", {}, text));
+  const elevation = await rasterOf(layerNamed("z_est"), report.grid);
+  if (!elevation.hasValue()) return say("No bin of the DEM is valid.");
+  const surface = coarseRaster(elevation);
+  let view;
+  try {
+    view = new TerrainView(surface, elevation.left_m, elevation.bottom_m);
+  } catch (error) {
+    return say(`This browser has no WebGL 2, which the 3-D view needs (${error.message}). The maps show the same.`);
+  }
+  const bins = surface.stride * report.grid.factor;
+  section.append(terrainControls(view), view.canvas, htmlElement("p", {class: "note"},
+      `${surface.rows} x ${surface.cols} vertices, ${bins === 1 ? "one for each bin" : `one for ${bins} x ${bins} bins`}; ` +
+      "a bin without an elevation is no part of it. Drag or use the arrow keys to turn, + and \u2212 (or Ctrl and the wheel) to zoom."));
+  view.show(elevation);
+  return undefined;
+}
+
+function terrainControls(view) {
+  const layers = report.layers.filter((layer) => layer.style !== "mask");
+  const select = htmlElement("select", {id: "terrain-layer"}, ...layers.map((layer) => htmlElement(
+      "option", {value: layer.name}, layer.title)));
+  select.addEventListener("change", async () => {
+    view.show(await rasterOf(layerNamed(select.value), report.grid));
+  });
+  const slider = htmlElement("input", {type: "range", id: "exaggeration", min: "0", max: "1", step: "0.01", value: "0"});
+  const shown = htmlElement("output", {}, "1");
+  slider.addEventListener("input", () => {
+    view.view.exaggeration = 100 ** Number(slider.value);
+    shown.textContent = Number(view.view.exaggeration.toPrecision(2));
+    view.draw();
+  });
+  const reset = htmlElement("button", {type: "button"}, "reset the view");
+  reset.addEventListener("click", () => view.reset());
+  return htmlElement("div", {class: "controls"}, htmlElement("label", {}, "colour", select),
+                     htmlElement("label", {}, "heights times", slider, shown), reset);
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace landfall::html_report {
+
+/// A text as the content of an element or of a quoted attribute: & < > " ' as character references.
+[[nodiscard]] std::string html_text(std::string_view text);
+
+/// JSON that may stand within a <script> element: every < is \u003c, so that neither </script> nor <!-- ends
+/// or changes it. Bytes that are no UTF-8 become U+FFFD; a number that is not finite is null.
+[[nodiscard]] std::string script_json(const nlohmann::ordered_json& value, int indent = -1);
+
+/// RFC 4648, padded, one line.
+[[nodiscard]] std::string base64(std::span<const std::byte> bytes);
+
+}  // namespace landfall::html_report

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "evaluation/region.h"
+
+namespace landfall::html_report {
+
+/// How many of a region's values lie in each of equally wide classes from `low` to `high`, the least and the
+/// greatest of them. Empty where there is no value.
+struct Histogram {
+  double low = 0;
+  double high = 0;
+  std::vector<std::int64_t> count;
+};
+
+/// NaN and infinite values do not count. One class where all values are equal. T: double or float. The
+/// result does not depend on the number of threads.
+template <class T>
+[[nodiscard]] Histogram histogram(const Grid<T>& layer, const BinMask& region, std::size_t classes);
+
+}  // namespace landfall::html_report

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/quantised.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "io/chunk_codec.h"
+#include "report/escape.h"
+
+namespace landfall::html_report {
+namespace {
+
+/// The least of 1, 2, 5 times a power of ten that is not less.
+double round_step(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= least) return digit * power;
+  return 10 * power;
+}
+
+void find_extremes(std::span<const double> values, Quantised& result) {
+  bool any = false;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    result.low = any ? std::min(result.low, value) : value;
+    result.high = any ? std::max(result.high, value) : value;
+    any = true;
+  }
+}
+
+std::uint16_t zigzag(std::uint16_t code, std::uint16_t before) {
+  const auto difference = static_cast<std::int16_t>(static_cast<std::uint16_t>(code - before));
+  return static_cast<std::uint16_t>(difference < 0 ? -2 * difference - 1 : 2 * difference);
+}
+
+}  // namespace
+
+Quantised quantise(std::span<const double> values, int most_steps) {
+  Quantised result;
+  find_extremes(values, result);
+  result.offset = result.low;
+  // Halves, for the whole range may be more than the largest double.
+  const double range = 2 * (result.high / (2 * most_steps) - result.low / (2 * most_steps));
+  double first = 0;
+  if (range >= 1e-290) {
+    result.step = round_step(range);
+    first = std::floor(result.low / result.step);
+    if (std::isinf(first * result.step)) ++first;
+    result.offset = first * result.step;
+  }
+  const auto code = [&](double value) {
+    if (!std::isfinite(value)) return kNoValueCode;
+    if (result.step == 0) return std::uint16_t{0};
+    return static_cast<std::uint16_t>(std::clamp(std::round(value / result.step) - first, 0.0, 65534.0));
+  };
+  result.codes.resize(values.size());
+  std::ranges::transform(values, result.codes.begin(), code);
+  return result;
+}
+
+std::string packed(std::span<const std::uint16_t> codes) {
+  // Searching longer than at level 6 saves next to nothing.
+  constexpr int kLevel = 6;
+  std::vector<std::uint16_t> differences(codes.size());
+  std::uint16_t before = 0;
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    differences[i] = zigzag(codes[i], before);
+    before = codes[i];
+  }
+  ChunkEncoder encoder(sizeof(std::uint16_t), kLevel);
+  return base64(encoder.encode(std::as_bytes(std::span(differences))));
+}
+
+}  // namespace landfall::html_report

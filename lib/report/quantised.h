@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace landfall::html_report {
+
+inline constexpr std::uint16_t kNoValueCode = 65535;
+inline constexpr int kMostSteps = 65000;
+inline constexpr int kErrorSteps = 500;
+
+/// Numbers as 16-bit codes: value = offset + code * step, within half a step (a whole one beside the greatest
+/// double); kNoValueCode is NaN.
+struct Quantised {
+  double offset = 0;
+  double step = 0;
+  double low = 0;  ///< the least and the greatest value before they were rounded; both 0 without a value
+  double high = 0;
+  std::vector<std::uint16_t> codes;
+};
+
+/// The step is the least of 1, 2 or 5 times a power of ten of which at most `most_steps` (1..kMostSteps) span
+/// the values, and a value that is a multiple of it is kept exactly (to the rounding of double). A step of 0
+/// stands for a single value. Values that are not finite have kNoValueCode.
+[[nodiscard]] Quantised quantise(std::span<const double> values, int most_steps);
+
+/// The codes as text: each less the one before it, 0, -1, 1, -2, .. as 0, 1, 2, 3, ..; the low bytes of all,
+/// then the high bytes; a zlib stream; base64. Neighbouring bins are alike, so that few bytes remain.
+[[nodiscard]] std::string packed(std::span<const std::uint16_t> codes);
+
+}  // namespace landfall::html_report

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/report_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <span>
+
+#include "base/parallel.h"
+#include "io/metrics_json.h"
+
+namespace landfall::html_report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t kMostCropCells = 512;
+constexpr std::size_t kMostHoles = 10;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+const char* name_of(Style style) {
+  switch (style) {
+    case Style::elevation:
+      return "elevation";
+    case Style::signed_error:
+      return "signed";
+    case Style::magnitude:
+      return "magnitude";
+    case Style::count:
+      return "count";
+    case Style::mask:
+      return "mask";
+    case Style::flags:
+      return "flags";
+  }
+  return "";
+}
+
+const char* name_of(Rule rule) {
+  switch (rule) {
+    case Rule::mean:
+      return "mean";
+    case Rule::extreme:
+      return "extreme";
+    case Rule::largest:
+      return "largest";
+    case Rule::least:
+      return "least";
+    case Rule::any_bit:
+      return "any_bit";
+  }
+  return "";
+}
+
+Json grid_json(const GridSpec& spec, std::int64_t factor) {
+  return {{"rows", spec.rows},
+          {"cols", spec.cols},
+          {"resolution_m", spec.resolution_m},
+          {"x_m", spec.x(0)},
+          {"y_m", spec.y(0)},
+          {"factor", factor},
+          {"cell_rows", (spec.rows + factor - 1) / factor},
+          {"cell_cols", (spec.cols + factor - 1) / factor}};
+}
+
+Json histogram_json(const Histogram& h) { return {{"low", h.low}, {"high", h.high}, {"count", h.count}}; }
+
+Json limits_json(const EvaluationLimits& l) {
+  return {{"invalid_frac", l.invalid_frac},
+          {"hole_bins", l.hole_bins},
+          {"distance_bins", l.distance_bins},
+          {"relative_elevation_m", l.relative_elevation_m},
+          {"relative_horizontal_m", l.relative_horizontal_m},
+          {"absolute_horizontal_m", l.absolute_horizontal_m},
+          {"absolute_horizontal_frac", l.absolute_horizontal_frac}};
+}
+
+Json footprint_json(const EvaluationParameters& parameters, double resolution_m) {
+  return {{"shape", parameters.footprint_shape == FootprintShape::square ? "square" : "disc"},
+          {"width_m", parameters.footprint_m},
+          {"half_bins", footprint_of(parameters, resolution_m).half_bins()}};
+}
+
+/// The largest first; of equal ones the first.
+Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
+  std::ranges::stable_sort(holes, [](const Hole& a, const Hole& b) { return a.size_bins > b.size_bins; });
+  holes.resize(std::min(holes.size(), kMostHoles));
+  Json list = Json::array();
+  for (const Hole& hole : holes)
+    list.push_back(
+        {{"size_bins", hole.size_bins},
+         {"x_m", number(hole.centroid_x_m)},
+         {"y_m", number(hole.centroid_y_m)},
+         {"width_m", static_cast<double>(hole.north_east.col - hole.south_west.col + 1) * spec.resolution_m},
+         {"height_m", static_cast<double>(hole.north_east.row - hole.south_west.row + 1) * spec.resolution_m},
+         {"distance_bins", number(hole.largest_distance_bins)}});
+  return list;
+}
+
+/// Packs layers, as many at a time as there are threads.
+class Packer {
+ public:
+  /// The layer outlives the packer.
+  Json add(const ReportLayer& layer, const std::string& id) {
+    ids_.push_back(id);
+    codes_.emplace_back(layer.values.codes);
+    return {{"id", id},
+            {"name", layer.name},
+            {"title", layer.title},
+            {"unit", layer.unit},
+            {"style", name_of(layer.style)},
+            {"rule", name_of(layer.rule)},
+            {"offset", layer.values.offset},
+            {"step", layer.values.step},
+            {"low", layer.values.low},
+            {"high", layer.values.high}};
+  }
+  Json keep(ReportLayer layer, const std::string& id) {
+    return add(kept_.emplace_back(std::move(layer)), id);
+  }
+
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> pack() const {
+    std::vector<std::pair<std::string, std::string>> result(ids_.size());
+    parallel_for(ids_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) result[i] = {ids_[i], packed(codes_[i])};
+    });
+    return result;
+  }
+
+ private:
+  std::vector<std::string> ids_;
+  std::vector<std::span<const std::uint16_t>> codes_;
+  std::deque<ReportLayer> kept_;
+};
+
+Json crop_json(const WorstFootprint& f, const std::string& id, Packer& packer) {
+  const std::int64_t factor = reduction_factor(f.window, kMostCropCells);
+  const std::string axis(1, f.axis);
+  const bool horizontal = f.axis == 'h';
+  ReportLayer elevation{"z_est",    "Estimated elevation",
+                        "m",        Style::elevation,
+                        Rule::mean, quantise(reduce(f.z_est, factor, Rule::mean).cells, kMostSteps)};
+  ReportLayer error{horizontal ? "e_xy" : "e_" + axis,
+                    horizontal ? "Horizontal error" : "Error in " + axis,
+                    "m",
+                    horizontal ? Style::magnitude : Style::signed_error,
+                    Rule::extreme,
+                    quantise(reduce(f.error, factor, Rule::extreme).cells, kErrorSteps)};
+  Json crop = grid_json(f.window, factor);
+  crop["layers"] = {packer.keep(std::move(elevation), id + "-z_est"),
+                    packer.keep(std::move(error), id + "-error")};
+  return crop;
+}
+
+Json worst_json(const ReportContent& content, Packer& packer) {
+  Json list = Json::array();
+  const GridSpec& spec = content.layers.spec();
+  for (const WorstFootprint& f : content.worst) {
+    const std::string id = "worst-" + std::to_string(list.size() + 1);
+    list.push_back(
+        {{"x_m", spec.x(f.bin.col)},
+         {"y_m", spec.y(f.bin.row)},
+         {"requirement", f.requirement},
+         {"axis", std::string(1, f.axis)},
+         {"share", number(f.share)},
+         {"relative_m", {number(f.relative_m[0]), number(f.relative_m[1]), number(f.relative_m[2])}},
+         {"absolute_m", {number(f.absolute_m[0]), number(f.absolute_m[1]), number(f.absolute_m[2])}},
+         {"horizontal_m", number(f.horizontal_m)},
+         {"crop", crop_json(f, id, packer)}});
+  }
+  return list;
+}
+
+Json histograms_json(const ReportLayers& layers) {
+  Json result = Json::object();
+  const std::pair<const char*, Axis> axes[] = {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
+  for (const auto& [name, axis] : axes)
+    result[name] = {{"error", histogram_json(layers.histograms(axis).error)},
+                    {"relative", histogram_json(layers.histograms(axis).relative)}};
+  return result;
+}
+
+}  // namespace
+
+ReportData report_data(const ReportContent& content) {
+  const ReportLayers& layers = content.layers;
+  Packer packer;
+  Json list = Json::array();
+  for (const ReportLayer& layer : layers.layers()) list.push_back(packer.add(layer, layer.name));
+  ReportData data;
+  data.values = {{"grid", grid_json(layers.spec(), layers.factor())},
+                 {"footprint", footprint_json(content.parameters, layers.spec().resolution_m)},
+                 {"limits", limits_json(content.parameters.limits)},
+                 {"metrics", metrics_json(content.evaluation.metrics)},
+                 {"layers", std::move(list)},
+                 {"fail_count", layers.fail_counts()},
+                 {"histograms", histograms_json(layers)},
+                 {"holes", holes_json(content.evaluation.holes, layers.spec())},
+                 {"worst", worst_json(content, packer)}};
+  data.packed = packer.pack();
+  return data;
+}
+
+}  // namespace landfall::html_report

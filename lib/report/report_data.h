@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "evaluation/evaluate.h"
+#include "report/report_layers.h"
+#include "report/worst_footprints.h"
+
+namespace landfall::html_report {
+
+/// What a report is made of. Everything outlives the call.
+struct ReportContent {
+  const EvaluationParameters& parameters;
+  const Evaluation& evaluation;
+  const ReportLayers& layers;
+  const std::vector<WorstFootprint>& worst;
+  /// What led to the evaluation, oldest first, the evaluation itself last: Provenance::as_step(). Not empty.
+  const nlohmann::json& steps;
+};
+
+/// What the page's scripts draw from: plain values, and texts packed() apart by name.
+struct ReportData {
+  nlohmann::ordered_json values;
+  std::vector<std::pair<std::string, std::string>> packed;
+};
+
+[[nodiscard]] ReportData report_data(const ReportContent& content);
+
+}  // namespace landfall::html_report

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/report_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "evaluation/piecewise.h"
+#include "report/worst_footprints.h"
+
+namespace landfall::html_report {
+namespace {
+
+constexpr std::size_t kHistogramClasses = 1000;
+
+/// Errors have about as many steps as a colour map has shades: the digits of noise would fill the file.
+/// Elevations have more, for relief is shown in three dimensions.
+int steps_of(Style style) {
+  return style == Style::signed_error || style == Style::magnitude ? kErrorSteps : kMostSteps;
+}
+
+bool is_whole(Style style) { return style == Style::count || style == Style::mask || style == Style::flags; }
+
+/// A step of 1 or more, however few values there are.
+Quantised quantise_whole(const std::vector<double>& cells) {
+  Quantised result = quantise(cells, kMostSteps);
+  if (result.step >= 1 || result.high >= kMostSteps || result.low < 0) return result;
+  result.offset = 0;
+  result.step = 1;
+  std::ranges::transform(cells, result.codes.begin(), [](double value) {
+    return std::isfinite(value) ? static_cast<std::uint16_t>(value) : kNoValueCode;
+  });
+  return result;
+}
+
+float larger(float a, double b) {
+  const auto share = static_cast<float>(b);
+  return std::isnan(a) || share > a ? share : a;
+}
+
+}  // namespace
+
+ReportLayers::ReportLayers(const GridSpec& spec, const EvaluationParameters& parameters,
+                           std::int64_t most_cells)
+    : spec_(spec), limits_(parameters.limits), factor_(reduction_factor(spec, most_cells)) {}
+
+template <class T>
+void ReportLayers::add(ReportLayer layer, const Grid<T>& values) {
+  const std::vector<double> cells = reduce(values, factor_, layer.rule).cells;
+  layer.values = is_whole(layer.style) ? quantise_whole(cells) : quantise(cells, steps_of(layer.style));
+  layers_.push_back(std::move(layer));
+}
+
+void ReportLayers::take(const DemLayers& dem) {
+  add({"z_est", "Estimated elevation", "m", Style::elevation, Rule::mean, {}}, dem.z_est);
+  if (dem.truth) add({"z_true", "True elevation", "m", Style::elevation, Rule::mean, {}}, dem.truth->z);
+}
+
+void ReportLayers::take(const Grid<std::int32_t>& count) {
+  add({"count", "Returns in the bin", "", Style::count, Rule::least, {}}, count);
+}
+
+void ReportLayers::take(const CoverageLayers& layers) {
+  region_ = layers.in_region;
+  add({"in_region", "Judged region", "", Style::mask, Rule::largest, {}}, layers.in_region);
+  add({"invalid", "Invalid bins", "", Style::mask, Rule::largest, {}}, layers.invalid);
+}
+
+void ReportLayers::take(Axis axis, const AxisLayers& layers) {
+  const std::string name = axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z";
+  add({"e_" + name, "Error in " + name, "m", Style::signed_error, Rule::extreme, {}}, layers.error);
+  add({"abs_" + name, "Absolute error in " + name, "m", Style::signed_error, Rule::extreme, {}},
+      layers.absolute);
+  add({"rel_" + name, "Relative error in " + name, "m", Style::magnitude, Rule::largest, {}},
+      layers.relative);
+  histograms_[static_cast<std::size_t>(axis)] = {histogram(layers.error, region_, kHistogramClasses),
+                                                 histogram(layers.relative, region_, kHistogramClasses)};
+  add_shares(axis, layers);
+}
+
+void ReportLayers::add_shares(Axis axis, const AxisLayers& layers) {
+  const double limit_m = axis == Axis::z ? limits_.relative_elevation_m : limits_.relative_horizontal_m;
+  if (shares_.values().empty()) shares_ = Grid<float>(spec_, std::numeric_limits<float>::quiet_NaN());
+  for_each_index(spec_.size(), [&](std::size_t i) {
+    shares_.values()[i] = larger(shares_.values()[i], share_of_limit(layers.relative.values()[i], limit_m));
+  });
+  if (axis == Axis::x) absolute_x_ = layers.absolute;
+  if (axis != Axis::y) return;
+  for_each_index(spec_.size(), [&](std::size_t i) {
+    const double horizontal_m = std::hypot(absolute_x_.values()[i], layers.absolute.values()[i]);
+    shares_.values()[i] =
+        larger(shares_.values()[i], share_of_limit(horizontal_m, limits_.absolute_horizontal_m));
+  });
+  absolute_x_ = {};
+}
+
+void ReportLayers::take(const Grid<std::int8_t>& fail) {
+  add({"fail", "Missed requirements", "", Style::flags, Rule::any_bit, {}}, fail);
+  using Counts = std::array<std::int64_t, 6>;
+  const auto of_piece = [&](std::size_t begin, std::size_t end) {
+    Counts counts{};
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t bit = 0; bit < counts.size(); ++bit) counts[bit] += fail.values()[i] >> bit & 1;
+    return counts;
+  };
+  for (const Counts& piece : by_piece(spec_.size(), of_piece))
+    for (std::size_t bit = 0; bit < piece.size(); ++bit) fail_counts_[bit] += piece[bit];
+}
+
+}  // namespace landfall::html_report

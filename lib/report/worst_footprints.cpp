@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/worst_footprints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+#include "evaluation/accuracy.h"
+
+namespace landfall::html_report {
+namespace {
+
+using Chosen = std::vector<BinIndex>;
+
+bool apart(BinIndex bin, const Chosen& chosen, std::int64_t half_bins) {
+  return std::ranges::all_of(chosen, [&](BinIndex other) {
+    return std::max(std::abs(bin.row - other.row), std::abs(bin.col - other.col)) > 2 * half_bins;
+  });
+}
+
+/// The column of the row's largest value that may be chosen; -1 if there is none above `floor`.
+std::int64_t best_of_row(std::span<const float> values, std::int64_t row, const Chosen& chosen,
+                         std::int64_t half_bins) {
+  std::int64_t best = -1;
+  for (std::int64_t col = 0; col < static_cast<std::int64_t>(values.size()); ++col) {
+    const float value = values[static_cast<std::size_t>(col)];
+    const bool larger = best < 0 ? !std::isnan(value) : value > values[static_cast<std::size_t>(best)];
+    if (larger && apart({row, col}, chosen, half_bins)) best = col;
+  }
+  return best;
+}
+
+/// The bins of `dem` up to `half` from the bin along either axis.
+GridSpec window_about(BinIndex bin, std::int64_t half, const GridSpec& dem) {
+  const BinIndex first{std::max<std::int64_t>(0, bin.row - half), std::max<std::int64_t>(0, bin.col - half)};
+  const BinIndex end{std::min(dem.rows, bin.row + half + 1), std::min(dem.cols, bin.col + half + 1)};
+  return {dem.resolution_m, dem.first_row + first.row, dem.first_col + first.col, end.row - first.row,
+          end.col - first.col};
+}
+
+struct Candidate {
+  const char* requirement;
+  char axis;
+  double share;
+};
+
+Candidate worst_of(const WorstFootprint& f, const EvaluationLimits& limits) {
+  const Candidate candidates[] = {
+      {"relative_elevation", 'z', share_of_limit(f.relative_m[2], limits.relative_elevation_m)},
+      {"relative_horizontal", 'x', share_of_limit(f.relative_m[0], limits.relative_horizontal_m)},
+      {"relative_horizontal", 'y', share_of_limit(f.relative_m[1], limits.relative_horizontal_m)},
+      {"absolute_horizontal", 'h', share_of_limit(f.horizontal_m, limits.absolute_horizontal_m)}};
+  Candidate worst = candidates[0];
+  for (const Candidate& candidate : candidates)
+    if (candidate.share > worst.share || std::isnan(worst.share)) worst = candidate;
+  return worst;
+}
+
+}  // namespace
+
+double share_of_limit(double value, double limit) {
+  if (limit > 0) return value / limit;
+  return value > 0 ? std::numeric_limits<double>::infinity() : value;
+}
+
+std::vector<BinIndex> largest_apart(const Grid<float>& map, std::int64_t half_bins, std::size_t count) {
+  const auto rows = static_cast<std::size_t>(map.spec().rows);
+  std::vector<std::int64_t> best(rows, -1);
+  Chosen chosen;
+  const auto value = [&](std::size_t row) { return map.at({static_cast<std::int64_t>(row), best[row]}); };
+  const auto search = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      const auto r = static_cast<std::int64_t>(row);
+      const bool near = !chosen.empty() && std::abs(r - chosen.back().row) <= 2 * half_bins;
+      if (chosen.empty() || near) best[row] = best_of_row(map.row(r), r, chosen, half_bins);
+    }
+  };
+  while (chosen.size() < count) {
+    parallel_for(rows, 64, search);
+    std::size_t found = rows;
+    for (std::size_t row = 0; row < rows; ++row)
+      if (best[row] >= 0 && (found == rows || value(row) > value(found))) found = row;
+    if (found == rows) break;
+    chosen.push_back({static_cast<std::int64_t>(found), best[found]});
+  }
+  return chosen;
+}
+
+WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const EvaluationParameters& parameters,
+                                 const DemWindow& read) {
+  const FootprintRule rule{footprint_of(parameters, dem.resolution_m), parameters.quantile};
+  WorstFootprint result;
+  result.bin = bin;
+  result.window = window_about(bin, 3 * rule.footprint.half_bins() + 3, dem);
+  DemLayers layers = read(result.window);
+  BinMask centre(result.window);
+  const BinIndex within{bin.row + dem.first_row - result.window.first_row,
+                        bin.col + dem.first_col - result.window.first_col};
+  centre.at(within) = 1;
+  const auto error = [&](Axis axis, Grid<double>& truth) {
+    Grid<double> errors = error_of(axis, std::move(truth), layers.z_est);
+    const FootprintStatistics found = footprint_statistics(errors, centre, rule);
+    result.absolute_m[static_cast<std::size_t>(axis)] = found.mean.at(within);
+    result.relative_m[static_cast<std::size_t>(axis)] = found.relative.at(within);
+    return errors;
+  };
+  Grid<double> x = error(Axis::x, layers.truth->x);
+  Grid<double> y = error(Axis::y, layers.truth->y);
+  Grid<double> z = error(Axis::z, layers.truth->z);
+  result.horizontal_m = std::hypot(result.absolute_m[0], result.absolute_m[1]);
+  const Candidate worst = worst_of(result, parameters.limits);
+  result.share = worst.share;
+  result.requirement = worst.requirement;
+  result.axis = worst.axis;
+  result.z_est = std::move(layers.z_est);
+  result.error = worst.axis == 'z'   ? std::move(z)
+                 : worst.axis == 'x' ? std::move(x)
+                 : worst.axis == 'y' ? std::move(y)
+                                     : horizontal_error(std::move(x), y);
+  return result;
+}
+
+std::vector<WorstFootprint> worst_footprints(const Grid<float>& shares,
+                                             const EvaluationParameters& parameters, const DemWindow& read) {
+  constexpr std::size_t kMost = 10;
+  std::vector<WorstFootprint> result;
+  if (shares.values().empty()) return result;
+  const GridSpec& dem = shares.spec();
+  const std::int64_t half = footprint_of(parameters, dem.resolution_m).half_bins();
+  for (const BinIndex bin : largest_apart(shares, half, kMost))
+    result.push_back(measure_footprint(bin, dem, parameters, read));
+  return result;
+}
+
+}  // namespace landfall::html_report
