@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report of dem-eval in a browser: what it says, that it draws, and that it asks for nothing else."""
+import json
+import math
+import os
+import sys
+import unittest
+
+import browser
+import h5py
+import numpy as np
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "tests", "cli"))
+import tools
+
+WIDTHS = (1400, 800)
+SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
+MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid",
+        "fail"]
+
+# The colours of a canvas, as many as differ, and a number that changes with any pixel.
+CANVAS = """
+const canvas = arguments[0], flat = document.createElement("canvas");
+Object.assign(flat, {width: canvas.width, height: canvas.height});
+const context = flat.getContext("2d");
+context.drawImage(canvas, 0, 0);
+const data = new Uint32Array(context.getImageData(0, 0, flat.width, flat.height).data.buffer);
+let sum = 0;
+for (const pixel of data) sum = (Math.imul(sum, 31) + pixel) | 0;
+return {colors: new Set(data).size, sum};
+"""
+# Pairs of texts that lie over each other, of one diagram or of the page; and what is wider than the page.
+LAYOUT = """
+const boxes = (list) => [...list].map((e) => ({text: e.textContent, box: e.getBoundingClientRect()}))
+    .filter(({box}) => box.width > 0);
+const cross = ({box: a}, {box: b}) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 &&
+    b.top < a.bottom - 1;
+const pairs = [];
+for (const svg of document.querySelectorAll("svg")) {
+  const texts = boxes(svg.querySelectorAll("text:not(.haloed)"));
+  texts.forEach((a, i) => texts.slice(i + 1).forEach((b) => { if (cross(a, b)) pairs.push([a.text, b.text]); }));
+}
+const page = document.documentElement;
+const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll") && !e.closest("pre") &&
+    !e.closest("svg.sample") && e.getBoundingClientRect().right > page.clientWidth + 0.5);
+for (const e of document.querySelectorAll(".scroll")) if (e.scrollWidth > e.clientWidth) wide.push(e);
+return {pairs, scroll: page.scrollWidth - page.clientWidth,
+        wide: wide.map((e) => e.tagName + "." + e.className + "#" + e.id + ": " + e.textContent.slice(0, 40))};
+"""
+
+
+def shown(value, unit="", percent=False):
+    """A number of the table of requirements."""
+    if value is None:
+        return "\u2013"
+    text = f"{100 * value if percent else value:.6g}"
+    return "1 bin" if unit == "bins" and text == "1" else f"{text} {unit}".strip()
+
+
+def expected_rows(metrics):
+    rows = []
+    for name, unit, sign in [("coverage", "%", 1), ("hole_size", "bins", 1), ("hole_distance", "bins", 1),
+                             ("relative_elevation", "", 1), ("relative_horizontal", "", 1),
+                             ("absolute_horizontal", "%", -1)]:
+        r = metrics["requirements"][name]
+        margin = None if r["value"] is None else sign * (r["limit"] - r["value"])
+        rows.append([name, shown(r["value"], unit, unit == "%"),
+                     ("at most " if sign > 0 else "at least ") + shown(r["limit"], unit, unit == "%"),
+                     shown(margin or (None if margin is None else 0), unit, unit == "%"),
+                     {True: "pass", False: "FAIL", None: "not judged"}[r["pass"]]])
+    return rows
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class ReportTest(tools.ToolTest):
+    """One case in one browser."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.chain = tools.Chain()
+        cls.window = browser.Browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.window.close()
+        cls.chain.remove()
+
+    def report(self, dem=None, *arguments):
+        """Opens the report of a DEM; returns its metrics."""
+        config = self.config(tools.EVAL)
+        self.succeed("dem-eval", dem or self.chain.dem, "-c", config, "-o", self.path("eval.h5"), "-O", "--metrics",
+                     self.path("metrics.json"), "--report", self.path("report.html"), *arguments)
+        for kind in ("browser", "performance"):
+            self.window.driver.get_log(kind)
+        self.window.resize(WIDTHS[0])
+        self.window.open(self.path("report.html"))
+        with open(self.path("metrics.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def text(self, selector):
+        return self.window.run("return document.querySelector(arguments[0])?.textContent ?? null", selector)
+
+    def cells(self, table):
+        return self.window.run("return [...document.querySelectorAll(arguments[0] + ' tbody tr')]"
+                               ".map((row) => [...row.cells].map((cell) => cell.textContent))", table)
+
+    def canvas(self, selector):
+        element = self.window.run("return document.querySelector(arguments[0])", selector)
+        return self.window.run(CANVAS, element)
+
+    def check_quiet(self):
+        """No error, and nothing asked for but the file itself."""
+        errors = [entry for entry in self.window.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
+        self.assertEqual(errors, [])
+        asked = set()
+        for entry in self.window.driver.get_log("performance"):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                asked.add(message["params"]["request"]["url"].split(":")[0])
+        self.assertLessEqual(asked, {"file", "data"})
+        self.assertEqual(self.text("#message"), "")
+
+    def check_layout(self):
+        for width in WIDTHS:
+            self.window.resize(width)
+            layout = self.window.run(LAYOUT)
+            self.assertEqual(layout, {"pairs": [], "scroll": 0, "wide": []}, f"{width} px")
+
+    def test_says_what_metrics_json_says(self):
+        metrics = self.report()
+        self.assertEqual([row[:1] + row[2:] for row in self.cells("#verdicts")], expected_rows(metrics))
+        self.assertEqual(self.text("#verdict").split(":")[0], "pass" if metrics["pass"] else "FAIL")
+        self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"),
+                         [s for s in SECTIONS if s != "uncertainty"])
+        self.assertEqual([row[1] for row in self.cells("#provenance")], ["terrain-gen", "scan-sim", "regrid", "dem-eval"])
+        self.check_quiet()
+
+    def test_draws_every_map(self):
+        self.report()
+        names = self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
+        self.assertEqual(names, MAPS)
+        for name in MAPS:
+            self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 1, name)
+        self.assertEqual(self.window.run("return document.querySelectorAll('.crop canvas').length"),
+                         2 * len(self.cells("#worst-footprints")))
+        self.check_quiet()
+
+    def test_values_under_the_pointer_are_those_of_the_file(self):
+        self.report()
+        with h5py.File(self.path("eval.h5")) as file:
+            x, y, error = file["x"][()], file["y"][()], file["e_z"][()]
+        step = self.window.run("return layerNamed('e_z').step")
+        for row, col in [(50, 50), (20, 77), (99, 3)]:
+            found = self.window.run("const map = arguments; return rasterOf(layerNamed('e_z'), report.grid)"
+                                    ".then((r) => { const v = r.value(r.indexAt(map[0], map[1]));"
+                                    " return Number.isNaN(v) ? null : v; })", x[col], y[row])
+            if math.isnan(error[row, col]):
+                self.assertIsNone(found)
+            else:
+                self.assertAlmostEqual(found, error[row, col], delta=0.501 * step)
+        self.window.run("""
+            const plot = document.querySelector('#maps canvas[data-layer=e_z]').parentElement;
+            const box = plot.querySelector('canvas').getBoundingClientRect();
+            plot.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width / 2,
+                                                                clientY: box.top + box.height / 2}));""")
+        readout = self.window.run("return document.querySelector('#maps canvas[data-layer=e_z]').closest('figure')"
+                                  ".querySelector('.readout').textContent")
+        self.assertRegex(readout, r"^x .?0\.0\d m, y .?0\.0\d m: ")
+
+    def test_view_turns_and_changes_its_colour(self):
+        self.report()
+        first = self.canvas("#terrain")
+        self.assertGreater(first["colors"], 20)
+        turn = "document.querySelector('#terrain').dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0]}))"
+        seen = {first["sum"]}
+        for key in ("ArrowLeft", "ArrowUp", "+"):
+            self.window.run(turn, key)
+            seen.add(self.canvas("#terrain")["sum"])
+        self.assertEqual(len(seen), 4)
+        for layer in ("e_z", "rel_z", "fail", "count"):
+            before = self.canvas("#terrain")["sum"]
+            self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0];"
+                            "s.dispatchEvent(new Event('change'))", layer)
+            self.window.wait("return true")
+            self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
+            self.assertNotEqual(self.canvas("#terrain")["sum"], before, layer)
+        before = self.canvas("#terrain")["sum"]
+        self.window.run("const s = document.querySelector('#exaggeration'); s.value = 0.5;"
+                        "s.dispatchEvent(new Event('input'))")
+        self.assertNotEqual(self.canvas("#terrain")["sum"], before)
+        self.check_quiet()
+
+    def test_tables_sort(self):
+        self.report()
+        click = "document.querySelectorAll('#worst-footprints th button')[arguments[0]].click()"
+
+        def values(column):
+            return self.window.run("return [...document.querySelectorAll('#worst-footprints tbody tr')]"
+                                   ".map((row) => Number(row.cells[arguments[0]].dataset.value))", column)
+
+        self.assertGreater(len(values(1)), 2)
+        for column in (1, 5):
+            self.window.run(click, column)
+            self.assertEqual(values(column), sorted(values(column)))
+            self.window.run(click, column)
+            self.assertEqual(values(column), sorted(values(column), reverse=True))
+
+    def test_worst_footprints_are_the_worst(self):
+        """Against the layers of eval.h5."""
+        self.report()
+        with h5py.File(self.path("eval.h5")) as file:
+            layers = {name: file[name][()] for name in ("rel_x", "rel_y", "rel_z", "abs_x", "abs_y", "x", "y")}
+        share = np.fmax.reduce([layers[f"rel_{axis}"] / 0.05 for axis in "xyz"] +
+                               [np.hypot(layers["abs_x"], layers["abs_y"])])
+        found = self.window.run("return report.worst")
+        half = self.window.run("return report.footprint.half_bins")
+        for footprint in found:
+            row = int(np.argmin(abs(layers["y"] - footprint["y_m"])))
+            col = int(np.argmin(abs(layers["x"] - footprint["x_m"])))
+            self.assertAlmostEqual(footprint["share"], np.nanmax(share), places=5)
+            self.assertAlmostEqual(footprint["relative_m"][2], layers["rel_z"][row, col], places=7)
+            share[max(0, row - 2 * half):row + 2 * half + 1, max(0, col - 2 * half):col + 2 * half + 1] = np.nan
+        self.assertTrue(len(found) == 10 or np.isnan(share).all())
+
+    def test_fits_the_page(self):
+        self.report()
+        self.check_layout()
+        self.window.resize(800)
+        self.window.run("document.querySelector('#maps button.enlarge').click()")
+        self.check_layout()
+
+    def test_a_dem_with_sigma_maps(self):
+        dem = self.path("uncertain.h5")
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(tools.REGRID, "r.json"),
+                     "--uncertainty", "--navigation-sigma", "position_m=0.05", "--navigation-sigma", "velocity_mps=0.1",
+                     "--navigation-sigma", "rpy_rad=0.0002", "--navigation-sigma", "rpy_rate_radps=0.001", "-o", dem)
+        self.report(dem)
+        self.assertEqual(self.window.run("return document.querySelectorAll('#uncertainty svg[role=img]').length"), 4)
+        self.check_quiet()
+        self.check_layout()
+
+    def test_a_dem_without_truth(self):
+        dem = self.path("blind.h5")
+        self.succeed("regrid", self.chain.scan, "-c", self.config(tools.REGRID, "r.json"), "-o", dem)
+        metrics = self.report(dem)
+        self.assertEqual([row[:1] + row[2:] for row in self.cells("#verdicts")], expected_rows(metrics))
+        names = self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
+        self.assertEqual(names, ["z_est", "count", "invalid", "fail"])
+        self.assertIsNone(self.text("#worst"))
+        self.check_quiet()
+        self.check_layout()
+
+    def test_a_dem_without_any_elevation(self):
+        dem = self.path("empty.h5")
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(tools.REGRID, "r.json"),
+                     "-o", dem)
+        with h5py.File(dem, "r+") as file:
+            for name in ("z_est", "x_true", "y_true", "z_true"):
+                file[name][...] = np.nan
+        self.report(dem)
+        self.assertIn("No footprint could be judged", self.text("#worst"))
+        self.assertIn("No bin of the DEM is valid", self.text("#view-3d"))
+        self.check_quiet()
+        self.check_layout()
+
+
+if __name__ == "__main__":
+    unittest.main()
