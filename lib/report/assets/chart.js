@@ -152,10 +152,13 @@ function errorChart(axes) {
 function merged({low, high, count}, bound, classes) {
   const total = count.reduce((sum, n) => sum + n, 0);
   const shares = new Array(classes).fill(0);
+  const width = 2 * bound / classes, step = (high - low) / count.length;
   count.forEach((n, k) => {
-    const middle = low + (k + 0.5) * (high - low) / count.length;
-    const at = Math.floor((middle + bound) / (2 * bound) * classes);
-    if (at >= 0 && at < classes) shares[at] += n / total;
+    // What lies across a border belongs to both in proportion, or the two divisions would beat against each other.
+    const begin = (low + k * step + bound) / width, end = begin + step / width;
+    for (let at = Math.max(0, Math.floor(begin)); at < Math.min(classes, end); ++at) {
+      shares[at] += n / total * (Math.min(end, at + 1) - Math.max(begin, at)) / (end - begin);
+    }
   });
   return shares.map((share, k) => [(2 * (k + 0.5) / classes - 1) * bound, share]);
 }

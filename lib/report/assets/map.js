@@ -161,11 +161,11 @@ class MapPanel {
     const {region} = this.options;
     if (!region || report.metrics.region.shape !== "mask") return;
     const inside = (row, col) => region.codes[row[0] * region.cols + col[0]] !== 0;
-    context.fillStyle = INK;
     for (let py = 0; py + 1 < rows.length; ++py) {
       for (let px = 0; px + 1 < cols.length; ++px) {
         const here = inside(rows[py], cols[px]);
         if (here === inside(rows[py + 1], cols[px]) && here === inside(rows[py], cols[px + 1])) continue;
+        context.fillStyle = (px + py) % (8 * ratio) < 4 * ratio ? INK : "#ffffff";
         context.fillRect(px, py, ratio, ratio);
       }
     }

@@ -45,10 +45,10 @@ function failLegend() {
 function mapsNote() {
   const {factor, rows, cols, resolution_m} = report.grid;
   const size = `${cols} x ${rows} bins of ${Number((resolution_m * 100).toPrecision(6))} cm`;
-  if (factor === 1) return `${size}, each of them here. North (y) is up; grey: no value; dashed: the judged region.`;
-  return `${size}; ${factor} x ${factor} of them are one cell here: of ${Object.values(RULE_TEXTS).join(", of ")}. ` +
-      "North (y) is up; grey: no value; dashed: the judged region; boxes on the elevation: invalid bins, enlarged; " +
-      "a red mark on a colour bar: the limit.";
+  const cells = factor === 1 ? "each of them here" :
+      `${factor} x ${factor} of them are one cell here: of ${Object.values(RULE_TEXTS).join(", of ")}`;
+  return `${size}; ${cells}. North (y) is up; grey: no value; outlined: the judged region; boxes on the elevation: invalid ` +
+      "bins, enlarged; a red mark on a colour bar: the limit.";
 }
 
 async function fillMaps(section) {
