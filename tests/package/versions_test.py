@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One version everywhere; CITATION.cff and the schemas' ids are what they must be."""
+import datetime
+import json
+import os
+import re
+import subprocess
+import unittest
+
+import yaml
+
+ROOT = os.environ["LANDFALL_ROOT"]
+SCHEMAS = ["eval", "regrid", "scan", "study", "terrain"]
+
+
+def text(*path):
+    with open(os.path.join(ROOT, *path), encoding="utf-8") as file:
+        return file.read()
+
+
+VERSION = re.search(r"^project\(landfall VERSION (\S+)", text("CMakeLists.txt"), re.MULTILINE).group(1)
+RELEASES = re.findall(r"^## \[([^]]+)\](?: - (\S+))?$", text("CHANGELOG.md"), re.MULTILINE)
+
+
+class Versions(unittest.TestCase):
+    def test_the_tools_and_the_packages_have_it(self):
+        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval"]:
+            said = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
+                                  capture_output=True, text=True).stdout
+            self.assertIn(VERSION, said.split(), tool)
+        self.assertEqual(text("packaging", "changelog").split("\n")[0].split(" ")[:2], ["landfall", f"({VERSION})"])
+
+    def test_the_changelog_s_latest_release_has_it(self):
+        releases = [release for release in RELEASES if release[0] != "Unreleased"]
+        self.assertEqual(releases[0][0], VERSION)
+        dates = [datetime.date.fromisoformat(date) for _, date in releases]
+        self.assertEqual(dates, sorted(dates, reverse=True))
+        kinds = set(re.findall(r"^### (.*)$", text("CHANGELOG.md"), re.MULTILINE))
+        self.assertLessEqual(kinds, {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"})
+
+    def test_the_citation_has_it_and_what_cff_1_2_asks_for(self):
+        citation = yaml.safe_load(text("CITATION.cff"))
+        for key in ["cff-version", "message", "title", "authors"]:  # the schema's required keys
+            self.assertIn(key, citation)
+        known = {"abstract", "authors", "cff-version", "commit", "contact", "date-released", "doi", "identifiers", "keywords",
+                 "license", "license-url", "message", "preferred-citation", "references", "repository", "repository-artifact",
+                 "repository-code", "title", "type", "url", "version"}
+        self.assertLessEqual(set(citation), known)
+        self.assertEqual((citation["cff-version"], citation["type"]), ("1.2.0", "software"))
+        self.assertEqual(citation["license"], "GPL-3.0-or-later")
+        self.assertEqual(citation["version"], VERSION)
+        self.assertEqual(citation["date-released"].isoformat(), dict(RELEASES)[VERSION])
+        for work in [citation, *citation["references"]]:
+            self.assertTrue(all(set(author) & {"name", "family-names"} for author in work["authors"]))
+        for reference in citation["references"]:
+            self.assertLessEqual({"authors", "title", "type"}, set(reference))
+
+
+class Schemas(unittest.TestCase):
+    def test_each_has_an_id_with_its_version(self):
+        files = sorted(name for name in os.listdir(os.path.join(ROOT, "schemas")))
+        self.assertEqual(files, [f"{name}.schema.json" for name in SCHEMAS])
+        for name in SCHEMAS:
+            schema = json.loads(text("schemas", f"{name}.schema.json"))
+            self.assertRegex(schema["$id"], rf"^urn:landfall:schema:{name}:[1-9][0-9]*\.[0-9]+$")
+            self.assertEqual(schema["properties"]["$schema"]["type"], "string")
+
+
+if __name__ == "__main__":
+    unittest.main()
