@@ -18,6 +18,14 @@ target_compile_options(landfall_flags INTERFACE
   # g++ 12 sees overlapping copies inside std::string's own operator+ where there are none (GCC bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   $<$<BOOL:${LANDFALL_WERROR}>:-Werror>)
+# What Debian hardens its packages by (dpkg-buildflags with hardening=+all); no number depends on it. The prefix map
+# keeps the folder of the build out of the programs.
+target_compile_options(landfall_flags INTERFACE
+  $<$<CONFIG:Release>:-fstack-protector-strong>
+  $<$<CONFIG:Release>:-U_FORTIFY_SOURCE>
+  $<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>
+  $<$<CONFIG:Release>:-ffile-prefix-map=${CMAKE_SOURCE_DIR}=.>)
+target_link_options(landfall_flags INTERFACE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
 target_include_directories(landfall_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
 target_link_libraries(landfall_flags INTERFACE Threads::Threads)
 if(LANDFALL_SANITIZE)

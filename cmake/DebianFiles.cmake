@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Run by cpack between installing the components and packing them: what Debian wants of a package and a prefix does not.
+foreach(component IN ITEMS tools:landfall lidar:landfall-dev)
+  string(REPLACE ":" ";" component ${component})
+  list(GET component 1 package)
+  list(GET component 0 component)
+  set(root ${CPACK_TEMPORARY_DIRECTORY}/${component}/usr)
+  if(NOT IS_DIRECTORY ${root})
+    continue()
+  endif()
+  set(doc ${root}/share/doc/${package})
+  file(MAKE_DIRECTORY ${doc})
+  file(COPY ${CPACK_LANDFALL_PACKAGING}/copyright DESTINATION ${doc})
+  file(COPY_FILE ${CPACK_LANDFALL_PACKAGING}/changelog ${doc}/changelog)
+  file(MAKE_DIRECTORY ${root}/share/lintian/overrides)
+  file(COPY_FILE ${CPACK_LANDFALL_PACKAGING}/${package}.lintian-overrides ${root}/share/lintian/overrides/${package})
+  file(GLOB pages ${root}/share/man/man*/*)
+  list(FILTER pages EXCLUDE REGEX "\\.gz$")
+  execute_process(COMMAND gzip -9n ${doc}/changelog ${pages} COMMAND_ERROR_IS_FATAL ANY)
+  file(GLOB archives ${root}/lib/*.a)
+  file(GLOB programs ${root}/bin/* ${root}/lib/landfall/*.so)
+  foreach(file IN LISTS archives)
+    execute_process(COMMAND strip --strip-debug --enable-deterministic-archives --remove-section=.comment ${file}
+                    COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
+  foreach(file IN LISTS programs)
+    execute_process(COMMAND strip --strip-unneeded --remove-section=.comment --remove-section=.note ${file}
+                    COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
+  # Reproducible whatever the umask: 0755 for folders and programs, 0644 for the rest.
+  execute_process(COMMAND chmod -R u=rwX,go=rX ${root} COMMAND_ERROR_IS_FATAL ANY)
+endforeach()

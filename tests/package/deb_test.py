@@ -1,0 +1,100 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Debian packages: lintian accepts them, two runs of cpack give the same bytes, and they work in a bare Debian 12."""
+import glob
+import hashlib
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+import urllib.error
+import urllib.request
+
+BUILD, ROOT = os.environ["LANDFALL_BUILD"], os.environ["LANDFALL_ROOT"]
+MIRROR = os.environ.get("DEBIAN_MIRROR", "http://deb.debian.org/debian")
+
+
+def is_release():
+    with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
+        return "CMAKE_BUILD_TYPE:STRING=Release\n" in file.read()
+
+
+def mirror_answers():
+    try:
+        with urllib.request.urlopen(MIRROR + "/dists/bookworm/Release", timeout=20) as answer:
+            return answer.status == 200
+    except (OSError, urllib.error.URLError):
+        return False
+
+
+def fingerprints(folder):
+    found = {}
+    for path in glob.glob(os.path.join(folder, "*.deb")):
+        with open(path, "rb") as file:
+            found[os.path.basename(path)] = hashlib.sha256(file.read()).hexdigest()
+    return found
+
+
+@unittest.skipUnless(shutil.which("dpkg-shlibdeps") and shutil.which("cpack"), "dpkg-dev and cpack are not installed")
+class Deb(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="landfall-packages-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.pack("first")
+
+    @classmethod
+    def pack(cls, name):
+        path = os.path.join(cls.folder, name)
+        result = subprocess.run(["cpack", "-G", "DEB", "--config", os.path.join(BUILD, "CPackConfig.cmake"), "-B", path],
+                                env=os.environ | {"SOURCE_DATE_EPOCH": "1780000000"}, capture_output=True, text=True,
+                                check=False)
+        if result.returncode:
+            raise AssertionError(result.stdout + result.stderr)
+        shutil.rmtree(os.path.join(path, "_CPack_Packages"))
+        return path
+
+    def path(self, package):
+        return glob.glob(os.path.join(self.folder, "first", package + "_*.deb"))[0]
+
+    def contents(self, package):
+        lines = subprocess.run(["dpkg-deb", "-c", self.path(package)], capture_output=True, text=True, check=True).stdout
+        return {line.split(maxsplit=5)[5].split(" -> ")[0]: line.split(maxsplit=2)[:2] for line in lines.splitlines()}
+
+    def test_two_runs_give_the_same_bytes(self):
+        self.assertEqual(fingerprints(os.path.join(self.folder, "first")), fingerprints(self.pack("second")))
+
+    def test_each_holds_what_it_should(self):
+        tools, module = self.contents("landfall"), self.contents("landfall-dev")
+        for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
+                     "share/landfall/scripts/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
+                     "share/doc/landfall/docs/lidar/README.md", "share/doc/landfall/changelog.gz"]:
+            self.assertIn("./usr/" + file, tools)
+        for file in ["include/landfall/lidar.h", "lib/liblandfall-lidar.a", "lib/cmake/landfall/landfallConfig.cmake"]:
+            self.assertIn("./usr/" + file, module)
+        self.assertFalse({name for name in set(tools) & set(module) if not name.endswith("/")})
+        for name, (mode, owner) in (tools | module).items():
+            self.assertEqual(owner, "root/root", name)
+            self.assertIn(mode, ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
+
+    @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed")
+    @unittest.skipUnless(is_release(), "only a release build has the flags of a package")
+    def test_lintian_accepts_them(self):
+        result = subprocess.run(["lintian", "--allow-root", "--fail-on=error,warning", "--tag-display-limit=0",
+                                 self.path("landfall"), self.path("landfall-dev")],
+                                capture_output=True, text=True, check=False)
+        self.assertEqual((result.returncode, result.stdout), (0, ""), result.stderr)
+
+    @unittest.skipUnless(os.geteuid() == 0 and shutil.which("debootstrap"), "needs root and debootstrap")
+    def test_they_work_in_a_bare_debian(self):
+        if not mirror_answers():
+            self.skipTest(f"no Debian mirror at {MIRROR}")
+        result = subprocess.run([os.path.join(ROOT, "scripts", "test-deb"), os.path.join(self.folder, "first")],
+                                capture_output=True, text=True, check=False)
+        print(result.stdout)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,112 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""cmake --install into a prefix that is then moved: tools, plugin, scripts, studies, schemas and module work from there."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+
+BUILD, ROOT = os.environ["LANDFALL_BUILD"], os.environ["LANDFALL_ROOT"]
+TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval"]
+
+
+def execute(*command, **options):
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=600, check=False, **options)
+
+
+class Install(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="landfall-install-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        before, cls.prefix = os.path.join(cls.folder, "before"), os.path.join(cls.folder, "a prefix")
+        result = execute("cmake", "--install", BUILD, "--prefix", before)
+        if result.returncode:
+            raise AssertionError(result.stdout + result.stderr)
+        os.rename(before, cls.prefix)
+        cls.share = os.path.join(cls.prefix, "share", "landfall")
+
+    def succeed(self, *command, **options):
+        result = execute(*command, **options)
+        self.assertEqual(result.returncode, 0, f"{command}\n{result.stdout}{result.stderr}")
+        return result.stdout
+
+    def tool(self, name):
+        return os.path.join(self.prefix, "bin", name)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def test_the_chain_runs_and_a_script_draws_its_dem(self):
+        self.succeed(self.tool("terrain-gen"), "-o", self.path("t.h5"), "-O", "--set",
+                     'grid={"half_width_m":8,"resolution_m":0.1}')
+        self.succeed(self.tool("scan-sim"), "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-O",
+                     "--set", "laser.scan_time_s=0.05", "--set", "scanner.pattern.half_width_m=5")
+        self.succeed(self.tool("regrid"), self.path("s.h5"), "--terrain", self.path("t.h5"), "-o",
+                     self.path("d.h5"), "-O", "--set", "half_width_m=6")
+        with h5py.File(self.path("d.h5")) as file:
+            self.assertGreater((file["count"][()] > 0).mean(), 0.05)
+        self.succeed(os.path.join(self.share, "scripts", "plot_dem.py"), self.path("d.h5"), "-o", self.path("d.png"))
+        self.assertGreater(os.path.getsize(self.path("d.png")), 1000)
+
+    def test_the_plugin_is_found(self):
+        with open(self.path("dem.asc"), "w", encoding="ascii") as file:
+            file.write("ncols 21\nnrows 21\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + ("5 " * 21 + "\n") * 21)
+        site = ["--from", self.path("dem.asc"), "--half-width", "5", "--resolution", "0.5", "--horizontal-scale", "1"]
+        self.succeed(self.tool("terrain-gen"), *site, "-o", self.path("site.h5"))
+        bare = self.path("bare")  # without the plugin beside it, the message names where it was looked for
+        os.makedirs(os.path.join(bare, "bin"))
+        shutil.copy(self.tool("terrain-gen"), os.path.join(bare, "bin"))
+        result = execute(os.path.join(bare, "bin", "terrain-gen"), *site, "-o", self.path("none.h5"))
+        if result.returncode:  # unless the same version is installed where this build installs to
+            self.assertIn(os.path.join(bare, "lib", "landfall", "landfall-gdal.so"), result.stderr)
+
+    def test_scripts_find_schemas_and_studies(self):
+        plan = self.succeed(os.path.join(self.share, "scripts", "list_studies.py"), "studies", cwd=self.share)
+        self.assertIn("noise", plan)
+        self.succeed("make", "-C", self.share, "-f", "Makefile.studies", "-n", "example-2",
+                     "BIN=" + self.path("nowhere"), "RUNS=" + self.path("runs"))
+        for name in os.listdir(os.path.join(ROOT, "schemas")):
+            with open(os.path.join(self.share, "schemas", name), encoding="utf-8") as file:
+                self.assertIn("$id", json.load(file))
+        installed = set(os.listdir(os.path.join(self.share, "scripts")))
+        self.assertFalse(installed & {"test", "test-deb", "package", "quickstart", "install-packages", "__pycache__"})
+
+    def test_the_pages_links_hold(self):
+        doc = os.path.join(self.prefix, "share", "doc", "landfall")
+        broken = []
+        for folder, _, files in os.walk(doc):
+            for name in filter(lambda name: name.endswith(".md"), files):
+                with open(os.path.join(folder, name), encoding="utf-8") as file:
+                    links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", file.read())
+                broken += [(name, link) for link in links if not self.is_there(doc, folder, link)]
+        self.assertEqual(broken, [])
+
+    def is_there(self, doc, folder, link):
+        """Pages and images must be installed; the rest lies elsewhere on a prefix, or in the repository only."""
+        target = os.path.normpath(os.path.join(folder, link))
+        relative = os.path.relpath(target, doc)
+        return os.path.exists(target) or not relative.startswith("docs") and os.path.exists(os.path.join(ROOT, relative))
+
+    def test_find_package_checks_the_version(self):
+        source = self.path("host")
+        os.makedirs(source, exist_ok=True)
+        with open(os.path.join(source, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+            file.write("cmake_minimum_required(VERSION 3.25)\nproject(host CXX)\n"
+                       "find_package(landfall ${WANTED} REQUIRED)\nget_target_property(x landfall::lidar TYPE)\n")
+        configure = ["cmake", "-S", source, "-DCMAKE_PREFIX_PATH=" + self.prefix,
+                     "-DCMAKE_CXX_COMPILER=" + os.environ["LANDFALL_CXX"]]
+        self.succeed(*configure, "-B", self.path("b1"), "-DWANTED=0.1")
+        for wanted in ["0.2", "1.0", "0.0"]:
+            result = execute(*configure, "-B", self.path("b" + wanted), "-DWANTED=" + wanted)
+            self.assertNotEqual(result.returncode, 0, wanted)
+            self.assertIn(f'compatible with requested version "{wanted}"', " ".join(result.stderr.split()))
+
+
+if __name__ == "__main__":
+    unittest.main()
