@@ -272,7 +272,7 @@ class Refusals(InfoTest):
         os.mkfifo(self.path("fifo"))
         self.refused(self.path("fifo"), "no regular file")
         self.refused("/dev/null", "no regular file")
-        self.refused(self.config("{}"), "not a readable HDF5 file")
+        self.refused(self.config("{}"), "is no HDF5 file")
         with h5py.File(self.path("other.h5"), "w") as file:
             file["x"] = np.arange(3)
         self.refused(self.path("other.h5"), "not a landfall file")
@@ -283,7 +283,7 @@ class Refusals(InfoTest):
         self.refused(self.changed(self.chain.scan, lambda f: f.attrs.__setitem__("format_version", "2.0")), "2.0")
         path = self.copy(self.chain.scan)
         os.truncate(path, os.path.getsize(path) // 2)
-        self.refused(path, "not a readable HDF5 file")
+        self.refused(path, "is truncated or damaged")
         self.refused(self.changed(self.chain.scan, lambda f: f.__delitem__("pulses")), "pulses")
 
     def test_a_corrupt_chunk_is_named(self):

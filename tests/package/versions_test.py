@@ -25,7 +25,7 @@ RELEASES = re.findall(r"^## \[([^]]+)\](?: - (\S+))?$", text("CHANGELOG.md"), re
 
 class Versions(unittest.TestCase):
     def test_the_tools_and_the_packages_have_it(self):
-        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval"]:
+        for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info", "landfall-export"]:
             said = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
                                   capture_output=True, text=True).stdout
             self.assertIn(VERSION, said.split(), tool)
