@@ -12,6 +12,10 @@ import tempfile
 
 import numpy as np
 
+CRATERS_PER_KM2 = 1500
+SMALLEST_M, LARGEST_M = 6, 40
+# Where a rim has fallen to a thousandth of its height.
+REACH_RADII = 10
 CRS = "+proj=stere +lat_0=-90 +lon_0=0 +k=1 +x_0=0 +y_0=0 +R=1737400 +units=m +no_defs"
 
 
@@ -23,15 +27,17 @@ def crater(distance_m, diameter_m):
 
 
 def elevations(x, y, seed):
-    """A gentle slope with long swells and 60 craters, metres above a datum of -1200 m; shape (y, x)."""
+    """A gentle slope with long swells and craters, N(>D) ~ D^-2, metres about -1200 m; shape (y, x)."""
     random = np.random.RandomState(seed)
-    X, Y = np.meshgrid(x - x.mean(), y - y.mean())
-    half_width_m = (x[-1] - x[0]) / 2
-    z = -1200 + 0.03 * X + 2 * np.sin(X / 45) * np.cos(Y / 60)
-    for _ in range(60):
-        diameter_m = 6 * random.uniform() ** -0.5
-        at_x, at_y = random.uniform(-half_width_m, half_width_m, 2)
-        z += crater(np.hypot(X - at_x, Y - at_y), min(diameter_m, 40))
+    x, y = x - x.mean(), (y - y.mean())[:, None]
+    width_m = x[-1] - x[0]
+    z = -1200 + 0.03 * x + 2 * np.sin(x / 45) * np.cos(y / 60)
+    for _ in range(max(1, round(CRATERS_PER_KM2 * width_m**2 / 1e6))):
+        diameter_m = min(SMALLEST_M * random.uniform() ** -0.5, LARGEST_M)
+        at_x, at_y = random.uniform(-width_m / 2, width_m / 2, 2)
+        rows = np.abs(y[:, 0] - at_y) < REACH_RADII * diameter_m / 2
+        columns = np.abs(x - at_x) < REACH_RADII * diameter_m / 2
+        z[np.ix_(rows, columns)] += crater(np.hypot(x[columns] - at_x, y[rows] - at_y), diameter_m)
     return z
 
 
