@@ -7,7 +7,8 @@ A comment on a line of its own says something about what follows it:
     <!-- not run: REASON -->      the next block is not run
     <!-- file: NAME -->           the next block is the content of the file NAME
     <!-- check: TOOL -->          the next block is a configuration: TOOL --check must take it
-    <!-- output -->               the next block is what the block before it printed; a line `...` stands for any lines
+    <!-- output -->               the next block is what the block before it printed; a line `...` stands for any lines,
+                                  revisions, ids and sizes of files may be others
 """
 import os
 import re

@@ -71,6 +71,11 @@ class Running(unittest.TestCase):
         self.assertIn("docs/made.md:7", verdict(block("sh", "echo one; echo two") + block("text", "one", "output")))
         self.assertIn("docs/made.md:7", verdict(block("sh", "seq 5") + block("text", "1\n...\n4", "output")))
 
+    def test_ids_and_revisions_may_differ(self):
+        command = "echo 'regrid 0.1.0 (git 08323fd) 7ca041163144 of 10 m'"
+        self.assertIsNone(verdict(block("sh", command) + block("text", "regrid 0.1.0 (git v1-2) 4fee806301ff of 10 m", "output")))
+        self.assertIn("docs/made.md:7", verdict(block("sh", command) + block("text", "regrid 0.1.0 (git v1-2) 4fee806301ff of 11 m", "output")))
+
     def test_files(self):
         self.assertIsNone(verdict(block("csv", "a,b", "file: folder/t.csv") + block("sh", '[[ "$(cat folder/t.csv)" == a,b ]]')))
 

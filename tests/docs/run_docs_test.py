@@ -111,8 +111,16 @@ class Run:
         return self.printed.get(max((n for n in self.printed if n < number and self.blocks[n].language != "setup"), default=None), "")
 
 
+def steady(text):
+    """Without what another version of the program prints differently: its revision, and the ids and sizes of files that hold it."""
+    for pattern in (r"\(git [^)]*\)", r"\b([0-9a-f]{32}|[0-9a-f]{12})\b", r"\b[\d.]+ [kM]B\b"):
+        text = re.sub(pattern, "?", text)
+    return text
+
+
 def shows(shown, printed):
-    """Whether `shown` is `printed`, where a line `...` of the former stands for any lines of the latter."""
+    """Whether `shown` is `printed` but for what `steady` leaves out; a line `...` of the former stands for any lines of the latter."""
+    shown, printed = steady(shown), steady(printed)
     pattern = "".join(r"(?:.*\n)*?" if line.strip() == "..." else re.escape(line.rstrip()) + r" *\n" for line in shown.splitlines())
     return re.fullmatch(pattern, printed) is not None
 
