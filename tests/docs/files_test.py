@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pages of docs/files against real files: every dataset and key is described with its type and unit, and nothing else is."""
+import itertools
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import page as pages
+
+BIN = os.environ["LANDFALL_BIN"]
+SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
+        "--set", 'scanner.pattern={"type":"line_search","rows":20,"columns":20,"half_width_m":4}']
+MAP = ["--set", "half_width_m=5", "--set", "resolution_m=0.1"]
+# Commands that make the files, and the page of each: between them they write every dataset there is.
+RUNS = {
+    "terrain.h5": ("terrain.md", ["terrain-gen", "--half-width", "6", "--resolution", "0.1", "--set",
+                                  'features=[{"type":"cone","radius_m":1,"height_m":0.5}]']),
+    "terrain.obj": (None, ["terrain-gen", "--half-width", "6", "--resolution", "0.5"]),
+    "mesh.h5": ("terrain.md", ["terrain-gen", "--from", "terrain.obj"]),
+    "scan.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN]),
+    "plan.h5": ("plan.md", ["scan-sim", "--plan", "--plan-radius", "5", *SCAN]),
+    "dem.h5": ("dem.md", ["regrid", "scan.h5", "--terrain", "terrain.h5", "--uncertainty", "--corrected", *MAP]),
+    "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3"]),
+    "unjudged.h5": ("evaluation.md", ["dem-eval", "blind.h5", "--metrics", "unjudged.json", "--set", "region_radius_m=3"]),
+}
+BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}
+
+
+def rows(name):
+    """The table rows of a page: its cells, without those of the head."""
+    text = pages.Page(os.path.join("docs", "files", name)).prose.values()
+    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in text if line.startswith("| `")]
+
+
+def described(name):
+    """{dataset: (type, unit)} of a page."""
+    found = {}
+    for first, *others in rows(name):
+        for dataset in re.findall(r"`(/[^`]+)`", first):
+            found[dataset] = tuple(others[:2])
+    return found
+
+
+def keys(name):
+    """The keys of metrics.md, with their braces expanded."""
+    found = set()
+    for first, *_ in rows(name):
+        for key in re.findall(r"`([\w.{},]+)`", first):
+            parts = [part[1:-1].split(",") if part.startswith("{") else [part] for part in re.split(r"(\{[^}]*\})", key)]
+            found |= {"".join(choice) for choice in itertools.product(*parts)}
+    return found
+
+
+def leaves(tree, path=""):
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            yield from leaves(value, f"{path}{key}.")
+        else:
+            yield path + key
+
+
+def datasets(path):
+    """{dataset: (type, unit)} of a file."""
+    found = {}
+    with h5py.File(path) as file:
+        def visit(name, item):
+            if isinstance(item, h5py.Dataset):
+                kind = "text" if item.dtype == object else item.dtype.name
+                found["/" + name] = (kind, item.attrs["units"])
+        file.visititems(visit)
+    return found
+
+
+class Files(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="landfall-files-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        for name, (_, command) in RUNS.items():
+            for tool, *arguments in filter(None, [BEFORE.get(name), [*command, "-o", name]]):
+                subprocess.run([os.path.join(BIN, tool), *arguments], cwd=cls.folder, check=True, capture_output=True, timeout=120)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def test_every_dataset_of_a_file_is_described(self):
+        for name, (page, _) in RUNS.items():
+            if page:
+                with self.subTest(name):
+                    told = described("README.md") | described(page)
+                    self.assertEqual({key: told.get(key) for key in datasets(self.path(name))}, datasets(self.path(name)))
+
+    def test_every_described_dataset_is_in_a_file(self):
+        for page in {page for page, _ in RUNS.values() if page}:
+            with self.subTest(page):
+                there = set().union(*(datasets(self.path(name)) for name, (of, _) in RUNS.items() if of == page))
+                self.assertEqual(sorted(set(described(page)) - there), [])
+
+    def test_root_attributes(self):
+        text = "\n".join(pages.Page("docs/files/README.md").prose.values())
+        for name, (page, _) in RUNS.items():
+            if page:
+                with h5py.File(self.path(name)) as file:
+                    self.assertEqual([key for key in file.attrs if f"`{key}`" not in text], [])
+                    self.assertIn(f"`{file.attrs['format_name'].removeprefix('landfall')}`", text.replace("`landfall.", "`."))
+
+    def test_attributes_of_points(self):
+        text = "\n".join(pages.Page("docs/files/scan.md").prose.values())
+        with h5py.File(self.path("scan.h5")) as file:
+            self.assertEqual([key for key in file["points"].attrs if f"`{key}`" not in text], [])
+            for value, meaning in enumerate(file["points/status"].attrs["flag_meanings"].split()):
+                self.assertIn(f"{value} {meaning.replace('_', ' ')}", text)
+
+    def test_metrics(self):
+        with open(self.path("metrics.json"), encoding="utf-8") as file:
+            self.assertEqual(keys("metrics.md"), set(leaves(json.load(file))))
+        with open(self.path("unjudged.json"), encoding="utf-8") as file:
+            self.assertLessEqual({key for key in leaves(json.load(file)) if "." in key} - {"accuracy.absolute", "accuracy.relative"},
+                                 keys("metrics.md") | {"statistics.x", "statistics.y", "statistics.z", "statistics.horizontal"})
+
+
+if __name__ == "__main__":
+    unittest.main()
