@@ -126,13 +126,13 @@ def shows(shown, printed):
 
 
 def rewrite(page, run):
-    """Writes the outputs into the page, those with `...` left as they are."""
+    """Writes the outputs into the page that are no longer as it shows them."""
     path = os.path.join(ROOT, page.name)
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     for number in reversed(range(len(page.blocks))):
         block = page.blocks[number]
-        if "output" in block.notes and "..." not in block.text.split("\n"):
+        if "output" in block.notes and not shows(block.text, run.output_before(number)):
             first = block.line - 1
             printed = [line.rstrip() for line in run.output_before(number).splitlines()]
             lines[first:first + block.text.count("\n")] = printed
