@@ -122,7 +122,7 @@ def shows(shown, printed):
     """Whether `shown` is `printed` but for what `steady` leaves out; a line `...` of the former stands for any lines of the latter."""
     shown, printed = steady(shown), steady(printed)
     pattern = "".join(r"(?:.*\n)*?" if line.strip() == "..." else re.escape(line.rstrip()) + r" *\n" for line in shown.splitlines())
-    return re.fullmatch(pattern, printed) is not None
+    return re.fullmatch(pattern, printed if printed.endswith("\n") or not printed else printed + "\n") is not None
 
 
 def rewrite(page, run):
