@@ -78,6 +78,7 @@ void bind_config(CLI::App& app, CommonOptions& o, bool has_seed) {
   app.add_option("--set", o.assignments, "Set one config value, a.b.c=JSON; repeatable, wins over the file")
       ->type_name("KEY=JSON")
       ->expected(1)
+      ->allow_extra_args(false)  // what follows is no second value, but the file to read
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kConfiguration);
   if (has_seed)

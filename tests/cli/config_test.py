@@ -55,6 +55,11 @@ class Resolved(ToolTest):
         self.assertEqual(self.resolved("--set", "detector.rows=3.0")["detector"]["rows"], 3)
         self.refuse(2, "scan-sim", "--print-config", "--set", "detector.rows=3.5", words=["/detector/rows", "3.5"])
 
+    def test_a_file_may_follow_a_value(self):
+        for name, key in [("regrid", "resolution_m=0.2"), ("dem-eval", "region_radius_m=4")]:
+            self.refuse(1, name, "-o", self.path("out.h5"), "--set", key, self.path("nowhere.h5"),
+                        words=["nowhere.h5: no such file"])
+
 
 class Config(ToolTest):
     """A configuration that is wrong is exit 2, one line, no output; the line says what, where and the bound."""
