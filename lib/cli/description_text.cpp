@@ -77,10 +77,12 @@ std::string extent(const Json& d) {
   std::string text;
   if (d.contains("grid")) {
     const Json& g = d["grid"];
-    text += line("grid", integer(g["columns"]) + " x " + integer(g["rows"]) + " bins of " +
+    const bool nodes = d["kind"] == "terrain";  // elevations at points; elsewhere means over bins
+    text += line("grid", integer(g["columns"]) + " x " + integer(g["rows"]) +
+                             (nodes ? " nodes, one every " : " bins of ") +
                              number_text(g["resolution_m"].get<double>()) + " m");
-    text += line("extent",
-                 "x " + range(g["x_m"], "m") + ", y " + range(g["y_m"], "m") + " (centres of the bins)");
+    text += line("extent", "x " + range(g["x_m"], "m") + ", y " + range(g["y_m"], "m") +
+                               (nodes ? "" : " (centres of the bins)"));
   }
   if (d.contains("mesh")) {
     const Json& m = d["mesh"];
