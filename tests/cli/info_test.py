@@ -275,7 +275,7 @@ class Refusals(InfoTest):
         self.refused(self.config("{}"), "is no HDF5 file")
         with h5py.File(self.path("other.h5"), "w") as file:
             file["x"] = np.arange(3)
-        self.refused(self.path("other.h5"), "not a landfall file")
+        self.refused(self.path("other.h5"), "is no landfall file")
         os.remove(self.path("other.h5"))
 
     def test_damaged_files(self):
