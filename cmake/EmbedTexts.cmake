@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# landfall_embed_texts(folder NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
+# that a tool needs no file beside it. The target of this folder's library adds the header to its sources:
+#   #include "folder/embedded_assets.h"      // namespace landfall::embedded: assets[i].name, assets[i].text
+# The header's path is left in embedded_assets; its include folder must be added to the target. The file is also the script
+# that writes it: cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
+if(CMAKE_SCRIPT_MODE_FILE)
+  set(header "// SPDX-License-Identifier: GPL-3.0-or-later\n// Made by cmake/EmbedTexts.cmake.\n#pragma once\n\n")
+  string(APPEND header "namespace landfall::embedded {\ninline constexpr struct {\n  const char* name;\n  const char* text;\n} ${NAME}[] = {\n")
+  foreach(path ${TEXTS})
+    file(READ ${path} content)
+    get_filename_component(name ${path} NAME)
+    string(APPEND header "    {\"${name}\", R\"landfall(${content})landfall\"},\n")
+  endforeach()
+  string(APPEND header "};\n}  // namespace landfall::embedded\n")
+  file(WRITE ${OUTPUT} "${header}")
+  return()
+endif()
+
+function(landfall_embed_texts folder)
+  cmake_parse_arguments(arg "" "NAME" "FILES" ${ARGN})
+  set(script ${CMAKE_SOURCE_DIR}/cmake/EmbedTexts.cmake)
+  set(header ${CMAKE_CURRENT_BINARY_DIR}/include/${folder}/embedded_${arg_NAME}.h)
+  add_custom_command(OUTPUT ${header}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${header} -DNAME=${arg_NAME} "-DTEXTS=${arg_FILES}" -P ${script}
+    DEPENDS ${arg_FILES} ${script} VERBATIM)
+  set(embedded_${arg_NAME} ${header} PARENT_SCOPE)
+endfunction()
