@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A headless Chromium for the tests of the report, and for its picture in the docs."""
+"""A headless Chromium for the tests of reports, and for their pictures in the docs."""
 import base64
+import json
 import os
 import pathlib
 import shutil
@@ -49,6 +50,12 @@ class Browser:
         """Opens a report and waits until all of it is drawn."""
         self.driver.get(pathlib.Path(os.path.abspath(path)).as_uri())
         self.wait("return document.body.dataset.ready === 'yes' || document.getElementById('message').textContent !== ''")
+
+    def requests(self):
+        """Addresses that were asked for since the last call, less what pages hold themselves."""
+        messages = (json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance"))
+        asked = (message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent")
+        return [url for url in asked if not url.startswith(("data:", "chrome:"))]
 
     def wait(self, condition, seconds=120):
         WebDriverWait(self.driver, seconds, 0.1).until(lambda driver: driver.execute_script(condition))
