@@ -108,11 +108,14 @@ class ReportOutput {
 /// The outputs of a run, refused before the DEM is read. They appear together or not at all.
 class Outputs {
  public:
-  Outputs(const cli::Session& session, const Options& o) {
-    if (!o.metrics_only || !session.options().output_path.empty()) layers_ = session.output({o.dem});
+  Outputs(cli::Session& session, const Options& o) {
+    if (!o.metrics_only && session.options().output_path.empty())
+      throw UsageError("-o/--output is required; or give --metrics-only, which keeps no layers");
+    if (!session.options().output_path.empty()) layers_ = session.output({o.dem});
     if (o.metrics == "-") throw UsageError("--metrics wants a file; --metrics-only alone prints the metrics");
     if (o.report == "-") throw UsageError("--report wants a file");
-    check_names(o);
+    if (!o.metrics.empty()) session.claim_output("--metrics", o.metrics, {o.dem});
+    if (!o.report.empty()) session.claim_output("--report", o.report, {o.dem});
     const bool overwrite = session.options().overwrite;
     if (!o.metrics.empty()) metrics_ = std::make_unique<OutputPath>(o.metrics, overwrite);
     if (!o.report.empty()) report_ = std::make_unique<ReportOutput>(o.report, overwrite);
@@ -143,19 +146,6 @@ class Outputs {
   }
 
  private:
-  void check_names(const Options& o) const {
-    const std::pair<const char*, const std::string&> names[] = {{"--metrics", o.metrics},
-                                                                {"--report", o.report}};
-    for (const auto& [option, path] : names) {
-      if (path.empty()) continue;
-      if (same_file(path, o.dem)) throw UsageError(std::string(option) + " names the DEM itself, " + path);
-      if (layers_ && same_file(layers_->path, path))
-        throw UsageError("-o and " + std::string(option) + " name the same file, " + path);
-    }
-    if (!o.metrics.empty() && !o.report.empty() && same_file(o.metrics, o.report))
-      throw UsageError("--metrics and --report name the same file, " + o.report);
-  }
-
   std::optional<OutputOptions> layers_;
   std::unique_ptr<LandfallFileWriter> file_;
   std::optional<EvaluationWriter> writer_;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <iostream>
@@ -32,13 +33,25 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Under these keys configurations name files.
+constexpr std::array kPathKeys = {"path", "table"};
+
 /// Anything that follows a path in a message or a file must not carry the machine's folders.
 void cut_paths(Json& value) {
-  for (const char* const key : {"path", "table"})
+  for (const char* const key : kPathKeys)
     if (value.is_object() && value.contains(key) && value[key].is_string())
       value[key] = std::filesystem::path(value[key].get<std::string>()).filename().string();
   if (value.is_structured())
     for (Json& element : value) cut_paths(element);
+}
+
+/// The files that a configuration names.
+void add_named_files(const Json& value, std::vector<std::string>& files) {
+  for (const char* const key : kPathKeys)
+    if (value.is_object() && value.contains(key) && value[key].is_string())
+      files.push_back(value[key].get<std::string>());
+  if (value.is_structured())
+    for (const Json& element : value) add_named_files(element, files);
 }
 
 Json environment_json(const std::string& config_name) {
@@ -216,13 +229,10 @@ void Session::resolve_config(const Tool& tool) {
   config_ = resolved_config(source, schema_);
 }
 
-OutputOptions Session::output(const std::vector<std::string>& inputs) const {
+OutputOptions Session::output(const std::vector<std::string>& inputs) {
   if (options_.output_path.empty()) throw UsageError("-o/--output is required");
-  require_usable_output(options_.output_path, options_.overwrite);
-  for (const std::string& input : inputs)
-    if (same_file(options_.output_path, input))
-      throw UsageError("output " + options_.output_path + " is an input of this run; name another file");
-  check_view(inputs);
+  claim_output("-o", options_.output_path, inputs);
+  claim_view(inputs);
   log("writes " + options_.output_path);
   return {options_.output_path, options_.overwrite, options_.compression};
 }
@@ -232,17 +242,28 @@ void Session::require_output_for_view() const {
     throw UsageError("--view shows the output; without -o there is none");
 }
 
-void Session::check_view(const std::vector<std::string>& inputs) const {
+void Session::claim_output(const std::string& option, const std::string& path,
+                           const std::vector<std::string>& inputs) {
+  require_usable_output(path, options_.overwrite);
+  std::vector<std::string> named = inputs;
+  add_named_files(config_, named);
+  if (options_.config_path != "-") named.push_back(options_.config_path);
+  for (const std::string& input : named)
+    if (!input.empty() && same_file(path, input))
+      throw UsageError("output " + path + " is an input of this run; name another file");
+  for (const auto& [other, taken] : outputs_)
+    if (same_file(path, taken)) throw UsageError(other + " and " + option + " name the same file, " + path);
+  outputs_.emplace_back(option, path);
+}
+
+void Session::claim_view(const std::vector<std::string>& inputs) {
   const std::string& view = options_.view_path;
   if (view.empty()) return;
   if (file_extension(view) != ".png") throw UsageError("--view " + view + " is a picture; name a .png");
   for (const char* const other : {".tif", ".tiff", ".obj", ".ply"})
     if (file_extension(options_.output_path) == other)
       throw UsageError("--view shows an .h5 output, not " + options_.output_path);
-  if (same_file(view, options_.output_path)) throw UsageError("-o and --view name the same file, " + view);
-  for (const std::string& input : inputs)
-    if (same_file(view, input)) throw UsageError("--view names an input of this run, " + view);
-  require_usable_output(view, options_.overwrite);
+  claim_output("--view", view, inputs);
 }
 
 void Session::view_output() {

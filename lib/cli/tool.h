@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -55,7 +56,11 @@ class Session {
   [[nodiscard]] const std::string& config_name() const { return config_name_; }
   /// Throws UsageError without -o, or where the output exists, cannot be, or is one of the run's own inputs,
   /// and the same of the picture of --view: call it before the work.
-  [[nodiscard]] OutputOptions output(const std::vector<std::string>& inputs = {}) const;
+  [[nodiscard]] OutputOptions output(const std::vector<std::string>& inputs = {});
+  /// Throws UsageError where the file that `option` names cannot be an output, is one of `inputs`, the
+  /// configuration or a file that this names, or is another output of the run.
+  void claim_output(const std::string& option, const std::string& path,
+                    const std::vector<std::string>& inputs = {});
   /// The provenance of this run, its inputs still to be added.
   [[nodiscard]] Provenance provenance() const;
 
@@ -79,7 +84,7 @@ class Session {
   [[nodiscard]] nlohmann::json summary() const;
 
  private:
-  void check_view(const std::vector<std::string>& inputs) const;
+  void claim_view(const std::vector<std::string>& inputs);
 
   std::string tool_;
   std::string schema_;
@@ -88,6 +93,7 @@ class Session {
   nlohmann::json config_;
   nlohmann::json phases_ = nlohmann::json::object();
   nlohmann::json counts_ = nlohmann::json::object();
+  std::vector<std::pair<std::string, std::string>> outputs_;  ///< option and path of those that are claimed
   double start_s_;
 };
 

@@ -64,6 +64,8 @@ void require_usable_output(const fs::path& path, bool overwrite) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, ignored))
     throw UsageError("output " + path.string() + ": folder " + folder.string() + " does not exist");
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
+    throw UsageError("output " + path.string() + " is no regular file");
   if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
     throw UsageError("output " + path.string() + " exists; use -O to overwrite it");
 }
@@ -107,7 +109,9 @@ void write_text(const OutputPath& output, const std::string& text) {
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
-  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+  // Of a file that is not there yet, "x" and "./x" would differ.
+  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+         fs::weakly_canonical(fs::absolute(b, ignored), ignored);
 }
 
 }  // namespace landfall

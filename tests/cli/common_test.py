@@ -4,6 +4,7 @@
 import json
 import os
 import shutil
+import stat
 import subprocess
 import time
 import unittest
@@ -175,6 +176,42 @@ class Usage(ToolTest):
 
 class Output(ChainTest):
     """The output's name: refusals come before the work, an existing file is safe without -O."""
+
+    def test_no_file_that_the_run_reads_is_an_output(self):
+        """Not even with -O: the configuration, and what it names."""
+        for name in TOOLS:
+            config = self.config(CONFIGS[name], "mine.json")
+            before = read_bytes(config)
+            for output in (config, os.path.join(self.folder, ".", "mine.json")):
+                self.refuse(2, name, *self.chain.inputs(name)[:-2], "-c", config, "-o", output, "-O",
+                            words=["mine.json is an input of this run"])
+            self.assertEqual(read_bytes(config), before)
+        mask = self.path("mask.h5")
+        shutil.copy(self.chain.eval, mask)
+        before = read_bytes(mask)
+        region = json.dumps({"shape": "mask", "path": mask, "layer": "in_region"})
+        for option in ("-o", "--metrics", "--report"):
+            self.refuse(2, "dem-eval", self.chain.dem, "--metrics-only", option, mask, "-O", "--set", f"region={region}",
+                        words=["mask.h5 is an input of this run"])
+        self.assertEqual(read_bytes(mask), before)
+
+    def test_two_outputs_of_one_name(self):
+        names = [("-o", "--metrics"), ("-o", "--report"), ("--metrics", "--report")]
+        for first, second in names:
+            others = [] if first == "-o" else ["--metrics-only"]
+            self.refuse(2, "dem-eval", self.chain.dem, *others, first, "one.html", second, "./one.html", cwd=self.folder,
+                        words=[f"{first} and {second} name the same file, ./one.html"])
+        self.refuse(2, "dem-eval", self.chain.dem, "-o", "e.h5", "--report", "./x.png", "--view", "x.png", cwd=self.folder,
+                    words=["--view and --report name the same file"])
+        self.refuse(2, "regrid", self.chain.scan, "-o", "x.png", "--view", "./x.png", "-O", cwd=self.folder,
+                    words=["-o and --view name the same file"])
+        self.assertEqual(self.entries(), [])
+
+    def test_only_a_regular_file_is_replaced(self):
+        os.mkfifo(self.path("pipe.h5"))
+        for name in TOOLS:
+            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path("pipe.h5"), "-O", words=["pipe.h5 is no regular file"])
+        self.assertTrue(stat.S_ISFIFO(os.stat(self.path("pipe.h5")).st_mode))
 
     def test_an_existing_output_is_refused_and_left_alone(self):
         output = self.path("out.h5")
