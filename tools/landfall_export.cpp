@@ -69,18 +69,27 @@ std::string format_of(const Options& o, const std::string& output) {
       throw UsageError("--format " + o.format + " does not go to standard output; csv does");
     return o.format;
   }
-  if (!o.format.empty()) return o.format;
   const std::string extension = file_extension(output);
-  if (extension == ".xdmf") return "xmf";
-  if (extension == ".tiff") return "tif";
+  std::string named;
+  if (extension == ".xdmf") named = "xmf";
+  if (extension == ".tiff") named = "tif";
   for (const char* const known : {"csv", "las", "ply", "png", "tif", "xmf"})
-    if (extension == std::string(".") + known) return known;
-  throw UsageError("output " + output + ": extension '" + extension +
-                   "' is none of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
+    if (extension == std::string(".") + known) named = known;
+  if (!named.empty() && !o.format.empty() && named != o.format)
+    throw UsageError("output " + output + ": its extension says " + named + ", --format " + o.format);
+  if (!o.format.empty()) return o.format;
+  if (named.empty())
+    throw UsageError("output " + output + ": extension '" + extension +
+                     "' is none of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
+  return named;
 }
 
 /// Throws UsageError unless a file of this kind can become this.
-void require_possible(const std::string& input, const std::string& kind, const std::string& format) {
+void require_possible(const LandfallFileReader& file, const std::string& kind, const std::string& format) {
+  const std::string& input = file.name();
+  if (h5::exists(file.root(), "mesh") && format != "png")
+    throw UsageError(input + " is a mesh terrain, which can become .png; terrain-gen --from " + input +
+                     " -o mesh.ply exports the mesh");
   const bool is_scan = kind == "scan";
   const bool possible = is_scan ? format != "tif" : format != "las" && format != "ply";
   if (possible) return;
@@ -176,8 +185,9 @@ void export_geotiff(const cli::Session& session, const Options& o, const OutputO
 }
 
 void export_picture(const Options& o, const OutputOptions& output, const ProgressCallback& progress) {
-  if (o.layers.size() > 1)
-    throw UsageError("a .png shows one layer; --layers names " + std::to_string(o.layers.size()));
+  if (o.layers.size() > 1 || o.layers == std::vector<std::string>{"all"})
+    throw UsageError("a .png shows one layer; --layers names " +
+                     (o.layers.size() > 1 ? std::to_string(o.layers.size()) : "all"));
   write_png(output, quick_look(o.input, o.layers.empty() ? "" : o.layers.front(), progress));
 }
 
@@ -207,9 +217,9 @@ ExitCode run(cli::Session& session, const Options& o) {
   OutputOptions output;
   if (name != "-") output = session.output({o.input});
   const std::string format = format_of(o, name);
-  const std::string kind =
-      kind_of(LandfallFileReader(o.input, {"terrain", "scan", "dem", "evaluation", "plan"}));
-  require_possible(o.input, kind, format);
+  const LandfallFileReader file(o.input, {"terrain", "scan", "dem", "evaluation", "plan"});
+  const std::string kind = kind_of(file);
+  require_possible(file, kind, format);
   require_no_stray_option(o, kind == "scan", format);
   try {
     session.phase("export", [&](const ProgressCallback& progress) {
