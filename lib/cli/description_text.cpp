@@ -241,7 +241,7 @@ std::string step_line(const Json& step) {
 
 std::string provenance_lines(const Json& d) {
   std::string text;
-  if (!d["options"].is_null()) text += cut("\noptions " + d["options"].dump(), kWidth) + "\n";
+  if (!d["options"].is_null()) text += "\n" + cut("options " + d["options"].dump(), kWidth) + "\n";
   text += "\nprovenance, oldest step first\n";
   for (const Json& step : d["chain"]) text += step_line(step);
   if (d["environment"].is_object())
@@ -275,9 +275,9 @@ std::string description_text(const Json& d, bool whole_config) {
   for (const auto& [group, entries] : d["datasets"].items()) text += dataset_lines(group, entries);
   try {
     text += result_tables(d);
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const nlohmann::json::exception&) {
     throw FormatError(d["file"].get<std::string>() + ": /" + (d.contains("plan") ? "plan" : "metrics") +
-                      "_json is not what this version writes (" + error.what() + ")");
+                      "_json is not what this version writes");
   }
   return text + config_lines(d, whole_config) + provenance_lines(d);
 }
