@@ -38,11 +38,13 @@ RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const Pr
   return map_picture(reducer.map(), style_of(layer));
 }
 
-/// The estimated places of all returns.
 struct Extent {
   PointMap::Box box{1, -1, 1, -1};  ///< of no point
   std::size_t count = 0;
 
+  [[nodiscard]] bool holds(double x, double y) const {
+    return x >= box.west_m && x <= box.east_m && y >= box.south_m && y <= box.north_m;
+  }
   void add(double x, double y) {
     box = count++ == 0 ? PointMap::Box{x, x, y, y}
                        : PointMap::Box{std::min(box.west_m, x), std::max(box.east_m, x),
@@ -50,31 +52,44 @@ struct Extent {
   }
 };
 
-RgbImage scan_picture(const PointReader& points, const std::string& layer, const ProgressCallback& progress) {
-  PointReader::Pass pass{{"x_est", "y_est"}, {true, 1}, 2};
-  Extent extent;
+/// The estimated places of the returns; of the false ones, which may lie far off, only where there are no
+/// others. Throws FormatError without any.
+Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
+  Extent of_true;
+  Extent of_all;
   points.read(
-      pass,
+      {{"x_est", "y_est", "status"}, {true, 1}, 2},
       [&](const PointBatch& batch) {
-        for (const std::uint32_t i : batch.selected) extent.add(batch.real(0)[i], batch.real(1)[i]);
+        for (const std::uint32_t i : batch.selected) {
+          of_all.add(batch.real(0)[i], batch.real(1)[i]);
+          if (batch.number(2, i) == 0) of_true.add(batch.real(0)[i], batch.real(1)[i]);
+        }
       },
-      [&](double f) { report(progress, f / 3); });
-  if (extent.count == 0) points.file().fail("holds no return");
+      progress);
+  if (of_all.count == 0) points.file().fail("holds no return");
+  return of_true.count > 0 ? of_true : of_all;
+}
+
+RgbImage scan_picture(const PointReader& points, const std::string& layer, const ProgressCallback& progress) {
+  const Extent extent = extent_of(points, [&](double f) { report(progress, f / 3); });
   const bool counts = layer == "count";
-  PointMap map(extent.box, extent.count, kMostPixels);
+  const bool flags = !counts && keeps_greatest(points.column(layer));
+  PointMap map(extent.box, extent.count, kMostPixels, flags ? Reduction::greatest : Reduction::mean);
+  PointReader::Pass pass{{"x_est", "y_est"}, {true, 1}, 2};
   if (!counts) pass.columns.push_back(layer);
   points.read(
       pass,
       [&](const PointBatch& batch) {
         for (const std::uint32_t i : batch.selected)
-          map.add(batch.real(0)[i], batch.real(1)[i], counts ? 1 : batch.number(2, i));
+          if (extent.holds(batch.real(0)[i], batch.real(1)[i]))
+            map.add(batch.real(0)[i], batch.real(1)[i], counts ? 1 : batch.number(2, i));
       },
       [&](double f) { report(progress, (1 + 2 * f) / 3); });
   if (counts) return map_picture(map.count(), {"returns per pixel", "1"});
   MapStyle style = style_of(points.column(layer));
-  style.title += ", mean of the returns";
-  style.cut = true;  // false returns lie far from the ground
-  return map_picture(map.mean(), style);
+  style.title += flags ? ", the greatest of the returns" : ", mean of the returns";
+  style.cut = !flags;  // false returns lie far from the ground
+  return map_picture(map.values(), style);
 }
 
 RgbImage mesh_picture(const TriangleMesh& mesh, const ProgressCallback& progress) {

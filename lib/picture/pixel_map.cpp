@@ -96,7 +96,8 @@ template PixelMap reduce(const Grid<float>&, Reduction, std::int64_t);
 template PixelMap reduce(const Grid<std::int32_t>&, Reduction, std::int64_t);
 template PixelMap reduce(const Grid<std::int8_t>&, Reduction, std::int64_t);
 
-PointMap::PointMap(const Box& box, std::size_t count, std::int64_t most) {
+PointMap::PointMap(const Box& box, std::size_t count, std::int64_t most, Reduction reduction)
+    : reduction_(reduction) {
   const double width = box.east_m - box.west_m;
   const double height = box.north_m - box.south_m;
   const double even = std::sqrt(width * height * kPointsPerPixel / static_cast<double>(count));
@@ -107,15 +108,18 @@ PointMap::PointMap(const Box& box, std::size_t count, std::int64_t most) {
   frame_.cols = pixels_over(width, frame_.pixel_m, most);
   frame_.west_m = box.west_m;
   frame_.north_m = box.north_m;
-  sums_.resize(static_cast<std::size_t>(frame_.rows * frame_.cols));
-  counts_.resize(sums_.size());
+  gathered_.resize(static_cast<std::size_t>(frame_.rows * frame_.cols));
+  counts_.resize(gathered_.size());
 }
 
 void PointMap::add(double x_m, double y_m, double value) {
   const std::int64_t row = pixel_of(frame_.north_m - y_m, frame_.pixel_m, frame_.rows);
   const std::int64_t col = pixel_of(x_m - frame_.west_m, frame_.pixel_m, frame_.cols);
   const auto i = static_cast<std::size_t>(row * frame_.cols + col);
-  sums_[i] += value;
+  if (reduction_ == Reduction::mean)
+    gathered_[i] += value;
+  else
+    gathered_[i] = counts_[i] > 0 ? std::max(gathered_[i], value) : value;
   ++counts_[i];
 }
 
@@ -125,9 +129,10 @@ PixelMap PointMap::filled(std::span<const double> values) const {
   return map;
 }
 
-PixelMap PointMap::mean() const {
-  PixelMap map = filled(sums_);
-  for (std::size_t i = 0; i < counts_.size(); ++i) map.values[i] /= counts_[i];
+PixelMap PointMap::values() const {
+  PixelMap map = filled(gathered_);
+  if (reduction_ == Reduction::mean)
+    for (std::size_t i = 0; i < counts_.size(); ++i) map.values[i] /= counts_[i];
   return map;
 }
 

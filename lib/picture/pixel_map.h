@@ -68,18 +68,20 @@ class PointMap {
     double south_m;
     double north_m;
   };
-  PointMap(const Box& box, std::size_t count, std::int64_t most);
+  PointMap(const Box& box, std::size_t count, std::int64_t most, Reduction reduction = Reduction::mean);
 
   /// A point outside the box counts in the nearest pixel.
   void add(double x_m, double y_m, double value);
-  [[nodiscard]] PixelMap mean() const;
+  /// The mean or the greatest value of each pixel's points; NaN without any.
+  [[nodiscard]] PixelMap values() const;
   [[nodiscard]] PixelMap count() const;
 
  private:
   [[nodiscard]] PixelMap filled(std::span<const double> values) const;
 
   PixelMap frame_;  ///< without values
-  std::vector<double> sums_;
+  Reduction reduction_;
+  std::vector<double> gathered_;  ///< sums, or the greatest so far
   std::vector<double> counts_;
 };
 

@@ -71,7 +71,7 @@ TEST(PointMap, GathersMeansAndCounts) {
   map.add(0.25, 1.25, 20);
   map.add(4, 0, 7);  // on the border
   map.add(9, -9, 9);
-  const PixelMap mean = map.mean();
+  const PixelMap mean = map.values();
   ASSERT_EQ(mean.rows, 2);
   ASSERT_EQ(mean.cols, 4);
   EXPECT_EQ(mean.at(0, 0), 15);
@@ -80,11 +80,17 @@ TEST(PointMap, GathersMeansAndCounts) {
   EXPECT_EQ(map.count().at(1, 3), 2);
 }
 
+TEST(PointMap, KeepsTheGreatest) {
+  PointMap map({0, 1, 0, 1}, 4, 1000, Reduction::greatest);
+  for (const double value : {-3, -1, -2}) map.add(0.5, 0.5, value);
+  EXPECT_EQ(map.values().values, (std::vector<double>{-1}));
+}
+
 TEST(PointMap, HoldsPointsOnOneSpot) {
   PointMap map({3, 3, 5, 5}, 2, 1000);
   map.add(3, 5, 1);
   map.add(3, 5, 3);
-  EXPECT_EQ(map.mean().values, (std::vector<double>{2}));
+  EXPECT_EQ(map.values().values, (std::vector<double>{2}));
 }
 
 /// A plane z = east x + north y.
