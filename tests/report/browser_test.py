@@ -29,6 +29,18 @@ let sum = 0;
 for (const pixel of data) sum = (Math.imul(sum, 31) + pixel) | 0;
 return {colors: new Set(data).size, sum};
 """
+# The share of a map's pixels with the colour [r, g, b].
+SHARE = """
+const canvas = document.querySelector(`#maps canvas[data-layer=${arguments[0]}]`);
+const flat = document.createElement("canvas");
+Object.assign(flat, {width: canvas.width, height: canvas.height});
+const context = flat.getContext("2d", {willReadFrequently: true});
+context.drawImage(canvas, 0, 0);
+const data = context.getImageData(0, 0, canvas.width, canvas.height).data;
+let found = 0;
+for (let i = 0; i < data.length; i += 4) found += arguments[1].every((c, k) => c === data[i + k]) ? 1 : 0;
+return found / (canvas.width * canvas.height);
+"""
 # Pairs of texts that lie over each other, of one diagram or of the page; and what is wider than the page.
 LAYOUT = """
 const boxes = (list) => [...list].map((e) => ({text: e.textContent, box: e.getBoundingClientRect()}))
@@ -138,6 +150,37 @@ class ReportTest(tools.ToolTest):
             self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 1, name)
         self.assertEqual(self.window.run("return document.querySelectorAll('.crop canvas').length"),
                          2 * len(self.cells("#worst-footprints")))
+        self.check_quiet()
+
+    def sparse(self, name, valid):
+        """A DEM of 401 x 401 bins of 2 cm, `valid` of them with an elevation, and their mask."""
+        dem = self.path(name)
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
+                     "-c", self.config({"resolution_m": 0.02, "half_width_m": 4}, "r.json"))
+        kept = np.random.default_rng(3).random((401, 401)) < valid
+        with h5py.File(dem, "r+") as file:
+            for layer, value in (("z_est", 0.5), ("z_true", 0.51), ("x_true", file["x"][()][None, :]),
+                                 ("y_true", file["y"][()][:, None])):
+                file[layer][...] = np.where(kept, value, np.nan)
+        return dem
+
+    def test_a_sparse_dem_is_not_hidden_by_its_marks(self):
+        self.report(self.sparse("sparse.h5", 0.2))
+        self.assertLess(self.window.run(SHARE, "z_est", [255, 255, 255]), 0.001)
+        self.assertLess(self.window.run(SHARE, "z_est", [29, 39, 51]), 0.001)
+        self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
+        self.check_quiet()
+        self.check_layout()
+
+    def test_single_invalid_bins_of_a_full_dem_are_seen(self):
+        self.report(self.sparse("full.h5", 0.9998))
+        with h5py.File(self.path("eval.h5")) as file:
+            count = int(np.sum(file["invalid"][()]))
+        self.assertTrue(5 < count < 60, count)
+        width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
+        for layer, color in (("invalid", [0, 114, 178]), ("z_est", [255, 255, 255])):
+            found = self.window.run(SHARE, layer, color) * width ** 2 / count
+            self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels a bin")
         self.check_quiet()
 
     def test_values_under_the_pointer_are_those_of_the_file(self):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 "use strict";
 
-// The values of the report, and its maps unpacked: 16-bit codes, value = offset + code * step.
+// The values of the report, and its maps unpacked: 16-bit codes, value = offset + code * step; maps in larger blocks.
 
 const report = JSON.parse(document.getElementById("report-data").textContent);
 const NO_VALUE_CODE = 65535;
@@ -12,6 +12,7 @@ class Raster {
     this.layer = layer;
     this.rows = grid.cell_rows;
     this.cols = grid.cell_cols;
+    this.factor = grid.factor;
     this.cell_m = grid.resolution_m * grid.factor;
     this.left_m = grid.x_m - grid.resolution_m / 2;
     this.bottom_m = grid.y_m - grid.resolution_m / 2;
@@ -74,4 +75,64 @@ function rasterOf(layer, grid) {
 /** The report's own map of a name; null where it has none. */
 function layerNamed(name) {
   return report.layers.find((layer) => layer.name === name) ?? null;
+}
+
+/** One value for a block of cells, by the layer's own rule. */
+function blockValue(raster, [row0, row1], [col0, col1]) {
+  if (row1 - row0 === 1 && col1 - col0 === 1) return raster.value(row0 * raster.cols + col0);
+  let result = NaN, count = 0;
+  for (let row = row0; row < row1; ++row) {
+    for (let col = col0; col < col1; ++col) {
+      const value = raster.value(row * raster.cols + col);
+      if (Number.isNaN(value)) continue;
+      result = count === 0 ? value : chosenOf(raster.layer.rule, result, value);
+      ++count;
+    }
+  }
+  return raster.layer.rule === "mean" ? result / count : result;
+}
+
+function chosenOf(rule, a, b) {
+  switch (rule) {
+    case "mean": return a + b;
+    case "extreme": return Math.abs(b) > Math.abs(a) ? b : a;
+    case "largest": return Math.max(a, b);
+    case "least": return Math.min(a, b);
+    default: return a | b;
+  }
+}
+
+/** The raster in blocks of `stride` x `stride` cells, each by the layer's rule; those at the upper and right border
+ * may be cut short. */
+function blocksOf(raster, stride) {
+  const rows = Math.ceil(raster.rows / stride), cols = Math.ceil(raster.cols / stride);
+  const values = new Float32Array(rows * cols);
+  for (let row = 0; row < rows; ++row) {
+    for (let col = 0; col < cols; ++col) {
+      values[row * cols + col] = blockValue(raster, [row * stride, Math.min(raster.rows, (row + 1) * stride)],
+                                            [col * stride, Math.min(raster.cols, (col + 1) * stride)]);
+    }
+  }
+  return {rows, cols, values, stride, cell_m: stride * raster.cell_m};
+}
+
+/** Whether a mask has less than 1 % of the region: more marks, enlarged, would hide the map and each other. */
+function fewMarks(mask, region) {
+  const count = (raster) => raster.codes.reduce((sum, code) => sum + (code === 0 ? 0 : 1), 0);
+  return count(mask) < 0.01 * (region ? count(region) : mask.codes.length);
+}
+
+/** [{row, col, value}] of the marks with at most one marked neighbour of eight: the larger are seen as they are. */
+function loneMarks({rows, cols, values}) {
+  const marks = [];
+  values.forEach((value, i) => {
+    if (value === 0) return;
+    const row = Math.floor(i / cols), col = i % cols;
+    let marked = 0;
+    for (let r = Math.max(0, row - 1); r <= Math.min(rows - 1, row + 1); ++r) {
+      for (let c = Math.max(0, col - 1); c <= Math.min(cols - 1, col + 1); ++c) marked += values[r * cols + c] === 0 ? 0 : 1;
+    }
+    if (marked <= 2) marks.push({row, col, value});
+  });
+  return marks;
 }

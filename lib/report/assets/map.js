@@ -21,8 +21,8 @@ const MAP_MARGIN = {left: 50, right: 66, top: 22, bottom: 40};
 let gradientCount = 0;
 
 class MapPanel {
-  /** `options`: region (the raster in_region), marks (a mask shown enlarged on the map), points ([{x_m, y_m,
-   * text}]), footprint ({x_m, y_m}: its outline there). */
+  /** `options`: region (the raster in_region), marks (a mask whose single bins are shown enlarged on the map), points
+   * ([{x_m, y_m, text}]), footprint ({x_m, y_m}: its outline there). */
   constructor(raster, options = {}) {
     this.raster = raster;
     this.options = options;
@@ -49,7 +49,8 @@ class MapPanel {
       enlarge.setAttribute("aria-pressed", String(wide));
       enlarge.textContent = wide ? "reduce" : "enlarge";
     });
-    const note = htmlElement("span", {class: "note"}, this.note());
+    this.blocks = htmlElement("span");
+    const note = htmlElement("span", {class: "note"}, this.note(), this.blocks);
     return htmlElement("figcaption", {}, this.raster.layer.title, enlarge, note);
   }
 
@@ -57,13 +58,15 @@ class MapPanel {
     const {layer} = this.raster;
     if (this.options.note) return this.options.note;
     if (!this.raster.hasValue()) return "no value anywhere";
-    if (layer.style === "mask" || layer.style === "flags") return "\u00a0";
+    if (this.isMarks()) return "\u00a0";
     const {unit, factor} = this.scale;
     const range = layer.unit === "m" ?
         `${metresAs(layer.low, unit, factor)} to ${metresAs(layer.high, unit, factor)}` :
-        `${layer.low} to ${layer.high} ${layer.unit}`;
+        `${layer.low} to ${layer.high} ${layer.unit}`.trimEnd();
     return range + (this.scale.clipped ? "; colours end earlier" : "");
   }
+
+  isMarks() { return ["mask", "flags"].includes(this.raster.layer.style); }
 
   fit() {
     const width = Math.round(this.plot.clientWidth);
@@ -93,78 +96,85 @@ class MapPanel {
     this.drawRegion();
     this.drawFootprint();
     this.drawPoints();
-    if (this.raster.layer.style !== "mask" && this.raster.layer.style !== "flags") this.drawColorBar();
+    if (!this.isMarks()) this.drawColorBar();
   }
 
   x(x_m) { return this.box.left + (x_m - this.raster.left_m) * this.pixels_per_m; }
   y(y_m) { return this.box.top + this.box.height - (y_m - this.raster.bottom_m) * this.pixels_per_m; }
 
-  /** The cells that each pixel of a row or column covers: [first, behind the last], of whole cells. */
-  spans(pixels, metres, cells, turned) {
-    const per_pixel = metres / this.raster.cell_m / pixels;
-    return Array.from({length: pixels}, (_, pixel) => {
-      const at = turned ? pixels - 1 - pixel : pixel;
-      const first = Math.min(cells - 1, Math.floor(at * per_pixel + 1e-9));
-      return [first, Math.min(cells, Math.max(first + 1, Math.floor((at + 1) * per_pixel + 1e-9)))];
-    });
-  }
-
   paint(ratio) {
     const {width, height} = this.canvas;
+    // All blocks of the same whole number of cells: uneven ones would beat against the map's pattern.
+    const cells = this.raster.width_m / this.raster.cell_m / width;
+    const stride = this.isShaded() ? 1 : Math.max(1, Math.ceil(cells - 1e-9));
+    const blocks = blocksOf(this.raster, stride);
+    const judged = this.options.region ? blocksOf(this.options.region, stride).values : null;
+    const colors = new Float32Array(3 * blocks.values.length);
+    blocks.values.forEach((value, i) => colors.set(this.blockColor(value, !judged || judged[i] !== 0), 3 * i));
     const context = this.canvas.getContext("2d");
-    const image = context.createImageData(width, height);
-    const cols = this.spans(width, this.raster.width_m, this.raster.cols, false);
-    const rows = this.spans(height, this.raster.height_m, this.raster.rows, true);
-    const inside = this.options.region?.codes;
-    for (let py = 0; py < height; ++py) {
-      for (let px = 0; px < width; ++px) {
-        const value = blockValue(this.raster, rows[py], cols[px]);
-        const judged = !inside || inside[rows[py][0] * this.raster.cols + cols[px][0]] !== 0;
-        image.data.set([...this.pixelColor(value, judged), 255], 4 * (py * width + px));
-      }
-    }
-    context.putImageData(image, 0, 0);
-    this.paintMarks(context, rows, cols, ratio);
-    this.paintRegionEdge(context, rows, cols, ratio);
+    const columns = pixelShares(width, this.raster.width_m / blocks.cell_m, blocks.cols);
+    const rows = pixelShares(height, this.raster.height_m / blocks.cell_m, blocks.rows).reverse();
+    context.putImageData(new ImageData(stretched(colors, blocks.cols, columns, rows), width, height), 0, 0);
+    this.paintMarks(context, blocks, ratio);
+    this.paintRegionEdge(context, ratio);
+    this.tellBlocks(stride, this.isShaded() && cells > 1);
   }
 
-  pixelColor(value, judged) {
+  /** Whether a pixel is the mean colour of its cells: the least count, or whether any bin is marked, would look the
+   * same everywhere on a map with many gaps. */
+  isShaded() {
     const {style} = this.raster.layer;
-    if (style !== "mask" && style !== "flags") return colorOf(this.scale, value);
+    return style === "count" || (style === "mask" && !fewMarks(this.raster, this.options.region));
+  }
+
+  blockColor(value, judged) {
+    const {style} = this.raster.layer;
+    if (!this.isMarks()) return colorOf(this.scale, value);
+    if (value !== 0) return parseColor(markColor(style, value));
     return judged ? [255, 255, 255] : NO_VALUE_COLOR;
   }
 
-  /** Set bins, at least 3 pixels wide: a single bad bin of a large map would be lost. */
-  paintMarks(context, rows, cols, ratio) {
-    const {style} = this.raster.layer;
-    const source = style === "mask" || style === "flags" ? this.raster : this.options.marks;
-    if (!source) return;
-    const marks = [];
-    rows.forEach((row, py) => cols.forEach((col, px) => {
-      const bits = blockBits(source, row, col);
-      if (bits !== 0) marks.push([px, py, style === "flags" ? failColor(bits) : BLUE]);
-    }));
-    const paint = (size, colorAt) => {
-      for (const [px, py, color] of marks) {
-        context.fillStyle = colorAt(color);
-        context.fillRect(px - Math.floor((size - 1) / 2), py - Math.floor((size - 1) / 2), size, size);
+  /** Marks of one block or two, at least 3 pixels wide where marks are few: a single bad bin of a large map would
+   * be lost. */
+  paintMarks(context, blocks, ratio) {
+    const {style} = this.raster.layer, own = this.isMarks();
+    const source = own ? this.raster : this.options.marks;
+    if (!source || !fewMarks(source, this.options.region)) return;
+    const size = Math.round(3 * ratio);
+    const pixels = this.canvas.width * blocks.cell_m / this.raster.width_m;
+    if (pixels >= size) return;
+    const marks = loneMarks(own ? blocks : blocksOf(source, blocks.stride));
+    const paint = (width, colorAt) => {
+      for (const {row, col, value} of marks) {
+        context.fillStyle = colorAt(value);
+        context.fillRect(Math.round((col + 0.5) * pixels - width / 2),
+                         Math.round(this.canvas.height - (row + 0.5) * pixels - width / 2), width, width);
       }
     };
-    const size = Math.round(3 * ratio);
     // On a coloured map: white with a dark edge, seen on any colour.
-    if (source !== this.raster) paint(size + 2 * Math.round(ratio), () => INK);
-    paint(size, (color) => source === this.raster ? color : "#ffffff");
+    if (!own) paint(size + 2 * Math.round(ratio), () => INK);
+    paint(size, (value) => own ? markColor(style, value) : "#ffffff");
+  }
+
+  /** Adds to the note how the map as it is drawn is smaller than the DEM. */
+  tellBlocks(stride, averaged) {
+    const bins = stride * this.raster.factor;
+    this.blocks.textContent = (bins === 1 ? "" : `; blocks of ${bins} x ${bins} bins`) +
+        (averaged ? "; averaged in each pixel" : "");
   }
 
   /** The border of a region that is neither a circle nor a square. */
-  paintRegionEdge(context, rows, cols, ratio) {
+  paintRegionEdge(context, ratio) {
     const {region} = this.options;
     if (!region || report.metrics.region.shape !== "mask") return;
-    const inside = (row, col) => region.codes[row[0] * region.cols + col[0]] !== 0;
-    for (let py = 0; py + 1 < rows.length; ++py) {
-      for (let px = 0; px + 1 < cols.length; ++px) {
-        const here = inside(rows[py], cols[px]);
-        if (here === inside(rows[py + 1], cols[px]) && here === inside(rows[py], cols[px + 1])) continue;
+    const {width, height} = this.canvas;
+    const {left_m, bottom_m, width_m, height_m} = this.raster;
+    const inside = (px, py) => region.codes[region.indexAt(left_m + (px + 0.5) / width * width_m,
+                                                           bottom_m + (1 - (py + 0.5) / height) * height_m)] !== 0;
+    for (let py = 0; py + 1 < height; ++py) {
+      for (let px = 0; px + 1 < width; ++px) {
+        const here = inside(px, py);
+        if (here === inside(px, py + 1) && here === inside(px + 1, py)) continue;
         context.fillStyle = (px + py) % (8 * ratio) < 4 * ratio ? INK : "#ffffff";
         context.fillRect(px, py, ratio, ratio);
       }
@@ -275,38 +285,4 @@ class MapPanel {
     const {unit, factor} = this.scale;
     return `${formatNumber(factor * value, factor * step)} ${unit}`;
   }
-}
-
-/** One value for the cells of a pixel, by the layer's own rule. */
-function blockValue(raster, [row0, row1], [col0, col1]) {
-  if (row1 - row0 === 1 && col1 - col0 === 1) return raster.value(row0 * raster.cols + col0);
-  let result = NaN, count = 0;
-  for (let row = row0; row < row1; ++row) {
-    for (let col = col0; col < col1; ++col) {
-      const value = raster.value(row * raster.cols + col);
-      if (Number.isNaN(value)) continue;
-      result = count === 0 ? value : chosenOf(raster.layer.rule, result, value);
-      ++count;
-    }
-  }
-  return raster.layer.rule === "mean" ? result / count : result;
-}
-
-function chosenOf(rule, a, b) {
-  switch (rule) {
-    case "mean": return a + b;
-    case "extreme": return Math.abs(b) > Math.abs(a) ? b : a;
-    case "largest": return Math.max(a, b);
-    case "least": return Math.min(a, b);
-    default: return a | b;
-  }
-}
-
-/** The bits that any of the cells has. */
-function blockBits(raster, [row0, row1], [col0, col1]) {
-  let bits = 0;
-  for (let row = row0; row < row1; ++row) {
-    for (let col = col0; col < col1; ++col) bits |= raster.codes[row * raster.cols + col];
-  }
-  return bits;
 }

@@ -10,23 +10,23 @@ const MAP_GROUPS = [
   ["Relative error: quantile of the deviation from that mean", ["rel_x", "rel_y", "rel_z"]],
   ["Coverage and verdict", ["invalid", "fail"]],
 ];
-const RULE_TEXTS = {
-  mean: "elevations their mean", extreme: "errors the one of the largest magnitude",
-  largest: "relative errors and masks the largest", least: "returns the least",
-  any_bit: "missed requirements all of them",
-};
+const BLOCK_TEXT = "of elevations their mean, of errors the one of the largest magnitude, of relative errors the " +
+    "largest, of missed requirements all of them; numbers of returns are averaged";
 
-function mapOptions(layer, region, marks) {
+function mapOptions(raster, region, marks) {
+  const {layer} = raster;
   const options = {region};
   if (layer.name === "z_est") options.marks = marks;
   if (layer.name === "rel_z") options.limit_m = report.limits.relative_elevation_m;
   if (layer.name === "rel_x" || layer.name === "rel_y") options.limit_m = report.limits.relative_horizontal_m;
   const {coverage} = report.metrics;
+  const enlarged = fewMarks(raster, region) ? ", single ones enlarged" : "";
   if (layer.name === "invalid") {
-    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}, enlarged`;
+    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}` +
+        (coverage.invalid_count > 0 ? enlarged : "");
   }
   if (layer.name === "fail") {
-    options.note = "bins and centres of footprints, enlarged; numbered: the worst";
+    options.note = `bins and centres of footprints${enlarged}; numbered: the worst`;
     options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
   }
   return options;
@@ -42,26 +42,29 @@ function failLegend() {
   return htmlElement("div", {class: "legend"}, ...entries);
 }
 
-function mapsNote() {
+function mapsNote(marked) {
   const {factor, rows, cols, resolution_m} = report.grid;
   const size = `${cols} x ${rows} bins of ${Number((resolution_m * 100).toPrecision(6))} cm`;
-  const cells = factor === 1 ? "each of them here" :
-      `${factor} x ${factor} of them are one cell here: of ${Object.values(RULE_TEXTS).join(", of ")}`;
-  return `${size}; ${cells}. North (y) is up; grey: no value; outlined: the judged region; boxes on the elevation: invalid ` +
-      "bins, enlarged; a red mark on a colour bar: the limit.";
+  const blocks = Math.max(rows, cols) < 200 ? "" :
+      ` Blocks of bins, where a map has more bins than pixels, show ${BLOCK_TEXT}` +
+          `${factor === 1 ? "" : `, after the least of each ${factor} x ${factor} bins`}.`;
+  const boxes = marked ? "boxes on the elevation: single invalid bins, enlarged; " : "";
+  return `${size}.${blocks} North (y) is up; grey: no value; outlined: the judged region; ${boxes}a red mark on a colour ` +
+      "bar: the limit.";
 }
 
 async function fillMaps(section) {
-  section.append(htmlElement("p", {class: "note"}, mapsNote()));
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const marks = await rasterOf(layerNamed("invalid"), report.grid);
+  section.append(htmlElement("p", {class: "note"}, mapsNote(marks.codes.includes(1) && fewMarks(marks, region))));
   for (const [title, names] of MAP_GROUPS) {
     const layers = names.map(layerNamed).filter((layer) => layer !== null);
     if (layers.length === 0) continue;
     const figures = htmlElement("div", {class: "figures"});
     section.append(htmlElement("h3", {}, title), figures);
     for (const layer of layers) {
-      const panel = new MapPanel(await rasterOf(layer, report.grid), mapOptions(layer, region, marks));
+      const raster = await rasterOf(layer, report.grid);
+      const panel = new MapPanel(raster, mapOptions(raster, region, marks));
       if (layer.name === "fail") panel.element.append(failLegend());
       figures.append(panel.element);
     }

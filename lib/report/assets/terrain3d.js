@@ -31,18 +31,9 @@ void main() {
   result = vec4(shade * light, 1.0);
 }`;
 
-/** The raster with at most MOST_VERTICES cells a side: every few cells become one by the layer's rule. */
+/** The raster with at most MOST_VERTICES cells a side. */
 function coarseRaster(raster) {
-  const stride = Math.ceil(Math.max(raster.rows, raster.cols) / MOST_VERTICES);
-  const rows = Math.ceil(raster.rows / stride), cols = Math.ceil(raster.cols / stride);
-  const values = new Float32Array(rows * cols);
-  for (let row = 0; row < rows; ++row) {
-    for (let col = 0; col < cols; ++col) {
-      values[row * cols + col] = blockValue(raster, [row * stride, Math.min(raster.rows, (row + 1) * stride)],
-                                            [col * stride, Math.min(raster.cols, (col + 1) * stride)]);
-    }
-  }
-  return {rows, cols, values, stride, cell_m: stride * raster.cell_m};
+  return blocksOf(raster, Math.ceil(Math.max(raster.rows, raster.cols) / MOST_VERTICES));
 }
 
 /** Two triangles for each square of four vertices that have a value. */
