@@ -277,6 +277,24 @@ class ReportTest(tools.ToolTest):
         self.check_quiet()
         self.check_layout()
 
+    def test_a_dem_of_nine_bins(self):
+        """One bin is a footprint: its relative errors are 0, a curve that rises at once and stays."""
+        dem = self.path("nine.h5")
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
+                     "-c", self.config({"resolution_m": 0.1, "half_width_m": 0.1}, "r.json"))
+        self.report(dem, "--set", "region_radius_m=0.15", "--set", "footprint_m=0.1")
+        points = self.window.run("return [...document.querySelectorAll('#errors figure:nth-child(3) polyline')]"
+                                 ".slice(0, 3).map((line) => line.getAttribute('points').split(' ').map((p) => p.split(',').map(Number)))")
+        self.assertEqual(len(points), 3)
+        for line in points:
+            self.assertEqual(line, [[58, 254], *line[1:-1], [414, 14]])
+        texts = self.window.run("return [...document.querySelectorAll('#errors figure:nth-child(3) text')].map((t) => t.textContent)")
+        self.assertIn("relative error (\u00b5m)", texts)
+        self.assertLessEqual(max(len(text) for text in texts if text[0].isdigit()), 3)
+        self.assertIn("1 bin across", self.text("#worst"))
+        self.check_quiet()
+        self.check_layout()
+
     def test_a_dem_without_truth(self):
         dem = self.path("blind.h5")
         self.succeed("regrid", self.chain.scan, "-c", self.config(tools.REGRID, "r.json"), "-o", dem)

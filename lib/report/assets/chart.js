@@ -3,6 +3,7 @@
 
 // Diagrams: curves, bars and points between two axes, linear or logarithmic.
 
+const LEAST_BOUND_M = 1e-6;  // of an axis: rounding is no error
 const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};
 
 class Axis {
@@ -28,7 +29,7 @@ class Axis {
       for (const digit of digits) {
         const value = digit * 10 ** power;
         if (value >= this.low * 0.999 && value <= this.high * 1.001) {
-          result.push({value, text: String(Number(value.toPrecision(3)))});
+          result.push({value, text: String(Number(value.toPrecision(3))).replaceAll("-", "\u2212")});
         }
       }
     }
@@ -116,6 +117,11 @@ class Chart {
 
 const AXIS_STYLES = {x: {color: BLUE, dash: ""}, y: {color: VERMILION, dash: "6 3"}, z: {color: INK, dash: "2 2"}};
 
+/** Shares up to a value, on to the right border, where all are below: a single value would be no line. */
+function rising(points, right, factor) {
+  return [...points, [Math.max(right, points[points.length - 1][0]), 1]].map(([x, y]) => [x * factor, 100 * y]);
+}
+
 /** [[value, classes up to it]] of a histogram, its upper edges. */
 function cumulative({low, high, count}) {
   const total = count.reduce((sum, n) => sum + n, 0);
@@ -124,7 +130,7 @@ function cumulative({low, high, count}) {
     sum += n;
     return [low + (k + 1) * (high - low) / count.length, sum / total];
   });
-  return [[low, low === high ? 1 : 0], ...points];
+  return [[low, 0], ...points];
 }
 
 /** The value below which a share of a histogram lies. */
@@ -135,7 +141,7 @@ function shareBelow(histogram, share) {
 function errorChart(axes) {
   const shown = axes.filter(([, h]) => h.error.count.length > 1);
   if (shown.length === 0) return null;
-  const bound = Math.max(1e-9, ...shown.map(([, h]) => Math.max(Math.abs(shareBelow(h.error, 0.001)),
+  const bound = Math.max(LEAST_BOUND_M, ...shown.map(([, h]) => Math.max(Math.abs(shareBelow(h.error, 0.001)),
                                                                  Math.abs(shareBelow(h.error, 0.999)))));
   const [unit, factor] = lengthUnit(bound);
   const curves = shown.map(([axis, h]) => [axis, merged(h.error, bound, 80)]);
@@ -167,12 +173,12 @@ function absoluteErrorChart(axes) {
   const shown = axes.filter(([, h]) => h.error.count.length > 0);
   if (shown.length === 0) return null;
   const curves = shown.map(([axis, h]) => [axis, folded(h.error)]);
-  const bound = Math.max(1e-9, ...curves.map(([, points]) => points.find(([, y]) => y >= 0.999)[0]));
+  const bound = Math.max(LEAST_BOUND_M, ...curves.map(([, points]) => points.find(([, y]) => y >= 0.999)[0]));
   const [unit, factor] = lengthUnit(bound);
   const chart = new Chart("Bins with an error up to ...", {low: 0, high: bound * factor, label: `|error| (${unit})`},
                           {low: 0, high: 100, label: "share of the bins (%)"});
   for (const [axis, points] of curves) {
-    chart.curve(points.map(([x, y]) => [x * factor, 100 * y]), {...AXIS_STYLES[axis], text: `e_${axis}`});
+    chart.curve(rising(points, bound, factor), {...AXIS_STYLES[axis], text: `e_${axis}`});
   }
   return chart.element;
 }
@@ -183,7 +189,7 @@ function folded({low, high, count}) {
   const values = count.map((n, k) => [Math.abs(low + (k + 0.5) * (high - low) / count.length), n]);
   values.sort((a, b) => a[0] - b[0]);
   let sum = 0;
-  return values.map(([value, n]) => [value, (sum += n) / total]);
+  return [[values[0][0], 0], ...values.map(([value, n]) => [value, (sum += n) / total])];
 }
 
 function relativeChart(axes, limits) {
@@ -191,19 +197,18 @@ function relativeChart(axes, limits) {
   if (shown.length === 0) return null;
   const largest = Math.max(...shown.map(([, h]) => h.relative.high));
   const closest = Math.max(limits.relative_elevation_m, limits.relative_horizontal_m);
-  const bound = Math.max(1e-9, closest > 30 * largest ? largest : Math.max(largest, closest) * 1.05);
+  const bound = Math.max(LEAST_BOUND_M, closest > 30 * largest ? largest : Math.max(largest, closest) * 1.05);
   const [unit, factor] = lengthUnit(bound);
   const chart = new Chart("Footprints with a relative error up to ...",
                           {low: 0, high: bound * factor, label: `relative error (${unit})`},
                           {low: 0, high: 100, label: "share of the footprints (%)"});
   for (const [axis, h] of shown) {
-    chart.curve(cumulative(h.relative).map(([x, y]) => [x * factor, 100 * y]),
-                {...AXIS_STYLES[axis], text: `rel_${axis}`});
+    chart.curve(rising(cumulative(h.relative), bound, factor), {...AXIS_STYLES[axis], text: `rel_${axis}`});
   }
   const texts = limits.relative_elevation_m === limits.relative_horizontal_m ?
       [["limit", limits.relative_elevation_m]] :
       [["limit of z", limits.relative_elevation_m], ["limit of x and y", limits.relative_horizontal_m]];
-  for (const [text, limit] of texts) chart.limit(limit * factor, `${text} ${metresAs(limit, unit, factor)}`, PURPLE);
+  for (const [text, limit] of texts) chart.limit(limit * factor, `${text} ${metresAs(limit, ...lengthUnit(limit))}`, PURPLE);
   return chart.element;
 }
 

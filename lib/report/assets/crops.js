@@ -64,10 +64,12 @@ async function fillWorst(section) {
   }
   const limit = (value) => metresAs(value, "cm", 100);
   section.append(
-      htmlElement("p", {}, `The ${worst.length} footprints closest to a limit, or farthest over one, that do not overlap: ` +
+      htmlElement("p", {}, worst.length === 1 ?
+          "The footprint closest to a limit, or farthest over one: all others overlap it." :
+          `The ${worst.length} footprints closest to a limit, or farthest over one, that do not overlap: ` +
           "each is the worst of those at least a footprint away from all before it."),
       htmlElement("p", {class: "note"}, `Footprint: ${footprint.shape}, ${footprint.width_m} m, ` +
-          `${metrics.accuracy.footprint_bins} bins across. Limits: relative x and y ${limit(limits.relative_horizontal_m)}, ` +
+          `${counted(metrics.accuracy.footprint_bins, "bin")} across. Limits: relative x and y ${limit(limits.relative_horizontal_m)}, ` +
           `relative z ${limit(limits.relative_elevation_m)}, absolute horizontal ${limit(limits.absolute_horizontal_m)} for ` +
           `${100 * limits.absolute_horizontal_frac} % of the footprints. \u2717 marks values over their limit.`),
       worstTable(worst, limits));
@@ -95,6 +97,7 @@ function fillHoles(section) {
   const headings = ["bins", "x (m)", "y (m)", "along x (m)", "along y (m)", "to a valid bin (bins)"];
   section.append(htmlElement("div", {class: "beside"}, holeChart(coverage.hole_size_histogram, limit),
                              htmlElement("div", {}, htmlElement("p", {class: "note"},
-      `The ${report.holes.length} largest; \u2717 marks those over the limit of ${counted(limit, "bin")}.`),
+      `${rows.length === 1 ? "The only hole" : coverage.hole_count > rows.length ? `The ${rows.length} largest` :
+          `All ${rows.length}`}; \u2717 marks those over the limit of ${counted(limit, "bin")}.`),
       tableElement("largest-holes", headings.map((text) => [text, true]), rows))));
 }

@@ -105,7 +105,7 @@ function fillUncertainty(section) {
     const charts = [reliabilityChart(`${kind}: errors against sigma`, score.reliability),
                     shareChart(`${kind}: errors within k sigma`, score.within_k_sigma)].filter((c) => c !== null);
     section.append(htmlElement("h3", {}, `${kind[0].toUpperCase()}${kind.slice(1)} error`),
-                   htmlElement("p", {class: "note"}, `${score.count} bins; within 1 sigma ${percent(score.within_1_sigma_frac)} ` +
+                   htmlElement("p", {class: "note"}, `${counted(score.count, "bin")}; within 1 sigma ${percent(score.within_1_sigma_frac)} ` +
                        `(normal 68.27 %), within 2 ${percent(score.within_2_sigma_frac)} (95.45 %); standard deviation of ` +
                        `error over sigma ${formatNumber(score.std, 0.001)}.`),
                    htmlElement("div", {class: "figures"}, ...charts));

@@ -95,7 +95,8 @@ function withUnit(scale, unit) {
 }
 
 function lengthUnit(largest_m) {
-  return largest_m >= 0.5 ? ["m", 1] : largest_m >= 0.01 ? ["cm", 100] : ["mm", 1000];
+  return largest_m >= 0.5 ? ["m", 1] : largest_m >= 0.01 ? ["cm", 100] : largest_m >= 2e-4 ? ["mm", 1000] :
+      ["\u00b5m", 1e6];
 }
 
 function colorOf(scale, value) {
@@ -181,5 +182,5 @@ function counted(count, word) {
 }
 
 function metresAs(value_m, unit, factor, digits = 3) {
-  return value_m === null ? "\u2013" : `${Number((factor * value_m).toPrecision(digits))} ${unit}`.replace("-", "\u2212");
+  return value_m === null ? "\u2013" : `${Number((factor * value_m).toPrecision(digits))} ${unit}`.replaceAll("-", "\u2212");
 }
