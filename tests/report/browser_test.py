@@ -18,6 +18,9 @@ SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "unce
 MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid",
         "fail"]
 
+UNCERTAINTY = ["--uncertainty", "--navigation-sigma", "position_m=0.05", "--navigation-sigma", "velocity_mps=0.1",
+               "--navigation-sigma", "rpy_rad=0.0002", "--navigation-sigma", "rpy_rate_radps=0.001"]
+
 # The colours of a canvas, as many as differ, and a number that changes with any pixel.
 CANVAS = """
 const canvas = arguments[0], flat = document.createElement("canvas");
@@ -270,8 +273,7 @@ class ReportTest(tools.ToolTest):
     def test_a_dem_with_sigma_maps(self):
         dem = self.path("uncertain.h5")
         self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(tools.REGRID, "r.json"),
-                     "--uncertainty", "--navigation-sigma", "position_m=0.05", "--navigation-sigma", "velocity_mps=0.1",
-                     "--navigation-sigma", "rpy_rad=0.0002", "--navigation-sigma", "rpy_rate_radps=0.001", "-o", dem)
+                     *UNCERTAINTY, "-o", dem)
         self.report(dem)
         self.assertEqual(self.window.run("return document.querySelectorAll('#uncertainty svg[role=img]').length"), 4)
         self.check_quiet()
@@ -302,6 +304,9 @@ class ReportTest(tools.ToolTest):
         self.assertEqual([row[:1] + row[2:] for row in self.cells("#verdicts")], expected_rows(metrics))
         names = self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
         self.assertEqual(names, ["z_est", "count", "invalid", "fail"])
+        legend = self.window.run("return [...document.querySelectorAll('#maps .legend > span')].map((s) => s.textContent)")
+        self.assertEqual([entry.split(": ")[1] == "not judged" for entry in legend], [True] * 4 + [False] * 2)
+        self.assertNotIn("numbered", self.text("#maps"))
         self.assertIsNone(self.text("#worst"))
         self.check_quiet()
         self.check_layout()
@@ -309,13 +314,14 @@ class ReportTest(tools.ToolTest):
     def test_a_dem_without_any_elevation(self):
         dem = self.path("empty.h5")
         self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(tools.REGRID, "r.json"),
-                     "-o", dem)
+                     *UNCERTAINTY, "-o", dem)
         with h5py.File(dem, "r+") as file:
             for name in ("z_est", "x_true", "y_true", "z_true"):
                 file[name][...] = np.nan
         self.report(dem)
         self.assertIn("No footprint could be judged", self.text("#worst"))
-        self.assertIn("No bin of the DEM is valid", self.text("#view-3d"))
+        self.assertIn("Nothing to show: no bin of the DEM is valid", self.text("#view-3d"))
+        self.assertIsNone(self.text("#uncertainty"))
         self.check_quiet()
         self.check_layout()
 

@@ -26,15 +26,17 @@ function mapOptions(raster, region, marks) {
         (coverage.invalid_count > 0 ? enlarged : "");
   }
   if (layer.name === "fail") {
-    options.note = `bins and centres of footprints${enlarged}; numbered: the worst`;
+    options.note = `bins and centres of footprints${raster.codes.some((bits) => bits !== 0) ? enlarged : ""}` +
+        (report.worst.length > 0 ? "; numbered: the worst" : "");
     options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
   }
   return options;
 }
 
 function failLegend() {
-  const entries = FAIL_FLAGS.map(({bits, text, color}) => {
-    const count = report.fail_count[Math.log2(bits)];
+  const entries = FAIL_FLAGS.map(({bits, text, color, requirement}) => {
+    const judged = report.metrics.requirements[requirement].pass !== null;
+    const count = judged ? report.fail_count[Math.log2(bits)] : "not judged";
     const sample = svgElement("svg", {viewBox: "0 0 12 12", class: "swatch"},
                               svgElement("rect", {width: 12, height: 12, fill: color}));
     return htmlElement("span", {}, sample, `${text}: ${count}`);
@@ -93,13 +95,14 @@ function fillErrors(section) {
 
 function fillUncertainty(section) {
   const {uncertainty} = report.metrics;
-  if (!uncertainty) {
+  const kinds = ["absolute", "relative"].filter((kind) => uncertainty?.[kind].count > 0);
+  if (kinds.length === 0) {
     section.remove();
     return;
   }
   section.append(htmlElement("p", {}, "Do the DEM's 1-sigma maps foretell its errors? On the line they do; above it " +
       "the errors are larger than foretold."));
-  for (const kind of ["absolute", "relative"]) {
+  for (const kind of kinds) {
     const score = uncertainty[kind];
     const percent = (share) => share === null ? "\u2013" : `${formatNumber(100 * share, 0.01)} %`;
     const charts = [reliabilityChart(`${kind}: errors against sigma`, score.reliability),

@@ -22,14 +22,15 @@ const BLUE = "#0072b2", SKY_BLUE = "#56b4e9", VERMILION = "#d55e00", ORANGE = "#
     PURPLE = "#cc79a7", INK = "#1d2733";
 const NO_VALUE_COLOR = [217, 217, 217];
 
-// FailFlag of lib/evaluation/evaluate.h. A cell is shown in the first colour that it has a bit of.
+// FailFlag of lib/evaluation/evaluate.h and the requirement that judges it. A cell is shown in the first colour that
+// it has a bit of.
 const FAIL_FLAGS = [
-  {bits: 4, text: "relative z", color: VERMILION},
-  {bits: 1, text: "relative x", color: ORANGE},
-  {bits: 2, text: "relative y", color: "#a5662d"},
-  {bits: 8, text: "absolute horizontal", color: PURPLE},
-  {bits: 16, text: "hole too large", color: BLUE},
-  {bits: 32, text: "too far from a valid bin", color: SKY_BLUE},
+  {bits: 4, text: "relative z", requirement: "relative_elevation", color: VERMILION},
+  {bits: 1, text: "relative x", requirement: "relative_horizontal", color: ORANGE},
+  {bits: 2, text: "relative y", requirement: "relative_horizontal", color: "#a5662d"},
+  {bits: 8, text: "absolute horizontal", requirement: "absolute_horizontal", color: PURPLE},
+  {bits: 16, text: "hole too large", requirement: "hole_size", color: BLUE},
+  {bits: 32, text: "too far from a valid bin", requirement: "hole_distance", color: SKY_BLUE},
 ];
 
 function unpackColors(text) {

@@ -213,7 +213,7 @@ function viewMatrix({azimuth, tilt, distance}, size_m, aspect) {
 async function fillTerrainView(section) {
   const say = (text) => section.append(htmlElement("p", {}, text));
   const elevation = await rasterOf(layerNamed("z_est"), report.grid);
-  if (!elevation.hasValue()) return say("No bin of the DEM is valid.");
+  if (!elevation.hasValue()) return say("Nothing to show: no bin of the DEM is valid.");
   const surface = coarseRaster(elevation);
   let view;
   try {
