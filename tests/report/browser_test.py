@@ -263,6 +263,20 @@ class ReportTest(tools.ToolTest):
             share[max(0, row - 2 * half):row + 2 * half + 1, max(0, col - 2 * half):col + 2 * half + 1] = np.nan
         self.assertTrue(len(found) == 10 or np.isnan(share).all())
 
+    def test_numbers_of_worst_footprints_do_not_overlap(self):
+        """As many as there is room for on a map of footprints of one bin, all close to each other."""
+        self.report(self.chain.dem, "--set", "footprint_m=0.1", "--set", "region_radius_m=0.5")
+        overlaps = """
+            const boxes = [...document.querySelectorAll("#maps text.number")].map((e) => e.getBoundingClientRect());
+            const cross = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 3 && b.top < a.bottom - 3;
+            return [boxes.length, boxes.filter((a, i) => boxes.slice(i + 1).some((b) => cross(a, b))).length];"""
+        for width in WIDTHS:
+            self.window.resize(width)
+            shown, crossing = self.window.run(overlaps)
+            self.assertGreater(shown, 3)
+            self.assertEqual(crossing, 0)
+        self.check_quiet()
+
     def test_fits_the_page(self):
         self.report()
         self.check_layout()

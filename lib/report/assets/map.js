@@ -233,11 +233,26 @@ class MapPanel {
     this.svg.append(svgElement("text", {x: x + half + 5, y: y + half, class: "haloed"}, "footprint"));
   }
 
+  /** Circles with a number each, beside it where no other circle or number is: the first ones have the choice, and
+   * one without room has no number. */
   drawPoints() {
-    for (const {x_m, y_m, text} of this.options.points ?? []) {
-      const x = this.x(x_m), y = this.y(y_m);
-      this.svg.append(svgElement("circle", {cx: x, cy: y, r: 5, fill: "none", stroke: INK, "stroke-width": 1.4}),
-                      svgElement("text", {x: x + 7, y: y - 5, class: "haloed"}, text));
+    const places = (this.options.points ?? []).map(({x_m, y_m, text}) => ({x: this.x(x_m), y: this.y(y_m), text}));
+    const taken = places.map(({x, y}) => ({left: x - 6, right: x + 6, top: y - 6, bottom: y + 6}));
+    const {left, top, width, height} = this.box;
+    for (const {x, y, text} of places) {
+      for (const stroke of ["#ffffff", INK]) {
+        this.svg.append(svgElement("circle", {cx: x, cy: y, r: 5, fill: "none", stroke,
+                                              "stroke-width": stroke === INK ? 1.4 : 3.4}));
+      }
+      const wide = 8 * text.length;
+      const boxes = [[7, -16], [-7 - wide, -16], [7, 4], [-7 - wide, 4], [-wide / 2, -20], [-wide / 2, 7]].map(
+          ([dx, dy]) => ({left: x + dx, right: x + dx + wide, top: y + dy, bottom: y + dy + 12}));
+      const box = boxes.find((b) => b.left >= left && b.right <= left + width && b.top >= top &&
+          b.bottom <= top + height && !taken.some((t) => b.left < t.right && t.left < b.right && b.top < t.bottom &&
+                                                         t.top < b.bottom));
+      if (!box) continue;
+      taken.push(box);
+      this.svg.append(svgElement("text", {x: box.left, y: box.bottom - 2, class: "haloed number"}, text));
     }
   }
 

@@ -27,7 +27,7 @@ function mapOptions(raster, region, marks) {
   }
   if (layer.name === "fail") {
     options.note = `bins and centres of footprints${raster.codes.some((bits) => bits !== 0) ? enlarged : ""}` +
-        (report.worst.length > 0 ? "; numbered: the worst" : "");
+        (report.worst.length > 0 ? "; numbered, where there is room: the worst" : "");
     options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
   }
   return options;

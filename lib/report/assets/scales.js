@@ -27,7 +27,7 @@ const NO_VALUE_COLOR = [217, 217, 217];
 const FAIL_FLAGS = [
   {bits: 4, text: "relative z", requirement: "relative_elevation", color: VERMILION},
   {bits: 1, text: "relative x", requirement: "relative_horizontal", color: ORANGE},
-  {bits: 2, text: "relative y", requirement: "relative_horizontal", color: "#a5662d"},
+  {bits: 2, text: "relative y", requirement: "relative_horizontal", color: "#661100"},
   {bits: 8, text: "absolute horizontal", requirement: "absolute_horizontal", color: PURPLE},
   {bits: 16, text: "hole too large", requirement: "hole_size", color: BLUE},
   {bits: 32, text: "too far from a valid bin", requirement: "hole_distance", color: SKY_BLUE},
