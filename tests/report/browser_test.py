@@ -311,6 +311,16 @@ class ReportTest(tools.ToolTest):
         self.check_quiet()
         self.check_layout()
 
+    def test_a_dem_with_slope_corrected_elevations(self):
+        dem = self.path("corrected.h5")
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(tools.REGRID, "r.json"),
+                     "--corrected", "-o", dem)
+        found = self.report(dem)["statistics"]["z_corrected"]
+        keys = ["mean_m", "std_m", "rmse_m", "median_m", "nmad_m", "le90_m", "p95_m"]
+        self.assertEqual([row[4] for row in self.cells("#statistics")],
+                         [f"{100 * found[key]:.3f}".replace("-", "\u2212") for key in keys])
+        self.check_layout()
+
     def test_a_dem_without_truth(self):
         dem = self.path("blind.h5")
         self.succeed("regrid", self.chain.scan, "-c", self.config(tools.REGRID, "r.json"), "-o", dem)

@@ -76,8 +76,10 @@ async function fillMaps(section) {
 function statisticsTable({statistics}) {
   const keys = [["mean", "mean_m"], ["standard deviation", "std_m"], ["root mean square", "rmse_m"],
                 ["median", "median_m"], ["NMAD", "nmad_m"], ["LE90", "le90_m"], ["95 % within", "p95_m"]];
-  const rows = keys.map(([text, key]) => [[text], ...["x", "y", "z"].map((axis) => centimetres(statistics[axis][key]))]);
-  return tableElement("statistics", [["of the bins", false], ["x (cm)", true], ["y (cm)", true], ["z (cm)", true]], rows);
+  const columns = [["x", "x (cm)"], ["y", "y (cm)"], ["z", "z (cm)"], ["z_corrected", "z, slope-corrected (cm)"]].filter(
+      ([name]) => statistics[name]);
+  const rows = keys.map(([text, key]) => [[text], ...columns.map(([name]) => centimetres(statistics[name][key]))]);
+  return tableElement("statistics", [["of the bins", false], ...columns.map(([, text]) => [text, true])], rows);
 }
 
 function fillErrors(section) {
