@@ -107,6 +107,8 @@ def make_chain():
     run_quietly(*scan, "moved_scan.h5", "--set", "trajectory.position_m.0=0.6")
     run_quietly("regrid", "scan.h5", "-c", "regrid.json", "--terrain", "terrain.h5", "-o", "dem.h5")
     run_quietly("regrid", "scan.h5", "-c", "regrid.json", "-o", "no_truth_dem.h5")
+    run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "-o", "eval.h5")
+    run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "--metrics-only", "-o", "metrics_only.h5")
     write("tetra.obj", TETRAHEDRON)
     run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
 
@@ -156,6 +158,9 @@ def make_broken_landfall_files():
     with h5py.File("full_scan.h5") as file:
         ranges = file["points/range_true"][:]
     edited("few_ranges.h5", "full_scan.h5", replaced("points/range_true", ranges[:-1]))
+    edited("no_return.h5", "scan.h5", value_at("points/status", slice(None), 1))
+    edited("far_scan.h5", "scan.h5", value_at("points/x_est", 5, 1e6))
+    edited("odd_metrics.h5", "eval.h5", replaced("metrics_json", "{}"))
     edited("old_scan.h5", "scan.h5", lambda file: file["provenance"].attrs.__setitem__("version", "0.0.1"))
     with h5py.File("dem.h5") as dem, h5py.File("no_bin.h5", "w") as file:
         file["mask"] = np.zeros(dem["z_est"].shape, np.int8)
