@@ -213,16 +213,18 @@ def percent(fraction):
 
 
 def check_outputs(paths, overwrite, makes_folder=False):
-    """Refuses, before any work, what could not be written at the end. With makes_folder, save() may make one folder."""
+    """Refuses in the tools' words, before any work, what could not be written at the end. With makes_folder, save() may make one folder."""
     for path in paths:
         folder = os.path.dirname(path) or "."
         is_new = os.path.isdir(os.path.dirname(folder) or ".") and not os.path.exists(folder)
         if not os.path.isdir(folder) and not (makes_folder and is_new):
-            raise DataError(f"{path}: there is no folder {folder}")
+            raise UsageError(f"output {path}: folder {folder} does not exist")
         if os.path.isdir(path):
-            raise UsageError(f"{path}: is a folder")
-        if os.path.exists(path) and not overwrite:
-            raise UsageError(f"{path}: exists (-O replaces it)")
+            raise UsageError(f"output {path} is a directory")
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise UsageError(f"output {path} is no regular file")
+        if os.path.lexists(path) and not overwrite:
+            raise UsageError(f"output {path} exists; use -O to overwrite it")
 
 
 def save(figures, dpi):

@@ -305,7 +305,14 @@ class Plots(unittest.TestCase):
             self.assertIn(word, message)
             self.assertFalse(os.path.exists(self.path("f")))
         self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac")
-        self.assertIn("exists", self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac", code=2).stderr)
+        again = self.plot(table, "-o", self.path("f"), "--metrics", "coverage.invalid_frac", code=2).stderr
+        self.assertIn("output " + self.path("f", "percentiles.csv") + " exists; use -O to overwrite it", again)
+        nowhere = self.plot(table, "-o", self.path("no", "where"), code=2).stderr
+        self.assertIn(f"folder {self.path('no', 'where')} does not exist", nowhere)
+        os.remove(self.path("f", "pass_rates.csv"))
+        os.mkfifo(self.path("f", "pass_rates.csv"))
+        pipe = self.plot(table, "-o", self.path("f"), "-O", code=2).stderr
+        self.assertIn("output " + self.path("f", "pass_rates.csv") + " is no regular file", pipe)
         with h5py.File(table, "r+") as file:
             file["_study_json"][()] = json.dumps({"title": "T"})
         self.assertIn("no table of a study", self.plot(table, "-o", self.path("g"), code=1).stderr)

@@ -180,8 +180,8 @@ class Made(ReportTest):
 
     def test_refusals(self):
         for arguments, code, words in (
-                ([], 2, "report.html: exists"), (["-o", self.path("a.pdf")], 2, "must end in .html"),
-                (["-o", self.path("none", "a.html")], 1, "there is no folder"),
+                ([], 2, "report.html exists; use -O to overwrite it"), (["-o", self.path("a.pdf")], 2, "must end in .html"),
+                (["-o", self.path("none", "a.html")], 2, f"folder {self.path('none')} does not exist"),
                 (["-o", self.path("a.html"), "--figures", self.path("none")], 1, "percentiles.csv: No such file")):
             self.assertIn(words, self.report(*arguments, code=code).stderr)
         self.assertIn("no planned study", self.report("-O", folder=self.path(), code=1).stderr)
