@@ -20,6 +20,8 @@ MOST_TICKS = 12
 CLOSEST_LABELS = 0.06
 # A limit so many times the largest value is named and not drawn.
 FAR_LIMIT = 30
+# Of a linear axis from 0, below and above: marks on its edge would be cut, and a legend takes no note of a mark's size.
+MARGIN = 0.05
 # Columns and rows of a map whose cells have room for a number; maps of more do not grow.
 WIDEST_MAP, TALLEST_MAP = 24, 30
 
@@ -201,11 +203,13 @@ def finish_y(axes, results, metric, scale):
     positive = values[values > 0]
     if values.size == 0 or values.min() < 0:
         return
+    drawn = axes.dataLim.y1  # with the requirement and the intervals
     if positive.size == 0 or values.max() / positive.min() <= 100 or values.max() < 20 * np.median(values):
-        axes.set_ylim(bottom=-0.02 * axes.get_ylim()[1])
+        top = (1 + MARGIN) * drawn or axes.get_ylim()[1]
+        axes.set_ylim(-MARGIN * top, top)
     elif positive.size < values.size or results.limit(metric) == 0:
         axes.set_yscale("symlog", linthresh=positive.min())
-        axes.set_ylim(-0.2 * positive.min(), 2 * positive.max())
+        axes.set_ylim(-0.2 * positive.min(), 2 * max(positive.max(), drawn))
     else:
         axes.set_yscale("log")
 

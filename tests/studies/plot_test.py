@@ -105,6 +105,7 @@ class Plots(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
+        self.addCleanup(figures.plt.close, "all")
 
     def path(self, *names):
         return os.path.join(self.folder.name, *names)
@@ -231,6 +232,30 @@ class Plots(unittest.TestCase):
                     results.columns["accuracy.relative.z.max_m"][row] = value
             (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
             self.assertEqual(axes.get_yscale(), scale, values)
+
+    def test_marks_are_whole_and_free(self):
+        """Within the axes, also where all values are one, and beside the legend."""
+        results = self.results("sigma_m", "repeat")
+        metric = "accuracy.relative.z.max_m"
+        for value in (0, 0.001, 0.03, 0.05):
+            results.columns[metric] = [value] * len(results.columns[metric])
+            figure = landfall_study_overview.overview_figure(results, [metric, "coverage.invalid_frac"], results.axes[0], 0.5)
+            figure.canvas.draw()
+            axes = figure.axes[0]
+            line, box, legend = axes.get_lines()[0], axes.get_window_extent(), axes.get_legend().get_window_extent()
+            radius = figure.dpi / 72 * line.get_markersize() / 2
+            for x, y in axes.transData.transform(line.get_xydata()):
+                self.assertTrue(box.y0 + radius < y < box.y1 - radius, value)
+                self.assertFalse(legend.x0 - radius < x < legend.x1 + radius and legend.y0 - radius < y < legend.y1 + radius, value)
+
+    def test_a_requirement_above_a_symmetric_logarithm_is_seen(self):
+        results = self.results("sigma_m", "repeat")
+        for value, point in zip((0, 1e-5, 0.004), results.points):
+            for row in point.rows:
+                results.columns["accuracy.relative.z.max_m"][row] = value
+        (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
+        self.assertEqual(axes.get_yscale(), "symlog")
+        self.assertGreater(axes.get_ylim()[1], 50)  # mm
 
     def test_equal_series_are_both_seen(self):
         results = self.results("sigma_m", "kind", "repeat")  # the kind changes nothing
