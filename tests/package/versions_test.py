@@ -20,7 +20,7 @@ def text(*path):
 
 
 VERSION = re.search(r"^project\(landfall VERSION (\S+)", text("CMakeLists.txt"), re.MULTILINE).group(1)
-RELEASES = re.findall(r"^## \[([^]]+)\](?: - (\S+))?$", text("CHANGELOG.md"), re.MULTILINE)
+RELEASES = re.findall(r"^## (\S+)(?: - (\S+))?$", text("CHANGELOG.md"), re.MULTILINE)
 
 
 class Versions(unittest.TestCase):
