@@ -44,6 +44,22 @@ let found = 0;
 for (let i = 0; i < data.length; i += 4) found += arguments[1].every((c, k) => c === data[i + k]) ? 1 : 0;
 return found / (canvas.width * canvas.height);
 """
+# The shares of the 3-D view, and of its outermost pixels, that show the DEM.
+VIEW = """
+const canvas = document.getElementById("terrain"), flat = document.createElement("canvas");
+const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
+const context = flat.getContext("2d", {willReadFrequently: true});
+context.drawImage(canvas, 0, 0);
+const data = new Uint32Array(context.getImageData(0, 0, width, height).data.buffer);
+let all = 0, border = 0;
+data.forEach((pixel, i) => {
+  if (pixel === data[0]) return;
+  const x = i % width, y = Math.floor(i / width);
+  ++all;
+  if (x === 0 || y === 0 || x === width - 1 || y === height - 1) ++border;
+});
+return [all / data.length, border];
+"""
 # Pairs of texts that lie over each other, of one diagram or of the page; and what is wider than the page.
 LAYOUT = """
 const boxes = (list) => [...list].map((e) => ({text: e.textContent, box: e.getBoundingClientRect()}))
@@ -172,6 +188,7 @@ class ReportTest(tools.ToolTest):
         self.assertLess(self.window.run(SHARE, "z_est", [255, 255, 255]), 0.001)
         self.assertLess(self.window.run(SHARE, "z_est", [29, 39, 51]), 0.001)
         self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
+        self.assertGreater(self.window.run(VIEW)[0], 0.05)
         self.check_quiet()
         self.check_layout()
 
@@ -230,6 +247,26 @@ class ReportTest(tools.ToolTest):
                         "s.dispatchEvent(new Event('input'))")
         self.assertNotEqual(self.canvas("#terrain")["sum"], before)
         self.check_quiet()
+
+    def test_view_keeps_exaggerated_heights_in_sight(self):
+        self.report()
+        for power in (0, 0.25, 0.5, 0.75, 1):
+            self.window.run("const s = document.querySelector('#exaggeration'); s.value = arguments[0];"
+                            "s.dispatchEvent(new Event('input'))", power)
+            share, border = self.window.run(VIEW)
+            self.assertGreater(share, 0.001, power)
+            self.assertEqual(border, 0, power)
+
+    def test_view_tells_its_colours(self):
+        self.report()
+        legend = "#terrain-legend"
+        self.assertIn("Estimated elevation (m)", self.text(legend))
+        for layer, text in (("rel_z", "Relative error in z (cm)"), ("fail", "relative z: "), ("count", "Returns in the bin")):
+            self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0];"
+                            "s.dispatchEvent(new Event('change'))", layer)
+            self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
+            self.assertIn(text, self.text(legend))
+            self.check_layout()
 
     def test_tables_sort(self):
         self.report()

@@ -17,6 +17,12 @@ function htmlElement(name, attributes = {}, ...children) {
   return element;
 }
 
+function colorGradient(id, colors, direction) {
+  const stops = Array.from({length: 33}, (_, k) => svgElement(
+      "stop", {offset: k / 32, "stop-color": cssColor(colors[Math.round(255 * k / 32)])}));
+  return svgElement("defs", {}, svgElement("linearGradient", {id, ...direction}, ...stops));
+}
+
 const MAP_MARGIN = {left: 50, right: 66, top: 22, bottom: 40};
 let gradientCount = 0;
 
@@ -260,11 +266,9 @@ class MapPanel {
     const {left, top, width, height} = this.box;
     const {colors, low, high, unit, factor, clipped} = this.scale;
     const id = `gradient-${++gradientCount}`;
-    const stops = Array.from({length: 33}, (_, k) => svgElement(
-        "stop", {offset: k / 32, "stop-color": cssColor(colors[Math.round(255 * k / 32)])}));
     const x = left + width + 12;
     this.svg.append(
-        svgElement("defs", {}, svgElement("linearGradient", {id, x1: 0, x2: 0, y1: 1, y2: 0}, ...stops)),
+        colorGradient(id, colors, {x1: 0, x2: 0, y1: 1, y2: 0}),
         svgElement("rect", {x, y: top, width: 12, height, fill: `url(#${id})`, stroke: INK}),
         svgElement("text", {x: x + 6, y: top - 9, "text-anchor": "middle"}, unit + (clipped ? " \u2265" : "")));
     const y = (value) => top + height * (1 - (value - low * factor) / ((high - low) * factor));

@@ -4,6 +4,7 @@
 // The DEM in three dimensions (WebGL 2): z_est as the surface, any layer as its colour, holes left out.
 
 const MOST_VERTICES = 512;  // along either axis
+const ZOOM = 1.8;           // the distance over half the width that is seen there
 
 const VERTEX_SHADER = `#version 300 es
 in float elevation;
@@ -11,6 +12,7 @@ in vec3 color;
 uniform mat4 projection;
 uniform vec2 first, cell;
 uniform float middle, exaggeration;
+uniform float pointScale;  // pixels of a cell at the distance 1
 uniform int columns;
 out vec3 shade, place;
 void main() {
@@ -18,13 +20,19 @@ void main() {
   place = vec3(at, (elevation - middle) * exaggeration);
   shade = color;
   gl_Position = projection * vec4(place, 1.0);
+  gl_PointSize = max(2.0, pointScale / gl_Position.w);
 }`;
 
 const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
 in vec3 shade, place;
+uniform bool level;  // no surface to shade
 out vec4 result;
 void main() {
+  if (level) {
+    result = vec4(shade, 1.0);
+    return;
+  }
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   if (normal.z < 0.0) normal = -normal;
   float light = 0.5 + 0.65 * max(0.0, dot(normal, normalize(vec3(-0.5, 0.5, 0.7))));
@@ -36,18 +44,25 @@ function coarseRaster(raster) {
   return blocksOf(raster, Math.ceil(Math.max(raster.rows, raster.cols) / MOST_VERTICES));
 }
 
-/** Two triangles for each square of four vertices that have a value. */
-function triangles({rows, cols, values}) {
-  const indices = [];
+/** The corners of the triangles between neighbouring vertices that have a value, and the vertices with a value that
+ * are in none. */
+function surfaceIndices({rows, cols, values}) {
+  const corners = [], used = new Uint8Array(values.length);
+  const add = (...vertices) => {
+    corners.push(...vertices);
+    for (const vertex of vertices) used[vertex] = 1;
+  };
   for (let row = 0; row + 1 < rows; ++row) {
     for (let col = 0; col + 1 < cols; ++col) {
       const a = row * cols + col, b = a + 1, c = a + cols, d = c + 1;
       if (Number.isNaN(values[b]) || Number.isNaN(values[c])) continue;
-      if (!Number.isNaN(values[a])) indices.push(a, b, c);
-      if (!Number.isNaN(values[d])) indices.push(b, d, c);
+      if (!Number.isNaN(values[a])) add(a, b, c);
+      if (!Number.isNaN(values[d])) add(b, d, c);
     }
   }
-  return new Uint32Array(indices);
+  const points = [];
+  values.forEach((value, i) => { if (!Number.isNaN(value) && !used[i]) points.push(i); });
+  return {corners, points};
 }
 
 class TerrainView {
@@ -62,10 +77,10 @@ class TerrainView {
     this.program = this.link();
     this.place(left_m, bottom_m);
     this.upload("elevation", 1, surface.values.map((v) => Number.isNaN(v) ? 0 : v));
-    const indices = triangles(surface);
-    this.indexCount = indices.length;
+    const {corners, points} = surfaceIndices(surface);
+    Object.assign(this, {cornerCount: corners.length, pointCount: points.length});
     this.gl.bindBuffer(this.gl.ELEMENT_ARRAY_BUFFER, this.gl.createBuffer());
-    this.gl.bufferData(this.gl.ELEMENT_ARRAY_BUFFER, indices, this.gl.STATIC_DRAW);
+    this.gl.bufferData(this.gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from([...corners, ...points]), this.gl.STATIC_DRAW);
     this.listen();
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
@@ -95,6 +110,7 @@ class TerrainView {
       if (value > high) high = value;
     }
     this.size_m = Math.max(rows, cols) * cell_m;
+    this.relief_m = low <= high ? high - low : 0;
     const at = (name) => this.gl.getUniformLocation(this.program, name);
     const centre = [left_m + cols * cell_m / 2, bottom_m + rows * cell_m / 2];
     this.gl.uniform2f(at("first"), left_m + cell_m / 2 - centre[0], bottom_m + cell_m / 2 - centre[1]);
@@ -137,9 +153,15 @@ class TerrainView {
     gl.clearColor(0.957, 0.965, 0.973, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const at = (name) => gl.getUniformLocation(this.program, name);
-    gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, this.size_m, width / height));
+    // From so far away that exaggerated heights still fit.
+    const reach_m = Math.hypot(this.size_m, 0.8 * this.relief_m * this.view.exaggeration);
+    gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, reach_m, width / height));
     gl.uniform1f(at("exaggeration"), this.view.exaggeration);
-    gl.drawElements(gl.TRIANGLES, this.indexCount, gl.UNSIGNED_INT, 0);
+    gl.uniform1f(at("pointScale"), this.surface.cell_m * ZOOM / Math.max(1, width / height) * width / 2);
+    gl.uniform1i(at("level"), 0);
+    gl.drawElements(gl.TRIANGLES, this.cornerCount, gl.UNSIGNED_INT, 0);
+    gl.uniform1i(at("level"), 1);
+    gl.drawElements(gl.POINTS, this.pointCount, gl.UNSIGNED_INT, 4 * this.cornerCount);
   }
 
   turn(azimuth, tilt) {
@@ -201,8 +223,8 @@ function viewMatrix({azimuth, tilt, distance}, size_m, aspect) {
   const [ca, sa, ct, st] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(tilt), Math.sin(tilt)];
   const right = [ca, sa, 0], up = [-st * sa, st * ca, ct], back = [sa * ct, -ca * ct, st];
   const away = distance * size_m, near = away / 50, far = away + 4 * size_m;
-  const zoom = 1.8, a = (far + near) / (near - far), b = 2 * far * near / (near - far);
-  const sx = zoom / Math.max(1, aspect), sy = sx * aspect;
+  const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+  const sx = ZOOM / Math.max(1, aspect), sy = sx * aspect;
   const matrix = [];
   for (let k = 0; k < 3; ++k) matrix.push(sx * right[k], sy * up[k], a * back[k], -back[k]);
   matrix.push(0, 0, -a * away + b, away);
@@ -222,19 +244,41 @@ async function fillTerrainView(section) {
     return say(`This browser has no WebGL 2, which the 3-D view needs (${error.message}). The maps show the same.`);
   }
   const bins = surface.stride * report.grid.factor;
-  section.append(terrainControls(view), view.canvas, htmlElement("p", {class: "note"},
+  const legend = htmlElement("div", {id: "terrain-legend"}, terrainLegend(elevation));
+  section.append(terrainControls(view, legend), view.canvas, legend, htmlElement("p", {class: "note"},
       `${surface.rows} x ${surface.cols} vertices, ${bins === 1 ? "one for each bin" : `one for ${bins} x ${bins} bins`}; ` +
-      "a bin without an elevation is no part of it. Drag or use the arrow keys to turn, + and \u2212 (or Ctrl and the wheel) to zoom."));
+      "a bin without an elevation is no part of it, one without neighbours a point. Light from the north-west shades " +
+      "the surface. Drag or use the arrow keys to turn, + and \u2212 (or Ctrl and the wheel) to zoom."));
   view.show(elevation);
   return undefined;
 }
 
-function terrainControls(view) {
+/** What the colours mean: without the light that shades the surface. */
+function terrainLegend(raster) {
+  if (raster.layer.style === "flags") return failLegend();
+  const {colors, low, high, unit, factor, clipped} = scaleOf(raster);
+  const id = "terrain-gradient", left = 20, width = 380;
+  const svg = svgElement("svg", {viewBox: `0 0 ${width + 2 * left} 34`}, colorGradient(id, colors, {x1: 0, x2: 1}),
+                         svgElement("rect", {x: left, y: 2, width, height: 12, fill: `url(#${id})`, stroke: INK}));
+  const most = raster.layer.style === "count" ? Math.min(6, high) : 6;
+  for (const {value, text} of ticks(low * factor, high * factor, Math.max(2, most))) {
+    const x = left + width * (value - low * factor) / ((high - low) * factor);
+    svg.append(svgElement("line", {x1: x, x2: x, y1: 14, y2: 17, stroke: INK}),
+               svgElement("text", {x, y: 29, "text-anchor": "middle"}, text));
+  }
+  const name = raster.layer.title + (unit ? ` (${unit})` : "") + (clipped ? ", colours end earlier" : "");
+  const grey = raster.layer.style === "elevation" ? "" : "grey: no value";
+  return htmlElement("div", {class: "legend"}, htmlElement("span", {}, name), svg, htmlElement("span", {}, grey));
+}
+
+function terrainControls(view, legend) {
   const layers = report.layers.filter((layer) => layer.style !== "mask");
   const select = htmlElement("select", {id: "terrain-layer"}, ...layers.map((layer) => htmlElement(
       "option", {value: layer.name}, layer.title)));
   select.addEventListener("change", async () => {
-    view.show(await rasterOf(layerNamed(select.value), report.grid));
+    const raster = await rasterOf(layerNamed(select.value), report.grid);
+    view.show(raster);
+    legend.replaceChildren(terrainLegend(raster));
   });
   const slider = htmlElement("input", {type: "range", id: "exaggeration", min: "0", max: "1", step: "0.01", value: "0"});
   const shown = htmlElement("output", {}, "1");
