@@ -35,6 +35,12 @@ class Raster {
     return col < 0 || row < 0 || col >= this.cols || row >= this.rows ? -1 : row * this.cols + col;
   }
 
+  /** The cells whose code is not 0. */
+  marked() {
+    this.markedCount ??= this.codes.reduce((sum, code) => sum + (code === 0 ? 0 : 1), 0);
+    return this.markedCount;
+  }
+
   hasValue() {
     return this.codes.some((code) => code !== NO_VALUE_CODE);
   }
@@ -118,8 +124,7 @@ function blocksOf(raster, stride) {
 
 /** Whether a mask has less than 1 % of the region: more marks, enlarged, would hide the map and each other. */
 function fewMarks(mask, region) {
-  const count = (raster) => raster.codes.reduce((sum, code) => sum + (code === 0 ? 0 : 1), 0);
-  return count(mask) < 0.01 * (region ? count(region) : mask.codes.length);
+  return mask.marked() < 0.01 * (region ? region.marked() : mask.codes.length);
 }
 
 /** [{row, col, value}] of the marks with at most one marked neighbour of eight: the larger are seen as they are. */

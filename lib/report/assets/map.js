@@ -114,7 +114,7 @@ class MapPanel {
     const cells = this.raster.width_m / this.raster.cell_m / width;
     const stride = this.isShaded() ? 1 : Math.max(1, Math.ceil(cells - 1e-9));
     const blocks = blocksOf(this.raster, stride);
-    const judged = this.options.region ? blocksOf(this.options.region, stride).values : null;
+    const judged = this.isMarks() && this.options.region ? blocksOf(this.options.region, stride).values : null;
     const colors = new Float32Array(3 * blocks.values.length);
     blocks.values.forEach((value, i) => colors.set(this.blockColor(value, !judged || judged[i] !== 0), 3 * i));
     const context = this.canvas.getContext("2d");

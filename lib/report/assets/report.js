@@ -20,13 +20,12 @@ function mapOptions(raster, region, marks) {
   if (layer.name === "rel_z") options.limit_m = report.limits.relative_elevation_m;
   if (layer.name === "rel_x" || layer.name === "rel_y") options.limit_m = report.limits.relative_horizontal_m;
   const {coverage} = report.metrics;
-  const enlarged = fewMarks(raster, region) ? ", single ones enlarged" : "";
+  const enlarged = () => raster.marked() > 0 && fewMarks(raster, region) ? ", single ones enlarged" : "";
   if (layer.name === "invalid") {
-    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}` +
-        (coverage.invalid_count > 0 ? enlarged : "");
+    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}${enlarged()}`;
   }
   if (layer.name === "fail") {
-    options.note = `bins and centres of footprints${raster.codes.some((bits) => bits !== 0) ? enlarged : ""}` +
+    options.note = `bins and centres of footprints${enlarged()}` +
         (report.worst.length > 0 ? "; numbered, where there is room: the worst" : "");
     options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
   }
@@ -58,7 +57,7 @@ function mapsNote(marked) {
 async function fillMaps(section) {
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const marks = await rasterOf(layerNamed("invalid"), report.grid);
-  section.append(htmlElement("p", {class: "note"}, mapsNote(marks.codes.includes(1) && fewMarks(marks, region))));
+  section.append(htmlElement("p", {class: "note"}, mapsNote(marks.marked() > 0 && fewMarks(marks, region))));
   for (const [title, names] of MAP_GROUPS) {
     const layers = names.map(layerNamed).filter((layer) => layer !== null);
     if (layers.length === 0) continue;
