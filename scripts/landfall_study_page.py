@@ -157,7 +157,7 @@ def points(tree):
         return ""
     axes = [axis for axis in tree["axes"] if axis["role"] == "axis"]
     units = {column["name"]: column["unit"] for column in tree["columns"]}
-    heads = [head(escaped(titled(axis["label"], axis["unit"])), axis["numeric"]) for axis in axes]
+    heads = [head(escaped(titled(axis["label"], axis["unit"])).replace("_", "_<wbr>"), axis["numeric"]) for axis in axes]
     heads += [head("done", True), *(head(f"{name} met", True) for name in ("all requirements", *map(plain, REQUIREMENTS)))]
     heads += [head(escaped(titled(METRIC_NAMES.get(metric, metric), units[metric])), True) for metric in tree["metrics"]]
     rows = [[*(value_cell(axis, value) for axis, value in zip(axes, point["values"])),

@@ -256,7 +256,7 @@ def write_numbers(folder):
     """What plot_study.py writes, without the pictures."""
     with h5py.File(os.path.join(folder, "results.h5")) as file:
         results = landfall_study_table.Results(file)
-    axes, metrics = [axis.name for axis in results.axes], ["accuracy.relative.z.max_m", "coverage.invalid_frac"]
+    axes, metrics = [axis.name for axis in results.axes], results.plot.get("metrics", ["accuracy.relative.z.max_m", "coverage.invalid_frac"])
     os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
     with contextlib.redirect_stdout(io.StringIO()):
         plot_study.write_csv(os.path.join(folder, "figures", "percentiles.csv"),
@@ -370,6 +370,18 @@ class InBrowser(ReportTest):
             self.assertLessEqual(self.run_script("return document.documentElement.scrollWidth"), width)
             self.assertEqual(self.run_script("return [...document.querySelectorAll('section')].filter(part => part.scrollWidth > part.clientWidth)"
                                              ".map(part => part.id)"), [])
+
+    def test_points_of_three_axes_fit(self):
+        self.open(SIGMAS, RESOLUTIONS, {"key": "scan.noise.dropout_frac", "list": [0, 0.2]}, repeat={"count": 2},
+                  plot={"metrics": plot_study.DEFAULT_METRICS})
+        self.window.resize(1400)
+        self.assertEqual(self.run_script("return document.querySelector('table.points').rows[0].cells.length"), 3 + 1 + 7 + 5)
+        hidden = "const part = document.querySelector('.scroll:has(table.points)'); return part.scrollWidth - part.clientWidth"
+        self.assertEqual(self.run_script(hidden), 0)
+        self.window.resize(800)
+        self.assertGreater(self.run_script(hidden), 0)
+        bar = "return getComputedStyle(document.querySelector('.scroll:has(table.points)'), '::-webkit-scrollbar').height"
+        self.assertEqual(self.run_script(bar), "12px")
 
     def test_many_cases(self):
         self.open({"key": "scan.noise.range_sigma_m", "linspace": [0, 0.1, 500]}, {"key": "scan.noise.dropout_frac", "linspace": [0, 0.9, 10]})
