@@ -34,10 +34,11 @@ std::array<Row, 6> rows_of(const RequirementMetrics& r) {
 
 std::string number(double value, const Row& row) {
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", row.is_fraction ? 100 * value : value);
+  std::snprintf(text.data(), text.size(), "%.6g", std::abs(row.is_fraction ? 100 * value : value));
   const std::string unit = row.unit;
   if (unit == "bins" && value == 1) return "1 bin";
-  return unit.empty() ? text.data() : text.data() + (" " + unit);
+  const std::string sign = value < 0 ? "\u2212" : "";  // a minus, as in the diagrams
+  return sign + text.data() + (unit.empty() ? "" : " " + unit);
 }
 
 std::string shown(const std::optional<double>& value, const Row& row) {

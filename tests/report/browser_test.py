@@ -84,7 +84,7 @@ def shown(value, unit="", percent=False):
     """A number of the table of requirements."""
     if value is None:
         return "\u2013"
-    text = f"{100 * value if percent else value:.6g}"
+    text = ("\u2212" if value < 0 else "") + f"{abs(100 * value if percent else value):.6g}"
     return "1 bin" if unit == "bins" and text == "1" else f"{text} {unit}".strip()
 
 

@@ -25,14 +25,14 @@ TEST(VerdictTable, HasValueLimitAndMargin) {
   const std::string table = verdict_table_html(metrics_of());
   EXPECT_THAT(table,
               HasSubstr("<td class=\"number\">1.2 %</td><td class=\"number\">at most 1 %</td>"
-                        "<td class=\"number\">-0.2 %</td><td><span class=\"verdict fail\">FAIL</span>"));
+                        "<td class=\"number\">\u22120.2 %</td><td><span class=\"verdict fail\">FAIL</span>"));
   EXPECT_THAT(table,
               HasSubstr("<td class=\"number\">1 bin</td><td class=\"number\">at most 10 bins</td>"
                         "<td class=\"number\">9 bins</td><td><span class=\"verdict pass\">pass</span>"));
   EXPECT_THAT(table, HasSubstr("<td class=\"number\">97 %</td><td class=\"number\">at least 95 %</td>"
                                "<td class=\"number\">2 %</td>"));
   EXPECT_THAT(table, HasSubstr("<td class=\"number\">3</td><td class=\"number\">at most 0</td>"
-                               "<td class=\"number\">-3</td>"));
+                               "<td class=\"number\">\u22123</td>"));
 }
 
 TEST(VerdictTable, LeavesOpenWhatIsNotJudged) {
