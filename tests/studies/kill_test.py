@@ -3,12 +3,13 @@
 """A study whose make and tools are killed at random and that is resumed gives the bytes of an undisturbed one."""
 import os
 import random
+import shlex
 import signal
 import subprocess
 import time
 import unittest
 
-from case import LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
+from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
 KILLS = 20
@@ -102,6 +103,32 @@ class Kills(StudyTest):
                 return
             time.sleep(0.1)
         self.fail("processes are left")
+
+    def run_stage(self, kill):
+        folder = self.path("kill" if kill else "live")
+        for name in ("shared", "readers", "log", "metrics"):
+            os.makedirs(os.path.join(folder, name))
+        for name, text in {"shared/a.dem.h5": "a", "readers/a.dem.h5": "metrics/m.json", "tools.txt": "",
+                           "targets.txt": "metrics/m.json log/metrics-m.log shared/a.dem.h5\n"}.items():
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(text)
+        metrics, shared = os.path.join(folder, "metrics", "m.json"), os.path.join(folder, "shared", "a.dem.h5")
+        stage = [os.path.join(ROOT, "scripts", "run-stage"), "--study", folder, "--kind", "metrics", "--id", "m", "--output", metrics,
+                 "--drop", shared, "--", "sh", "-c", f"sleep 0.5; echo 1 > {shlex.quote(metrics)}"]
+        make = subprocess.Popen(["sh", "-c", shlex.join(stage) + " & wait"], stdout=subprocess.DEVNULL)
+        if kill:
+            while not os.path.exists(os.path.join(folder, "log", "metrics-m.log")):
+                time.sleep(0.01)
+            make.kill()
+        make.wait()
+        self.wait_for_orphans()
+        self.assertTrue(os.path.exists(metrics))
+        return os.path.exists(shared)
+
+    def test_only_the_recipe_of_a_living_make_drops_a_file(self):
+        """One that outlives its make leaves shared files to the make that may have followed."""
+        self.assertFalse(self.run_stage(kill=False))
+        self.assertTrue(self.run_stage(kill=True))
 
     def test_interrupted_by_the_keyboard(self):
         """SIGINT to the whole group, as a terminal sends it: all end, nothing is half, and the rest is made later."""
