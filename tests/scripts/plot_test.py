@@ -165,7 +165,7 @@ class PlotDemTest(ScriptTest):
         make_dem(self.path("dem.h5"))
         with open(self.path("dem.png"), "w", encoding="utf-8") as file:
             file.write("mine")
-        self.expect_failure(2, "dem.png: exists", "plot_dem.py", "dem.h5")
+        self.expect_failure(2, "output dem.png exists", "plot_dem.py", "dem.h5")
         with open(self.path("dem.png"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "mine")
         self.expect_success("plot_dem.py", "dem.h5", "-O")
@@ -202,7 +202,7 @@ class PlotDemTest(ScriptTest):
         self.expect_failure(2, "not in [50, 600]", "plot_dem.py", "dem.h5", "--dpi", "5")
         self.expect_failure(2, "positive length", "plot_dem.py", "dem.h5", "--footprint-m", "-1")
         self.expect_failure(2, ".png", "plot_dem.py", "dem.h5", "-o", "dem.jpg")
-        self.expect_failure(1, "no folder", "plot_dem.py", "dem.h5", "-o", "missing/dem.png")
+        self.expect_failure(2, "folder missing does not exist", "plot_dem.py", "dem.h5", "-o", "missing/dem.png")
 
 
 class PlotEvalTest(ScriptTest):
@@ -257,7 +257,7 @@ class PlotEvalTest(ScriptTest):
         make_evaluation(self.path("eval.h5"))
         self.expect_success("plot_eval.py", "eval.h5", "-o", self.path("new/"))
         self.assertEqual(sorted(os.listdir(self.path("new"))), sorted(f"{name}.png" for name in PICTURES))
-        self.expect_failure(1, "no folder", "plot_eval.py", "eval.h5", "-o", self.path("a/b/"))
+        self.expect_failure(2, "does not exist", "plot_eval.py", "eval.h5", "-o", self.path("a/b/"))
 
     def test_no_holes(self):
         make_evaluation(self.path("eval.h5"), empty_bins=())
@@ -285,7 +285,7 @@ class PlotEvalTest(ScriptTest):
         make_evaluation(self.path("eval.h5"))
         with open(self.path("eval-verdict.png"), "w", encoding="utf-8") as file:
             file.write("mine")
-        self.expect_failure(2, "eval-verdict.png: exists", "plot_eval.py", "eval.h5")
+        self.expect_failure(2, "output eval-verdict.png exists", "plot_eval.py", "eval.h5")
         self.expect_success("plot_eval.py", "eval.h5", "--overwrite")
         self.expect_pictures("eval-", PICTURES)
 
