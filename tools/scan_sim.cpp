@@ -233,8 +233,7 @@ ExitCode run_plan(cli::Session& session, const Options& o) {
   ScanPlan plan(circular_region(plan_grid(o), o.plan_radius_m));
   std::optional<LandfallFileWriter> file;
   ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));
-  if (!session.options().output_path.empty())
-    file.emplace(session.output({session.options().config_path}), "plan", provenance);
+  if (!session.options().output_path.empty()) file.emplace(session.output(), "plan", provenance);
   const double pulse_rate_hz = model.pulse_rate_hz;
   const FlatGround ground;
   constexpr double kBeyondAnyLander_m = 1e9;
@@ -261,7 +260,7 @@ ExitCode run_plan(cli::Session& session, const Options& o) {
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.plan) return run_plan(session, o);
   if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");
-  const OutputOptions output = session.output({o.terrain, o.ranges_from, session.options().config_path});
+  const OutputOptions output = session.output({o.terrain, o.ranges_from});
   Provenance provenance = session.provenance();
   provenance.options = options_json(o);
   ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));

@@ -171,7 +171,7 @@ void count_mesh(cli::Session& session, const CleanMesh& mesh) {
 }
 
 ExitCode run_mesh(cli::Session& session, const MeshImport& import) {
-  const OutputOptions output = session.output({import.path, session.options().config_path});
+  const OutputOptions output = session.output({import.path});
   Provenance provenance = session.provenance();
   CleanMesh mesh;
   session.phase("mesh", [&](const ProgressCallback& progress) {

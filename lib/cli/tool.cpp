@@ -23,7 +23,6 @@
 #include "cli/progress_bar.h"
 #include "config/json_source.h"
 #include "config/schema.h"
-#include "config/terrain_config.h"
 #include "exports/quick_look.h"
 #include "io/temporary_files.h"
 #include "io/terrain_export.h"

@@ -2,29 +2,19 @@
 #include "exports/las.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "exports/raw_bytes.h"
 #include "simulation/pulse_batch.h"
 
 namespace landfall {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers go to LAS as they are in memory");
-
 constexpr double kMostSteps = 0x1p31 - 1024;  // room for the rounding of the centre
 constexpr std::size_t kMostPoints = 0xffffffffU;
 constexpr std::size_t kRecordHeaderBytes = 54;
-
-template <class T>
-void append(std::string& out, T value) {
-  char bytes[sizeof(T)];
-  std::memcpy(bytes, &value, sizeof value);
-  out.append(bytes, sizeof value);
-}
 
 /// A text field of fixed length, filled with zeros.
 void append_text(std::string& out, std::string text, std::size_t length) {
@@ -37,15 +27,15 @@ constexpr std::size_t kTimeColumn = 3;
 constexpr std::size_t kStatusColumn = 4;
 
 void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch, std::size_t row) {
-  for (std::size_t axis = 0; axis < 3; ++axis) append(out, grid.stored(batch.real(axis)[row], axis));
+  for (std::size_t axis = 0; axis < 3; ++axis) append_raw(out, grid.stored(batch.real(axis)[row], axis));
   const bool is_false = batch.number(kStatusColumn, row) == static_cast<double>(PointStatus::false_return);
-  append(out, std::uint16_t{0});               // intensity
-  append(out, std::uint8_t{1U | (1U << 3U)});  // return 1 of 1
-  append(out, static_cast<std::uint8_t>(is_false ? 7 : 1));
-  append(out, std::uint8_t{0});   // scan angle
-  append(out, std::uint8_t{0});   // user data
-  append(out, std::uint16_t{0});  // point source
-  append(out, batch.real(kTimeColumn)[row]);
+  append_raw(out, std::uint16_t{0});               // intensity
+  append_raw(out, std::uint8_t{1U | (1U << 3U)});  // return 1 of 1
+  append_raw(out, static_cast<std::uint8_t>(is_false ? 7 : 1));
+  append_raw(out, std::uint8_t{0});   // scan angle
+  append_raw(out, std::uint8_t{0});   // user data
+  append_raw(out, std::uint16_t{0});  // point source
+  append_raw(out, batch.real(kTimeColumn)[row]);
 }
 
 struct Extent {
@@ -95,32 +85,32 @@ std::int32_t LasGrid::stored(double coordinate_m, std::size_t axis) const {
 
 std::string las_header(const LasContent& content) {
   std::string out = "LASF";
-  append(out, std::uint16_t{0});  // file source
-  append(out, std::uint16_t{0});  // global encoding: times count from the scan's own zero
-  append_text(out, "", 16);       // project
-  append(out, std::uint8_t{1});
-  append(out, std::uint8_t{2});
+  append_raw(out, std::uint16_t{0});  // file source
+  append_raw(out, std::uint16_t{0});  // global encoding: times count from the scan's own zero
+  append_text(out, "", 16);           // project
+  append_raw(out, std::uint8_t{1});
+  append_raw(out, std::uint8_t{2});
   append_text(out, "landfall scan", 32);  // system identifier
   append_text(out, content.software, 32);
-  append(out, std::uint16_t{0});  // day of the year
-  append(out, std::uint16_t{0});  // year
-  append(out, static_cast<std::uint16_t>(kLasHeaderBytes));
-  append(out, static_cast<std::uint32_t>(kLasHeaderBytes + kRecordHeaderBytes + content.file_id.size()));
-  append(out, std::uint32_t{1});  // variable-length records
-  append(out, std::uint8_t{1});   // point format
-  append(out, static_cast<std::uint16_t>(kLasPointBytes));
-  append(out, static_cast<std::uint32_t>(content.count));
-  append(out, static_cast<std::uint32_t>(content.count));  // first returns
-  append_text(out, "", 16);                                // second to fifth returns
-  for (int axis = 0; axis < 3; ++axis) append(out, content.grid.scale_m);
-  for (const double offset : content.grid.offset_m) append(out, offset);
+  append_raw(out, std::uint16_t{0});  // day of the year
+  append_raw(out, std::uint16_t{0});  // year
+  append_raw(out, static_cast<std::uint16_t>(kLasHeaderBytes));
+  append_raw(out, static_cast<std::uint32_t>(kLasHeaderBytes + kRecordHeaderBytes + content.file_id.size()));
+  append_raw(out, std::uint32_t{1});  // variable-length records
+  append_raw(out, std::uint8_t{1});   // point format
+  append_raw(out, static_cast<std::uint16_t>(kLasPointBytes));
+  append_raw(out, static_cast<std::uint32_t>(content.count));
+  append_raw(out, static_cast<std::uint32_t>(content.count));  // first returns
+  append_text(out, "", 16);                                    // second to fifth returns
+  for (int axis = 0; axis < 3; ++axis) append_raw(out, content.grid.scale_m);
+  for (const double offset : content.grid.offset_m) append_raw(out, offset);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const double bound : {content.box.high[axis], content.box.low[axis]})
-      append(out, content.grid.read_back(content.grid.stored(bound, axis), axis));
-  append(out, std::uint16_t{0});
+      append_raw(out, content.grid.read_back(content.grid.stored(bound, axis), axis));
+  append_raw(out, std::uint16_t{0});
   append_text(out, "landfall", 16);
-  append(out, std::uint16_t{1});
-  append(out, static_cast<std::uint16_t>(content.file_id.size()));
+  append_raw(out, std::uint16_t{1});
+  append_raw(out, static_cast<std::uint16_t>(content.file_id.size()));
   append_text(out, "file_id of the scan", 32);
   return out + content.file_id;
 }

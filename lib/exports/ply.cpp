@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exports/ply.h"
 
-#include <bit>
-#include <cstring>
+#include "exports/raw_bytes.h"
 
 namespace landfall {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "numbers go to PLY as they are in memory");
 
 const char* ply_type(h5::Type type) {
   switch (type) {
@@ -26,23 +23,16 @@ std::string property_name(const ContentInfo& column) {
   return "scalar_" + (column.name == "range_measured" ? "range_meas" : column.name);
 }
 
-template <class T>
-void append_bytes(std::string& out, T value) {
-  char bytes[sizeof(T)];
-  std::memcpy(bytes, &value, sizeof value);
-  out.append(bytes, sizeof value);
-}
-
 void append_value(std::string& out, const PointBatch& batch, std::size_t c, std::size_t row, h5::Type type) {
   switch (type) {
     case h5::Type::int8:
-      return append_bytes(out, std::get<std::vector<std::int8_t>>(batch.columns[c])[row]);
+      return append_raw(out, std::get<std::vector<std::int8_t>>(batch.columns[c])[row]);
     case h5::Type::int32:
-      return append_bytes(out, std::get<std::vector<std::int32_t>>(batch.columns[c])[row]);
+      return append_raw(out, std::get<std::vector<std::int32_t>>(batch.columns[c])[row]);
     case h5::Type::float32:
-      return append_bytes(out, static_cast<float>(batch.real(c)[row]));
+      return append_raw(out, static_cast<float>(batch.real(c)[row]));
     default:
-      return append_bytes(out, batch.number(c, row));
+      return append_raw(out, batch.number(c, row));
   }
 }
 

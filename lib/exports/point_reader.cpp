@@ -21,11 +21,6 @@ constexpr std::size_t kPieceRows = 8192;
 
 constexpr const char* kTime = "t";
 
-bool is_return(std::int8_t status) {
-  return status == static_cast<std::int8_t>(PointStatus::returned) ||
-         status == static_cast<std::int8_t>(PointStatus::false_return);
-}
-
 bool is_real(const ContentInfo& column) {
   return column.type == h5::Type::float64 || column.type == h5::Type::float32;
 }
@@ -103,7 +98,8 @@ std::size_t PointReader::count(const PointSelection& selection) const {
       const std::span rows(status.data(), std::min(kBatchRows, row_count_ - begin));
       const ColumnTarget target = rows;
       reader.read(begin, std::span(&target, 1));
-      selected += static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), is_return));
+      selected += static_cast<std::size_t>(std::count_if(
+          rows.begin(), rows.end(), [](std::int8_t value) { return is_return(PointStatus{value}); }));
     }
   }
   return (selected + selection.every - 1) / selection.every;
@@ -158,7 +154,7 @@ class PointReader::BatchSource {
   void select(std::size_t count, PointBatch& batch) {
     batch.selected.clear();
     for (std::size_t i = 0; i < count; ++i) {
-      if (pass_.selection.only_returns && !is_return(status_[i])) continue;
+      if (pass_.selection.only_returns && !is_return(PointStatus{status_[i]})) continue;
       if (seen_++ % pass_.selection.every == 0) batch.selected.push_back(static_cast<std::uint32_t>(i));
     }
   }

@@ -11,6 +11,7 @@
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
 #include "io/terrain_file.h"
+#include "simulation/pulse_batch.h"
 
 namespace landfall {
 namespace {
@@ -62,7 +63,8 @@ Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
       [&](const PointBatch& batch) {
         for (const std::uint32_t i : batch.selected) {
           of_all.add(batch.real(0)[i], batch.real(1)[i]);
-          if (batch.number(2, i) == 0) of_true.add(batch.real(0)[i], batch.real(1)[i]);
+          if (batch.number(2, i) == static_cast<double>(PointStatus::returned))
+            of_true.add(batch.real(0)[i], batch.real(1)[i]);
         }
       },
       progress);

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "io/crs.h"
 #include "io/dataset_list.h"
 #include "io/grid_file.h"
@@ -278,11 +277,6 @@ void add_provenance(Json& json, const LandfallFileReader& file) {
 
 Json describe_file(const std::filesystem::path& path, const DescriptionOptions& options,
                    const ProgressCallback& progress) {
-  std::error_code error;
-  const std::filesystem::file_type type = std::filesystem::status(path, error).type();
-  if (type != std::filesystem::file_type::not_found && type != std::filesystem::file_type::directory &&
-      type != std::filesystem::file_type::regular)
-    throw FormatError(path.string() + ": is no regular file");
   const LandfallFileReader file(path, {"terrain", "scan", "dem", "evaluation", "plan"});
   Json json = head(path, file);
   if (h5::exists(file.root(), "x") && h5::exists(file.root(), "y"))

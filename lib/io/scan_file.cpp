@@ -103,11 +103,6 @@ std::array<std::span<const double>, 6> coordinates(const ScanPoints& p) {
   return {p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true};
 }
 
-bool is_return(std::int8_t status) {
-  return status == static_cast<std::int8_t>(PointStatus::returned) ||
-         status == static_cast<std::int8_t>(PointStatus::false_return);
-}
-
 bool is_finite(double value) { return std::abs(value) <= std::numeric_limits<double>::max(); }
 
 void move_rows(std::vector<double>& column, std::size_t from, std::size_t count, std::size_t to) {
@@ -234,14 +229,14 @@ ScanReader::ScanReader(const std::filesystem::path& path)
 }
 
 bool ScanReader::is_valid(const ScanPoints& points, std::size_t i) const {
-  if (!is_return(status_[i])) return true;
+  if (!is_return(PointStatus{status_[i]})) return true;
   return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size() &&
          std::ranges::all_of(coordinates(points), [i](auto column) { return is_finite(column[i]); });
 }
 
 bool ScanReader::all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const {
   bool valid = true;  // no early exit: the loops then run as fast as memory
-  for (std::size_t i = first; i < end; ++i) valid &= is_return(status_[i]);
+  for (std::size_t i = first; i < end; ++i) valid &= is_return(PointStatus{status_[i]});
   for (std::size_t i = first; i < end; ++i)
     valid &= pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
   for (const std::span<const double> column : coordinates(points))
@@ -266,7 +261,7 @@ void ScanReader::fail_at_row(const ScanPoints& points, std::size_t i, std::size_
 std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std::size_t end) const {
   std::size_t next = first;
   for (std::size_t i = first; i < end; ++i) {
-    if (!is_return(status_[i])) continue;
+    if (!is_return(PointStatus{status_[i]})) continue;
     points.t[next] = pulse_times_s_[static_cast<std::size_t>(pulse_[i])];
     if (next != i)
       for (std::vector<double>* const column : coordinates(points)) (*column)[next] = (*column)[i];

@@ -4,13 +4,6 @@
 #include <algorithm>
 
 namespace landfall {
-namespace {
-
-bool is_return(PointStatus status) {
-  return status == PointStatus::returned || status == PointStatus::false_return;
-}
-
-}  // namespace
 
 void PulseBatch::resize(std::size_t pulse_count, std::size_t pixel_count, PointContent content) {
   const std::size_t rows = pulse_count * pixel_count;

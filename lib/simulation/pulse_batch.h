@@ -20,6 +20,11 @@ enum class PointStatus : std::int8_t {
 };
 inline constexpr std::size_t kPointStatusCount = 7;
 
+/// True where there is a range: a return, or a false one.
+[[nodiscard]] inline bool is_return(PointStatus status) {
+  return status == PointStatus::returned || status == PointStatus::false_return;
+}
+
 /// One row per pixel and pulse, ordered by pulse, then pixel. Positions in D and ranges in metres; NaN where
 /// the status leaves none:
 /// - a return has everything;

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "base/error.h"
 #include "io/temporary_folder.h"
@@ -14,13 +13,6 @@
 
 namespace landfall {
 namespace {
-
-template <class T>
-T at(const std::string& bytes, std::size_t offset) {
-  T value{};
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 std::string las(const SmallScan& scan, std::size_t every = 1) {
   const TemporaryFolder folder;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstring>
 #include <string>
 
 #include "exports/byte_sink.h"
@@ -17,5 +18,13 @@ class MemorySink final : public ByteSink {
  private:
   std::string bytes_;
 };
+
+/// The number that begins at `offset`, little endian.
+template <class T>
+[[nodiscard]] T at(const std::string& bytes, std::size_t offset) {
+  T value{};
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
 
 }  // namespace landfall

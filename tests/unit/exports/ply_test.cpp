@@ -4,21 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "io/temporary_folder.h"
 #include "memory_sink.h"
 #include "small_scan.h"
 
 namespace landfall {
 namespace {
-
-template <class T>
-T at(const std::string& bytes, std::size_t offset) {
-  T value{};
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 TEST(PointsPly, HasDoublePlacesAndStoredTypes) {
   const TemporaryFolder folder;
