@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   landfall-export scan.h5 -o scan.ply                          CloudCompare, ParaView
   landfall-export scan.h5 -o scan.las --position true
-  landfall-export scan.h5 -o scan.xmf                          ParaView, without a copy
+  landfall-export scan.h5 -o scan.xmf                          ParaView, meshio: without a copy
   landfall-export scan.h5 -o - --format csv --columns x_est,y_est,z_est | head
   landfall-export dem.h5 -o dem.tif --layers z_est,count       GIS
   landfall-export eval.h5 -o eval.csv --layers fail
@@ -152,6 +152,19 @@ std::string reference(const Options& o, const cli::Session& session) {
   return xdmf_reference(o.input, session.options().output_path);
 }
 
+/// The .xmf, and beside it the places that it refers to.
+void export_points_xdmf(const cli::Session& session, const Options& o, const PointReader& points,
+                        ByteSink& sink) {
+  require_only_returns(points);
+  const cli::CommonOptions& options = session.options();
+  const std::filesystem::path file = xdmf_places(options.output_path);
+  const PointPlaces places = places_of(points, position_of(o), reference(o, session));
+  write_point_places({file, options.overwrite, options.compression}, places, session.tool());
+  std::vector<ContentInfo> columns = points.columns();
+  std::erase_if(columns, [](const ContentInfo& column) { return column.name == "t"; });
+  sink.write(points_xdmf(columns, places, file.filename().string()));
+}
+
 void export_scan(const cli::Session& session, const Options& o, const std::string& format, ByteSink& sink,
                  const ProgressCallback& progress) {
   const PointReader points(o.input);
@@ -163,10 +176,7 @@ void export_scan(const cli::Session& session, const Options& o, const std::strin
     write_points_las(points, position_of(o), o.every, session.tool() + " " + program_version(), sink,
                      progress);
   } else {
-    require_only_returns(points);
-    std::vector<ContentInfo> columns = points.columns();
-    std::erase_if(columns, [](const ContentInfo& column) { return column.name == "t"; });
-    sink.write(points_xdmf(columns, points.row_count(), position_of(o), reference(o, session)));
+    export_points_xdmf(session, o, points, sink);
   }
 }
 
@@ -221,6 +231,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const std::string kind = kind_of(file);
   require_possible(file, kind, format);
   require_no_stray_option(o, kind == "scan", format);
+  if (kind == "scan" && format == "xmf") session.claim_output("-o", xdmf_places(name).string(), {o.input});
   try {
     session.phase("export", [&](const ProgressCallback& progress) {
       if (format == "tif") return export_geotiff(session, o, output, progress);

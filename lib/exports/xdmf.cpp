@@ -57,12 +57,6 @@ std::string document(const std::string& name, const std::string& content) {
          name + "\" GridType=\"Uniform\">\n" + content + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
-const ContentInfo& named(const std::vector<ContentInfo>& columns, const std::string& name) {
-  std::size_t i = 0;
-  while (columns.at(i).name != name) ++i;
-  return columns[i];
-}
-
 /// Three numbers, x first; XDMF wants the slowest first.
 std::string triple(const char* what, double x, double y, double z) {
   return std::string("        <DataItem Name=\"") + what +
@@ -74,21 +68,34 @@ std::string triple(const char* what, double x, double y, double z) {
 
 std::string xdmf_reference(const fs::path& data, const fs::path& xdmf) {
   const fs::path target = fs::weakly_canonical(fs::absolute(data));
-  const fs::path folder = fs::weakly_canonical(fs::absolute(xdmf)).parent_path();
+  const fs::path folder =
+      fs::weakly_canonical(fs::absolute(xdmf).parent_path());  // an output replaces a link
   const fs::path relative = target.lexically_relative(folder);
   return relative.empty() || *relative.begin() == ".." ? target.string() : relative.string();
 }
 
-std::string points_xdmf(const std::vector<ContentInfo>& columns, std::size_t rows,
-                        const std::string& position, const std::string& reference) {
-  const std::string count = std::to_string(rows);
-  const std::string path = reference + ":/points/";
+fs::path xdmf_places(const fs::path& xdmf) { return xdmf.string() + ".h5"; }
+
+PointPlaces places_of(const PointReader& points, const std::string& position, const std::string& scan) {
+  PointPlaces places{scan, {}, h5::Type::float32, points.row_count(), points.file().file_id()};
+  for (std::size_t axis = 0; axis < places.columns.size(); ++axis) {
+    places.columns[axis] = "xyz"[axis] + ("_" + position);
+    if (points.column(places.columns[axis]).type == h5::Type::float64) places.type = h5::Type::float64;
+  }
+  return places;
+}
+
+std::string points_xdmf(const std::vector<ContentInfo>& columns, const PointPlaces& places,
+                        const std::string& places_file) {
+  const std::string count = std::to_string(places.rows);
+  const std::string root = places_file + ":/";
   std::string content = "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + count +
-                        "\" NodesPerElement=\"1\"/>\n      <Geometry GeometryType=\"X_Y_Z\">\n";
-  for (const char* const axis : {"x_", "y_", "z_"})
-    content += "        " + data_item(named(columns, axis + position), count, path) + "\n";
-  content += "      </Geometry>\n";
-  for (const ContentInfo& column : columns) content += attribute(column, count, path);
+                        "\" NodesPerElement=\"1\">\n        " +
+                        data_item({"row", row_type(places.rows), "", ""}, count + " 1", root) +
+                        "\n      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n        " +
+                        data_item({"position", places.type, "", ""}, count + " 3", root) +
+                        "\n      </Geometry>\n";
+  for (const ContentInfo& column : columns) content += attribute(column, count, places.scan + ":/points/");
   return document("points", content);
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: pvpython read_paraview.py READER FILE OUT.npz: points, bounds and point data as ParaView sees them."""
+"""usage: pvpython read_paraview.py READER FILE OUT.npz ...: points, bounds, number of cells and point data as ParaView sees them."""
 import sys
 
 import numpy as np
@@ -10,13 +10,19 @@ READERS = {"ply": lambda file: simple.PLYReader(FileNames=[file]),
            "xdmf": lambda file: simple.XDMFReader(FileNames=[file]),
            "xdmf3": lambda file: simple.Xdmf3ReaderS(FileName=[file])}
 
-reader = READERS[sys.argv[1]](sys.argv[2])
-reader.UpdatePipeline()
-data = servermanager.Fetch(reader)
-arrays = {"bounds": np.array(data.GetBounds()), "count": np.array(data.GetNumberOfPoints())}
-if hasattr(data, "GetPoints"):  # an image has none
-    arrays["points"] = vtk_to_numpy(data.GetPoints().GetData())
-fields = data.GetPointData()
-for i in range(fields.GetNumberOfArrays()):
-    arrays["field_" + fields.GetArrayName(i)] = vtk_to_numpy(fields.GetArray(i))
-np.savez(sys.argv[3], **arrays)
+
+def read(name, file):
+    reader = READERS[name](file)
+    reader.UpdatePipeline()
+    data = servermanager.Fetch(reader)
+    arrays = {"bounds": np.array(data.GetBounds()), "cells": np.array(data.GetNumberOfCells())}
+    if hasattr(data, "GetPoints"):  # an image has none
+        arrays["points"] = vtk_to_numpy(data.GetPoints().GetData())
+    fields = data.GetPointData()
+    for i in range(fields.GetNumberOfArrays()):
+        arrays["field_" + fields.GetArrayName(i)] = vtk_to_numpy(fields.GetArray(i))
+    return arrays
+
+
+for argument in range(1, len(sys.argv), 3):
+    np.savez(sys.argv[argument + 2], **read(*sys.argv[argument:argument + 2]))

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What landfall-export writes, opened by programs of others: extent and values as h5py reads them from our files.
 
-A program that is not installed is skipped with a message: gdal-bin, gmt, cloudcompare, python3-paraview, python3-pil,
-and node with npm, whose LAS readers come from the registry (tests/outside/package-lock.json).
+A program that is not installed is skipped with a message: gdal-bin, gmt, cloudcompare, python3-paraview, python3-meshio,
+python3-pil, libxdmf-dev, and node with npm, whose LAS readers come from the registry (tests/outside/package-lock.json).
 """
+import functools
+import glob
 import json
 import os
 import shutil
@@ -34,6 +36,14 @@ def program(name, package):
     return name
 
 
+def meshio_of(path):
+    try:
+        import meshio  # pylint: disable=import-outside-toplevel
+    except ImportError as missing:
+        raise unittest.SkipTest("meshio is not installed (Debian's python3-meshio)") from missing
+    return meshio.read(path)
+
+
 def output_of(*command, **options):
     result = subprocess.run([str(word) for word in command], capture_output=True, timeout=300, **options)
     if result.returncode != 0:
@@ -49,11 +59,26 @@ class ExportTest(ToolTest):
         self.assertEqual([entry for entry in self.entries() if entry.endswith(".part")], [])
         return path
 
-    def paraview(self, reader, path):
-        out = self.path("paraview.npz")
-        output_of(program("pvpython", "python3-paraview"), os.path.join(OUTSIDE, "read_paraview.py"), reader, path, out)
-        with np.load(out) as arrays:
-            return dict(arrays)
+    def rasters(self, path):
+        """All bands of an image as GDAL reads them, row 0 the upper."""
+        raw = self.path("raw.img")
+        output_of(program("gdal_translate", "gdal-bin"), "-q", "-of", "ENVI", "-co", "INTERLEAVE=BSQ", path, raw)
+        kinds = {"1": np.uint8, "2": np.int16, "3": np.int32, "4": np.float32, "5": np.float64}
+        with open(self.path("raw.hdr"), encoding="ascii") as file:
+            header = dict((word.strip() for word in line.split(" = ")) for line in file if line.count(" = ") == 1)
+        shape = [int(header[key]) for key in ("bands", "lines", "samples")]
+        return np.fromfile(raw, kinds[header["data type"]]).reshape(shape)
+
+    def paraview(self, *files):
+        """What ParaView reads of each (reader, file); all in one start of it, which takes seconds."""
+        outs = [self.path(f"paraview-{i}.npz") for i in range(len(files))]
+        words = [word for (reader, path), out in zip(files, outs) for word in (reader, path, out)]
+        output_of(program("pvpython", "python3-paraview"), os.path.join(OUTSIDE, "read_paraview.py"), *words)
+        found = []
+        for out in outs:
+            with np.load(out) as arrays:
+                found.append(dict(arrays))
+        return found
 
     def assert_close(self, found, expected, tolerance, what=""):
         found, expected = np.asarray(found, float), np.asarray(expected, float)
@@ -69,14 +94,9 @@ def xyz(points, position="est"):
 class GeotiffTest(ExportTest):
     def bands(self, path, count):
         """All bands as GDAL reads them, row 0 the southern."""
-        raw = self.path("raw.img")
-        output_of(program("gdal_translate", "gdal-bin"), "-q", "-of", "ENVI", "-co", "INTERLEAVE=BSQ", path, raw)
-        kinds = {"4": np.float32, "5": np.float64, "2": np.int16, "3": np.int32}
-        with open(self.path("raw.hdr"), encoding="ascii") as file:
-            header = dict(line.rstrip().split(" = ") for line in file if line.count(" = ") == 1)
-        values = np.fromfile(raw, kinds[header["data type"].strip()])
-        side = int(round(np.sqrt(len(values) / count)))
-        return values.reshape(count, side, side)[:, ::-1]
+        values = self.rasters(path)
+        self.assertEqual(len(values), count)
+        return values[:, ::-1]
 
     def test_gdal_reads_every_layer_in_its_place(self):
         program("gdalinfo", "gdal-bin")
@@ -149,8 +169,18 @@ class PlyTest(ExportTest):
 
     def test_paraview_reads_the_places(self):
         program("pvpython", "python3-paraview")
-        found = self.paraview("ply", self.export(CHAIN.scan, "scan.ply"))
+        [found] = self.paraview(("ply", self.export(CHAIN.scan, "scan.ply")))
         self.assert_close(found["points"], xyz(returns_of(CHAIN.scan)), 1e-6)  # its PLY reader keeps float32
+
+    def test_meshio_reads_every_value(self):
+        points = returns_of(CHAIN.scan)
+        wanted = [name for name in points if name != "status"]  # meshio knows no property of the type char
+        found = meshio_of(self.export(CHAIN.scan, "scan.ply", "--columns", ",".join(wanted)))
+        self.assert_close(found.points, xyz(points), 0)
+        self.assertEqual(len(found.point_data), len(wanted) - 3)
+        for name, values in found.point_data.items():
+            column = {"range_meas": "range_measured"}.get(name.removeprefix("scalar_"), name.removeprefix("scalar_"))
+            self.assert_close(values, points[column], 0, name)
 
     def test_every_nth_point(self):
         points = returns_of(CHAIN.scan)
@@ -197,40 +227,127 @@ class LasTest(ExportTest):
             self.assertEqual(set(copc["returnNumber"]) | set(copc["returns"]), {1})
 
 
+@functools.lru_cache(maxsize=None)
+def xdmf_reader():
+    """A program on the Xdmf project's own library, built once."""
+    libraries = glob.glob("/usr/lib/*/xdmf/serial")
+    if not libraries or not shutil.which("c++"):
+        raise unittest.SkipTest("the Xdmf library is not installed (Debian's libxdmf-dev)")
+    folder = tempfile.mkdtemp(prefix="landfall-xdmf-")
+    unittest.addModuleCleanup(shutil.rmtree, folder)
+    path = os.path.join(folder, "read_xdmf")
+    output_of("c++", "-w", "-I/usr/include/libxml2", os.path.join(OUTSIDE, "read_xdmf.cpp"), "-o", path,
+              "-L" + libraries[0], "-lXdmf", "-lXdmfCore")
+    return path
+
+
 class XdmfTest(ExportTest):
     def beside(self, source):
         """A sidecar names its data from its own folder."""
         shutil.copy(source, self.folder)
         return self.path(os.path.basename(source))
 
-    def test_paraview_reads_a_scan(self):
+    def xdmf_library(self, path):
+        lines = output_of(xdmf_reader(), path).decode().splitlines()
+        return {name: np.array(values, float) for name, *values in (line.split() for line in lines)}
+
+    def scans(self):
+        """(.xmf, scan's columns, places) of both positions, and of a scan in single precision."""
+        single = self.path("single.h5")
+        self.succeed("scan-sim", *CHAIN.inputs("scan-sim"), "--float32", "-o", single)
+        for source, position in [(self.beside(CHAIN.scan), "est"), (self.path("scan.h5"), "true"), (single, "est")]:
+            name = f"{position}-{os.path.basename(source)}.xmf"
+            path = self.export(source, name, "--position", position)
+            self.assertIn(f">{os.path.basename(source)}:/points/".encode(), read_bytes(path))
+            self.assertIn(f">{name}.h5:/position<".encode(), read_bytes(path))
+            points = returns_of(source)
+            yield path, points, xyz(points, position)
+
+    def test_both_readers_of_paraview_read_a_scan(self):
         program("pvpython", "python3-paraview")
-        points = returns_of(CHAIN.scan)
-        for position in ["est", "true"]:
-            path = self.export(self.beside(CHAIN.scan), position + ".xmf", "--position", position)
-            self.assertIn(b">scan.h5:/points/", read_bytes(path))
-            found = self.paraview("xdmf", path)
-            self.assert_close(found["points"], xyz(points, position), 0)
+        scans = [scan for scan in self.scans() for _ in range(2)]
+        files = [(reader, path) for reader, (path, _, _) in zip(["xdmf", "xdmf3"] * 3, scans)]
+        for found, (_, points, places) in zip(self.paraview(*files), scans):
+            self.assert_close(found["points"], places, 0)
+            self.assertEqual(found["points"].dtype, places.dtype)
+            self.assert_close(found["bounds"].reshape(3, 2).T, [places.min(axis=0), places.max(axis=0)], 0)
+            self.assertEqual(found["cells"], len(places))
             for name, values in points.items():
                 self.assert_close(found["field_" + name], values, 0, name)
+
+    def test_meshio_reads_a_scan(self):
+        for path, points, places in self.scans():
+            found = meshio_of(path)
+            self.assert_close(found.points, places, 0)
+            self.assertEqual([(block.type, len(block.data)) for block in found.cells], [("vertex", len(places))])
+            self.assertEqual(set(found.point_data), set(points))
+            for name, values in points.items():
+                self.assert_close(found.point_data[name], values, 0, name)
+
+    def test_the_xdmf_library_reads_a_scan(self):
+        for path, points, places in self.scans():
+            found = self.xdmf_library(path)
+            self.assert_close(found.pop("points"), places.ravel(), 0)
+            self.assert_close(found.pop("row"), np.arange(len(places)), 0)
+            self.assertEqual(set(found), set(points))
+            for name, values in points.items():
+                self.assert_close(found[name], values, 0, name)
 
     def test_both_readers_of_paraview_read_a_grid(self):
         program("pvpython", "python3-paraview")
         for source in [CHAIN.terrain, CHAIN.dem, CHAIN.eval]:
             grid = columns(source, "/")
             path = self.export(self.beside(source), os.path.basename(source) + ".xmf")
-            for reader in ["xdmf", "xdmf3"]:
-                found = self.paraview(reader, path)
+            for found in self.paraview(("xdmf", path), ("xdmf3", path)):
                 self.assert_close(found["bounds"], [grid["x"][0], grid["x"][-1], grid["y"][0], grid["y"][-1], 0, 0], 1e-9)
                 for name, values in grid.items():
                     if values.ndim == 2:
                         self.assert_close(found["field_" + name], values.ravel(), 0, f"{source} {name}")
+
+    def test_the_xdmf_library_reads_a_grid(self):
+        for source in [CHAIN.terrain, CHAIN.dem, CHAIN.eval]:
+            grid = columns(source, "/")
+            found = self.xdmf_library(self.export(self.beside(source), os.path.basename(source) + ".xmf"))
+            step = grid["x"][1] - grid["x"][0]
+            self.assert_close(found.pop("origin"), [0, grid["y"][0], grid["x"][0]], 1e-12)
+            self.assert_close(found.pop("step"), [step] * 3, 1e-12)
+            self.assert_close(found.pop("size"), [1, len(grid["y"]), len(grid["x"])], 0)
+            layers = {name: values.ravel() for name, values in grid.items() if values.ndim == 2}
+            self.assertEqual(set(found), set(layers))
+            for name, values in layers.items():
+                self.assert_close(found[name], values, 0, name)
+
+    def test_the_three_files_can_be_moved_together(self):
+        os.mkdir(self.path("a"))
+        scan = shutil.copy(CHAIN.scan, self.path("a"))
+        path = self.export(scan, "a/scan.xmf")
+        os.rename(self.path("a"), self.path("b"))
+        self.assertFalse(os.path.exists(path))
+        self.assert_close(meshio_of(self.path("b/scan.xmf")).points, xyz(returns_of(CHAIN.scan)), 0)
+
+    def test_neither_file_replaces_another_unasked(self):
+        scan = self.beside(CHAIN.scan)
+        path = self.export(scan, "scan.xmf")
+        before = {name: read_bytes(self.path(name)) for name in self.entries()}
+        self.assertEqual(set(before), {"scan.h5", "scan.xmf", "scan.xmf.h5"})
+        os.remove(path)
+        self.refuse(2, "landfall-export", scan, "-o", path, words=["scan.xmf.h5 exists", "-O"], output=path)
+        self.export(scan, "scan.xmf", "-O")
+        self.assertEqual({name: read_bytes(self.path(name)) for name in self.entries()}, before)
+
+    def test_the_places_never_replace_the_scan(self):
+        scan = self.path("a.xmf.h5")
+        shutil.copy(CHAIN.scan, scan)
+        self.refuse(2, "landfall-export", scan, "-o", self.path("a.xmf"), "-O", words=["a.xmf.h5 is an input"],
+                    output=self.path("a.xmf"))
+        self.assertEqual(read_bytes(scan), read_bytes(CHAIN.scan))
 
     def test_a_scan_that_keeps_misses_is_refused(self):
         misses = self.path("misses.h5")
         self.succeed("scan-sim", *CHAIN.inputs("scan-sim"), "--keep-misses", "-o", misses)
         self.refuse(2, "landfall-export", misses, "-o", self.path("a.xmf"), words=["without a return", ".ply"],
                     output=self.path("a.xmf"))
+        self.assertEqual(self.entries(), ["misses.h5"])
 
 
 class CsvTest(ExportTest):
@@ -267,13 +384,23 @@ class CsvTest(ExportTest):
         self.assert_close([float(found["low (Real)"]), float(found["high (Real)"])],
                           [points["x_est"].min(), points["x_est"].max()], 1e-12)
 
-    def test_gmt_reads_bounds(self):
+    def gmt_table(self, path, width):
+        return np.frombuffer(output_of(program("gmt", "gmt"), "convert", "-h1", f"-bo{width}d", path)).reshape(-1, width)
+
+    def test_gmt_reads_bounds_and_values(self):
         program("gmt", "gmt")
         points = xyz(returns_of(CHAIN.scan))
         path = self.export(CHAIN.scan, "scan.csv", "--columns", "x_est,y_est,z_est")
         words = output_of("gmt", "info", "-C", "-h1", path).split()
         expected = np.stack([points.min(axis=0), points.max(axis=0)], axis=1)
         self.assert_close([float(word) for word in words], expected.ravel(), 1e-9)
+        self.assert_close(self.gmt_table(path, 3), points, 0)
+
+    def test_gmt_reads_a_grid(self):
+        grid = columns(CHAIN.dem, "/")
+        x, y = np.meshgrid(grid["x"], grid["y"])
+        expected = np.stack([layer.ravel() for layer in (x, y, grid["z_est"], grid["count"])], axis=1)
+        self.assert_close(self.gmt_table(self.export(CHAIN.dem, "dem.csv", "--layers", "z_est,count"), 4), expected, 0)
 
     def test_standard_output_is_the_file(self):
         path = self.export(CHAIN.scan, "scan.csv", "--columns", "t,x_est", "-t", 1)
@@ -318,10 +445,10 @@ class PictureTest(ExportTest):
             path = self.export(source, os.path.basename(source) + ".png")
             pixels = self.pixels(path)
             self.assertGreater(len(np.unique(pixels.reshape(-1, 3), axis=0)), 20, source)
-            if shutil.which("gdalinfo"):
-                info = json.loads(output_of("gdalinfo", "-json", path))
-                self.assertEqual(info["size"], [pixels.shape[1], pixels.shape[0]])
-                self.assertEqual([band["type"] for band in info["bands"]], ["Byte"] * 3)
+            if shutil.which("gdal_translate"):
+                bands = self.rasters(path)
+                self.assertEqual(bands.dtype, np.uint8)
+                np.testing.assert_array_equal(np.moveaxis(bands, 0, 2), pixels, source)
 
     def test_colours_stand_where_the_layer_is(self):
         """z_est of the plane's far corners, and the row of the map that each lies in."""

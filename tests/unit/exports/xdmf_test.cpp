@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/temporary_folder.h"
+#include "small_scan.h"
+
 namespace landfall {
 namespace {
 
@@ -16,17 +19,39 @@ TEST(Xdmf, NamesDataInOrBelowItsFolderRelatively) {
   EXPECT_EQ(xdmf_reference("scan.h5", "other.xmf"), "scan.h5");
 }
 
-TEST(Xdmf, PlacesPointsByThreeColumns) {
-  const std::vector<ContentInfo> columns = {{"x_est", h5::Type::float64, "m", ""},
-                                            {"y_est", h5::Type::float32, "m", ""},
-                                            {"z_est", h5::Type::float64, "m", ""},
+TEST(Xdmf, NamesDataFromTheFolderOfALinkThatItReplaces) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "other");
+  std::filesystem::create_symlink(folder / "other/old.xmf", folder / "scan.xmf");
+  EXPECT_EQ(xdmf_reference(folder / "scan.h5", folder / "scan.xmf"), "scan.h5");
+}
+
+TEST(Xdmf, PlacesPointsByOneDatasetAndNamesThem) {
+  const std::vector<ContentInfo> columns = {{"x_est", h5::Type::float32, "m", ""},
                                             {"status", h5::Type::int8, "1", ""}};
-  const std::string text = points_xdmf(columns, 7, "est", "a&b.h5");
+  const PointPlaces places{"a&b.h5", {"x_est", "y_est", "z_est"}, h5::Type::float32, 7, ""};
+  EXPECT_EQ(xdmf_places("c/p.xmf"), "c/p.xmf.h5");
+  const std::string text = points_xdmf(columns, places, "p.xmf.h5");
   EXPECT_THAT(text, HasSubstr(R"(TopologyType="Polyvertex" NumberOfElements="7")"));
+  EXPECT_THAT(text,
+              HasSubstr(R"(Dimensions="7 1" NumberType="Int" Precision="4" Format="HDF">p.xmf.h5:/row<)"));
   EXPECT_THAT(
       text,
-      HasSubstr(R"(Dimensions="7" NumberType="Float" Precision="4" Format="HDF">a&amp;b.h5:/points/y_est<)"));
+      HasSubstr(R"(Dimensions="7 3" NumberType="Float" Precision="4" Format="HDF">p.xmf.h5:/position<)"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(R"(Dimensions="7" NumberType="Float" Precision="4" Format="HDF">a&amp;b.h5:/points/x_est<)"));
   EXPECT_THAT(text, HasSubstr(R"(NumberType="Char" Precision="1" Format="HDF">a&amp;b.h5:/points/status<)"));
+}
+
+TEST(Xdmf, ReadsThePlacesOfAScan) {
+  const TemporaryFolder folder;
+  SmallScan().write(folder / "scan.h5");
+  const PointPlaces places = places_of(PointReader(folder / "scan.h5"), "true", "s.h5");
+  EXPECT_EQ(places.columns, (std::array<std::string, 3>{"x_true", "y_true", "z_true"}));
+  EXPECT_EQ(places.type, h5::Type::float64);
+  EXPECT_EQ(places.rows, 5U);
+  EXPECT_EQ(places.scan, "s.h5");
 }
 
 TEST(Xdmf, PlacesAGridByOriginAndStepSlowestFirst) {
