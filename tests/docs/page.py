@@ -4,7 +4,10 @@
 A comment on a line of its own says something about what follows it:
 
     <!-- setup: COMMANDS -->      shell commands, of one line or more, that run here and that no reader sees
-    <!-- not run: REASON -->      the next block is not run
+    <!-- long: REASON -->         the next block is run where LANDFALL_TEST_LONG=1 is set, and skipped with a message else
+    <!-- long setup: COMMANDS --> setup commands for such blocks, run with them only
+    <!-- bare: NAME -->           the next block is run by scripts/test-deb in a bare Debian 12 (bare_block.py)
+    <!-- all tests -->            the next block runs all tests, this one among them: .ci/run does
     <!-- file: NAME -->           the next block is the content of the file NAME
     <!-- check: TOOL -->          the next block is a configuration: TOOL --check must take it
     <!-- output -->               the next block is what the block before it printed; a line `...` stands for any lines,
@@ -15,21 +18,30 @@ import re
 
 ROOT = os.environ.get("LANDFALL_ROOT", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 FENCE = re.compile(r"^( *)```(\w*) *$")
-COMMENT = re.compile(r"^<!-- (setup|not run|file|check|output)(?:: *(.*))?$", re.DOTALL)
+COMMENT = re.compile(r"^<!-- (setup|long setup|long|bare|all tests|file|check|output)(?:: *(.*))?$", re.DOTALL)
 LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\(([^()\s]+)\)")
 RUN_LANGUAGES = ("sh", "python")
+RUN_ELSEWHERE = {"bare", "all tests"}
+LONG = bool(os.environ.get("LANDFALL_TEST_LONG"))
 
 
 class Block:
-    """A fenced block, or the commands of a setup comment (language `setup`)."""
+    """A fenced block, or the commands of a setup comment (languages `setup` and `long setup`)."""
 
     def __init__(self, language, line, text, notes):
         self.language, self.line, self.text, self.notes = language, line, text, notes
 
     @property
+    def is_command(self):
+        """A block that shows a reader what to run."""
+        return self.language in RUN_LANGUAGES and "file" not in self.notes
+
+    @property
     def is_run(self):
-        return self.language == "setup" or (self.language in RUN_LANGUAGES and "not run" not in self.notes
-                                            and "file" not in self.notes)
+        """Whether this run of the tests runs it."""
+        if self.language in ("setup", "long setup"):
+            return LONG or self.language == "setup"
+        return self.is_command and not RUN_ELSEWHERE & self.notes.keys() and (LONG or "long" not in self.notes)
 
 
 class Page:
@@ -82,9 +94,9 @@ class Page:
         match = COMMENT.match(text[:text.find("-->")].rstrip())
         if not match:
             self.faults.append(f"{self.name}:{first + 1}: a comment that says nothing known: {self._lines[first]}")
-        elif match[1] == "setup":
+        elif match[1] in ("setup", "long setup"):
             lines_before = text[:match.start(2)].count("\n")
-            self.blocks.append(Block("setup", first + 1 + lines_before, match[2] + "\n", {}))
+            self.blocks.append(Block(match[1], first + 1 + lines_before, match[2] + "\n", {}))
         else:
             notes[match[1]] = match[2] or ""
         return end + 1

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tests of the documentation can fail: pages made here, right and wrong."""
 import unittest
+from unittest import mock
 
 import page as pages
 import run_docs_test
@@ -29,13 +30,13 @@ def verdict(text):
 
 class Reading(unittest.TestCase):
     def test_blocks_know_their_line_and_what_is_said_of_them(self):
-        page = pages.Page("made.md", "# A\n\n" + block("sh", "true", "setup: a\nb", "not run: slow") + block("json", "{}", "check: regrid"))
+        page = pages.Page("made.md", "# A\n\n" + block("sh", "true", "setup: a\nb", "bare: slow") + block("json", "{}", "check: regrid"))
         self.assertEqual([(b.language, b.line, b.text) for b in page.blocks], [("setup", 3, "a\nb\n"), ("sh", 7, "true\n"), ("json", 12, "{}\n")])
         self.assertEqual([b.is_run for b in page.blocks], [True, False, False])
         self.assertEqual(page.faults, [])
 
     def test_faults(self):
-        for text in ("<!-- chek: regrid -->\n", "<!-- output -->\ntext\n", "```sh\ntrue\n", "<!-- check: regrid -->\n"):
+        for text in ("<!-- chek: regrid -->\n", "<!-- not run: slow -->\n```sh\ntrue\n```\n", "<!-- output -->\ntext\n", "```sh\ntrue\n", "<!-- check: regrid -->\n"):
             with self.subTest(text):
                 self.assertEqual(len(pages.Page("made.md", text).faults), 1)
 
@@ -62,8 +63,22 @@ class Running(unittest.TestCase):
         self.assertIn("missing-file", verdict(block("sh", "ls missing-file")))
         self.assertIn("line 7", verdict(block("sh", "true") + block("sh", "true\nls() { $unset; }\nls")))
 
-    def test_what_is_not_run(self):
-        self.assertIsNone(verdict(block("sh", "false", "not run: reason") + block("text", "false")))
+    def test_what_runs_elsewhere(self):
+        self.assertIsNone(verdict(block("sh", "false", "bare: name") + block("sh", "false", "all tests") + block("text", "false")))
+
+    def test_long_blocks_run_where_they_are_asked_for(self):
+        text = block("sh", "[[ $a == 1 ]] && sleep 0.1 && echo slow", "setup: a=0", "long setup: a=1", "long: reason") + block("text", "slow", "output")
+        wrong = text.replace("```text\nslow", "```text\nquick")
+        with mock.patch.object(pages, "LONG", False):
+            self.assertIsNone(verdict(text))
+            self.assertIsNone(verdict(wrong))
+            self.assertIsNone(verdict(block("sh", "false", "long: reason")))
+        with mock.patch.object(pages, "LONG", True):
+            self.assertIsNone(verdict(text))
+            self.assertIn("docs/made.md:10: the page shows", verdict(wrong))
+            self.assertIn("docs/made.md:3: exit 1", verdict(block("sh", "false", "long: reason")))
+            _, done = run(text)
+            self.assertGreater(done.seconds[2], 0.09)
 
     def test_shown_output_must_be_the_output(self):
         self.assertIsNone(verdict(block("sh", "echo one; echo two") + block("text", "one\ntwo", "output")))

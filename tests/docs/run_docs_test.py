@@ -5,6 +5,7 @@
     run_docs_test.py GROUP            the pages of a group, as ctest does
     run_docs_test.py PAGE ...         README.md, docs/cli.md, ...
     run_docs_test.py --write PAGE ... also writes what the commands print into the blocks that show it
+    LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also the blocks that take minutes, with the time that each took
 
 Shell blocks run in one `bash -euo pipefail` with the tools and scripts/ on PATH, Python blocks each in a python3 that has run the
 page's earlier ones. What comments say about blocks: page.py.
@@ -27,7 +28,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 # Pages of a group run one after the other, groups beside each other; the last group has all pages that no other has.
 GROUPS = {"readme": r"README", "lidar": r"docs/lidar/", "terrain": r"docs/terrain/", "files": r"docs/files/", "studies": r"docs/studies/",
           "guides": r"docs/(tutorial|usability|gallery)", "tools": r""}
-PAGE_TIMEOUT_S = 300
+PAGE_TIMEOUT_S = 7200 if pages.LONG else 300
 # Replays what earlier blocks of the page define, without what they print.
 REPLAY = "import contextlib, os\nwith open(os.devnull, 'w') as _null, contextlib.redirect_stdout(_null):\n    exec({!r})\n"
 
@@ -87,6 +88,7 @@ class Run:
                 with open(os.path.join(aside, f"{number}.sh"), "w", encoding="utf-8") as file:
                     file.write("\n" * (block.line - 1) + text)
                 script.append(f". '{aside}/{number}.sh' > '{aside}/{number}.out' 2>&1")
+                script.append(f": > '{aside}/{number}.end'")
         self._start(script, aside, work)
 
     def _start(self, script, aside, work):
@@ -95,20 +97,30 @@ class Run:
         # make's own variables, where ctest was started by it, are not those of the page.
         for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
             environment.pop(name, None)
+        started = time.time()
         result = subprocess.run(["bash", "-euo", "pipefail", "-c", "\n".join(script)], cwd=work, env=environment,
                                 stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PAGE_TIMEOUT_S, check=False)
         self.code, self.message = result.returncode, result.stderr
-        self.printed = {}
+        self.printed, self.seconds = {}, {}
         for number in range(len(self.blocks)):
             path = os.path.join(aside, f"{number}.out")
             if os.path.exists(path):
                 with open(path, encoding="utf-8", errors="replace") as file:
                     self.printed[number] = file.read().replace(f"{aside}/", "")
+            if os.path.exists(os.path.join(aside, f"{number}.end")):
+                self.seconds[number] = os.path.getmtime(os.path.join(aside, f"{number}.end")) - started
+                started += self.seconds[number]
         self.last = max(self.printed, default=None)
 
     def output_before(self, number):
-        """What the last run block before `number` printed."""
-        return self.printed.get(max((n for n in self.printed if n < number and self.blocks[n].language != "setup"), default=None), "")
+        """What the command before `number` that a reader sees printed; None where this run leaves it out."""
+        before = max((n for n in range(number) if self.blocks[n].is_command or self.blocks[n].notes.keys() & {"file", "check"}), default=None)
+        return self.printed.get(before)
+
+    def is_shown(self, number):
+        """Whether block `number` shows what was printed."""
+        printed = self.output_before(number)
+        return printed is None or shows(self.blocks[number].text, printed)
 
 
 def steady(text):
@@ -132,7 +144,7 @@ def rewrite(page, run):
         lines = file.read().split("\n")
     for number in reversed(range(len(page.blocks))):
         block = page.blocks[number]
-        if "output" in block.notes and not shows(block.text, run.output_before(number)):
+        if "output" in block.notes and not run.is_shown(number):
             first = block.line - 1
             printed = [line.rstrip() for line in run.output_before(number).splitlines()]
             lines[first:first + block.text.count("\n")] = printed
@@ -153,6 +165,14 @@ class Commands(unittest.TestCase):
                 run = Run(page)
                 self.check(page, run)
                 print(f"{name}: {sum(block.is_run for block in page.blocks)} blocks, {time.monotonic() - started:.1f} s", file=sys.stderr)
+                self.tell_of_long_blocks(page, run)
+
+    @staticmethod
+    def tell_of_long_blocks(page, run):
+        for number, block in enumerate(page.blocks):
+            if "long" in block.notes:
+                what = f"{run.seconds[number]:.0f} s" if block.is_run else f"skipped ({block.notes['long']}); LANDFALL_TEST_LONG=1 runs it"
+                print(f"{page.name}:{block.line}: {what}", file=sys.stderr)
 
     def check(self, page, run):
         if run.code:
@@ -162,7 +182,7 @@ class Commands(unittest.TestCase):
         if self.write:
             return rewrite(page, run)
         for number, block in enumerate(page.blocks):
-            if "output" in block.notes and not shows(block.text, run.output_before(number)):
+            if "output" in block.notes and not run.is_shown(number):
                 self.fail(f"{page.name}:{block.line}: the page shows\n{block.text}\nwhere the command printed\n{run.output_before(number)}")
             if block.language == "json":
                 json.loads(block.text)

@@ -26,6 +26,20 @@ checkout() {
   ln -s "$LANDFALL_BIN" build/release/bin
 }
 
+# The repository as a clone has it, with what is changed here, for blocks that build it.
+clone() {
+  git clone -q "$LANDFALL_ROOT" .
+  git -C "$LANDFALL_ROOT" ls-files -z --cached --others --exclude-standard | tar -C "$LANDFALL_ROOT" --null -T - -c | tar -x
+}
+
+# As root, apt-get asks nothing and needs no sudo.
+quiet_apt() {
+  [[ $EUID == 0 ]] || { echo "this block installs packages: run the page as root"; return 1; }
+  printf 'APT::Get::Assume-Yes "true";\n' > apt.conf
+  export APT_CONFIG=$PWD/apt.conf DEBIAN_FRONTEND=noninteractive
+  sudo() { "$@"; }
+}
+
 # The chain's files, small: terrain.h5 scan.h5 dem.h5 eval.h5 metrics.json, 10 x 10 m in bins of 10 cm.
 small_chain() {
   command terrain-gen -o terrain.h5 --half-width 8 --resolution 0.1 \
