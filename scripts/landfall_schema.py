@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strict JSON: reading that refuses what JSON leaves open, and a check against a JSON schema.
+"""Strict JSON: reading that refuses what JSON leaves open, and a check against a JSON schema in the tools' words.
 
 Only the words of draft-07 that schemas/study.schema.json uses are known; another one in a schema is an error of ours.
 """
@@ -37,7 +37,14 @@ def check(value, schema, path):
 def shown(value):
     """A value as a message shows it."""
     text = json.dumps(value)
-    return text if len(text) <= 80 else text[:77] + "..."
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def type_of(value):
+    """The name of a value's JSON type."""
+    if _is(value, "number"):
+        return "integer" if isinstance(value, int) else "number"
+    return next(name for name, kind in TYPES.items() if isinstance(value, kind))
 
 
 def _unique(pairs):
@@ -82,9 +89,12 @@ class _Checker:
         if "$ref" in schema:
             self.check(value, self.root["definitions"][schema["$ref"].rsplit("/", 1)[1]], where)
         self.check_type(value, schema, where)
-        for word in ("enum", "pattern", "minLength", "minimum", "maximum"):
-            if word in schema:
-                getattr(self, "check_" + word)(value, schema[word], where)
+        if value not in schema.get("enum", [value]):
+            self.fail(where, f"{shown(value)} is not one of {', '.join(map(shown, schema['enum']))}")
+        if isinstance(value, str):
+            self.check_text(value, schema, where)
+        if _is(value, "number"):
+            self.check_bounds(value, schema, where)
         if isinstance(value, dict):
             self.check_object(value, schema, where)
         if isinstance(value, list):
@@ -94,33 +104,26 @@ class _Checker:
         wanted = schema.get("type")
         names = [wanted] if isinstance(wanted, str) else wanted
         if names and not any(_is(value, name) for name in names):
-            self.fail(where, f"{shown(value)} is not of type {' or '.join(names)}")
+            self.fail(where, f"{shown(value)} is of type {type_of(value)}, not {' or '.join(names)}")
 
-    def check_enum(self, value, choices, where):
-        if value not in choices:
-            self.fail(where, f"{shown(value)} is none of {', '.join(map(shown, choices))}")
+    def check_text(self, value, schema, where):
+        if not value and schema.get("minLength", 0) > 0:
+            self.fail(where, "is empty")
+        if "pattern" in schema and not re.search(schema["pattern"], value):
+            self.fail(where, f"{shown(value)} does not match {schema['pattern']}")
 
-    def check_pattern(self, value, pattern, where):
-        if isinstance(value, str) and not re.search(pattern, value):
-            self.fail(where, f"{shown(value)} does not match {pattern}")
-
-    def check_minLength(self, value, least, where):
-        if isinstance(value, str) and len(value) < least:
-            self.fail(where, f"{shown(value)} is shorter than {least}")
-
-    def check_minimum(self, value, least, where):
-        if _is(value, "number") and value < least:
-            self.fail(where, f"{shown(value)} is below the minimum {least}")
-
-    def check_maximum(self, value, most, where):
-        if _is(value, "number") and value > most:
-            self.fail(where, f"{shown(value)} is above the maximum {most}")
+    def check_bounds(self, value, schema, where):
+        least, most = schema.get("minimum"), schema.get("maximum")
+        if (least is None or value >= least) and (most is None or value <= most):
+            return
+        both = f"in [{least}, {most}]"
+        self.fail(where, f"{shown(value)} is not {f'>= {least}' if most is None else f'<= {most}' if least is None else both}")
 
     def check_object(self, value, schema, where):
         properties, other = schema.get("properties", {}), schema.get("additionalProperties", {})
         for key in schema.get("required", []):
             if key not in value:
-                self.fail(where, f"the key \"{key}\" is missing")
+                self.fail(where, f"needs the key \"{key}\"")
         if len(value) < schema.get("minProperties", 0):
             self.fail(where, "is empty")
         for key, inner in value.items():
@@ -128,15 +131,15 @@ class _Checker:
                 self.check(key, schema["propertyNames"], f"{where}/{key}")
             if key not in properties and other is False:
                 known = ", ".join(properties)
-                self.fail(f"{where}/{key}", f"unknown key, with the value {shown(inner)}; known: {known}")
+                self.fail(f"{where}/{key}", f"unknown key; known: {known}")
             self.check(inner, properties.get(key, other), f"{where}/{key}")
 
     def check_array(self, value, schema, where):
-        if len(value) < schema.get("minItems", 0):
-            self.fail(where, f"{shown(value)} has {len(value)} entries, at least {schema['minItems']} are needed")
-        if len(value) > schema.get("maxItems", len(value)):
-            self.fail(where, f"{shown(value)} has {len(value)} entries, at most {schema['maxItems']} are allowed")
+        least, most = schema.get("minItems", 0), schema.get("maxItems", len(value))
+        if not least <= len(value) <= most:
+            wanted = most if least == most else f"at least {least}" if len(value) < least else f"at most {most}"
+            self.fail(where, f"an array of {len(value)} elements; wanted {wanted}")
         if schema.get("uniqueItems") and len({json.dumps(entry) for entry in value}) < len(value):
-            self.fail(where, f"{shown(value)} has an entry twice")
+            self.fail(where, f"{shown(value)} has an element twice")
         for index, entry in enumerate(value):
             self.check(entry, schema.get("items", {}), f"{where}/{index}")

@@ -44,7 +44,7 @@ class _Reader:
         self.check_columns(study)
         self.check_keys(study)
         if study.case_count() > MOST_CASES:
-            self.fail("/axes", f"{study.case_count()} cases are above the maximum {MOST_CASES}")
+            self.fail("/axes", f"the number of cases, {study.case_count()}, is not <= {MOST_CASES}")
         return study
 
     def base(self, tree):
@@ -68,7 +68,7 @@ class _Reader:
         except ConfigError as error:
             self.fail(where, str(error))
         if not isinstance(config, dict):
-            self.fail(where, f"{path}: {shown(config)} is not of type object")
+            self.fail(where, f"{path}: {shown(config)} is of type {landfall_schema.type_of(config)}, not object")
         return plain_numbers(with_full_paths(config, os.path.dirname(os.path.abspath(path))))
 
     def value(self, key, value, where):
@@ -107,11 +107,11 @@ class _Reader:
         if kind == "variants":
             self.allow(tree, common, kind, where)
             if "name" not in tree:
-                self.fail(where, "the key \"name\" is missing: variants have no key to be named by")
+                self.fail(where, "needs the key \"name\": variants have no key to be named by")
             return self.named(tree, tree["name"], self.variants(tree["variants"], f"{where}/variants"))
         self.allow(tree, common | {"key", "scale"} | ({"labels"} if kind == "list" else set()), kind, where)
         if "key" not in tree:
-            self.fail(where, "the key \"key\" is missing")
+            self.fail(where, "needs the key \"key\"")
         keys = [tree["key"]] if isinstance(tree["key"], str) else tree["key"]
         values = tree["list"] if kind == "list" else self.spaced(tree[kind], kind, f"{where}/{kind}")
         points = [self.point(tree, keys, index, value, f"{where}/{kind}") for index, value in enumerate(values)]
