@@ -15,12 +15,12 @@ ZOOM_WIDTH_M = 8.0
 def parse(arguments):
     parser = lp.Parser(prog="plot_dem.py", description=__doc__)
     parser.add_argument("dem", metavar="DEM.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: DEM.png beside the DEM)")
+    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: DEM-figure.png beside the DEM)")
     parser.add_argument("--region-radius-m", type=lp.positive_metres, help="default: the largest that fits")
     parser.add_argument("--footprint-m", type=lp.positive_metres, default=1.7, help="default 1.7")
     lp.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.dem)[0] + ".png"
+    options.output = options.output or os.path.splitext(options.dem)[0] + "-figure.png"
     lp.require_png(options.output)
     return options
 

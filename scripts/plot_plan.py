@@ -20,10 +20,10 @@ UNCOVERED = "#d55e00"
 def parse(arguments):
     parser = lp.Parser(prog="plot_plan.py", description=__doc__)
     parser.add_argument("plan", metavar="PLAN.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: PLAN.png beside the plan)")
+    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: PLAN-figure.png beside the plan)")
     lp.add_output_options(parser)
     options = parser.parse_args(arguments)
-    options.output = options.output or os.path.splitext(options.plan)[0] + ".png"
+    options.output = options.output or os.path.splitext(options.plan)[0] + "-figure.png"
     lp.require_png(options.output)
     return options
 

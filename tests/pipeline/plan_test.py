@@ -97,7 +97,7 @@ class Plan(ChainTest):
         script = os.path.join(os.environ["LANDFALL_ROOT"], "scripts", "plot_plan.py")
         subprocess.run(["/usr/bin/python3", script, self.path("plan.h5"), "--dpi", "50"], check=True,
                        capture_output=True)
-        with open(self.path("plan.png"), "rb") as file:
+        with open(self.path("plan-figure.png"), "rb") as file:
             self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
         again = subprocess.run(["/usr/bin/python3", script, self.path("plan.h5")], capture_output=True, text=True,
                                check=False)

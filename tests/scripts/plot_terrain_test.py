@@ -111,6 +111,10 @@ class Script(unittest.TestCase):
             colored = np.ptp(image[:, : image.shape[1] // 3], axis=2) > 0.2
             self.assertEqual(bool(colored.any()), objects)  # a hillshade alone is grey
 
+    def test_leaves_the_quick_look_of_landfall_export_alone(self):
+        make_terrain(self.path)
+        self.assertEqual(self.run_script(self.path, "--dpi", "50").stdout.strip(), self.path.replace(".h5", "-figure.png"))
+
     def test_refuses_what_it_cannot_draw(self):
         make_terrain(self.path)
         with h5py.File(self.path, "a") as file:

@@ -133,8 +133,8 @@ class ScriptTest(unittest.TestCase):
 class PlotDemTest(ScriptTest):
     def test_draws_beside_the_dem_by_default(self):
         make_dem(self.path("dem.h5"))
-        self.assertEqual(self.expect_success("plot_dem.py", self.path("dem.h5")), [self.path("dem.png")])
-        self.expect_picture("dem.png", 2000)
+        self.assertEqual(self.expect_success("plot_dem.py", self.path("dem.h5")), [self.path("dem-figure.png")])
+        self.expect_picture("dem-figure.png", 2000)
 
     def test_dpi_sets_the_size(self):
         make_dem(self.path("dem.h5"))
@@ -144,13 +144,13 @@ class PlotDemTest(ScriptTest):
     def test_dem_without_truth(self):
         make_dem(self.path("dem.h5"), truth=False)
         self.expect_success("plot_dem.py", "dem.h5")
-        self.expect_picture("dem.png")
+        self.expect_picture("dem-figure.png")
 
     def test_dem_without_any_value(self):
         everywhere = [(row, col) for row in range(BINS) for col in range(BINS)]
         make_dem(self.path("dem.h5"), empty_bins=everywhere)
         self.expect_success("plot_dem.py", "dem.h5")
-        self.expect_picture("dem.png")
+        self.expect_picture("dem-figure.png")
 
     def test_the_same_file_gives_the_same_picture(self):
         make_dem(self.path("dem.h5"))
@@ -163,13 +163,13 @@ class PlotDemTest(ScriptTest):
 
     def test_existing_picture_is_kept_without_overwrite(self):
         make_dem(self.path("dem.h5"))
-        with open(self.path("dem.png"), "w", encoding="utf-8") as file:
+        with open(self.path("dem-figure.png"), "w", encoding="utf-8") as file:
             file.write("mine")
-        self.expect_failure(2, "output dem.png exists", "plot_dem.py", "dem.h5")
-        with open(self.path("dem.png"), encoding="utf-8") as file:
+        self.expect_failure(2, "output dem-figure.png exists", "plot_dem.py", "dem.h5")
+        with open(self.path("dem-figure.png"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "mine")
         self.expect_success("plot_dem.py", "dem.h5", "-O")
-        self.expect_picture("dem.png")
+        self.expect_picture("dem-figure.png")
 
     def test_data_errors(self):
         self.expect_failure(1, "dem.h5: no such file", "plot_dem.py", "dem.h5")
