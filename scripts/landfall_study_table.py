@@ -23,7 +23,7 @@ USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.larges
 
 # Of figures and reports.
 METRIC_NAMES = {
-    "coverage.invalid_frac": "invalid bins, share of the region",
+    "coverage.invalid_frac": "invalid bins of the region, share",
     "coverage.invalid_count": "invalid bins",
     "coverage.largest_hole_bins": "largest hole",
     "coverage.max_distance_bins": "largest distance to a valid bin",

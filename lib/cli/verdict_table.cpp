@@ -3,24 +3,13 @@
 
 #include <array>
 #include <cstdio>
-#include <cstring>
+
+#include "evaluation/requirement_words.h"
 
 namespace landfall::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Row {
-  const char* name;
-  const char* text;
-};
-
-constexpr std::array<Row, 6> kRows = {{{"coverage", "invalid bins, fraction of the region"},
-                                       {"hole_size", "largest hole, bins"},
-                                       {"hole_distance", "farthest invalid bin from a valid one, bins"},
-                                       {"relative_elevation", "footprints over the limit, z"},
-                                       {"relative_horizontal", "footprints over the limit, x and y"},
-                                       {"absolute_horizontal", "footprints within the limit, fraction"}}};
 
 template <class... Values>
 std::string print(const char* format, Values... values) {
@@ -34,8 +23,15 @@ long long integer(const Json& value) { return static_cast<long long>(value.get<s
 std::string number(const Json& value) { return value.is_null() ? "-" : print("%.6g", value.get<double>()); }
 
 /// JSON has no infinity, which the distance is where no bin is valid.
-std::string value_of(const Row& row, const Json& value) {
-  return value.is_null() && std::strcmp(row.name, "hole_distance") == 0 ? "inf" : number(value);
+std::string value_of(const RequirementWords& words, const Json& value) {
+  const bool is_distance = words.requirement == &RequirementMetrics::hole_distance;
+  return value.is_null() && is_distance ? "inf" : number(value);
+}
+
+std::string measured(const RequirementWords& words) {
+  const std::string text = words.measured;
+  if (words.unit == RequirementUnit::fraction) return text + ", fraction";
+  return words.unit == RequirementUnit::bins ? text + ", bins" : text;
 }
 
 std::string verdict(const Json& pass) { return pass.is_null() ? "-" : pass.get<bool>() ? "pass" : "FAIL"; }
@@ -88,10 +84,11 @@ std::string region_text(const Json& region) {
 std::string requirement_lines(const Json& metrics) {
   std::string text =
       print("%-20s %-44s %12s %10s  %s\n", "requirement", "measured as", "value", "limit", "verdict");
-  for (const Row& row : kRows) {
-    const Json& r = metrics.at("requirements").at(row.name);
-    text += print("%-20s %-44s %12s %10s  %s\n", row.name, row.text, value_of(row, r.at("value")).c_str(),
-                  number(r.at("limit")).c_str(), verdict(r.at("pass")).c_str());
+  for (const RequirementWords& words : kRequirementWords) {
+    const Json& r = metrics.at("requirements").at(words.name);
+    text += print("%-20s %-44s %12s %10s  %s\n", words.name, measured(words).c_str(),
+                  value_of(words, r.at("value")).c_str(), number(r.at("limit")).c_str(),
+                  verdict(r.at("pass")).c_str());
   }
   return text + print("%-20s %-44s %12s %10s  %s\n", "all", "", "", "", verdict(metrics.at("pass")).c_str());
 }
@@ -113,9 +110,9 @@ std::string verdict_table(const Json& metrics, const EvaluationLimits& limits) {
 
 std::vector<std::string> missed_requirements(const Json& metrics) {
   std::vector<std::string> names;
-  for (const Row& row : kRows) {
-    const Json& pass = metrics.at("requirements").at(row.name).at("pass");
-    if (pass.is_null() || !pass.get<bool>()) names.emplace_back(row.name);
+  for (const RequirementWords& words : kRequirementWords) {
+    const Json& pass = metrics.at("requirements").at(words.name).at("pass");
+    if (pass.is_null() || !pass.get<bool>()) names.emplace_back(words.name);
   }
   return names;
 }

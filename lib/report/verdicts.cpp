@@ -6,50 +6,30 @@
 #include <cstdio>
 #include <optional>
 
+#include "evaluation/requirement_words.h"
+
 namespace landfall::html_report {
 namespace {
 
-struct Row {
-  const char* name;
-  const char* text;
-  const char* sense;
-  const char* unit;
-  bool at_least;
-  bool is_fraction;
-  const Requirement& requirement;
-};
-
-std::array<Row, 6> rows_of(const RequirementMetrics& r) {
-  return {{{"coverage", "invalid bins, share of the region", "at most", "%", false, true, r.coverage},
-           {"hole_size", "largest hole", "at most", "bins", false, false, r.hole_size},
-           {"hole_distance", "farthest invalid bin from a valid one", "at most", "bins", false, false,
-            r.hole_distance},
-           {"relative_elevation", "footprints over the limit, z", "at most", "", false, false,
-            r.relative_elevation},
-           {"relative_horizontal", "footprints over the limit, x and y", "at most", "", false, false,
-            r.relative_horizontal},
-           {"absolute_horizontal", "footprints within the limit", "at least", "%", true, true,
-            r.absolute_horizontal}}};
-}
-
-std::string number(double value, const Row& row) {
+std::string number(double value, RequirementUnit unit) {
+  const bool is_fraction = unit == RequirementUnit::fraction;
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", std::abs(row.is_fraction ? 100 * value : value));
-  const std::string unit = row.unit;
-  if (unit == "bins" && value == 1) return "1 bin";
-  const std::string sign = value < 0 ? "\u2212" : "";  // a minus, as in the diagrams
-  return sign + text.data() + (unit.empty() ? "" : " " + unit);
+  std::snprintf(text.data(), text.size(), "%.6g", std::abs(is_fraction ? 100 * value : value));
+  const std::string digits =
+      (value < 0 ? "\u2212" : "") + std::string(text.data());  // a minus, as in the diagrams
+  if (is_fraction) return digits + " %";
+  if (unit == RequirementUnit::footprints) return digits;
+  return digits + (value == 1 ? " bin" : " bins");
 }
 
-std::string shown(const std::optional<double>& value, const Row& row) {
-  return value && std::isfinite(*value) ? number(*value, row) : "\u2013";
+std::string shown(const std::optional<double>& value, RequirementUnit unit) {
+  return value && std::isfinite(*value) ? number(*value, unit) : "\u2013";
 }
 
 /// Zero is no negative zero.
-std::optional<double> margin(const Row& row) {
-  const Requirement& r = row.requirement;
+std::optional<double> margin(const Requirement& r, bool at_least) {
   if (!r.value) return std::nullopt;
-  const double difference = row.at_least ? *r.value - r.limit : r.limit - *r.value;
+  const double difference = at_least ? *r.value - r.limit : r.limit - *r.value;
   return difference == 0 ? 0 : difference;
 }
 
@@ -63,13 +43,12 @@ const char* verdict_word(const std::optional<bool>& pass) {
 
 std::string cell(const std::string& text) { return "<td class=\"number\">" + text + "</td>"; }
 
-std::string row_html(const Row& row) {
-  const Requirement& r = row.requirement;
-  return std::string("<tr data-requirement=\"") + row.name + "\"><th scope=\"row\">" + row.name +
-         "</th><td>" + row.text + "</td>" + cell(shown(r.value, row)) +
-         cell(std::string(row.sense) + " " + shown(r.limit, row)) + cell(shown(margin(row), row)) +
-         "<td><span class=\"verdict " + verdict_class(r.pass) + "\">" + verdict_word(r.pass) +
-         "</span></td></tr>\n";
+std::string row_html(const RequirementWords& words, const Requirement& r) {
+  return std::string("<tr data-requirement=\"") + words.name + "\"><th scope=\"row\">" + words.name +
+         "</th><td>" + words.measured + "</td>" + cell(shown(r.value, words.unit)) +
+         cell((words.at_least ? "at least " : "at most ") + shown(r.limit, words.unit)) +
+         cell(shown(margin(r, words.at_least), words.unit)) + "<td><span class=\"verdict " +
+         verdict_class(r.pass) + "\">" + verdict_word(r.pass) + "</span></td></tr>\n";
 }
 
 }  // namespace
@@ -78,7 +57,8 @@ std::string verdict_table_html(const Metrics& metrics) {
   std::string text =
       "<table id=\"verdicts\"><thead><tr><th>requirement</th><th>measured</th><th class=\"number\">value</th>"
       "<th class=\"number\">limit</th><th class=\"number\">margin</th><th>verdict</th></tr></thead><tbody>\n";
-  for (const Row& row : rows_of(metrics.requirements)) text += row_html(row);
+  for (const RequirementWords& words : kRequirementWords)
+    text += row_html(words, metrics.requirements.*words.requirement);
   return text + "</tbody></table>";
 }
 
@@ -86,9 +66,10 @@ std::string verdict_banner_html(const Metrics& metrics) {
   std::string text;
   int missed = 0;
   int unjudged = 0;
-  for (const Row& row : rows_of(metrics.requirements)) {
-    if (!row.requirement.pass) ++unjudged;
-    if (row.requirement.pass == false) ++missed;
+  for (const RequirementWords& words : kRequirementWords) {
+    const Requirement& requirement = metrics.requirements.*words.requirement;
+    if (!requirement.pass) ++unjudged;
+    if (requirement.pass == false) ++missed;
   }
   if (missed > 0) text = std::to_string(missed) + " of 6 requirements missed";
   if (unjudged > 0)
