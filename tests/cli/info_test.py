@@ -4,11 +4,13 @@
 import json
 import os
 import shutil
+import signal
+import subprocess
 import unittest
 
 import h5py
 import numpy as np
-from tools import TOOLS, ChainTest, run
+from tools import TOOLS, ChainTest, run, tool
 
 TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
@@ -319,6 +321,14 @@ class Refusals(InfoTest):
         self.assertEqual(result.returncode, 1)
         self.check_message("landfall-info", result.stderr, ["nowhere.h5: no such file"])
         self.assertEqual(result.stdout, self.info(self.chain.dem, self.chain.terrain))
+
+    def test_a_reader_that_goes_ends_it_without_a_word(self):
+        reading, writing = os.pipe()
+        os.close(reading)
+        result = subprocess.run([tool("landfall-info"), self.chain.dem], stdout=writing, stderr=subprocess.PIPE, timeout=60,
+                                check=False)
+        os.close(writing)
+        self.assertEqual((result.returncode, result.stderr), (-signal.SIGPIPE, b""))
 
     def test_usage(self):
         self.refuse(2, "landfall-info", words=["a file to describe"])
