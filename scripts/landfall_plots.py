@@ -12,6 +12,7 @@ import sys
 from dataclasses import dataclass
 
 import h5py
+import landfall_hdf5
 import numpy as np
 
 
@@ -90,8 +91,11 @@ def open_landfall(path, format_name):
         raise DataError(f"{path}: no such file")
     try:
         with h5py.File(path, "r") as file:
+            landfall_hdf5.require_self_contained(file)
             check_kind(file, path, format_name)
             yield file
+    except landfall_hdf5.ForeignFileError as error:
+        raise DataError(f"{path}: {error}") from error
     except (OSError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise DataError(f"{path}: not a readable HDF5 file ({reason})") from error

@@ -6,6 +6,7 @@ import json
 import os
 
 import h5py
+import landfall_session
 import landfall_study
 import numpy as np
 from landfall_schema import ConfigError, read_json
@@ -25,7 +26,10 @@ def read_cases(folder):
     path = os.path.join(folder, "cases.json")
     if not os.path.exists(path):
         raise ConfigError(f"{folder}: no planned study (no cases.json)")
-    return read_json(path)
+    cases = read_json(path)
+    for *_, metrics in cases["cases"]:
+        landfall_session.inner_name(metrics)
+    return cases
 
 
 def flatten(tree, prefix=""):

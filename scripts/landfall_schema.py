@@ -109,7 +109,7 @@ class _Checker:
     def check_text(self, value, schema, where):
         if not value and schema.get("minLength", 0) > 0:
             self.fail(where, "is empty")
-        if "pattern" in schema and not re.search(schema["pattern"], value):
+        if "pattern" in schema and not re.search(schema["pattern"].replace("$", r"\Z"), value):
             self.fail(where, f"{shown(value)} does not match {schema['pattern']}")
 
     def check_bounds(self, value, schema, where):

@@ -7,11 +7,20 @@ import os
 import time
 from dataclasses import asdict, dataclass, field
 
+from landfall_schema import ConfigError, shown
+
 
 def kind_of(name):
     """terrain, truth, scan, dem or metrics, by a file's name in the study's folder."""
     folder, file = name.split("/", 1)
     return file.rsplit(".", 2)[1] if folder == "shared" else folder
+
+
+def inner_name(name):
+    """The name, which a file of the study's folder says of another one there. Raises ConfigError where it leads out of it."""
+    if os.path.isabs(name) or ".." in name.split("/"):
+        raise ConfigError(f"{shown(name)} is no file of the study's folder")
+    return name
 
 
 def age(path):
@@ -25,7 +34,7 @@ def age(path):
 def read_targets(folder):
     """targets.txt: for each case's metrics, their log and the files that they are made of."""
     with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
-        return [line.split() for line in file]
+        return [[inner_name(word) for word in line.split()] for line in file]
 
 
 def missing_targets(folder):

@@ -142,7 +142,7 @@ class _Builder:
     def checked_files(self, config):
         files = list(dict.fromkeys(data_files(config)))
         for path in files:
-            if any(character in path for character in " \t$#%:;|\\*?[]~'\"&()<>="):
+            if any(character in " $#%:;|\\*?[]{}~'\"`&()<>=" or not character.isprintable() for character in path):
                 raise landfall_study.ConfigError(
                     f"{self.study.path}: {shown(path)}: make cannot take this file name; link it under a plain one")
         return files

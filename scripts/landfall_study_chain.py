@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 
 from landfall_schema import ConfigError
+from landfall_session import inner_name
 
 RULE = re.compile(r"\t\$\(call stage,([a-z]+),([0-9a-f]+),[^)]*\) (.*)")
 KINDS = ("terrain", "truth", "scan", "regrid", "eval")
@@ -48,7 +49,7 @@ class Chains:
         within = {}  # scan, dem: the latest of the recipe
         self.steps[recipe] = len(steps)
         for index, step in enumerate(steps):
-            name, config, *words = step.split()
+            name, config, *words = map(inner_name, step.split())
             if name == "terrain":
                 kind, inputs, output = name, (), words[0]
             elif name == "scan":

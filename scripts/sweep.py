@@ -187,7 +187,8 @@ def show(options):
         raise ConfigError(f"{study.path}: case {options.case} is not in [0, {len(cases) - 1}]")
     indices = cases[options.case]
     values = zip((axis.name for axis in study.axes()), study.values(indices))
-    print(f"#!/bin/bash\n# {study.name}, case {options.case}: " + ", ".join(f"{name} = {shown(value)}" for name, value in values))
+    title = f"{study.name}, case {options.case}: " + ", ".join(f"{name} = {shown(value)}" for name, value in values)
+    print("#!/bin/bash\n# " + "".join(character if character.isprintable() else "?" for character in title))
     print("set -euo pipefail")
     for stage in TOOLS:
         config = json.dumps(landfall_study.configuration(study, stage, indices), sort_keys=True)

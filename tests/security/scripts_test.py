@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scripts run nothing that a file's name or content says, and open nothing that it names."""
+import ast
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+import h5py
+
+ROOT = os.environ["LANDFALL_ROOT"]
+sys.path.insert(0, os.path.join(ROOT, "tests", "studies"))
+# pylint: disable=wrong-import-position
+from case import BIN, PYTHON, SIGMAS, StudyTest, read, study
+
+HOSTILE = "a b'\"$(touch hacked)`touch hacked`;-x"
+MARKUP = "</script><img src=x onerror=alert(1)>"
+# What turns texts into programs.
+FORBIDDEN_CALLS = {"eval", "exec", "compile", "os.system", "os.popen", "subprocess.getoutput", "subprocess.getstatusoutput",
+                   "tempfile.mktemp", "pickle.load", "pickle.loads", "yaml.load"}
+FORBIDDEN_SHELL = re.compile(r"(^|[;&|({]\s*)eval\s|\b(ba|da)?sh\s(-\w+\s)*-c\s+\"\w*[^\"]*\s")
+
+
+def shipped(*folders):
+    """Files of the repository that are programs, by what they begin or end with."""
+    for top in folders:
+        for folder, _, names in os.walk(os.path.join(ROOT, top)):
+            for name in names:
+                path = os.path.join(folder, name)
+                head = read(path)[:64].split(b"\n", 1)[0]
+                yield path, name.endswith(".py") or b"python" in head and head.startswith(b"#!"), b"bash" in head
+
+
+def dangerous_calls(text):
+    """Lines of Python that run a text, or a command through a shell."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call):
+            shell = any(word.arg == "shell" and not (isinstance(word.value, ast.Constant) and word.value.value is False)
+                        for word in node.keywords)
+            if shell or ast.unparse(node.func) in FORBIDDEN_CALLS:
+                yield node.lineno
+
+
+class Programs(unittest.TestCase):
+    def test_none_builds_a_shell_command_or_runs_a_text(self):
+        found, count = [], 0
+        for path, is_python, is_bash in shipped("scripts", "bench", "examples", "packaging", "cmake"):
+            count += is_python or is_bash
+            text = read(path).decode(errors="replace")
+            if is_python:
+                found += [f"{path}:{line}" for line in dangerous_calls(text)]
+            if is_bash:
+                found += [f"{path}:{number}" for number, line in enumerate(text.splitlines(), 1)
+                          if not line.startswith("#") and FORBIDDEN_SHELL.search(line)]
+        self.assertEqual(found, [])
+        self.assertGreater(count, 30)
+
+    def test_the_check_sees_what_it_looks_for(self):
+        for text in ("subprocess.run('ls ' + name, shell=True)", "os.system(name)", "eval(name)", "pickle.load(file)"):
+            self.assertEqual(list(dangerous_calls(text)), [1], text)
+        for text in ("eval \"$line\"", "bash -c \"ls $name\"", "sh -c \"cd $x; ls\"", "true; eval $x"):
+            self.assertTrue(FORBIDDEN_SHELL.search(text), text)
+
+
+class Names(StudyTest):
+    def setUp(self):
+        super().setUp()
+        self.hostile = self.path(HOSTILE)
+        os.mkdir(self.hostile)
+
+    def assert_nothing_ran(self):
+        for folder, folders, files in os.walk(self.folder):
+            self.assertNotIn("hacked", folders + files, folder)
+        self.assertFalse(os.path.exists(os.path.join(ROOT, "hacked")))
+
+    def run_in(self, folder, *command, code=0):
+        result = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, env=self.environment(),
+                                check=False)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result
+
+    def test_a_study_is_made_in_a_folder_of_any_name(self):
+        for name in ("scripts", "schemas", "studies", "lib/report/assets"):
+            shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name))
+        shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
+        tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP, description="$(touch hacked) " + MARKUP)
+        with open(os.path.join(self.hostile, "studies", "tiny.json"), "w", encoding="utf-8") as file:
+            json.dump(tree, file)
+        self.run_in(self.hostile, "make", "-f", "Makefile.studies", "study", "STUDY=tiny", f"BIN={BIN}")
+        self.assert_nothing_ran()
+        made = os.path.join(self.hostile, "runs", "studies", "tiny")
+        self.assertEqual(len(read(os.path.join(made, "results.csv")).splitlines()), 3)
+        page = read(os.path.join(made, "report.html")).decode()
+        self.assertIn("onerror=alert(1)", page)
+        self.assertNotIn(MARKUP, page)
+        self.assertNotIn("<img src=x", page)
+
+    def test_a_plot_takes_a_file_of_any_name(self):
+        terrain, picture = (os.path.join(self.hostile, name) for name in ("-t'\"$(touch hacked).h5", "-p'\"$(touch hacked).png"))
+        self.run_in(self.hostile, os.path.join(BIN, "terrain-gen"), "--half-width", "2", "--resolution", "0.5", "-o", terrain)
+        self.run_in(self.hostile, PYTHON, os.path.join(ROOT, "scripts", "plot_terrain.py"), terrain, "-o", picture)
+        self.assertTrue(os.path.exists(picture))
+        self.assert_nothing_ran()
+
+    def test_make_refuses_names_that_are_no_plain_words(self):
+        for name, value in [("RUNS", "a b"), ("RUNS", HOSTILE), ("DEM", "$(touch hacked).tif"), ("DEM", "$(shell touch hacked)"),
+                            ("STUDY", "x`touch hacked`"), ("BIN", "a;touch hacked"), ("RUNS", "-x"), ("THREADS", "0;touch hacked"),
+                            ("SCRATCH", "x|y"), ("KEEP", "$(touch hacked)")]:
+            command = ["make", "-C", ROOT, "-n", "-f", "Makefile.studies", "studies", f"{name}={value}"]
+            result = self.run_in(self.folder, *command, code=2)
+            self.assertIn(f"{name} is \"{value}\"", result.stderr)
+        self.assert_nothing_ran()
+
+    def test_a_study_names_no_file_that_make_would_take_apart(self):
+        for name in ("a b.tif", "$(shell touch hacked)", "a\nb", "`touch hacked`", "a;b", "a#b"):
+            with open(self.path(name), "w", encoding="utf-8"):
+                pass
+            tree = study(SIGMAS)
+            tree["base"]["terrain"]["base"] = {"type": "dem", "path": name}
+            result = self.sweep("plan", self.write(tree), "--out", self.out(), "--bin", BIN, code=2)
+            self.assertIn("make cannot take this file name", result.stderr)
+        self.assert_nothing_ran()
+
+    def test_a_shown_case_is_a_script_of_four_tools(self):
+        variants = {"$(touch hacked)": {"scan.seed": 1}, "b": {"scan.seed": 2}}
+        tree = study({"name": "seed", "variants": variants},
+                     {"key": "scan.noise.a\n touch hacked #", "list": [1, 2]})
+        script = self.sweep("show", self.write(tree), 0).stdout
+        stubs = self.path("stubs")
+        os.mkdir(stubs)
+        for name in ("terrain-gen", "scan-sim", "regrid", "dem-eval"):
+            os.symlink("/bin/true", os.path.join(stubs, name))
+        with open(self.path("case.sh"), "w", encoding="utf-8") as file:
+            file.write(script)
+        subprocess.run(["bash", self.path("case.sh")], cwd=self.hostile, check=True, env={"PATH": stubs + ":/usr/bin:/bin"})
+        self.assert_nothing_ran()
+
+    def test_a_studys_folder_names_no_file_outside(self):
+        folder = self.plan(study(SIGMAS))
+        path = os.path.join(folder, "cases.json")
+        for name in ("../../secret.json", "/etc/passwd"):
+            cases = json.loads(read(path))
+            cases["cases"][0][-1] = name
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(cases, file)
+            self.assertIn(f"\"{name}\" is no file of the study's folder", self.sweep("collect", folder, code=2).stderr)
+
+    def test_a_plot_follows_no_link(self):
+        target, terrain = self.path("target.h5"), self.path("terrain.h5")
+        os.mkfifo(target)  # opening it would not return
+        for link in (h5py.ExternalLink(target, "/z"), h5py.SoftLink("/y")):
+            self.run_in(self.folder, os.path.join(BIN, "terrain-gen"), "--half-width", "2", "--resolution", "0.5", "-O", "-o", terrain)
+            with h5py.File(terrain, "a") as file:
+                del file["z"]
+                file["z"] = link
+            result = self.run_in(self.folder, PYTHON, os.path.join(ROOT, "scripts", "plot_terrain.py"), terrain, "-o",
+                                 self.path("t.png"), code=1)
+            self.assertIn("/z is a link, to ", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
