@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/regular_file.h"
+#include "io/file_screening.h"
 
 namespace landfall::h5 {
 namespace {
@@ -83,6 +84,7 @@ void initialise() {
   // Every identifier has an owner that closes it. The library's own clean-up at exit would try once more to
   // flush a file that a full disk refused, and crash (HDF5 1.10).
   H5dont_atexit();
+  H5PLset_loading_state(0);  // a file's filters would choose programs to run
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -233,9 +235,17 @@ void write_text(hid_t parent, const TextDataset& what, const std::string& text) 
 Handle open_file(const std::filesystem::path& path) {
   require_regular_file(path);
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (id >= 0) return {id, H5Fclose};
+  if (id >= 0) {
+    Handle file(id, H5Fclose);
+    screen_file(id, path.string());
+    return file;
+  }
   if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is no HDF5 file");
   throw FormatError(path.string() + ": is an HDF5 file that is truncated or damaged; make it again");
+}
+
+Handle open_for_its_kind(const std::filesystem::path& path) {
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
 }
 
 bool exists(hid_t parent, const std::string& name) {

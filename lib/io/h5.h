@@ -43,8 +43,8 @@ class Handle {
   Closer closer_ = nullptr;
 };
 
-/// Silences HDF5's own printing; call once before any other use. Reasons reach the user through
-/// failure_reason().
+/// Silences HDF5's own printing and lets no file have filter plug-ins loaded; call before any other use.
+/// Reasons reach the user through failure_reason().
 void initialise();
 /// HDF5 is not reentrant. Where threads may meet in it (the readers and writers of a pipeline), each call is
 /// made under this lock, and nothing long is done meanwhile.
@@ -120,8 +120,12 @@ struct TextDataset {
 };
 void write_text(hid_t parent, const TextDataset& dataset, const std::string& text);
 
-/// Throws FormatError: missing file, not HDF5, truncated.
+/// Opens a file to read. Throws FormatError: missing file, not HDF5, truncated, or what screen_file()
+/// (file_screening.h) refuses, such as links to other files.
 Handle open_file(const std::filesystem::path& path);
+/// A file that is not screened, for a look at the attributes of its root and nothing else; none where it is
+/// no HDF5 file.
+[[nodiscard]] Handle open_for_its_kind(const std::filesystem::path& path);
 [[nodiscard]] bool exists(hid_t parent, const std::string& name);
 [[nodiscard]] std::optional<std::string> read_text_attribute(hid_t object, const std::string& name);
 [[nodiscard]] std::optional<double> read_number_attribute(hid_t object, const std::string& name);

@@ -38,7 +38,7 @@ bool is_landfall_file(const std::filesystem::path& path) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(path, unreadable)) return false;
   h5::initialise();
-  const h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  const h5::Handle file = h5::open_for_its_kind(path);
   return file && h5::read_text_attribute(file.get(), "format_name").value_or("").starts_with("landfall.");
 }
 
