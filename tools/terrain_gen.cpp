@@ -11,6 +11,7 @@
 #include "config/terrain_config.h"
 #include "io/mesh_file.h"
 #include "io/mesh_terrain_file.h"
+#include "io/raster_screening.h"
 #include "io/terrain_export.h"
 #include "io/terrain_file.h"
 #include "terrain/gdal_loader.h"
@@ -37,6 +38,20 @@ constexpr const char* kDescription =
 The relief is a plane, fractal ground, an imported raster, or a sum of these; features (cones, rocks, craters, ice blocks, ridges, fractures, pits, penitentes) are placed one by one, in patterns, or as populations drawn from a size distribution. Lengths are metres in the site's frame, z upwards, the origin at the intended landing site.
 
 --from imports a raster that GDAL reads or a mesh (OBJ, PLY, OFF, STL), or exports a terrain.h5. The same configuration and seed give the same bytes on any machine with any number of threads.)";
+
+struct Options {
+  ImportOptions import;
+  bool follow_links = false;
+
+  [[nodiscard]] RasterLinks links() const {
+    return follow_links ? RasterLinks::followed : RasterLinks::refused;
+  }
+};
+
+void bind_links(CLI::App& app, bool& follow_links) {
+  app.add_flag("--follow-links", follow_links,
+               "Open the files on this machine that a raster names, such as a VRT's sources");
+}
 
 void bind(CLI::App& app, ImportOptions& import) {
   CLI::Option* const from =
@@ -85,8 +100,13 @@ void expand(JsonSource& source, const ImportOptions& import, const cli::CommonOp
     apply_import(source, import);
 }
 
-void complete(JsonSource& source, const ImportOptions& import) {
-  if (!import.from.empty() && !is_export(import)) complete_import(source, import, fit_dem_site);
+void complete(JsonSource& source, const Options& options) {
+  const auto fit = [&](const DemBase& dem, const SiteRequest& request) {
+    screen_raster(dem, options.links());
+    return fit_dem_site(dem, request, options.links());
+  };
+  if (!options.import.from.empty() && !is_export(options.import))
+    complete_import(source, options.import, fit);
 }
 
 void check(const cli::Session& session, const ImportOptions& import) {
@@ -98,7 +118,8 @@ void check(const cli::Session& session, const ImportOptions& import) {
 
 /// The files of the rasters that `output` must not replace; what they consist of is asked only where there is
 /// a file to replace.
-std::vector<std::string> raster_paths(const TerrainModel& model, const std::string& output) {
+std::vector<std::string> raster_paths(const TerrainModel& model, const std::string& output,
+                                      RasterLinks links) {
   std::vector<std::string> paths;
   std::error_code unreachable;
   const bool replaces = std::filesystem::exists(output, unreachable);
@@ -106,8 +127,9 @@ std::vector<std::string> raster_paths(const TerrainModel& model, const std::stri
     const auto* const dem = std::get_if<DemBase>(&base);
     if (dem == nullptr) continue;
     paths.push_back(dem->path);
-    if (replaces)
-      for (std::string& file : dem_files(*dem)) paths.push_back(std::move(file));
+    if (!replaces) continue;
+    screen_raster(*dem, links);
+    for (std::string& file : dem_files(*dem, links)) paths.push_back(std::move(file));
   }
   return paths;
 }
@@ -222,14 +244,16 @@ ExitCode run_in_strips(cli::Session& session, const TerrainConfig& config, const
   return ExitCode::done;
 }
 
-ExitCode generate(cli::Session& session) {
+ExitCode generate(cli::Session& session, RasterLinks links) {
   const TerrainConfig config = terrain_config(session.config(), session.config_name());
   if (config.mesh) return run_mesh(session, *config.mesh);
-  const OutputOptions output = session.output(raster_paths(config.model, session.options().output_path));
+  const OutputOptions output =
+      session.output(raster_paths(config.model, session.options().output_path, links));
   const TerrainFormat format = terrain_format(output.path);
   Provenance provenance = session.provenance();
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
-    DemRaster raster = load_dem(dem, site);
+    screen_raster(dem, links);
+    DemRaster raster = dem_loader(links)(dem, site);
     provenance.add_input("raster", raster_id(raster), nlohmann::json::array());
     return raster;
   };
@@ -250,7 +274,8 @@ ExitCode generate(cli::Session& session) {
 
 int main(int argc, char** argv) {
   using namespace landfall;
-  ImportOptions import;
+  Options options;
+  ImportOptions& import = options.import;
   cli::Tool tool;
   tool.name = "terrain-gen";
   tool.summary = "Builds the true terrain of a landing site: relief, features, imported rasters and meshes.";
@@ -258,12 +283,15 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "terrain";
   tool.has_seed = true;
-  tool.bind = [&](CLI::App& app) { bind(app, import); };
+  tool.bind = [&](CLI::App& app) {
+    bind(app, import);
+    bind_links(app, options.follow_links);
+  };
   tool.expand = [&](JsonSource& source, const cli::CommonOptions& common) { expand(source, import, common); };
-  tool.complete = [&](JsonSource& source) { complete(source, import); };
+  tool.complete = [&](JsonSource& source) { complete(source, options); };
   tool.check = [&](const cli::Session& session) { check(session, import); };
   tool.run = [&](cli::Session& session) {
-    return is_export(import) ? export_terrain(session, import.from) : generate(session);
+    return is_export(import) ? export_terrain(session, import.from) : generate(session, options.links());
   };
   return cli::tool_main(argc, argv, tool);
 }

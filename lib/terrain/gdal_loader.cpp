@@ -66,13 +66,25 @@ const GdalPlugin& plugin() {
 
 }  // namespace
 
-DemRaster load_dem(const DemBase& dem, const GridSpec& site) { return plugin().read_dem(dem, site); }
-
-SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request) {
-  return plugin().fit_dem_site(dem, request);
+DemRaster load_dem(const DemBase& dem, const GridSpec& site) {
+  return plugin().read_dem(dem, site, RasterLinks::refused);
 }
 
-std::vector<std::string> dem_files(const DemBase& dem) { return plugin().dem_files(dem); }
+DemLoader dem_loader(RasterLinks links) {
+  return [links](const DemBase& dem, const GridSpec& site) { return plugin().read_dem(dem, site, links); };
+}
+
+SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLinks links) {
+  return plugin().fit_dem_site(dem, request, links);
+}
+
+std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links) {
+  return plugin().named_files(dem.path, links);
+}
+
+std::vector<std::string> dem_files(const DemBase& dem, RasterLinks links) {
+  return plugin().dem_files(dem, links);
+}
 
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                   const ProgressCallback& progress) {

@@ -9,15 +9,16 @@
 #include "raster/rgb_image.h"
 #include "terrain/dem_raster.h"
 #include "terrain/geotiff.h"
+#include "terrain/raster_links.h"
 #include "terrain/site_fit.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
 
-/// The DemLoader that opens files: any raster that GDAL reads. GDAL brings about a hundred shared libraries
-/// along, so it lives in a plugin, landfall-gdal.so, which the first call loads. Looked for in
-/// $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and ../<libdir>/landfall), then
-/// where it was installed to.
+/// The DemLoader that opens files: any raster of the formats that docs/terrain-gen.md lists, by GDAL. GDAL
+/// brings about a hundred shared libraries along, so it lives in a plugin, landfall-gdal.so, which the first
+/// call loads. Looked for in $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and
+/// ../<libdir>/landfall), then where it was installed to.
 ///
 /// Holes are NaN: what the band's nodata value, its mask or alpha band, or NaN says. Scale and offset are
 /// applied. Rasters up to 64 Mpx (2^26) are read whole, of larger ones the window that the site needs, at
@@ -27,20 +28,32 @@ namespace landfall {
 /// - without a CRS: the raster's axes times horizontal_scale_m; a raster without georeference counts columns
 ///   from its left and rows from its bottom edge.
 ///
+/// Opens no file that is not part of the raster (raster_links.h), no other machine, and runs nothing that a
+/// file holds.
+///
 /// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
-/// both kinds of centre at once; FormatError where the raster cannot be opened or read, is complex-valued, is
-/// smaller than 2 x 2, has no usable georeference, or does not hold all of the site; IoError, naming the
-/// places tried, without the plugin. Safe from any thread.
+/// both kinds of centre at once; FormatError where the raster cannot be opened or read, needs a file that is
+/// no part of it, is complex-valued, is smaller than 2 x 2, has no usable georeference, or does not hold all
+/// of the site; IoError, naming the places tried, without the plugin. Safe from any thread.
 [[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
+
+/// load_dem(), or one that opens all local files that a raster names.
+[[nodiscard]] DemLoader dem_loader(RasterLinks links);
 
 /// The size of a site that leaves its half width or resolution to the raster (site_fit.h). Reads the header;
 /// throws as load_dem() and fit_site() do.
-[[nodiscard]] SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request);
+[[nodiscard]] SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request,
+                                    RasterLinks links = RasterLinks::refused);
 
-/// The files that load_dem() may read: also those that a VRT names, at any depth, the file inside a name such
-/// as GTIFF_DIR:1:f.tif, and what lies beside a raster and belongs to it. Opens the raster, but does not
-/// throw where that fails; IoError without the plugin.
-[[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem);
+/// The files that a raster's name leads to before GDAL opens any: itself, those inside a name such as
+/// NETCDF:"f.h5":z, and with RasterLinks::followed those that VRTs among them name. IoError without the
+/// plugin.
+[[nodiscard]] std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links);
+
+/// The files that load_dem() may read: also what lies beside a raster and belongs to it. Opens the raster,
+/// but does not throw where that fails; IoError without the plugin.
+[[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem,
+                                                 RasterLinks links = RasterLinks::refused);
 
 /// Writes grids as the bands of a cloud-optimized GeoTIFF: deflate with a predictor, tiles of 512 x 512, each
 /// node the centre of its pixel, row 0 the northern. Bands of a TIFF have one type: float64 if a band is or

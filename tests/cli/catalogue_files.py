@@ -113,6 +113,50 @@ def make_chain():
     run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
 
 
+def linked(link):
+    def change(file):
+        del file["z_est"]
+        file["z_est"] = link
+    return change
+
+
+def created(**options):
+    def change(file):
+        file.create_dataset("extra", dtype="f8", **options)
+    return change
+
+
+def compressed_by_blosc(file):
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_chunk((4,))
+    properties.set_filter(32001, h5py.h5z.FLAG_OPTIONAL, (2,))
+    h5py.h5d.create(file.id, b"extra", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((8,)), properties)
+
+
+def virtual_z_est(file):
+    shape = file["z_est"].shape
+    del file["z_est"]
+    layout = h5py.VirtualLayout(shape, "f8")
+    layout[...] = h5py.VirtualSource("eval.h5", "e_z", shape)
+    file.create_virtual_dataset("z_est", layout)
+
+
+def z_est_apart(file):
+    shape = file["z_est"].shape
+    del file["z_est"]
+    file.create_dataset("z_est", shape, "f8", external=[("values.bin", 0, h5py.h5f.UNLIMITED)])
+
+
+def make_files_that_lead_elsewhere():
+    edited("linked.h5", "dem.h5", linked(h5py.ExternalLink("eval.h5", "/e_z")))
+    edited("soft_linked.h5", "dem.h5", linked(h5py.SoftLink("/count")))
+    edited("virtual.h5", "dem.h5", virtual_z_est)
+    edited("apart.h5", "dem.h5", z_est_apart)
+    edited("blosc.h5", "dem.h5", compressed_by_blosc)
+    edited("huge.h5", "dem.h5", created(shape=(1 << 20, 1 << 20), chunks=(256, 256)))
+    edited("huge_chunk.h5", "dem.h5", created(shape=(1 << 13, 1 << 13), chunks=(1 << 13, 1 << 13)))
+
+
 def make_broken_landfall_files():
     write("text.h5", "no HDF5 at all\n")
     write("empty.h5", "")
@@ -148,6 +192,7 @@ def make_broken_landfall_files():
     edited("no_z_est.h5", "dem.h5", removed("z_est"))
     edited("infinite_z_est.h5", "dem.h5", value_at("z_est", (50, 50), np.inf))
     damaged("damaged_z_est.h5", "dem.h5", "z_est")
+    make_files_that_lead_elsewhere()
     edited("no_history.h5", "scan.h5", removed("provenance"))
     edited("no_poses.h5", "scan.h5", removed("pulses/pz_est"))
     edited("short_poses.h5", "scan.h5", replaced("pulses/pz_est", np.zeros(3)))

@@ -273,8 +273,9 @@ class Network(ImportTest):
                        '<LowerRightY>0</LowerRightY><SizeX>9</SizeX><SizeY>9</SizeY></DataWindow></GDAL_WMS>')
             for name, text in [("remote.vrt", source), ("remote.xml", service)]:
                 path = self.config(text.format(url), name)
-                self.refuse(1, "terrain-gen", "--from", path, "--horizontal-scale", "1", "-o", self.path("x.h5"),
-                            words=[name])
+                for follow in ([], ["--follow-links"]):
+                    self.refuse(1, "terrain-gen", "--from", path, "--horizontal-scale", "1", "-o", self.path("x.h5"),
+                                *follow, words=[name])
                 with self.assertRaises(socket.timeout):
                     server.accept()
 

@@ -76,7 +76,7 @@ FILES = {
         Cells((173, 168), 1)),
     "dem/mars_mola_megt90n000cb.vrt": Loads(
         "VRT of a raw big-endian int16 file, degrees 0 .. 360",
-        "--center=-133.8,18.65 --half-width 300000 --resolution 10000", mola,
+        "--follow-links --center=-133.8,18.65 --half-width 300000 --resolution 10000", mola,
         Degrees((-133.8, 18.65), 3396000, 0.25, (0.125, 89.875), 1440)),
     "dem/mars_mola_megt90n000cb_be_int16.img": Refused("raw, without a header"),
     "dem/moon_apollo15_nac_2m_8bit.png": Loads(

@@ -167,13 +167,13 @@ class ForeignHdf5(ChainTest):
             self.refuse(1, "landfall-info", path, words=[f"/{name} ", words])
 
     def test_no_reader_can_forget(self):
-        """Files are opened where they are screened."""
+        """Files are opened where they are screened, and rasters where they are guarded."""
         places = {}
         for top in ("lib", "tools"):
             for path in pathlib.Path(os.environ["LANDFALL_ROOT"], top).rglob("*.cpp"):
-                for call in re.findall(r"\b(H5Fopen)\(", path.read_text()):
+                for call in re.findall(r"\b(H5Fopen|GDALOpenEx|GDALOpen|GDALDataset::Open)\(", path.read_text()):
                     places.setdefault(call, set()).add(path.name)
-        self.assertEqual(places, {"H5Fopen": {"h5.cpp"}})
+        self.assertEqual(places, {"H5Fopen": {"h5.cpp"}, "GDALDataset::Open": {"file_guard.cpp"}})
 
     def test_what_is_whole_is_read(self):
         """A hard link, a group in itself, and a layer of nothing but fill values."""

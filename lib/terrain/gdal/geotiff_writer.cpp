@@ -230,7 +230,7 @@ int CPL_STDCALL tell_progress(double fraction, const char* /*message*/, void* ca
 
 void write_cloud_optimized_geotiff(const std::string& path, const GeotiffContent& content,
                                    const GeotiffOptions& options, const ProgressCallback& progress) {
-  prepare_gdal("");
+  prepare_gdal_to_write();
   GdalErrors errors;
   GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("COG");
   if (driver == nullptr) throw IoError("this GDAL has no COG driver");

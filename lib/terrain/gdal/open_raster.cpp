@@ -14,7 +14,6 @@
 #include "base/error.h"
 #include "base/regular_file.h"
 #include "terrain/gdal/raster_files.h"
-#include "terrain/gdal/registry.h"
 #include "terrain/mesh_name.h"
 
 namespace landfall {
@@ -120,12 +119,21 @@ void require_usable(const OpenRaster& raster, const DemBase& dem) {
 
 }  // namespace
 
-OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors) {
-  prepare_gdal(dem.path);
-  for (const std::string& file : named_files(dem.path)) require_no_stream(file);
+void refuse_link(const FileGuard& guard, const DemBase& dem) {
+  if (const std::optional<std::string> file = guard.refused())
+    throw FormatError(dem.path + ": leads to another file, " + *file +
+                      ", which is opened only with --follow-links; or gdal_translate makes one file of all");
+}
+
+OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors) {
+  for (const std::string& file : named_files(dem.path, links)) require_no_stream(file);
+  auto guard = std::make_unique<FileGuard>(dem.path, links);
   constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
-  GDALDatasetUniquePtr dataset(GDALDataset::Open(dem.path.c_str(), kFlags));
-  if (!dataset) refuse_unopened(dem, errors);
+  GDALDatasetUniquePtr dataset = guard->open(kFlags);
+  if (!dataset) {
+    refuse_link(*guard, dem);
+    refuse_unopened(dem, errors);
+  }
   const int bands = dataset->GetRasterCount();
   if (bands < 1) throw FormatError(dem.path + ": has no raster band" + subdataset_hint(*dataset));
   if (dem.band < 1 || dem.band > bands)
@@ -133,7 +141,7 @@ OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors) {
                      std::to_string(bands));
   GDALRasterBand* band = dataset->GetRasterBand(dem.band);
   const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
-  OpenRaster raster{std::move(dataset), band, size};
+  OpenRaster raster{std::move(guard), std::move(dataset), band, size};
   require_usable(raster, dem);
   return raster;
 }

@@ -3,12 +3,16 @@
 
 #include <gdal_priv.h>
 
+#include <memory>
+
+#include "terrain/gdal/file_guard.h"
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/site_frame.h"
 
 namespace landfall {
 
 struct OpenRaster {
+  std::unique_ptr<FileGuard> guard;  ///< outlives the dataset
   GDALDatasetUniquePtr dataset;
   GDALRasterBand* band;
   RasterSize size;
@@ -16,9 +20,13 @@ struct OpenRaster {
 
 /// Opens the band of a DemBase and judges it by what its header says, before a sample is read. Throws
 /// UsageError for a band that does not exist; FormatError where it or a file that it names is a pipe or
-/// device, where it cannot be opened, is smaller than 2 x 2, is complex-valued, has blocks of more than 256
-/// MiB or is shorter than it must be. Messages say what can be done.
-[[nodiscard]] OpenRaster open_raster(const DemBase& dem, const GdalErrors& errors);
+/// device, where it cannot be opened, needs a file that may not be followed, is smaller than 2 x 2, is
+/// complex-valued, has blocks of more than 256 MiB or is shorter than it must be. Messages say what can be
+/// done.
+[[nodiscard]] OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors);
+
+/// Throws FormatError where the raster's guard refused a file: for what has failed.
+void refuse_link(const FileGuard& guard, const DemBase& dem);
 
 /// What the raster says about its place. Points into the raster.
 [[nodiscard]] Georeference georeference(const OpenRaster& raster);

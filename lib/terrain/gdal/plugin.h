@@ -9,6 +9,7 @@
 #include "raster/rgb_image.h"
 #include "terrain/dem_raster.h"
 #include "terrain/geotiff.h"
+#include "terrain/raster_links.h"
 #include "terrain/site_fit.h"
 #include "terrain/terrain_model.h"
 
@@ -17,9 +18,10 @@ namespace landfall {
 /// What the plugin gives to its loader. Both sides are of one build: `version` guards against a stale file.
 struct GdalPlugin {
   const char* version;
-  DemRaster (*read_dem)(const DemBase& dem, const GridSpec& site);
-  SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request);
-  std::vector<std::string> (*dem_files)(const DemBase& dem);
+  DemRaster (*read_dem)(const DemBase& dem, const GridSpec& site, RasterLinks links);
+  SiteSize (*fit_dem_site)(const DemBase& dem, const SiteRequest& request, RasterLinks links);
+  std::vector<std::string> (*named_files)(const std::string& path, RasterLinks links);
+  std::vector<std::string> (*dem_files)(const DemBase& dem, RasterLinks links);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
   void (*write_png)(const std::string& path, const RgbImage& image);

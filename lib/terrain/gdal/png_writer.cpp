@@ -23,7 +23,7 @@ GDALDriver& driver_named(const char* name) {
 
 void write_png(const std::string& path, const RgbImage& image) {
   static_assert(sizeof(Rgb) == 3 && offsetof(Rgb, g) == 1 && offsetof(Rgb, b) == 2);
-  prepare_gdal("");
+  prepare_gdal_to_write();
   GdalErrors errors;
   CPLConfigOptionSetter no_sidecar("GDAL_PAM_ENABLED", "NO", false);
   const int width = static_cast<int>(image.width);

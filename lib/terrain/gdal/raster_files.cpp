@@ -12,8 +12,8 @@
 #include <memory>
 #include <system_error>
 
+#include "terrain/gdal/file_guard.h"
 #include "terrain/gdal/gdal_errors.h"
-#include "terrain/gdal/registry.h"
 
 namespace landfall {
 namespace {
@@ -58,16 +58,20 @@ std::string archive_of(const std::string& name) {
 
 using Xml = std::unique_ptr<CPLXMLNode, decltype(&CPLDestroyXMLNode)>;
 
+/// The first bytes of a file, padded with zeros.
+std::string head_of(const std::string& path) {
+  std::string head(1024, '\0');
+  if (VSILFILE* const file = VSIFOpenL(path.c_str(), "rb"); file != nullptr) {
+    VSIFReadL(head.data(), 1, head.size(), file);
+    VSIFCloseL(file);
+  }
+  return head;
+}
+
 bool is_vrt(const std::string& path) {
   std::error_code unreachable;
-  if (!fs::is_regular_file(path, unreachable) || fs::file_size(path, unreachable) > kMostVrtBytes)
-    return false;
-  VSILFILE* const file = VSIFOpenL(path.c_str(), "rb");
-  if (file == nullptr) return false;
-  std::string head(1024, '\0');
-  VSIFReadL(head.data(), 1, head.size(), file);
-  VSIFCloseL(file);
-  return head.find("<VRTDataset") != std::string::npos;
+  return fs::is_regular_file(path, unreachable) && fs::file_size(path, unreachable) <= kMostVrtBytes &&
+         head_of(path).find("<VRTDataset") != std::string::npos;
 }
 
 /// Null for what is no VRT.
@@ -98,40 +102,64 @@ void add_once(std::vector<std::string>& files, const std::string& file) {
   if (is_there(file) && std::ranges::find(files, file) == files.end()) files.push_back(file);
 }
 
+/// Adds the files that a name leads to without any being opened.
+void add_own(const std::string& name, std::vector<std::string>& files) {
+  add_once(files, name);
+  if (is_there(name)) return;
+  for (const std::string& part : parts_of(name)) add_once(files, part);
+  add_once(files, archive_of(name));
+}
+
 /// Adds the files of a name, and those that they name themselves.
-void add_named(const std::string& path, std::vector<std::string>& files) {
+void add_linked(const std::string& path, std::vector<std::string>& files) {
   std::vector<std::string> names = {path};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string name = names[i];
     const std::size_t known = files.size();
-    add_once(files, name);
-    if (!is_there(name)) {
-      for (const std::string& part : parts_of(name)) add_once(files, part);
-      add_once(files, archive_of(name));
-    }
+    add_own(name, files);
     if (const Xml inline_vrt = vrt_of(is_there(name) ? "" : name)) add_sources(inline_vrt.get(), "", names);
     for (std::size_t k = known; k < files.size(); ++k)
       if (const Xml vrt = vrt_of(files[k])) add_sources(vrt.get(), fs::path(files[k]).parent_path(), names);
   }
 }
 
+void add_named(const std::string& path, RasterLinks links, std::vector<std::string>& files) {
+  if (links == RasterLinks::followed)
+    add_linked(path, files);
+  else
+    add_own(path, files);
+}
+
 }  // namespace
 
-std::vector<std::string> named_files(const std::string& path) {
+std::vector<std::string> own_files(const std::string& path) {
+  return named_files(path, RasterLinks::refused);
+}
+
+std::vector<std::string> named_files(const std::string& path, RasterLinks links) {
   const GdalErrors quiet;
   std::vector<std::string> files;
-  add_named(path, files);
+  add_named(path, links, files);
   return files;
 }
 
-std::vector<std::string> all_dem_files(const DemBase& dem) {
-  std::vector<std::string> files = named_files(dem.path);
+bool any_hdf5_or_netcdf(const std::vector<std::string>& files) {
+  return std::ranges::any_of(files, [](const std::string& file) {
+    std::error_code unreachable;
+    if (!fs::is_regular_file(file, unreachable)) return false;
+    const std::string head = head_of(file);
+    return head.starts_with("\x89HDF") || head.starts_with("CDF");
+  });
+}
+
+std::vector<std::string> all_dem_files(const DemBase& dem, RasterLinks links) {
+  std::vector<std::string> files = named_files(dem.path, links);
   const GdalErrors quiet;
-  prepare_gdal(dem.path);
-  const GDALDatasetUniquePtr dataset(GDALDataset::Open(dem.path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  const FileGuard guard(dem.path, links);
+  const GDALDatasetUniquePtr dataset = guard.open(GDAL_OF_RASTER | GDAL_OF_READONLY);
   if (!dataset) return files;
   char** const listed = dataset->GetFileList();
-  for (char** file = listed; file != nullptr && *file != nullptr; ++file) add_named(*file, files);
+  for (char** file = listed; file != nullptr && *file != nullptr; ++file) add_named(*file, links, files);
   CSLDestroy(listed);
   return files;
 }

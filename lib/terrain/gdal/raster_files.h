@@ -4,16 +4,23 @@
 #include <string>
 #include <vector>
 
+#include "terrain/raster_links.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
 
-/// The files that a raster's name leads to before GDAL opens any: the name itself, those inside a name such
-/// as NETCDF:"f.nc":z or /vsizip/f.zip/a.tif, and those that VRTs among them name, at any depth. A name that
-/// is no existing file is left out.
-[[nodiscard]] std::vector<std::string> named_files(const std::string& path);
+/// The files that a raster's name itself leads to: the name, and those inside a name such as NETCDF:"f.nc":z
+/// or /vsizip/f.zip/a.tif. A name that is no existing file is left out. Opens none.
+[[nodiscard]] std::vector<std::string> own_files(const std::string& path);
+
+/// own_files(), and with RasterLinks::followed also those that VRTs among them name, at any depth. Opens VRTs
+/// only.
+[[nodiscard]] std::vector<std::string> named_files(const std::string& path, RasterLinks links);
+
+/// True where one of the files begins as HDF5 and netCDF files do.
+[[nodiscard]] bool any_hdf5_or_netcdf(const std::vector<std::string>& files);
 
 /// GDAL's side of dem_files() (lib/terrain/gdal_loader.h).
-[[nodiscard]] std::vector<std::string> all_dem_files(const DemBase& dem);
+[[nodiscard]] std::vector<std::string> all_dem_files(const DemBase& dem, RasterLinks links);
 
 }  // namespace landfall

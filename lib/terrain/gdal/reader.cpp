@@ -98,7 +98,8 @@ Scaling scaling_of(GDALRasterBand& band, const DemBase& dem) {
 class WindowReader {
  public:
   WindowReader(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors)
-      : band_(*raster.band),
+      : guard_(*raster.guard),
+        band_(*raster.band),
         dem_(dem),
         errors_(errors),
         nodata_(nodata_of(band_)),
@@ -144,13 +145,15 @@ class WindowReader {
         band.RasterIO(GF_Read, static_cast<int>(w.col), static_cast<int>(w.row),
                       static_cast<int>(w.size.cols), static_cast<int>(w.size.rows), out,
                       static_cast<int>(w.size.cols), static_cast<int>(w.size.rows), type, 0, 0, nullptr);
-    if (status != CE_None || errors_.any())
-      throw FormatError(dem_.path + ": cannot read rows " + std::to_string(w.row) + " .. " +
-                        std::to_string(w.row + w.size.rows - 1) +
-                        ": the file, or one that it names, is missing, truncated or damaged (" +
-                        errors_.reason() + "); get or export it again");
+    if (status == CE_None && !errors_.any()) return;
+    refuse_link(guard_, dem_);
+    throw FormatError(dem_.path + ": cannot read rows " + std::to_string(w.row) + " .. " +
+                      std::to_string(w.row + w.size.rows - 1) +
+                      ": the file, or one that it names, is missing, truncated or damaged (" +
+                      errors_.reason() + "); get or export it again");
   }
 
+  const FileGuard& guard_;
   GDALRasterBand& band_;
   const DemBase& dem_;
   GdalErrors& errors_;
@@ -168,9 +171,9 @@ SiteFrame frame_of(const OpenRaster& raster, const DemBase& dem, GdalErrors& err
   return site_frame(place, dem);
 }
 
-DemRaster read_dem(const DemBase& dem, const GridSpec& site) {
+DemRaster read_dem(const DemBase& dem, const GridSpec& site, RasterLinks links) {
   GdalErrors errors;
-  const OpenRaster raster = open_raster(dem, errors);
+  const OpenRaster raster = open_raster(dem, links, errors);
   SiteFrame frame = frame_of(raster, dem, errors);
   require_site_inside(frame.mapping, raster.size, dem.interpolation, site, dem.path);
   const Window window = window_to_read(raster, frame.mapping, site, dem);
@@ -183,9 +186,9 @@ DemRaster read_dem(const DemBase& dem, const GridSpec& site) {
           {dem.path, driver, raster.size, dem.band}};
 }
 
-SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request) {
+SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLinks links) {
   GdalErrors errors;
-  const OpenRaster raster = open_raster(dem, errors);
+  const OpenRaster raster = open_raster(dem, links, errors);
   const SiteFrame frame = frame_of(raster, dem, errors);
   return fit_site({frame.mapping, raster.size, frame.posting_m}, dem.interpolation, request, dem.path);
 }
@@ -194,9 +197,7 @@ SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request) {
 }  // namespace landfall
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
-const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
-                                                &landfall::read_dem,
-                                                &landfall::fit_dem_site,
-                                                &landfall::all_dem_files,
-                                                &landfall::write_cloud_optimized_geotiff,
-                                                &landfall::write_png};
+const landfall::GdalPlugin landfall_gdal_plugin{
+    LANDFALL_VERSION,       &landfall::read_dem,      &landfall::fit_dem_site,
+    &landfall::named_files, &landfall::all_dem_files, &landfall::write_cloud_optimized_geotiff,
+    &landfall::write_png};

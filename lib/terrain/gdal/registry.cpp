@@ -3,42 +3,91 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
-#include <gdal.h>
+#include <gdal_priv.h>
 
+#include <algorithm>
 #include <mutex>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace landfall {
 namespace {
 
 constexpr GIntBig kBlockCacheBytes = GIntBig{64} << 20U;
 
-/// Drivers that a small local file can send to another machine.
-constexpr const char* kWebDrivers[] = {"WMS",      "WMTS",  "WCS",  "HTTP", "OGCAPI", "STACTA", "STACIT",
-                                       "PLMOSAIC", "EEDAI", "EEDA", "DAAS", "RDA",    "NGW"};
+/// docs/terrain-gen.md lists them.
+constexpr const char* kRasterDrivers[] = {
+    "GTiff",  "AAIGrid",     "GRASSASCIIGrid", "AIG",     "EHdr",    "ENVI", "HFA",
+    "netCDF", "HDF5",        "HDF5Image",      "BAG",     "PDS",     "PDS4", "ISIS2",
+    "ISIS3",  "VICAR",       "DTED",           "SRTMHGT", "USGSDEM", "XYZ",  "PNG",
+    "JPEG",   "JP2OpenJPEG", "GSAG",           "GSBG",    "GS7BG",   "SAGA", "RST",
+    "ERS",    "Terragen",    "GRIB",           "GPKG",    "NITF",    "VRT",  nullptr};
+
+/// Those of them whose libraries open files by themselves, past the guard (file_guard.h).
+constexpr const char* kUnguardedDrivers[] = {"netCDF", "HDF5", "HDF5Image", "BAG"};
 
 bool names_network(const std::string& path) {
   return path.find("/vsi") != std::string::npos || path.find("://") != std::string::npos;
 }
 
-void remove_web_drivers() {
-  for (const char* const name : kWebDrivers)
-    if (GDALDriverH driver = GDALGetDriverByName(name); driver != nullptr) GDALDeregisterDriver(driver);
+bool contains(std::span<const char* const> names, const std::string& name) {
+  return std::ranges::any_of(names, [&](const char* entry) { return entry != nullptr && name == entry; });
+}
+
+/// GDAL's drivers, of which some are on offer. None is ever deleted: an open raster points to its own.
+class Drivers {
+ public:
+  Drivers() {
+    GDALAllRegister();
+    for (int i = 0; i < manager_.GetDriverCount(); ++i) all_.push_back(manager_.GetDriver(i));
+  }
+  template <class Wanted>
+  void offer(const Wanted& wanted) {
+    for (GDALDriver* const driver : all_) {
+      const char* const name = driver->GetDescription();
+      GDALDriver* const offered = manager_.GetDriverByName(name);
+      if (wanted(name) && offered == nullptr) manager_.RegisterDriver(driver);
+      if (!wanted(name) && offered != nullptr) manager_.DeregisterDriver(offered);
+    }
+  }
+
+ private:
+  GDALDriverManager& manager_ = *GetGDALDriverManager();
+  std::vector<GDALDriver*> all_;
+};
+
+/// Once, before anything else.
+Drivers& drivers() {
+  static Drivers drivers = [] {
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // of threads that GDAL starts itself
+    GDALSetCacheMax64(kBlockCacheBytes);
+    return Drivers();
+  }();
+  return drivers;
+}
+
+std::mutex& registry_lock() {
+  static std::mutex lock;
+  return lock;
 }
 
 }  // namespace
 
-void prepare_gdal(const std::string& path) {
-  static std::mutex lock;
-  static std::once_flag first;
-  const std::lock_guard guard(lock);
-  std::call_once(first, [] {
-    CPLSetErrorHandler(CPLQuietErrorHandler);  // of threads that GDAL starts itself
-    GDALSetCacheMax64(kBlockCacheBytes);
+void prepare_gdal_to_read(const std::string& path, Unguarded unguarded) {
+  const std::lock_guard guard(registry_lock());
+  drivers().offer([&](const char* name) {
+    return contains(kRasterDrivers, name) &&
+           (unguarded == Unguarded::offered || !contains(kUnguardedDrivers, name));
   });
-  GDALAllRegister();  // brings back what is missing
-  const bool allowed = names_network(path);
-  if (!allowed) remove_web_drivers();
-  CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", allowed ? nullptr : "none");
+  CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", names_network(path) ? nullptr : "none");
 }
+
+void prepare_gdal_to_write() {
+  const std::lock_guard guard(registry_lock());
+  drivers().offer([](const char*) { return true; });
+}
+
+const char* const* raster_drivers() { return kRasterDrivers; }
 
 }  // namespace landfall

@@ -5,12 +5,20 @@
 
 namespace landfall {
 
-/// Makes GDAL ready to open `path` (empty: to write): its drivers registered, its block cache bounded, its
-/// messages off stderr on every thread.
-///
-/// A file's content may name other files, such as the parts of a VRT, but leads to no other machine: unless
-/// the path itself names a virtual file system ("/vsi") or a URL ("://"), GDAL's web drivers are not there
-/// and /vsicurl/ and its kin open nothing.
-void prepare_gdal(const std::string& path);
+/// Whether the drivers are offered whose libraries open files past the guard (file_guard.h): those of netCDF
+/// and HDF5.
+enum class Unguarded { withheld, offered };
+
+/// Makes GDAL ready to open `path`: its block cache bounded, its messages off stderr on every thread, and no
+/// drivers but raster_drivers(), for what a raster names too: none that calls another machine or reads this
+/// program's memory. Unless the path itself names a virtual file system ("/vsi") or a URL ("://"), /vsicurl/
+/// and its kin open nothing.
+void prepare_gdal_to_read(const std::string& path, Unguarded unguarded);
+/// The same for writing, with all drivers.
+void prepare_gdal_to_write();
+
+/// The drivers that may open a raster: formats of elevations and images in files, and the VRT. Ends with
+/// null.
+[[nodiscard]] const char* const* raster_drivers();
 
 }  // namespace landfall

@@ -54,9 +54,10 @@ class LoadDem : public ::testing::Test {
 TEST_F(LoadDem, TellsItsFiles) {
   DemBase dem = written({4, 4, [](int col, int) { return col; }, "Float64", {}, "", {}, 1, 0, {}});
   const std::string raster = dem.path;
+  RasterLinks links = RasterLinks::followed;
   const auto files = [&](const std::string& path) {
     dem.path = path;
-    return dem_files(dem);
+    return dem_files(dem, links);
   };
   const auto write = [&](const std::string& name, const std::string& source) {
     const std::string path = (folder_ / name).string();
@@ -79,6 +80,8 @@ TEST_F(LoadDem, TellsItsFiles) {
   const std::string circle = write("c.vrt", "c.vrt");
   EXPECT_THAT(files(circle), ::testing::ElementsAre(circle));
   EXPECT_THAT(files("/nowhere/x.tif"), ::testing::IsEmpty());
+  links = RasterLinks::refused;
+  EXPECT_THAT(files(outer), ::testing::ElementsAre(outer));
 }
 
 TEST_F(LoadDem, RefusesAPipe) {
@@ -92,7 +95,7 @@ TEST_F(LoadDem, RefusesAPipe) {
       </SimpleSource></VRTRasterBand></VRTDataset>)";
   for (const std::string& path : {pipe, vrt}) {
     dem.path = path;
-    EXPECT_THAT([&] { (void)load_dem(dem, GridSpec::centered(1, 1)); },
+    EXPECT_THAT([&] { (void)dem_loader(RasterLinks::followed)(dem, GridSpec::centered(1, 1)); },
                 ::testing::ThrowsMessage<FormatError>(pipe + ": is no regular file"));
   }
 }

@@ -44,7 +44,7 @@ DemBase dem_of(const std::string& name) {
 GeneratedTerrain terrain_of(const DemBase& dem, const GridSpec& spec) {
   TerrainModel model;
   model.bases = {dem};
-  return generate_terrain(model, spec, load_dem);
+  return generate_terrain(model, spec, dem_loader(RasterLinks::followed));
 }
 
 std::int64_t hole_count(const Grid<double>& z) {
