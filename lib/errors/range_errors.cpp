@@ -43,8 +43,8 @@ bool RangeErrors::is_dead(std::int64_t pixel) const {
   return dead_.uniform(static_cast<std::uint64_t>(pixel)) < parameters_.dead_pixel_frac;
 }
 
-bool RangeErrors::is_dropped(PulsePixel where) const {
-  return parameters_.dropout_frac > 0 && draw_uniform(dropout_, where) < parameters_.dropout_frac;
+bool RangeErrors::draws_dropout(PulsePixel where) const {
+  return draw_uniform(dropout_, where) < parameters_.dropout_frac;
 }
 
 double RangeErrors::sigma_m(double range_m, double tan_incidence) const {
@@ -84,9 +84,9 @@ void RangeErrors::measure(std::int64_t pulse, std::span<const double> ranges_m,
   }
 }
 
-std::optional<double> RangeErrors::drawn_false_range_m(PulsePixel where) const {
+std::optional<double> RangeErrors::false_range_m(PulsePixel where) const {
   const RangeErrorParameters& p = parameters_;
-  if (draw_uniform(false_, where) >= p.false_return_frac) return std::nullopt;
+  if (!has_false_returns() || draw_uniform(false_, where) >= p.false_return_frac) return std::nullopt;
   const PulsePixel second{where.pulse, where.pixel + kSecondDraw};
   return p.false_range_min_m + draw_uniform(false_, second) * (p.false_range_max_m - p.false_range_min_m);
 }

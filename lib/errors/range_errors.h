@@ -38,7 +38,9 @@ class RangeErrors {
   /// A fixed map: Bernoulli per pixel.
   [[nodiscard]] bool is_dead(std::int64_t pixel) const;
   /// Bernoulli per pixel and pulse.
-  [[nodiscard]] bool is_dropped(PulsePixel where) const;
+  [[nodiscard]] bool is_dropped(PulsePixel where) const {
+    return parameters_.dropout_frac > 0 && draws_dropout(where);  // here, for it is asked of every pixel
+  }
   /// sigma^2 = range_sigma_m^2 + (range_sigma_per_m r)^2 + (incidence_sigma_rad r tan(incidence))^2: the last
   /// is the depth of the ground patch under a pixel's beam, by which its pulse is stretched.
   [[nodiscard]] double sigma_m(double range_m, double tan_incidence) const;
@@ -50,14 +52,13 @@ class RangeErrors {
   /// one length, but `tan_incidences` may be empty unless needs_incidence().
   void measure(std::int64_t pulse, std::span<const double> ranges_m, std::span<const double> tan_incidences,
                std::span<double> measured_m) const;
+  /// False: no pixel has a false detection.
+  [[nodiscard]] bool has_false_returns() const { return parameters_.false_return_frac > 0; }
   /// The range of a false detection, uniform in its gate; none where there is no such detection.
-  [[nodiscard]] std::optional<double> false_range_m(PulsePixel where) const {
-    if (parameters_.false_return_frac == 0) return std::nullopt;  // here, for it is asked of every pixel
-    return drawn_false_range_m(where);
-  }
+  [[nodiscard]] std::optional<double> false_range_m(PulsePixel where) const;
 
  private:
-  [[nodiscard]] std::optional<double> drawn_false_range_m(PulsePixel where) const;
+  [[nodiscard]] bool draws_dropout(PulsePixel where) const;
 
   RangeErrorParameters parameters_;
   RandomField dead_;

@@ -4,6 +4,7 @@
 #include <libdeflate.h>
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -45,7 +46,8 @@ bool decode_chunk(std::span<const std::byte> stored, std::uint32_t filter_mask, 
   if (shuffled) {
     unshuffle_bytes(bytes, format.element_size, first, elements);
   } else {
-    std::ranges::copy(bytes.subspan(first * format.element_size, elements.size()), elements.begin());
+    std::memcpy(elements.data(), bytes.subspan(first * format.element_size, elements.size()).data(),
+                elements.size());
   }
   return true;
 }

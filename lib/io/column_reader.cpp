@@ -50,7 +50,7 @@ void convert(std::span<const std::byte> elements, h5::Type stored, const ColumnT
   if (is_widened(stored, target)) {
     widen(elements, std::get<std::span<double>>(target));
   } else {
-    std::ranges::copy(elements, bytes_of(target).begin());
+    std::memcpy(bytes_of(target).data(), elements.data(), elements.size());
   }
 }
 

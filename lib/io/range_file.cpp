@@ -152,15 +152,35 @@ RangeFile::PulseRows RangeFile::rows_of(PulseRange pulses, std::int64_t most) {
   return rows;
 }
 
+bool RangeFile::PulseRows::hold_every_pixel(std::span<const std::int32_t> pixel,
+                                            std::size_t pixel_count) const {
+  const auto per_pulse = static_cast<std::int64_t>(pixel_count);
+  for (std::size_t pulse = 0; pulse < count.size(); ++pulse)
+    if (count[pulse] != per_pulse ||
+        begin[pulse] != begin.front() + static_cast<std::int64_t>(pulse) * per_pulse)
+      return false;
+  bool in_order = true;  // no early exit: the loop then runs as fast as memory
+  for (std::size_t first = 0; first < pixel.size(); first += pixel_count)
+    for (std::size_t i = 0; i < pixel_count; ++i)
+      in_order &= pixel[first + i] == static_cast<std::int32_t>(i);
+  return in_order;
+}
+
 std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_count) {
   const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
   const PulseRows rows = rows_of(pulses, most);
-  const std::int64_t first_row = rows.begin.front();
   std::vector<double> range(static_cast<std::size_t>(rows.total));
   std::vector<std::int32_t> pixel(range.size());
   const std::array<ColumnTarget, 2> targets = {std::span(range), std::span(pixel)};
-  range_and_pixel_.read(static_cast<std::size_t>(first_row), targets);
-  std::vector<double> result(static_cast<std::size_t>(most), std::numeric_limits<double>::quiet_NaN());
+  range_and_pixel_.read(static_cast<std::size_t>(rows.begin.front()), targets);
+  if (rows.hold_every_pixel(pixel, pixel_count)) return range;
+  return by_pixel(rows, range, pixel, pixel_count);
+}
+
+std::vector<double> RangeFile::by_pixel(const PulseRows& rows, std::span<const double> range_m,
+                                        std::span<const std::int32_t> pixel, std::size_t pixel_count) const {
+  const std::int64_t first_row = rows.begin.front();
+  std::vector<double> result(rows.count.size() * pixel_count, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t pulse = 0; pulse < rows.count.size(); ++pulse)
     for (std::int64_t i = 0; i < rows.count[pulse]; ++i) {
       const std::int64_t row = rows.begin[pulse] + i - first_row;
@@ -168,7 +188,7 @@ std::vector<double> RangeFile::ranges_m(PulseRange pulses, std::size_t pixel_cou
       const std::int32_t where = pixel[static_cast<std::size_t>(row)];
       if (where < 0 || static_cast<std::size_t>(where) >= pixel_count)
         file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is no pixel of the detector");
-      result[pulse * pixel_count + static_cast<std::size_t>(where)] = range[static_cast<std::size_t>(row)];
+      result[pulse * pixel_count + static_cast<std::size_t>(where)] = range_m[static_cast<std::size_t>(row)];
     }
   return result;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,10 +47,17 @@ class RangeFile {
     std::vector<std::int64_t> begin;  ///< first row of each pulse in /points
     std::vector<std::int32_t> count;  ///< its rows
     std::int64_t total = 0;
+
+    /// True where every pulse has all its pixels, in their order, so that rows need no sorting.
+    [[nodiscard]] bool hold_every_pixel(std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   };
 
   void require_complete_ranges() const;
   [[nodiscard]] PulseRows rows_of(PulseRange pulses, std::int64_t most);
+  /// Ranges by pixel from those by row.
+  [[nodiscard]] std::vector<double> by_pixel(const PulseRows& rows, std::span<const double> range_m,
+                                             std::span<const std::int32_t> pixel,
+                                             std::size_t pixel_count) const;
   [[nodiscard]] bool misses_kept() const;
 
   LandfallFileReader file_;

@@ -222,7 +222,9 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
   const auto i = static_cast<std::size_t>(where.pixel);
   const PointStatus what = status(where, workspace);
   const bool has_echo = what == PointStatus::returned;
-  if (has_echo || what == PointStatus::miss || what == PointStatus::dropout) {
+  const bool can_be_false = lidar_.range_errors.has_false_returns() &&
+                            (has_echo || what == PointStatus::miss || what == PointStatus::dropout);
+  if (can_be_false) {
     // The first detection is reported. The true range decides, so that no other error changes which it is.
     const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
     if (false_m && !(has_echo && *false_m >= workspace.ranges_m[i]))

@@ -5,7 +5,7 @@ import json
 import unittest
 
 import h5py
-from chain import ChainTest, read_bytes
+from chain import ChainTest, columns, read_bytes
 
 
 class RangesFrom(ChainTest):
@@ -33,6 +33,17 @@ class RangesFrom(ChainTest):
                 for threads in (1, 2):
                     self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *options, "-t", threads))
                     self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
+
+    def test_pulses_that_lack_pixels(self):
+        """Rays beside the terrain leave no row: pixels, not rows, say whose range it is."""
+        wide = ["--set", "scanner.pattern.half_width_m=6", *self.NO_LOSSES]
+        self.scan("source.h5", *wide)
+        points = columns(self.path("source.h5"), "pulses")["point_count"]
+        self.assertGreater(len(set(points) - {0}), 1)
+        for options in ([], ["--keep-misses"]):
+            self.scan("traced.h5", *wide, *options, "--seed", "3")
+            self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *wide, *options, "--seed", "3"))
+            self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
 
     def test_several_chunks_are_copied(self):
         more = ["--set", "laser.pulse_rate_hz=10000", "--set", "laser.scan_time_s=0.3", *self.NO_LOSSES]
