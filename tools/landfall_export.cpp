@@ -195,9 +195,10 @@ void export_geotiff(const cli::Session& session, const Options& o, const OutputO
 }
 
 void export_picture(const Options& o, const OutputOptions& output, const ProgressCallback& progress) {
-  if (o.layers.size() > 1 || o.layers == std::vector<std::string>{"all"})
-    throw UsageError("a .png shows one layer; --layers names " +
-                     (o.layers.size() > 1 ? std::to_string(o.layers.size()) : "all"));
+  std::string names;
+  for (const std::string& name : o.layers) names += (names.empty() ? "" : ",") + name;
+  if (o.layers.size() > 1 || names == "all")
+    throw UsageError("a .png shows one layer; --layers names " + names);
   write_png(output, quick_look(o.input, o.layers.empty() ? "" : o.layers.front(), progress));
 }
 

@@ -160,8 +160,9 @@ ExitCode run_naming_output(const Tool& tool, Session& session) {
     return tool.run(session);
   } catch (const IoError& error) {
     const std::string what = error.what();
-    if (session.options().output_path.empty() || what.substr(0, 7) == "output ") throw;
-    throw IoError("output " + session.options().output_path + ": " + what);
+    const std::string& path = session.options().output_path;
+    if (path.empty() || path == "-" || what.starts_with("output ")) throw;
+    throw IoError("output " + path + ": " + what);
   }
 }
 

@@ -51,6 +51,8 @@ const ContentInfo& GridSource::main_layer() const {
 std::vector<ContentInfo> GridSource::choose(const std::vector<std::string>& names) const {
   if (names.empty()) return {main_layer()};
   if (names.size() == 1 && names.front() == "all") return layers_;
+  if (std::find(names.begin(), names.end(), "all") != names.end())
+    throw UsageError("--layers names all and others; all stands alone");
   std::vector<ContentInfo> chosen;
   for (const std::string& name : names) {
     const auto is_it = [&name](const ContentInfo& layer) { return layer.name == name; };

@@ -41,7 +41,7 @@ class OutputPath {
 /// UsageError.
 void require_usable_output(const std::filesystem::path& path, bool overwrite);
 
-/// Writes a small text as the whole of the temporary file; the caller commits. Throws IoError when the disk
+/// Writes these bytes as the whole of the temporary file; the caller commits. Throws IoError when the disk
 /// refuses.
 void write_text(const OutputPath& output, const std::string& text);
 

@@ -26,11 +26,13 @@ void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
 
 void write_png(const OutputOptions& options, const RgbImage& image) {
   OutputPath output(options.path, options.overwrite);
+  std::string bytes;
   try {
-    save_png(output.temporary().string(), image);
+    bytes = encode_png(image);
   } catch (const IoError& error) {
     throw IoError("output " + options.path.string() + ": " + error.what());
   }
+  write_text(output, bytes);
   output.commit();
 }
 

@@ -55,7 +55,8 @@ const GdalPlugin& find_plugin() {
     if (fs::exists(file, missing)) return plugin_at(file);
     tried += (tried.empty() ? "" : ", ") + file.string();
   }
-  throw IoError("the GDAL plugin is not there; tried " + tried + "; LANDFALL_PLUGIN_DIR can name its folder");
+  throw IoError("the GDAL plugin, landfall-gdal.so, is not there; tried " + tried +
+                "; LANDFALL_PLUGIN_DIR can name its folder");
 }
 
 /// Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.
@@ -64,26 +65,37 @@ const GdalPlugin& plugin() {
   return found;
 }
 
+/// Without it the raster cannot be read, and an output that the run would have written is not to blame.
+const GdalPlugin& plugin_for(const DemBase& dem) {
+  try {
+    return plugin();
+  } catch (const IoError& error) {
+    throw FormatError(dem.path + ": " + error.what());
+  }
+}
+
 }  // namespace
 
 DemRaster load_dem(const DemBase& dem, const GridSpec& site) {
-  return plugin().read_dem(dem, site, RasterLinks::refused);
+  return plugin_for(dem).read_dem(dem, site, RasterLinks::refused);
 }
 
 DemLoader dem_loader(RasterLinks links) {
-  return [links](const DemBase& dem, const GridSpec& site) { return plugin().read_dem(dem, site, links); };
+  return [links](const DemBase& dem, const GridSpec& site) {
+    return plugin_for(dem).read_dem(dem, site, links);
+  };
 }
 
 SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLinks links) {
-  return plugin().fit_dem_site(dem, request, links);
+  return plugin_for(dem).fit_dem_site(dem, request, links);
 }
 
 std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links) {
-  return plugin().named_files(dem.path, links);
+  return plugin_for(dem).named_files(dem.path, links);
 }
 
 std::vector<std::string> dem_files(const DemBase& dem, RasterLinks links) {
-  return plugin().dem_files(dem, links);
+  return plugin_for(dem).dem_files(dem, links);
 }
 
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
@@ -91,6 +103,6 @@ void save_geotiff(const std::string& path, const GeotiffContent& content, const 
   plugin().write_geotiff(path, content, options, progress);
 }
 
-void save_png(const std::string& path, const RgbImage& image) { plugin().write_png(path, image); }
+std::string encode_png(const RgbImage& image) { return plugin().png_bytes(image); }
 
 }  // namespace landfall

@@ -34,7 +34,7 @@ namespace landfall {
 /// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
 /// both kinds of centre at once; FormatError where the raster cannot be opened or read, needs a file that is
 /// no part of it, is complex-valued, is smaller than 2 x 2, has no usable georeference, or does not hold all
-/// of the site; IoError, naming the places tried, without the plugin. Safe from any thread.
+/// of the site, and without the plugin, naming the raster and the places tried. Safe from any thread.
 [[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
 
 /// load_dem(), or one that opens all local files that a raster names.
@@ -46,12 +46,12 @@ namespace landfall {
                                     RasterLinks links = RasterLinks::refused);
 
 /// The files that a raster's name leads to before GDAL opens any: itself, those inside a name such as
-/// NETCDF:"f.h5":z, and with RasterLinks::followed those that VRTs among them name. IoError without the
+/// NETCDF:"f.h5":z, and with RasterLinks::followed those that VRTs among them name. FormatError without the
 /// plugin.
 [[nodiscard]] std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links);
 
 /// The files that load_dem() may read: also what lies beside a raster and belongs to it. Opens the raster,
-/// but does not throw where that fails; IoError without the plugin.
+/// but does not throw where that fails; FormatError without the plugin.
 [[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem,
                                                  RasterLinks links = RasterLinks::refused);
 
@@ -66,7 +66,7 @@ namespace landfall {
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                   const ProgressCallback& progress = {});
 
-/// Writes a picture as PNG. `path` as above. Throws IoError with GDAL's reason, or without the plugin.
-void save_png(const std::string& path, const RgbImage& image);
+/// The bytes of a PNG file. Throws IoError with GDAL's reason, or without the plugin.
+[[nodiscard]] std::string encode_png(const RgbImage& image);
 
 }  // namespace landfall

@@ -24,7 +24,7 @@ struct GdalPlugin {
   std::vector<std::string> (*dem_files)(const DemBase& dem, RasterLinks links);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
-  void (*write_png)(const std::string& path, const RgbImage& image);
+  std::string (*png_bytes)(const RgbImage& image);
 };
 
 /// The name of the plugin's one object, of type GdalPlugin.

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// GDAL's side of save_png() (lib/terrain/gdal_loader.h).
-void write_png(const std::string& path, const RgbImage& image);
+/// GDAL's side of encode_png() (lib/terrain/gdal_loader.h).
+[[nodiscard]] std::string png_bytes(const RgbImage& image);
 
 }  // namespace landfall

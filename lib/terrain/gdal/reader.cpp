@@ -200,4 +200,4 @@ extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
 const landfall::GdalPlugin landfall_gdal_plugin{
     LANDFALL_VERSION,       &landfall::read_dem,      &landfall::fit_dem_site,
     &landfall::named_files, &landfall::all_dem_files, &landfall::write_cloud_optimized_geotiff,
-    &landfall::write_png};
+    &landfall::png_bytes};
