@@ -14,8 +14,8 @@ namespace landfall {
 /// that name removes it if its process is gone.
 class OutputPath {
  public:
-  /// Throws UsageError where `path` exists and `overwrite` is false, is there but no regular file (a directory,
-  /// a pipe, a device), or has no folder to stand in. A symbolic link is replaced, not followed.
+  /// Throws UsageError where `path` exists and `overwrite` is false, is there but no regular file (a
+  /// directory, a pipe, a device), or has no folder to stand in. A symbolic link is replaced, not followed.
   OutputPath(std::filesystem::path path, bool overwrite);
   ~OutputPath();
   OutputPath(const OutputPath&) = delete;

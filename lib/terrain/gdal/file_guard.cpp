@@ -23,20 +23,19 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return std::tolower(c); });
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
 
 /// Empty where there is no such file.
-fs::path real_path(const fs::path &file) {
+fs::path real_path(const fs::path& file) {
   std::error_code unreachable;
   return fs::canonical(file, unreachable);
 }
 
 /// Where GDAL's own schemas and tables lie; empty where it does not find them.
 fs::path resource_folder() {
-  const char *const file = CPLFindFile("gdal", "gdalvrt.xsd");
+  const char* const file = CPLFindFile("gdal", "gdalvrt.xsd");
   return file != nullptr ? real_path(fs::path(file).parent_path()) : fs::path();
 }
 
@@ -44,25 +43,18 @@ fs::path resource_folder() {
 struct Product {
   fs::path file;
   fs::path folder;
-  std::string stem; ///< empty: all of the folder
+  std::string stem;  ///< empty: all of the folder
 
-  explicit Product(const std::string &name)
-      : file(real_path(name)), folder(file.parent_path()) {
+  explicit Product(const std::string& name) : file(real_path(name)), folder(file.parent_path()) {
     std::error_code unreachable;
-    if (fs::is_directory(file, unreachable))
-      folder = file;
+    if (fs::is_directory(file, unreachable)) folder = file;
     const bool whole_folder =
-        folder == file ||
-        lower(file.extension().string()) == ".adf"; // ArcInfo's grids
-    if (!whole_folder)
-      stem = lower(fs::path(name).stem().string());
+        folder == file || lower(file.extension().string()) == ".adf";  // ArcInfo's grids
+    if (!whole_folder) stem = lower(fs::path(name).stem().string());
   }
-  [[nodiscard]] bool holds(const std::string &name,
-                           const fs::path &real) const {
-    if (real == file)
-      return true;
-    if (real.parent_path() != folder)
-      return false;
+  [[nodiscard]] bool holds(const std::string& name, const fs::path& real) const {
+    if (real == file) return true;
+    if (real.parent_path() != folder) return false;
     const std::string part = lower(fs::path(name).filename().string());
     return stem.empty() || part == stem || part.starts_with(stem + ".");
   }
@@ -76,8 +68,8 @@ struct Permit {
 
 /// Those of all guards that live.
 class Permits {
-public:
-  static Permits &of_process() {
+ public:
+  static Permits& of_process() {
     static Permits permits;
     return permits;
   }
@@ -95,29 +87,22 @@ public:
     return permits_.at(number).refused;
   }
   /// Remembers a refusal.
-  bool allow(const std::string &name) {
+  bool allow(const std::string& name) {
     const std::lock_guard guard(lock_);
-    if (permits_.empty())
-      return true;
+    if (permits_.empty()) return true;
     const fs::path real = real_path(name);
-    if (real.empty() || real.parent_path() == resources_)
-      return true;
-    const auto allows = [&](const auto &entry) {
-      const auto holds = [&](const Product &product) {
-        return product.holds(name, real);
-      };
-      return entry.second.all ||
-             std::ranges::any_of(entry.second.products, holds);
+    if (real.empty() || real.parent_path() == resources_) return true;
+    const auto allows = [&](const auto& entry) {
+      const auto holds = [&](const Product& product) { return product.holds(name, real); };
+      return entry.second.all || std::ranges::any_of(entry.second.products, holds);
     };
-    if (std::ranges::any_of(permits_, allows))
-      return true;
-    for (auto &[number, permit] : permits_)
-      if (!permit.refused)
-        permit.refused = name;
+    if (std::ranges::any_of(permits_, allows)) return true;
+    for (auto& [number, permit] : permits_)
+      if (!permit.refused) permit.refused = name;
     return false;
   }
 
-private:
+ private:
   std::mutex lock_;
   std::map<int, Permit> permits_;
   int last_ = 0;
@@ -126,10 +111,10 @@ private:
 
 /// GDAL's handler of local files behind the permits.
 class GuardedFiles final : public VSIFilesystemHandler {
-public:
-  explicit GuardedFiles(VSIFilesystemHandler &files) : files_(files) {}
+ public:
+  explicit GuardedFiles(VSIFilesystemHandler& files) : files_(files) {}
 
-  VSIVirtualHandle *Open(const char *name, const char *access, bool set_error,
+  VSIVirtualHandle* Open(const char* name, const char* access, bool set_error,
                          CSLConstList options) override {
     if (access[0] == 'r' && !Permits::of_process().allow(name)) {
       errno = EACCES;
@@ -137,53 +122,38 @@ public:
     }
     return files_.Open(name, access, set_error, options);
   }
-  int Stat(const char *name, VSIStatBufL *status, int flags) override {
+  int Stat(const char* name, VSIStatBufL* status, int flags) override {
     return files_.Stat(name, status, flags);
   }
-  int Unlink(const char *name) override { return files_.Unlink(name); }
-  int Mkdir(const char *name, long mode) override {
-    return files_.Mkdir(name, mode);
-  }
-  int Rmdir(const char *name) override { return files_.Rmdir(name); }
-  char **ReadDirEx(const char *name, int most) override {
-    return files_.ReadDirEx(name, most);
-  }
-  char **SiblingFiles(const char *name) override {
-    return files_.SiblingFiles(name);
-  }
-  int Rename(const char *from, const char *to) override {
-    return files_.Rename(from, to);
-  }
-  int IsCaseSensitive(const char *name) override {
-    return files_.IsCaseSensitive(name);
-  }
-  GIntBig GetDiskFreeSpace(const char *name) override {
-    return files_.GetDiskFreeSpace(name);
-  }
-  int SupportsSparseFiles(const char *name) override {
-    return files_.SupportsSparseFiles(name);
-  }
-  VSIDIR *OpenDir(const char *name, int depth,
-                  const char *const *options) override {
+  int Unlink(const char* name) override { return files_.Unlink(name); }
+  int Mkdir(const char* name, long mode) override { return files_.Mkdir(name, mode); }
+  int Rmdir(const char* name) override { return files_.Rmdir(name); }
+  char** ReadDirEx(const char* name, int most) override { return files_.ReadDirEx(name, most); }
+  char** SiblingFiles(const char* name) override { return files_.SiblingFiles(name); }
+  int Rename(const char* from, const char* to) override { return files_.Rename(from, to); }
+  int IsCaseSensitive(const char* name) override { return files_.IsCaseSensitive(name); }
+  GIntBig GetDiskFreeSpace(const char* name) override { return files_.GetDiskFreeSpace(name); }
+  int SupportsSparseFiles(const char* name) override { return files_.SupportsSparseFiles(name); }
+  VSIDIR* OpenDir(const char* name, int depth, const char* const* options) override {
     return files_.OpenDir(name, depth, options);
   }
-  bool IsLocal(const char *name) override { return files_.IsLocal(name); }
+  bool IsLocal(const char* name) override { return files_.IsLocal(name); }
 
-private:
-  VSIFilesystemHandler &files_;
+ private:
+  VSIFilesystemHandler& files_;
 };
 
 /// A file system in which there is nothing.
 class NoFiles final : public VSIFilesystemHandler {
-public:
-  VSIVirtualHandle *Open(const char *, const char *, bool,
-                         CSLConstList) override {
-    return nothing(static_cast<VSIVirtualHandle *>(nullptr));
+ public:
+  VSIVirtualHandle* Open(const char*, const char*, bool, CSLConstList) override {
+    return nothing(static_cast<VSIVirtualHandle*>(nullptr));
   }
-  int Stat(const char *, VSIStatBufL *, int) override { return nothing(-1); }
+  int Stat(const char*, VSIStatBufL*, int) override { return nothing(-1); }
 
-private:
-  template <class T> static T nothing(T result) {
+ private:
+  template <class T>
+  static T nothing(T result) {
     errno = ENOENT;
     return result;
   }
@@ -191,43 +161,35 @@ private:
 
 /// GDAL owns the handlers.
 void install_handlers() {
-  VSIFileManager::InstallHandler(
-      "", new GuardedFiles(*VSIFileManager::GetHandler("")));
+  VSIFileManager::InstallHandler("", new GuardedFiles(*VSIFileManager::GetHandler("")));
   VSIFileManager::InstallHandler("/vsistdin/", new NoFiles);
   VSIFileManager::InstallHandler("/vsistdin?", new NoFiles);
   CPLSetConfigOption("GDAL_VRT_ENABLE_PYTHON", "NO");
 }
 
-} // namespace
+}  // namespace
 
-FileGuard::FileGuard(std::string raster, RasterLinks links)
-    : raster_(std::move(raster)) {
+FileGuard::FileGuard(std::string raster, RasterLinks links) : raster_(std::move(raster)) {
   static std::once_flag first;
   std::call_once(first, install_handlers);
   const bool follows = links == RasterLinks::followed;
   const std::vector<std::string> files = own_files(raster_);
   const bool unguarded = any_hdf5_or_netcdf(files);
-  prepare_gdal_to_read(raster_, follows || unguarded ? Unguarded::offered
-                                                     : Unguarded::withheld);
+  prepare_gdal_to_read(raster_, follows || unguarded ? Unguarded::offered : Unguarded::withheld);
   // An .aux.xml could name a layer of another file, which HDF5 would open past
   // the guard.
-  if (unguarded && !follows)
-    no_sidecars_.emplace("GDAL_PAM_ENABLED", "NO", false);
+  if (unguarded && !follows) no_sidecars_.emplace("GDAL_PAM_ENABLED", "NO", false);
   Permit permit{follows, {}};
-  for (const std::string &file : files)
-    permit.products.emplace_back(file);
+  for (const std::string& file : files) permit.products.emplace_back(file);
   number_ = Permits::of_process().add(std::move(permit));
 }
 
 GDALDatasetUniquePtr FileGuard::open(unsigned flags) const {
-  return GDALDatasetUniquePtr(
-      GDALDataset::Open(raster_.c_str(), flags, raster_drivers()));
+  return GDALDatasetUniquePtr(GDALDataset::Open(raster_.c_str(), flags, raster_drivers()));
 }
 
 FileGuard::~FileGuard() { Permits::of_process().remove(number_); }
 
-std::optional<std::string> FileGuard::refused() const {
-  return Permits::of_process().refused(number_);
-}
+std::optional<std::string> FileGuard::refused() const { return Permits::of_process().refused(number_); }
 
-} // namespace landfall
+}  // namespace landfall

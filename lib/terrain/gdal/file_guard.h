@@ -17,23 +17,23 @@ namespace landfall {
 /// time allow what any of them allows. Python in a file and the standard input
 /// are refused at any time.
 class FileGuard {
-public:
+ public:
   /// With RasterLinks::followed nothing is refused. Makes GDAL ready to read
   /// (registry.h).
   FileGuard(std::string raster, RasterLinks links);
   ~FileGuard();
-  FileGuard(const FileGuard &) = delete;
-  FileGuard &operator=(const FileGuard &) = delete;
+  FileGuard(const FileGuard&) = delete;
+  FileGuard& operator=(const FileGuard&) = delete;
 
   /// Opens the raster; null where GDAL does not.
   [[nodiscard]] GDALDatasetUniquePtr open(unsigned flags) const;
   /// The first file that is there and was refused.
   [[nodiscard]] std::optional<std::string> refused() const;
 
-private:
+ private:
   std::string raster_;
   std::optional<CPLConfigOptionSetter> no_sidecars_;
   int number_;
 };
 
-} // namespace landfall
+}  // namespace landfall

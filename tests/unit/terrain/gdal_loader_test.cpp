@@ -442,10 +442,11 @@ TEST(GdalPlugin, DISABLED_IsMissing) {
     (void)load_dem(dem, GridSpec::centered(1, 1));
     FAIL() << "the plugin was found";
   } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
-                                    HasSubstr("/nowhere/landfall-gdal.so"),
-                                    HasSubstr("landfall_no_plugin/lib/landfall/landfall-gdal.so"),
-                                    HasSubstr("LANDFALL_PLUGIN_DIR")));
+    EXPECT_THAT(error.what(),
+                AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
+                      HasSubstr("/nowhere/landfall-gdal.so"),
+                      HasSubstr("landfall_no_plugin/lib/landfall/landfall-gdal.so"),
+                      HasSubstr("LANDFALL_PLUGIN_DIR")));
   }
 }
 
