@@ -21,6 +21,7 @@
 #include "cli/manual.h"
 #include "cli/option_view.h"
 #include "cli/progress_bar.h"
+#include "cli/standard_streams.h"
 #include "config/json_source.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
@@ -317,6 +318,7 @@ Json Session::summary() const {
 }
 
 int tool_main(int argc, const char* const* argv, const Tool& tool) {
+  hold_closed_standard_streams();
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
   set_help_format(app);
