@@ -4,14 +4,17 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "io/temporary_files.h"
 
 namespace landfall {
@@ -21,9 +24,20 @@ namespace fs = std::filesystem;
 
 std::string system_message(int error_number) { return std::generic_category().message(error_number); }
 
-/// The process number in ".NAME.PID.part", 0 where it is not such a name.
-int owner_of_part(const std::string& file, const std::string& output_name) {
-  const std::string prefix = "." + output_name + ".";
+/// Where a process number means something: this machine, or the container on it. Eight hexadecimal digits.
+std::string place() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  std::error_code unknown;
+  const fs::path numbers = fs::read_symlink("/proc/self/ns/pid", unknown);
+  return Hash().update(std::string_view(host.data())).update(numbers.string()).hex().substr(0, 8);
+}
+
+/// ".NAME.PLACE-", what the temporary files of this place begin with.
+std::string part_prefix(const std::string& output_name) { return "." + output_name + "." + place() + "-"; }
+
+/// The process number in ".NAME.PLACE-PID.part", 0 where it is not such a name.
+int owner_of_part(const std::string& file, const std::string& prefix) {
   const std::string suffix = ".part";
   if (file.size() <= prefix.size() + suffix.size() || file.compare(0, prefix.size(), prefix) != 0) return 0;
   int pid = 0;
@@ -37,9 +51,10 @@ int owner_of_part(const std::string& file, const std::string& output_name) {
 
 void remove_abandoned_parts(const fs::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::string prefix = part_prefix(path.filename().string());
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const int pid = owner_of_part(entry.path().filename().string(), path.filename().string());
+    const int pid = owner_of_part(entry.path().filename().string(), prefix);
     if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
   }
 }
@@ -74,7 +89,7 @@ OutputPath::OutputPath(fs::path path, bool overwrite) : path_(std::move(path)), 
   require_usable_output(path_, overwrite_);
   remove_abandoned_parts(path_);
   temporary_ = path_;
-  temporary_.replace_filename("." + path_.filename().string() + "." + std::to_string(::getpid()) + ".part");
+  temporary_.replace_filename(part_prefix(path_.filename().string()) + std::to_string(::getpid()) + ".part");
   register_temporary_file(temporary_.string());
 }
 

@@ -10,8 +10,10 @@ namespace landfall {
 ///
 /// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
 /// it. Until then whatever stood under the name stays untouched; a run that fails, or is ended by SIGINT or
-/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.PID.part` file may remain; the next run for
-/// that name removes it if its process is gone.
+/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.PLACE-PID.part` file may remain; the next run
+/// for that name removes it if its process is gone. PLACE stands for the machine or container, for process
+/// numbers come again elsewhere: what others left in a shared folder may still be written to, and is not
+/// touched.
 class OutputPath {
  public:
   /// Throws UsageError where `path` exists and `overwrite` is false, is there but no regular file (a

@@ -59,12 +59,26 @@ TEST(OutputPath, OverwritesWhenAsked) {
   EXPECT_EQ(read_file(folder / "a.h5"), "new");
 }
 
+/// ".a.h5.PLACE-" of this machine.
+std::string part_prefix(const TemporaryFolder& folder) {
+  const std::string name = OutputPath(folder / "a.h5", false).temporary().filename().string();
+  return name.substr(0, name.size() - (std::to_string(::getpid()) + ".part").size());
+}
+
 TEST(OutputPath, RemovesWhatAKilledRunLeft) {
   const TemporaryFolder folder;
-  std::ofstream(folder / ".a.h5.2147483647.part") << "abandoned";  // beyond any process number
-  std::ofstream(folder / (".a.h5." + std::to_string(::getpid()) + "1x.part")) << "not ours";
+  const std::string prefix = part_prefix(folder);
+  std::ofstream(folder / (prefix + "2147483647.part")) << "abandoned";  // beyond any process number
+  std::ofstream(folder / (prefix + std::to_string(::getpid()) + "1x.part")) << "not ours";
   const OutputPath output(folder / "a.h5", false);
-  EXPECT_FALSE(std::filesystem::exists(folder / ".a.h5.2147483647.part"));
+  EXPECT_FALSE(std::filesystem::exists(folder / (prefix + "2147483647.part")));
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(OutputPath, LeavesWhatAnotherMachineMayBeWriting) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / ".a.h5.00000000-2147483647.part") << "another machine's";
+  const OutputPath output(folder / "a.h5", false);
   EXPECT_EQ(folder.entries(), 1U);
 }
 
