@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <string>
 
+#include "base/error.h"
 #include "gridding/grid_points.h"
 #include "raster/grid_spec.h"
 
@@ -52,6 +55,8 @@ class Accumulator {
   /// the last pass.
   virtual void values(BinIndex first, std::span<BinValues> out) const = 0;
 
+  static constexpr std::int64_t kMostReturns = std::numeric_limits<std::int32_t>::max();
+
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// Returns that reached a bin, and returns that reached none.
   [[nodiscard]] std::int64_t inside_count() const { return inside_count_; }
@@ -59,9 +64,13 @@ class Accumulator {
 
  protected:
   Accumulator(Accumulator&&) = default;
+  /// Throws FormatError where a bin's count, an int32, may have gone past its end.
   void count_points(std::size_t all, std::size_t outside) {
     inside_count_ += static_cast<std::int64_t>(all - outside);
     outside_count_ += static_cast<std::int64_t>(outside);
+    if (inside_count_ > kMostReturns)
+      throw FormatError("more than " + std::to_string(kMostReturns) +
+                        " returns lie in the grid, the most that one DEM can count; give fewer scans");
   }
 
  private:

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/error.h"
+
 namespace landfall {
 
 ScanPlan::ScanPlan(Grid<std::int8_t> region)
@@ -43,7 +45,11 @@ void ScanPlan::add(const PulseBatch& batch) {
 }
 
 void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double t_s) {
-  if (count_.values()[bin]++ == 0) first_seen_s_.values()[bin] = static_cast<float>(t_s);
+  std::int32_t& count = count_.values()[bin];
+  if (count == std::numeric_limits<std::int32_t>::max())
+    throw FormatError(
+        "a bin of the plan has more than 2147483647 returns; plan a shorter scan or finer bins");
+  if (count++ == 0) first_seen_s_.values()[bin] = static_cast<float>(t_s);
   if (last_pulse_.values()[bin] == pulse) return;
   last_pulse_.values()[bin] = pulse;
   ++images_.values()[bin];

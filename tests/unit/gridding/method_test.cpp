@@ -267,5 +267,22 @@ TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
   }
 }
 
+/// Counts points without having them.
+class CountingAccumulator : public Accumulator {
+ public:
+  CountingAccumulator() : Accumulator(GridSpec::centered(1, 1)) {}
+  void add(const GridPoints& /*points*/, std::int64_t count) override {
+    count_points(static_cast<std::size_t>(count), 0);
+  }
+  void values(BinIndex /*first*/, std::span<BinValues> /*out*/) const override {}
+};
+
+TEST(Accumulator, RefusesMoreReturnsThanABinCanCount) {
+  CountingAccumulator map;
+  map.add({}, 2147483647);
+  EXPECT_EQ(map.inside_count(), 2147483647);
+  EXPECT_THROW(map.add({}, 1), FormatError);
+}
+
 }  // namespace
 }  // namespace landfall
