@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/regular_file.h"
 #include "io/file_screening.h"
+#include "io/h5_close.h"
 
 namespace landfall::h5 {
 namespace {
@@ -56,6 +57,20 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
   return keep_system_reason(depth, record, target);
 }
 
+std::mutex close_lock;
+std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
+
+/// H5Dclose that remembers its first failure; what its file has closed already is none.
+herr_t close_written(hid_t dataset) {
+  if (H5Iis_valid(dataset) <= 0) return -1;
+  const herr_t result = H5Dclose(dataset);
+  if (result >= 0) return result;
+  const std::string reason = failure_reason();
+  const std::lock_guard lock(close_lock);
+  if (close_failure.empty()) close_failure = reason.empty() ? "HDF5 cannot close a dataset" : reason;
+  return result;
+}
+
 /// Reads one text from an attribute or dataset through `read(type, buffer)`; fixed and variable lengths both
 /// occur.
 template <class Read>
@@ -86,6 +101,11 @@ void initialise() {
   H5dont_atexit();
   H5PLset_loading_state(0);  // a file's filters would choose programs to run
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+std::string first_close_failure() {
+  const std::lock_guard lock(close_lock);
+  return close_failure;
 }
 
 std::mutex& library_lock() {
@@ -191,7 +211,7 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
       H5Sclose);
   return checked(
       H5Dcreate2(parent, name.c_str(), native(type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-      H5Dclose, name);
+      close_written, name);
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text) {
@@ -223,7 +243,7 @@ void write_text(hid_t parent, const TextDataset& what, const std::string& text) 
   H5Pset_obj_track_times(properties.get(), false);
   const Handle dataset = checked(
       H5Dcreate2(parent, name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-      H5Dclose, name);
+      close_written, name);
   const char* const data = text.c_str();
   require(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
                    static_cast<const void*>(&data)) >= 0,

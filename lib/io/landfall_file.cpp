@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "io/h5_close.h"
 
 namespace landfall {
 namespace {
@@ -73,8 +74,10 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
 
 void LandfallFileWriter::commit() {
   h5::write_attribute(root(), "complete", std::int64_t{1});
-  if (H5Fflush(root(), H5F_SCOPE_GLOBAL) < 0 || !file_.reset())
-    throw IoError("output " + output_.path().string() + ": closing failed: " + h5::failure_reason());
+  const bool closed = H5Fflush(root(), H5F_SCOPE_GLOBAL) >= 0 && file_.reset();
+  const std::string reason = closed ? h5::first_close_failure() : h5::failure_reason();
+  if (!closed || !reason.empty())
+    throw IoError("output " + output_.path().string() + ": closing failed: " + reason);
   output_.commit();
 }
 
