@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <mutex>
 
+#include "base/thread_supply.h"
+
 namespace landfall {
 
 struct ThreadLimit::Impl {
@@ -20,7 +22,7 @@ struct ThreadLimit::Impl {
 
 ThreadLimit::ThreadLimit(std::size_t threads) {
   const auto cores = static_cast<std::size_t>(tbb::info::default_concurrency());
-  impl_ = std::make_unique<Impl>(threads == 0 ? cores : threads);
+  impl_ = std::make_unique<Impl>(thread_supply(threads == 0 ? cores : threads));
 }
 
 ThreadLimit::~ThreadLimit() = default;

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <ctime>
 #include <iostream>
@@ -15,6 +16,7 @@
 #include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "base/thread_refusal.h"
 #include "cli/command_line.h"
 #include "cli/completion.h"
 #include "cli/config_changes.h"
@@ -32,6 +34,13 @@ namespace landfall::cli {
 namespace {
 
 using Json = nlohmann::json;
+
+/// Before the other objects of file scope, which may already find no memory; under the name that the program
+/// was called by.
+struct EarlyMemoryCleanup {
+  EarlyMemoryCleanup() { install_memory_cleanup(program_invocation_short_name); }
+};
+const EarlyMemoryCleanup early_memory_cleanup __attribute__((init_priority(101)));
 
 /// Under these keys configurations name files.
 constexpr std::array kPathKeys = {"path", "table"};
@@ -179,7 +188,9 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   }
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
-  const ThreadLimit limit(options.threads);
+  // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more.
+  static const ThreadLimit& limit = *new ThreadLimit(options.threads);
+  static_cast<void>(limit);
   install_signal_cleanup(tool.name);
   session.require_output_for_view();
   const ExitCode code = run_naming_output(tool, session);
@@ -336,6 +347,9 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   } catch (const std::bad_alloc&) {
     return fail(tool.name, "not enough memory for this run", ExitCode::data_failed);
   } catch (const std::exception& error) {
+    if (is_thread_refusal(error))
+      return fail(tool.name, "the system gives no further thread: allow more threads or memory, or use -t 1",
+                  ExitCode::data_failed);
     return fail(tool.name, std::string("internal error, please report it: ") + error.what(),
                 ExitCode::data_failed);
   }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/headroom.h"
 #include "base/regular_file.h"
 #include "io/file_screening.h"
 #include "io/h5_close.h"
@@ -24,6 +25,9 @@ Handle checked(hid_t id, Handle::Closer closer, const std::string& object) {
 void require(bool ok, const std::string& object) {
   if (!ok) checked(H5I_INVALID_HID, nullptr, object);
 }
+
+/// HDF5 1.10 crashes if it cannot have what an open file needs.
+constexpr std::size_t kHeadroomOfFile = std::size_t{8} << 20U;
 
 Handle variable_text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -55,6 +59,13 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
   auto& reason = *static_cast<std::string*>(target);
   if (reason.empty() && record->desc != nullptr) reason = record->desc;
   return keep_system_reason(depth, record, target);
+}
+
+/// What the system said, empty where the failure was none of its.
+std::string system_reason() {
+  std::string reason;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_system_reason, &reason);
+  return reason;
 }
 
 std::mutex close_lock;
@@ -120,8 +131,7 @@ std::string failure_reason() {
 }
 
 std::string reading_failure() {
-  std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_system_reason, &reason);
+  const std::string reason = system_reason();
   return reason.empty() ? "it is damaged" : reason;
 }
 
@@ -156,6 +166,7 @@ std::size_t size_of(Type type) {
 }
 
 Handle create_file(const std::filesystem::path& path) {
+  require_headroom(kHeadroomOfFile);
   // Strong: closing the file closes what is still open in it. By default HDF5 would put the closing off,
   // report success, and write the rest after the file has been renamed.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -254,12 +265,15 @@ void write_text(hid_t parent, const TextDataset& what, const std::string& text) 
 
 Handle open_file(const std::filesystem::path& path) {
   require_regular_file(path);
+  require_headroom(kHeadroomOfFile);
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id >= 0) {
     Handle file(id, H5Fclose);
     screen_file(id, path.string());
     return file;
   }
+  const std::string reason = system_reason();
+  if (!reason.empty()) throw FormatError(path.string() + ": reading failed: " + reason);
   if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is no HDF5 file");
   throw FormatError(path.string() + ": is an HDF5 file that is truncated or damaged; make it again");
 }

@@ -120,6 +120,7 @@ void write_text(const OutputPath& output, const std::string& text) {
   stream.close();
   if (!stream)
     throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
+  flush_to_disk(output.temporary());
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/file_extension.h"
 #include "base/parallel.h"
+#include "base/thread_supply.h"
 #include "terrain/gdal_loader.h"
 
 namespace landfall {
@@ -20,7 +21,8 @@ TerrainFormat terrain_format(const std::filesystem::path& output) {
 void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
                    const ProgressCallback& progress) {
   OutputPath output(options.path, options.overwrite);
-  save_geotiff(output.temporary().string(), content, {options.compression, thread_count()}, progress);
+  save_geotiff(output.temporary().string(), content, {options.compression, thread_supply(thread_count())},
+               progress);
   output.commit();
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/headroom.h"
 #include "terrain/gdal/plugin.h"
 
 namespace landfall {
@@ -31,12 +32,16 @@ std::vector<fs::path> plugin_folders() {
   return folders;
 }
 
+/// GDAL, its hundred libraries and their start; with less some of them crash.
+constexpr std::size_t kHeadroomOfGdal = std::size_t{192} << 20U;
+
 std::string last_dl_error() {
   const char* reason = dlerror();
   return reason != nullptr ? reason : "unknown reason";
 }
 
 const GdalPlugin& plugin_at(const fs::path& file) {
+  require_headroom(kHeadroomOfGdal);
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) throw IoError("cannot load the GDAL plugin: " + last_dl_error());
   const auto* plugin = static_cast<const GdalPlugin*>(dlsym(library, kGdalPluginSymbol));

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <exception>
+#include <string_view>
+
+namespace landfall {
+
+/// Whether an exception says that the system gave no further thread: oneTBB throws a plain runtime_error from
+/// wherever parallel work begins.
+[[nodiscard]] inline bool is_thread_refusal(const std::exception& error) {
+  return std::string_view(error.what()).starts_with("pthread_create");
+}
+
+}  // namespace landfall
