@@ -15,7 +15,7 @@ What no case provokes, since no command line does:
 - refusals of liblandfall's interface (lib/lidar), which tests/module and tests/unit/lidar provoke;
 - sizes beyond 2^31 vertices, triangles, pulses or returns of a DEM or in a bin of a plan, rows beyond 10^8, blocks of more than 256 MiB;
 - a system that fails in the middle (a compressor without memory, an HDF5 call that fails, a file that shrinks while
-  it is read, an output that appears meanwhile, a rename that is refused);
+  it is read, an output that appears meanwhile, a rename that is refused, a thread that is refused): tests/reliability does;
 - a GDAL without its COG driver, a plugin of another version, and a file without read permission, as root reads all.
 """
 import json

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folders that vanish or may not be written, outputs that become something else, and several writers of one output."""
+import os
+import shutil
+import subprocess
+import time
+
+from workshop import TASKS, Judge, files_of
+
+WRITING = [each for each in TASKS if each.outputs]
+OWN_NUMBERS = ["unshare", "--pid", "--fork", "--kill-child"]
+UNPRIVILEGED = ["setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"]
+
+
+def may_unshare():
+    return subprocess.run([*OWN_NUMBERS, "true"], capture_output=True, check=False).returncode == 0
+
+
+def at_random(workshop, random, one, old, deed):
+    """A run in whose middle `deed` is done."""
+    workshop.prepare(one, old)
+    process = workshop.start(one, old)
+    time.sleep(random.uniform(0, workshop.seconds[one]))
+    deed(one)
+    return workshop.finish(process)
+
+
+def try_vanishing(workshop, random, count, tasks=None):
+    """The folder is removed, or moved away: nothing may appear under the name that is gone."""
+    judge = Judge(workshop, "the output's folder is removed")
+    tasks = tasks or WRITING
+    for turn in range(count):
+        one = tasks[turn % len(tasks)]
+        run = at_random(workshop, random, one, False, lambda _: shutil.rmtree(workshop.out, ignore_errors=True))
+        # Where the run was over before, its files went with the folder.
+        if run.code == 0:
+            run.files = workshop.whole[one]
+        judge.take(one, run)
+    return judge
+
+
+def make_folders(workshop):
+    def deed(one):
+        for name in one.outputs:
+            path = os.path.join(workshop.out, name)
+            if os.path.isfile(path):
+                os.remove(path)
+            os.mkdir(path)
+    return deed
+
+
+def try_becoming_a_folder(workshop, random, count):
+    judge = Judge(workshop, "a folder takes the output's name meanwhile")
+    for turn in range(count):
+        one, old = WRITING[turn % len(WRITING)], turn // len(WRITING) % 2 == 1
+        run = at_random(workshop, random, one, old, make_folders(workshop))
+        if run.code != 0:
+            run.files = {name: data for name, data in run.files.items() if data != "a folder"}
+            judge.take(one, run)
+        elif run.stderr:
+            judge.take(one, run)
+    return judge
+
+
+def try_read_only(workshop):
+    """As a user who may not write there."""
+    judge = Judge(workshop, "a folder that the user may not write")
+    for one in WRITING:
+        for old in (False, True):
+            workshop.prepare(one, old)
+            os.chmod(workshop.out, 0o555)
+            run = workshop.finish(workshop.start(one, old, prefix=UNPRIVILEGED))
+            os.chmod(workshop.out, 0o755)
+            judge.take(one, run, old=old)
+    return judge
+
+
+def race(workshop, tasks, old, prefix=()):
+    """Starts one process per task at the same time; (code, stderr) of each, and the files at the end."""
+    workshop.prepare(tasks[0], old)
+    processes = [workshop.start(one, old, prefix=prefix) for one in tasks]
+    ends = [process.communicate(timeout=120) for process in processes]
+    return [(process.returncode, stderr.decode()) for process, (_, stderr) in zip(processes, ends)], files_of(workshop.out)
+
+
+def judge_race(judge, tasks, ends, files, old):
+    """Each ends with 0 or is told that the output appeared; the name holds one of the whole files, and nothing stays."""
+    one, faults = tasks[0], []
+    wholes = [judge.workshop.whole[each] for each in tasks]
+    for name in one.outputs:
+        if not any(files.get(name) == whole.get(name) for whole in wholes):
+            faults.append("the output is none of the whole files")
+    if set(files) != set(one.outputs):
+        faults.append(f"left behind: {sorted(set(files) - set(one.outputs))}")
+    done = sum(code == 0 for code, _ in ends)
+    # With several outputs two runs may each get one of them and refuse the other.
+    if old and done != len(ends) or not old and done != 1 and len(one.outputs) == 1:
+        faults.append(f"{done} of {len(ends)} succeeded")
+    for code, message in ends:
+        if code not in (0, 2) or (code == 2 and message.count("\n") != 1) or (code == 0 and message):
+            faults.append(f"exit {code}: {message!r}")
+    judge.counts.update(runs=len(ends), whole=done, refused=len(ends) - done)
+    judge.messages.update(judge.plain(message) for _, message in ends if message)
+    if faults:
+        judge.broken.append(f"{judge.fault}: {[each.label for each in tasks]}{' -O' if old else ''}: {'; '.join(faults)}")
+        print("BROKEN", judge.broken[-1], flush=True)
+
+
+def try_races(workshop, rounds):
+    """Two and eight writers of one output, of one tool and of two."""
+    judge = Judge(workshop, "two and eight processes write one output")
+    for _ in range(rounds):
+        for one in WRITING:
+            for number in (2, 8):
+                for old in (False, True):
+                    judge_race(judge, [one] * number, *race(workshop, [one] * number, old), old)
+    return judge
+
+
+
+def try_containers(workshop, rounds):
+    """The same in process namespaces of their own, as containers that share a folder are: all have the number 1."""
+    judge = Judge(workshop, "two containers write one output, both as process 1")
+    if may_unshare():
+        for _ in range(rounds):
+            for one in WRITING:
+                judge_race(judge, [one] * 2, *race(workshop, [one] * 2, True, OWN_NUMBERS), True)
+    return judge
+
+
+def try_folders(workshop, random, count, rounds):
+    yield try_vanishing(workshop, random, count)
+    yield try_becoming_a_folder(workshop, random, count)
+    yield try_read_only(workshop)
+    yield try_races(workshop, rounds)
+    yield try_containers(workshop, rounds)
