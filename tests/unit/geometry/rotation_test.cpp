@@ -22,6 +22,19 @@ TEST(RotationMatrix, QuarterTurns) {
   EXPECT_EQ(rotation_matrix({0, 0, -kPi / 2}) * Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY());
 }
 
+TEST(RotationMatrix, IsExactOverTwoTurnsEitherWay) {
+  const Eigen::Vector3d turned[] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  for (int quarters = -8; quarters <= 8; ++quarters)
+    EXPECT_EQ(rotation_matrix({0, 0, quarters * (kPi / 2)}) * Eigen::Vector3d::UnitX(),
+              turned[(quarters + 8) % 4])
+        << quarters;
+}
+
+TEST(RollPitchYaw, IsZeroByDefaultAndLinearAngleByAngle) {
+  EXPECT_EQ(RollPitchYaw{}, (RollPitchYaw{0, 0, 0}));
+  EXPECT_EQ(linear({1, 2, 3}, 10, {4, -5, 6}), (RollPitchYaw{41, -48, 63}));
+}
+
 TEST(RotationMatrix, IsYawPitchRollInThatOrder) {
   const RollPitchYaw rpy{0.3, -0.2, 1.1};
   const Eigen::Matrix3d expected =
