@@ -59,6 +59,15 @@ TEST(PointingError, JitterHasItsSigmaOnEachAxis) {
       once);
 }
 
+TEST(PointingError, JitterAboutOneAxisLeavesTheOther) {
+  const PointingError about_x({.jitter_sigma_x_rad = 0.1}, 4);
+  const PointingError about_y({.jitter_sigma_y_rad = 0.1}, 4);
+  EXPECT_EQ(boresight(about_x, 9).x(), 0);
+  EXPECT_NE(boresight(about_x, 9).y(), 0);
+  EXPECT_EQ(boresight(about_y, 9).y(), 0);
+  EXPECT_NE(boresight(about_y, 9).x(), 0);
+}
+
 TEST(PointingError, JitterComesFirstInTheMisalignedLidar) {
   const RollPitchYaw misalignment{0.3, 0.2, 0.1};
   const PointingError jitter({.jitter_sigma_x_rad = 0.1, .jitter_sigma_y_rad = 0.1}, 4);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/random.h"
 
 namespace landfall {
 namespace {
@@ -22,6 +23,40 @@ double fraction_of(const auto& happens) {
   for (std::int64_t pulse = 0; pulse < kPulses; ++pulse)
     for (std::int64_t pixel = 0; pixel < kPixels; ++pixel) count += happens(PulsePixel{pulse, pixel}) ? 1 : 0;
   return count / kCount;
+}
+
+TEST(RangeErrors, DefaultsAreNoErrorsAndAGateOfOneKilometre) {
+  const RangeErrorParameters none;
+  EXPECT_EQ(none.range_sigma_m, 0);
+  EXPECT_EQ(none.false_range_min_m, 0);
+  EXPECT_EQ(none.false_range_max_m, 1000);
+  EXPECT_EQ(PulsePixel{}.pulse, 0);
+  EXPECT_EQ(PulsePixel{}.pixel, 0);
+}
+
+TEST(RangeErrors, ChancesHoldUpToTheirOwnDraw) {
+  const RandomField dead(3, RandomStream::dead_pixel);
+  const RandomField dropout(3, RandomStream::dropout);
+  const RandomField wrong(3, RandomStream::false_return);
+  const RangeErrors errors({.dead_pixel_frac = dead.uniform(8),
+                            .dropout_frac = dropout.uniform(2, 8),
+                            .false_return_frac = wrong.uniform(2, 8)},
+                           3);
+  EXPECT_FALSE(errors.is_dead(8));
+  EXPECT_FALSE(errors.is_dropped({2, 8}));
+  EXPECT_FALSE(errors.false_range_m({2, 8}));
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    EXPECT_EQ(errors.is_dead(static_cast<std::int64_t>(i)), dead.uniform(i) < dead.uniform(8));
+    EXPECT_EQ(errors.is_dropped({2, static_cast<std::int64_t>(i)}),
+              dropout.uniform(2, i) < dropout.uniform(2, 8));
+  }
+}
+
+// The range comes from a second draw, 2^32 pixels on (docs/draws.md).
+TEST(RangeErrors, AFalseRangeIsItsSecondDraw) {
+  const RangeErrors errors({.false_return_frac = 1, .false_range_min_m = 100, .false_range_max_m = 300}, 3);
+  const RandomField wrong(3, RandomStream::false_return);
+  EXPECT_EQ(errors.false_range_m({2, 8}), 100 + 200 * wrong.uniform(2, 8 + (std::uint64_t{1} << 32U)));
 }
 
 TEST(RangeErrors, NoneByDefault) {
@@ -129,6 +164,25 @@ TEST(RangeErrors, SigmaGrowsWithRangeAndIncidence) {
   const RangeErrors constant({.range_sigma_m = 0.03}, 1);
   EXPECT_FALSE(constant.needs_incidence());
   EXPECT_EQ(constant.sigma_m(400, 1.5), 0.03);
+}
+
+TEST(RangeErrors, EitherGrowthOfSigmaAloneCounts) {
+  const RangeErrors by_range({.range_sigma_per_m = 1e-3}, 1);
+  EXPECT_EQ(by_range.sigma_m(400, 1.5), 0.4);
+  EXPECT_FALSE(by_range.needs_incidence());
+  EXPECT_NE(by_range.measured_m(400, {0, 0}), 400);
+  const RangeErrors by_incidence({.incidence_sigma_rad = 1e-3}, 1);
+  EXPECT_DOUBLE_EQ(by_incidence.sigma_m(400, 1.5), 0.6);
+  EXPECT_NE(by_incidence.measured_m(400, {0, 0}, 1.5), 400);
+}
+
+TEST(RangeErrors, BiasIsAddedToWholePulsesOfAnySigma) {
+  const RangeErrors errors({.range_sigma_m = 0.1, .range_bias_m = 0.3, .range_sigma_per_m = 1e-3}, 5);
+  const std::vector<double> ranges{400, 500};
+  std::vector<double> measured(2);
+  errors.measure(12, ranges, {}, measured);
+  EXPECT_EQ(measured[0], errors.measured_m(400, {12, 0}));
+  EXPECT_EQ(measured[1], errors.measured_m(500, {12, 1}));
 }
 
 // The same standard normal draw, whatever scales it; whole pulses as single pixels.
