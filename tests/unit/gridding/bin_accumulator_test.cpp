@@ -95,6 +95,8 @@ TEST(BinAccumulator, RefusesAnImpossibleGrid) {
   EXPECT_THROW(BinAccumulator(GridSpec{kInfinity, 0, 0, 5, 5}), UsageError);
   EXPECT_THROW(BinAccumulator(GridSpec{1, 0, 0, 0, 5}), UsageError);
   EXPECT_THROW(BinAccumulator(GridSpec{1, 0, 0, 5, -1}), UsageError);
+  EXPECT_THROW(BinAccumulator(GridSpec{1, 0, 0, 5, 0}), UsageError);
+  EXPECT_NO_THROW(BinAccumulator(GridSpec{1, 0, 0, 1, 1}));
 }
 
 std::string refusal(const std::vector<ReturnPoint>& points, std::int64_t first_row_number) {

@@ -218,15 +218,27 @@ TEST(Uncertainty, RangeAgainstDrawnNoise) {
   EXPECT_NEAR(scene.map->variances(kMiddle).range / (sum / kDraws), 1, 0.05);
 }
 
+// A second return 2 m above the first: the lever ends at their mean, z = 2, and a roll of 1 mrad moves it by
+// r_z J_y = (2 - 101) g_y.
+TEST(Uncertainty, TheLeverEndsAtTheMeanElevation) {
+  std::vector<ReturnPoint> points = centred_returns();
+  points.push_back(on_plane(0, 0, 3));
+  points.back().z_est += 2;
+  UncertaintyParameters parameters;
+  parameters.navigation.rpy_rad = {1e-3, 0, 0};
+  const double moved = 1e-3 * 99 * kG.y();
+  EXPECT_NEAR(Scene(points, parameters).map->variances(kMiddle).navigation, moved * moved, 1e-8);
+}
+
 /// Four returns per bin on the plane, each with normal noise of `scatter` in z.
 std::vector<ReturnPoint> rough_returns(double scatter) {
   std::mt19937_64 random(13);
-  std::normal_distribution<double> noise(0, scatter);
+  std::normal_distribution<double> noise;  // of sigma 1: a sigma of 0 is not allowed
   std::vector<ReturnPoint> points;
   for (const ReturnPoint& centre : centred_returns())
     for (const auto& [dx, dy] : {std::pair{0.01, 0.01}, {-0.01, 0.01}, {0.01, -0.01}, {-0.01, -0.01}}) {
       points.push_back(on_plane(centre.x_est + dx, centre.y_est + dy, 3));
-      points.back().z_est += noise(random);
+      points.back().z_est += scatter * noise(random);
     }
   return points;
 }
