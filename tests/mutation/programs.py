@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs googletest programs with a mutant on, or records which mutants each of their tests reaches."""
+import os
+import signal
+import subprocess
+import tempfile
+import time
+
+QUICK_S = 0.3  # tests are run in turns, of this length at first, each longer than the one before
+GROWTH = 6
+PATIENCE = 5  # a run that takes so many times as long as usual hangs
+GRACE_S = 5.0
+
+
+def run(command, environment, limit_s):
+    """The exit status, or None after `limit_s`. Ends all that the command started."""
+    process = subprocess.Popen(command, env={**os.environ, **environment}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                               start_new_session=True)
+    try:
+        return process.wait(limit_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        return None
+
+
+def tests_of(program):
+    """Suite.test of all tests of a program."""
+    output = subprocess.run([program, "--gtest_list_tests"], check=True, capture_output=True, text=True).stdout
+    tests, suite = [], ""
+    for line in output.splitlines():
+        name = line.split("#")[0].rstrip()
+        if name.endswith(".") and not name.startswith(" "):
+            suite = name
+        elif name.startswith("  "):
+            tests.append(suite + name.strip())
+    return tests
+
+
+def trace(command, limit_s=600, environment=None):
+    """Which mutants the command reaches and how long it takes; None where it fails without a mutant or takes too long."""
+    with tempfile.TemporaryDirectory() as scratch:
+        path = os.path.join(scratch, "trace")
+        start = time.monotonic()
+        status = run(command, {**(environment or {}), "LANDFALL_MUTANT_TRACE": path}, limit_s)
+        elapsed = time.monotonic() - start
+        if status != 0:
+            return None
+        if not os.path.exists(path):
+            return {"seconds": elapsed, "reached": []}
+        with open(path, encoding="utf-8") as file:
+            return {"seconds": elapsed, "reached": sorted({int(line) for line in file})}
+
+
+def turns(tests, traces):
+    """The tests, the quickest first, in groups of one program whose times add up to more and more."""
+    groups, most = [], QUICK_S
+    for test in sorted(tests, key=lambda t: traces[t]["seconds"]):
+        program = test.split(":")[0]
+        group = next((g for g in groups if g["program"] == program and g["most"] == most), None)
+        if group is None or (group["tests"] and group["seconds"] + traces[test]["seconds"] > most):
+            if group is not None:
+                most *= GROWTH
+            group = {"program": program, "tests": [], "seconds": 0, "most": most}
+            groups.append(group)
+        group["tests"].append(test.split(":", 1)[1])
+        group["seconds"] += traces[test]["seconds"]
+    return groups
+
+
+def killer(mutant, tests, traces, folder):
+    """What kills the mutant: "program: failed", "program: hangs"; or "" where it survives `tests`."""
+    for group in turns(tests, traces):
+        command = [os.path.join(folder, group["program"]), "--gtest_fail_fast", "--gtest_brief=1",
+                   "--gtest_filter=" + ":".join(group["tests"])]
+        status = run(command, {"LANDFALL_MUTANT": str(mutant)}, GRACE_S + PATIENCE * group["seconds"])
+        if status != 0:
+            return f"{group['program']}: {'hangs' if status is None else 'fails'}"
+    return ""
