@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "base/error.h"
+
 namespace landfall {
 namespace {
 
@@ -72,26 +74,40 @@ std::string text_of(hid_t dataset, const char* attribute) {
   return text;
 }
 
-std::vector<std::string> names_in(hid_t group) {
+/// A group, and the beginning of messages about what it holds: "file: /group/".
+struct NamedGroup {
+  hid_t group;
+  std::string name;
+};
+
+[[noreturn]] void fail_reading(const std::string& what) {
+  throw FormatError(what + " cannot be read: " + h5::reading_failure());
+}
+
+std::vector<std::string> names_in(const NamedGroup& group) {
   H5G_info_t info{};
-  if (H5Gget_info(group, &info) < 0) return {};
+  if (H5Gget_info(group.group, &info) < 0) fail_reading(group.name);
   std::vector<std::string> names;
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     std::array<char, 256> name{};
-    const ssize_t length =
-        H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(), name.size(), H5P_DEFAULT);
-    if (length > 0 && static_cast<std::size_t>(length) < name.size() && is_plain(name.data()))
+    const ssize_t length = H5Lget_name_by_idx(group.group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name.data(),
+                                              name.size(), H5P_DEFAULT);
+    if (length < 0) fail_reading(group.name);
+    if (static_cast<std::size_t>(length) < name.size() && is_plain(name.data()))
       names.emplace_back(name.data());
   }
   return names;
 }
 
-/// The numeric datasets of a group whose extent satisfies `wanted`.
-std::vector<ContentInfo> datasets(hid_t group, const std::function<bool(std::span<const hsize_t>)>& wanted) {
+/// The numeric datasets of a group whose extent satisfies `wanted`. What cannot be opened is an error: an
+/// export would go without it.
+std::vector<ContentInfo> datasets(const NamedGroup& group,
+                                  const std::function<bool(std::span<const hsize_t>)>& wanted) {
   std::vector<ContentInfo> result;
   for (const std::string& name : names_in(group)) {
-    const h5::Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
-    if (!object || H5Iget_type(object.get()) != H5I_DATASET) continue;
+    const h5::Handle object(H5Oopen(group.group, name.c_str(), H5P_DEFAULT), H5Oclose);
+    if (!object) fail_reading(group.name + name);
+    if (H5Iget_type(object.get()) != H5I_DATASET) continue;
     const h5::Handle space(H5Dget_space(object.get()), H5Sclose);
     std::array<hsize_t, H5S_MAX_RANK> size{};
     const int rank = H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
@@ -123,14 +139,15 @@ bool has_grid(const LandfallFileReader& file) {
 }
 
 std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpec& spec) {
-  return datasets(file.root(), [&spec](std::span<const hsize_t> size) {
+  return datasets({file.root(), file.name() + ": /"}, [&spec](std::span<const hsize_t> size) {
     return size.size() == 2 && size[0] == static_cast<hsize_t>(spec.rows) &&
            size[1] == static_cast<hsize_t>(spec.cols);
   });
 }
 
 std::vector<ContentInfo> columns_of(const TableReader& table) {
-  return datasets(table.group(), [](std::span<const hsize_t> size) { return size.size() == 1; });
+  return datasets({table.group(), table.file() + ": " + table.path_of("")},
+                  [](std::span<const hsize_t> size) { return size.size() == 1; });
 }
 
 }  // namespace landfall

@@ -35,6 +35,15 @@ nlohmann::json parse_or_null(const std::optional<std::string>& text) {
   return value.is_discarded() ? nlohmann::json() : value;
 }
 
+/// The text of a dataset, nothing where there is none; throws FormatError where it is there but cannot be
+/// read.
+std::optional<std::string> text_of(const std::string& file, hid_t group, const std::string& name) {
+  std::optional<std::string> text = h5::read_text(group, name);
+  if (!text && h5::exists(group, name))
+    throw FormatError(file + ": provenance/" + name + " cannot be read: " + h5::reading_failure());
+  return text;
+}
+
 /// A foreign file's history counts only where all of it can be understood.
 bool is_history(const nlohmann::json& chain) {
   const auto is_step = [](const nlohmann::json& step) {
@@ -104,15 +113,15 @@ void LandfallFileReader::read_provenance() {
   if (!h5::exists(root(), "provenance")) return;
   const h5::Handle group(H5Gopen2(root(), "provenance", H5P_DEFAULT), H5Gclose);
   if (!group) return;
-  config_ = parse_or_null(h5::read_text(group.get(), "config_json"));
-  nlohmann::json upstream = parse_or_null(h5::read_text(group.get(), "chain_json"));
+  config_ = parse_or_null(text_of(name_, group.get(), "config_json"));
+  nlohmann::json upstream = parse_or_null(text_of(name_, group.get(), "chain_json"));
   if (is_history(upstream)) chain_ = std::move(upstream);
   nlohmann::json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
                          {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
                          {"file_id", file_id_},
                          {"config", config_},
-                         {"inputs", parse_or_null(h5::read_text(group.get(), "inputs_json"))}};
-  const nlohmann::json options = parse_or_null(h5::read_text(group.get(), "options_json"));
+                         {"inputs", parse_or_null(text_of(name_, group.get(), "inputs_json"))}};
+  const nlohmann::json options = parse_or_null(text_of(name_, group.get(), "options_json"));
   if (!options.is_null()) step["options"] = options;
   chain_.push_back(step);
 }
