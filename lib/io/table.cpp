@@ -221,8 +221,9 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 }
 
 TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
-    : file_(std::move(file)), name_(group == "/" ? "" : "/" + group) {
-  group_ = h5::Handle(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose);
+    : file_(std::move(file)),
+      name_(group == "/" ? "" : "/" + group),
+      group_(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose) {
   if (!group_) throw FormatError(file_ + ": no group " + (name_.empty() ? "/" : name_));
 }
 
