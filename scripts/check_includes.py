@@ -29,7 +29,7 @@ ONLY_IN = {
     r"(gdal|ogr|cpl_|vrt)": {"terrain"},
     r"(hdf5|H5)": {"io"},
     r"libdeflate": {"io"},
-    r"isa-l": {"io"},
+    r"zlib": {"io"},
     r"nlohmann/": {"config", "io", "cli", "lidar", "report"},
     r"valijson/": {"config"},
     r"CLI/": {"cli"},

@@ -2,15 +2,16 @@
 #include "io/chunk_codec.h"
 
 #include <libdeflate.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string_view>
 
 #include "base/error.h"
 #include "io/byte_shuffle.h"
-#include "io/igzip.h"
 
 namespace landfall {
 namespace {
@@ -35,9 +36,12 @@ libdeflate_compressor* compressor_for(int level) {
 }
 
 /// True where a sample from the middle does not shrink by a sixteenth.
-bool looks_like_noise(Bytes plane, Igzip& igzip) {
+bool looks_like_noise(Bytes plane, libdeflate_compressor* codec) {
   constexpr std::size_t kSample = 4096;
-  return !igzip.fits(plane.subspan((plane.size() - kSample) / 2, kSample), kSample - kSample / 16);
+  std::array<std::byte, kSample> target;
+  const Bytes sample = plane.subspan((plane.size() - kSample) / 2, kSample);
+  return libdeflate_deflate_compress(codec, sample.data(), sample.size(), target.data(),
+                                     kSample - kSample / 16) == 0;
 }
 
 /// True where pieces of the plane are found once more as far back as deflate reaches: noise that comes again,
@@ -63,13 +67,13 @@ struct NoiseRun {
 };
 
 /// The first such planes. The last plane, of signs and exponents, counts as none.
-NoiseRun noise_run(Bytes planes, std::size_t element_size, int level, Igzip& igzip) {
+NoiseRun noise_run(Bytes planes, std::size_t element_size, int level, libdeflate_compressor* codec) {
   constexpr int kThoroughLevel = 6;
   constexpr std::size_t kShortPlane = 8192;
   const std::size_t size = planes.size() / element_size;
   if (level >= kThoroughLevel || size < kShortPlane) return {};
   const auto is_noise = [&](std::size_t i) {
-    return looks_like_noise(planes.subspan(i * size, size), igzip);
+    return looks_like_noise(planes.subspan(i * size, size), codec);
   };
   std::size_t begin = 0;
   while (begin + 1 < element_size && !is_noise(begin)) ++begin;
@@ -79,47 +83,78 @@ NoiseRun noise_run(Bytes planes, std::size_t element_size, int level, Igzip& igz
   return {begin * size, end * size};
 }
 
-constexpr std::size_t kHeaderBytes = 2;
-constexpr std::size_t kChecksumBytes = 4;
-constexpr int kQuickLevel = 1;
-
-/// What stands behind the noise: the end of the stream.
-std::byte* put_last(Bytes bytes, std::size_t plane_size, int level, Igzip& igzip, std::span<std::byte> room) {
-  if (level == kQuickLevel) {
-    std::byte* out = room.data();
-    for (; bytes.size() > plane_size; bytes = bytes.subspan(plane_size))
-      out = igzip.put(bytes.first(plane_size), false, out);
-    return igzip.put(bytes, true, out);
+/// zlib's compressor, made once per thread. Unlike libdeflate's it can end at a byte within a stream.
+class FlushingCompressor {
+ public:
+  FlushingCompressor() {
+    // Runs and letter frequencies only: below noise lie zeros, or few values of a rounded number.
+    if (deflateInit2(&stream_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK)
+      throw IoError("no memory for a compressor");
   }
-  const std::size_t size = libdeflate_deflate_compress(compressor_for(level), bytes.data(), bytes.size(),
-                                                       room.data(), room.size());
-  if (size == 0) throw IoError("compressing a chunk failed");
-  return room.data() + size;
-}
+  ~FlushingCompressor() { deflateEnd(&stream_); }
+  FlushingCompressor(const FlushingCompressor&) = delete;
+  FlushingCompressor& operator=(const FlushingCompressor&) = delete;
 
-std::size_t last_bound(std::size_t size, std::size_t element_size, int level) {
-  if (level == kQuickLevel) return element_size * Igzip::bound(size / element_size + 1);
-  return libdeflate_deflate_compress_bound(compressor_for(level), size);
+  /// Deflate blocks, none of them the last, that end at a byte.
+  std::byte* put(Bytes bytes, std::byte* out, std::size_t room) {
+    deflateReset(&stream_);
+    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // only read
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(out);
+    stream_.avail_out = static_cast<uInt>(room);
+    if (deflate(&stream_, Z_FULL_FLUSH) != Z_OK || stream_.avail_in > 0 || stream_.avail_out == 0)
+      throw IoError("compressing a chunk failed");
+    return out + stream_.total_out;
+  }
+
+  static std::size_t bound(std::size_t size) { return compressBound(size) + 64; }
+
+ private:
+  z_stream stream_{};
+};
+
+/// Deflate's stored blocks (RFC 1951, 3.2.4), none of them the last. They end at a byte.
+std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
+  constexpr std::size_t kLongest = 65535;
+  while (!bytes.empty()) {
+    const std::size_t size = std::min(bytes.size(), kLongest);
+    *out++ = std::byte{0};
+    for (const std::size_t field : {size, ~size}) {
+      *out++ = static_cast<std::byte>(field & 0xffU);
+      *out++ = static_cast<std::byte>(field >> 8U & 0xffU);
+    }
+    out = std::copy_n(bytes.begin(), size, out);
+    bytes = bytes.subspan(size);
+  }
+  return out;
 }
 
 /// A zlib stream (RFC 1950) in the first bytes of `room`: the noise as it is, what lies before and behind it
 /// compressed.
-std::span<const std::byte> put_zlib_stream(Bytes bytes, std::size_t element_size, int level,
+std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, libdeflate_compressor* codec,
                                            std::vector<std::byte>& room) {
-  thread_local Igzip igzip;
-  const NoiseRun noise = noise_run(bytes, element_size, level, igzip);
+  constexpr std::size_t kHeader = 2;
+  constexpr std::size_t kChecksum = 4;
+  constexpr std::size_t kBlockHeader = 5;
+  const Bytes stored = bytes.subspan(noise.begin, noise.end - noise.begin);
   const Bytes behind = bytes.subspan(noise.end);
-  const std::size_t most = kHeaderBytes + 2 * Igzip::bound(noise.end) +
-                           last_bound(behind.size(), element_size, level) + kChecksumBytes;
+  const std::size_t before_bound = noise.begin > 0 ? FlushingCompressor::bound(noise.begin) : 0;
+  const std::size_t most = kHeader + before_bound + stored.size() +
+                           kBlockHeader * (stored.size() / 65535 + 1) +
+                           libdeflate_deflate_compress_bound(codec, behind.size()) + kChecksum;
   if (room.size() < most) room.resize(most);
-  room[0] = std::byte{0x78};
-  room[1] = std::byte{0x01};
-  std::byte* out = room.data() + kHeaderBytes;
-  if (noise.begin > 0) out = igzip.put(bytes.first(noise.begin), false, out);
-  if (noise.end > noise.begin)
-    out = put_stored_blocks(bytes.subspan(noise.begin, noise.end - noise.begin), false, out);
-  const std::size_t left = room.size() - static_cast<std::size_t>(out - room.data()) - kChecksumBytes;
-  out = put_last(behind, bytes.size() / element_size, level, igzip, {out, left});
+  std::byte* out = room.data();
+  *out++ = std::byte{0x78};
+  *out++ = std::byte{0x01};
+  if (noise.begin > 0) {
+    thread_local FlushingCompressor flushing;
+    out = flushing.put(bytes.first(noise.begin), out, before_bound);
+  }
+  out = put_stored_blocks(stored, out);
+  const std::size_t left = room.size() - static_cast<std::size_t>(out - room.data()) - kChecksum;
+  const std::size_t size = libdeflate_deflate_compress(codec, behind.data(), behind.size(), out, left);
+  if (size == 0) throw IoError("compressing a chunk failed");
+  out += size;
   const std::uint32_t checksum = libdeflate_adler32(1, bytes.data(), bytes.size());
   for (const unsigned shift : {24U, 16U, 8U, 0U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
   return {room.data(), out};
@@ -133,7 +168,8 @@ std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) 
   if (room.size() < raw.size()) room.resize(raw.size());
   const std::span<std::byte> planes = std::span(room).first(raw.size());
   shuffle_bytes(raw, element_size_, planes);
-  return put_zlib_stream(planes, element_size_, level_, stream_);
+  libdeflate_compressor* const codec = compressor_for(level_);
+  return put_zlib_stream(planes, noise_run(planes, element_size_, level_, codec), codec, stream_);
 }
 
 }  // namespace landfall

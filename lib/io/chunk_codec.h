@@ -8,12 +8,11 @@
 namespace landfall {
 
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
-/// opens it: byte 0 of every element, then byte 1, ..., compressed in zlib form by ISA-L (level 1) or
-/// libdeflate (levels 2 to 9; docs/decisions.md, D200). Level 0 leaves the bytes as they are, unshuffled,
-/// which is what a dataset without filters holds.
+/// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
+/// the bytes as they are, unshuffled, which is what a dataset without filters holds.
 ///
 /// Below level 6 neighbouring bytes of numbers are stored as they are where a trial finds noise in them:
-/// searching it for repetitions takes most of the time and saves nothing. The trial looks at samples,
+/// searching it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples,
 /// so a chunk may miss some of its compression, at most what those bytes could have saved.
 ///
 /// An encoder keeps its memory, about the chunk's, from one chunk to the next; so does the thread. One thread
