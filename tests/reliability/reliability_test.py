@@ -92,9 +92,6 @@ class Calls(Reliability):
         self.try_calls("write", "short", "short writes")
         self.try_calls("write", "again", "EINTR")
 
-    def test_a_read_that_fails_once(self):
-        self.try_calls("read", errno.EIO, "EIO on a read", most=24)
-
     def test_an_interrupt_with_each_of_the_last_calls(self):
         """Among them those that give the output its name."""
         self.try_calls("write", -signal.SIGTERM, "SIGTERM", most=20, ended_by=signal.SIGTERM)

@@ -118,7 +118,7 @@ class SlurmLocal(StudyTest):
     def test_wrong_arguments(self):
         for arguments, word in ((["frob"], "start"), (["start", "-N", "0"], "-N: 0 is no integer in [1, 256]"),
                                 (["start", "-N"], "-N needs a value"), (["start", "--nodes", "3"], "unknown option --nodes"),
-                                (["lose"], "lose needs a node"), (["start", "--dir", self.path("a b")], "no blanks")):
+                                (["lose"], "lose needs a node"), (["start", "--dir", self.path("a b")], "a name of letters, digits")):
             result = slurm_local(*arguments)
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn(word, result.stderr)

@@ -82,7 +82,9 @@ TEST_F(LoadDem, TellsItsFiles) {
   EXPECT_THAT(files(circle), ::testing::ElementsAre(circle));
   EXPECT_THAT(files("/nowhere/x.tif"), ::testing::IsEmpty());
   links = RasterLinks::refused;
-  EXPECT_THAT(files(outer), ::testing::ElementsAre(outer));
+  // GDAL tells the sources that a VRT names, but what they name in turn it could only know by opening them.
+  EXPECT_THAT(files(outer),
+              ::testing::AllOf(::testing::Contains(outer), ::testing::Not(::testing::Contains(raster))));
 }
 
 TEST_F(LoadDem, RefusesAPipe) {
