@@ -7,6 +7,9 @@
 
 namespace landfall {
 
+/// The most bytes that one byte of a deflate stream can stand for.
+inline constexpr unsigned kDeflateAtMost = 1032;
+
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
 /// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
 /// the bytes as they are, unshuffled, which is what a dataset without filters holds.

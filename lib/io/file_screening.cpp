@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "io/chunk_codec.h"
 #include "io/h5.h"
 
 namespace landfall::h5 {
@@ -17,7 +18,6 @@ namespace {
 constexpr double kMebi = 0x1p20;
 constexpr double kMostChunkBytes = 256 * kMebi;
 constexpr double kMostUnstoredBytes = 256 * kMebi;
-constexpr double kDeflateAtMost = 1032;  // bytes that one compressed byte can stand for
 constexpr std::size_t kMostObjects = std::size_t{1} << 20U;
 constexpr const char* kAdvice =
     "; landfall opens no file that another one names: copy the data into one file";

@@ -18,7 +18,6 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kChunkRows = 65536;
-constexpr hsize_t kDeflateAtMost = 1032;  // bytes that one compressed byte can stand for
 
 struct RowsDataset {
   std::string name;

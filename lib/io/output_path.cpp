@@ -34,7 +34,10 @@ std::string place() {
 }
 
 /// ".NAME.PLACE-", what the temporary files of this place begin with.
-std::string part_prefix(const std::string& output_name) { return "." + output_name + "." + place() + "-"; }
+std::string part_prefix(const std::string& output_name) {
+  static const std::string here = place();
+  return "." + output_name + "." + here + "-";
+}
 
 /// The process number in ".NAME.PLACE-PID.part", 0 where it is not such a name.
 int owner_of_part(const std::string& file, const std::string& prefix) {

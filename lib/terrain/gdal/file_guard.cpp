@@ -176,8 +176,7 @@ FileGuard::FileGuard(std::string raster, RasterLinks links) : raster_(std::move(
   const std::vector<std::string> files = own_files(raster_);
   const bool unguarded = any_hdf5_or_netcdf(files);
   prepare_gdal_to_read(raster_, follows || unguarded ? Unguarded::offered : Unguarded::withheld);
-  // An .aux.xml could name a layer of another file, which HDF5 would open past
-  // the guard.
+  // An .aux.xml could name a layer of another file, which HDF5 would open past the guard.
   if (unguarded && !follows) no_sidecars_.emplace("GDAL_PAM_ENABLED", "NO", false);
   Permit permit{follows, {}};
   for (const std::string& file : files) permit.products.emplace_back(file);

@@ -11,15 +11,12 @@
 
 namespace landfall {
 
-/// While one lives, GDAL opens no local file but those of one raster
-/// (raster_links.h) and its own resources; what else it tries, because a file
-/// tells it to, fails as if it might not be read. Guards that live at the same
-/// time allow what any of them allows. Python in a file and the standard input
-/// are refused at any time.
+/// While one lives, GDAL opens no local file but those of one raster (raster_links.h) and its own resources;
+/// what else it tries, because a file tells it to, fails as if it might not be read. Guards that live at the
+/// same time allow what any of them allows. Python in a file and the standard input are refused at any time.
 class FileGuard {
  public:
-  /// With RasterLinks::followed nothing is refused. Makes GDAL ready to read
-  /// (registry.h).
+  /// With RasterLinks::followed nothing is refused. Makes GDAL ready to read (registry.h).
   FileGuard(std::string raster, RasterLinks links);
   ~FileGuard();
   FileGuard(const FileGuard&) = delete;
