@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
 #include "terrain/mesh_name.h"
@@ -22,14 +23,15 @@ Json number_of(const std::string& text, const char* option) {
   double number = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(number))
-    throw UsageError(std::string(option) + ": '" + text + "' is not a number");
+    throw UsageError(std::string(option) + ": '" + shown_text(text) + "' is not a number");
   return number;
 }
 
 Json pair_of(const std::string& text, const char* option) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw UsageError(std::string(option) + ": '" + text + "' is not two numbers with a comma between them");
+    throw UsageError(std::string(option) + ": '" + shown_text(text) +
+                     "' is not two numbers with a comma between them");
   return {number_of(text.substr(0, comma), option), number_of(text.substr(comma + 1), option)};
 }
 
@@ -58,6 +60,14 @@ Json plain(double number) {
   return number;
 }
 
+void set_in_grid(JsonSource& source, const char* key, const std::string& text, const char* option) {
+  if (text.empty()) return;
+  Json& grid = source.value["grid"];
+  if (!grid.is_null() && !grid.is_object())
+    throw UsageError(source.name + ": /grid: is no object, so that " + option + " has no place in it");
+  grid[key] = number_of(text, option);
+}
+
 void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
   ImportOptions only_from;
   only_from.from = options.from;
@@ -81,10 +91,8 @@ void apply_import(JsonSource& source, const ImportOptions& options) {
                        ": /base: the configuration has a base and --from makes one; leave one out");
     source.value["base"] = base_of(options);
   }
-  if (!options.half_width.empty())
-    source.value["grid"]["half_width_m"] = number_of(options.half_width, "--half-width");
-  if (!options.resolution.empty())
-    source.value["grid"]["resolution_m"] = number_of(options.resolution, "--resolution");
+  set_in_grid(source, "half_width_m", options.half_width, "--half-width");
+  set_in_grid(source, "resolution_m", options.resolution, "--resolution");
 }
 
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit) {

@@ -1,85 +1,75 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/json_source.h"
 
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <set>
 #include <system_error>
 
 #include "base/error.h"
+#include "base/json_levels.h"
+#include "base/shown_text.h"
 
 namespace landfall {
 namespace {
 
 using Json = nlohmann::json;
 
+std::string read_to_end(std::istream& stream, const std::string& name) {
+  std::string text;
+  std::array<char, 65536> block;
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0)
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  const bool failed = stream.bad() || (&stream == &std::cin && std::ferror(stdin) != 0);
+  if (failed) throw UsageError(name + ": cannot be read to its end");
+  return text;
+}
+
 std::string read_text(const std::string& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
+  if (path == "-") return read_to_end(std::cin, "standard input");
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw UsageError(path + ": no such file");
   if (std::filesystem::is_directory(path, error)) throw UsageError(path + ": is a directory");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw UsageError(path + ": cannot be read: " + std::generic_category().message(errno));
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return read_to_end(stream, path);
 }
 
 /// Deeper than any schema; what walks a configuration may call itself.
 constexpr int kMostLevels = 64;
 
-/// A key as a message can hold it.
-std::string shown(const std::string& key) { return key.size() <= 60 ? key : key.substr(0, 57) + "..."; }
-
-/// Refuses what is JSON and no configuration. nlohmann keeps the last of two equal keys; a configuration that
-/// says two things says neither. A pass of its own: the parser's callbacks take time in the square of a list.
-class StrictnessCheck final : public nlohmann::json_sax<Json> {
+/// Refuses what is JSON and no configuration; what is no JSON is told by parse(). nlohmann keeps the last of
+/// two equal keys; a configuration that says two things says neither. A pass of its own: the parser's
+/// callbacks take time in the square of a list.
+class StrictnessCheck final : public JsonLevels {
  public:
-  explicit StrictnessCheck(const std::string& name) : name_(name) {}
+  explicit StrictnessCheck(std::string name) : JsonLevels(kMostLevels), name_(std::move(name)) {}
 
-  bool start_object(std::size_t /*size*/) override {
+  bool start_object(std::size_t size) override {
     keys_.emplace_back();
-    return go_down();
+    return JsonLevels::start_object(size);
   }
   bool key(std::string& text) override {
     if (!keys_.back().insert(text).second)
-      throw UsageError(name_ + ": key \"" + shown(text) + "\" stands twice in one object");
+      throw UsageError(name_ + ": key \"" + shown_text(text) + "\" stands twice in one object");
     return true;
   }
   bool end_object() override {
     keys_.pop_back();
-    return go_up();
-  }
-  bool start_array(std::size_t /*size*/) override { return go_down(); }
-  bool end_array() override { return go_up(); }
-  bool null() override { return true; }
-  bool boolean(bool /*value*/) override { return true; }
-  bool number_integer(Json::number_integer_t /*value*/) override { return true; }
-  bool number_unsigned(Json::number_unsigned_t /*value*/) override { return true; }
-  bool number_float(Json::number_float_t /*value*/, const std::string& /*text*/) override { return true; }
-  bool string(std::string& /*value*/) override { return true; }
-  bool binary(Json::binary_t& /*value*/) override { return true; }
-  /// What is no JSON is told by parse().
-  bool parse_error(std::size_t /*at*/, const std::string& /*token*/,
-                   const nlohmann::detail::exception& /*error*/) override {
-    return false;
+    return JsonLevels::end_object();
   }
 
  private:
-  bool go_down() {
-    if (++level_ > kMostLevels)
-      throw UsageError(name_ + ": is nested deeper than " + std::to_string(kMostLevels) + " levels");
-    return true;
-  }
-  bool go_up() {
-    --level_;
-    return true;
+  bool too_deep() override {
+    throw UsageError(name_ + ": is nested deeper than " + std::to_string(kMostLevels) + " levels");
   }
 
   std::string name_;
-  int level_ = 0;
   std::vector<std::set<std::string>> keys_;
 };
 
@@ -118,30 +108,41 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   std::size_t index = 0;
   const auto [stop, error] = std::from_chars(key.data(), key.data() + key.size(), index);
   if (error != std::errc() || stop != key.data() + key.size() || index >= array.size())
-    throw UsageError("--set " + assignment + ": '" + key + "' is no index of an array of " +
-                     std::to_string(array.size()));
+    throw UsageError("--set " + shown_text(assignment) + ": '" + shown_text(key) +
+                     "' is no index of an array of " + std::to_string(array.size()));
   return array[index];
 }
 
+bool is_utf8(const std::string& text) {
+  try {
+    static_cast<void>(Json(text).dump());
+    return true;
+  } catch (const Json::type_error&) {
+    return false;
+  }
+}
+
 void assign(Json& root, const std::string& assignment) {
+  if (!is_utf8(assignment)) throw UsageError("--set: the text is not UTF-8, as JSON is");
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw UsageError("--set " + assignment + ": wanted KEY=JSON");
+    throw UsageError("--set " + shown_text(assignment) + ": wanted KEY=JSON");
   const std::string text = assignment.substr(equals + 1);
   if (!Json::accept(text))
-    throw UsageError("--set " + assignment + ": '" + text + "' is not JSON (a text needs quotes: '\"" + text +
-                     "\"')");
-  const Json value = parse(text, "--set " + assignment);
+    throw UsageError("--set " + shown_text(assignment) + ": '" + shown_text(text) +
+                     "' is not JSON (a text needs quotes: '\"" + shown_text(text) + "\"')");
+  const Json value = parse(text, "--set " + shown_text(assignment));
   Json* target = &root;
   const std::vector<std::string> keys = split(assignment.substr(0, equals));
   if (keys.size() > std::size_t{kMostLevels})
     throw UsageError("--set: a key of " + std::to_string(keys.size()) + " parts, more than " +
                      std::to_string(kMostLevels));
   for (const std::string& key : keys) {
-    if (key.empty()) throw UsageError("--set " + assignment + ": an empty key");
+    if (key.empty()) throw UsageError("--set " + shown_text(assignment) + ": an empty key");
     if (target->is_null()) *target = Json::object();
     if (!target->is_structured())
-      throw UsageError("--set " + assignment + ": '" + key + "' lies inside a plain value");
+      throw UsageError("--set " + shown_text(assignment) + ": '" + shown_text(key) +
+                       "' lies inside a plain value");
     target = target->is_array() ? &element(*target, key, assignment) : &(*target)[key];
   }
   *target = value;

@@ -14,6 +14,7 @@
 #include <valijson/validator.hpp>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "config/embedded_schemas.h"
 
 namespace landfall {
@@ -39,10 +40,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 /// What an over-long value looks like in a message.
-std::string shown(const Json& value) {
-  const std::string text = value.dump();
-  return text.size() <= 60 ? text : text.substr(0, 57) + "...";
-}
+std::string shown(const Json& value) { return shown_text(value.dump()); }
 
 std::string listed(const Json& values) {
   std::string text;
@@ -252,7 +250,7 @@ class Resolver {
     std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
     if (near.empty())
       for (std::size_t i = 0; i < known.size(); ++i) hint += (i == 0 ? "" : ", ") + known[i];
-    fail(pointer + "/" + (key.size() <= 60 ? key : key.substr(0, 57) + "..."), "unknown key" + hint);
+    fail(pointer + "/" + shown_text(key), "unknown key" + hint);
   }
 
   std::string name_;

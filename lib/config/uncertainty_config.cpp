@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "config/json_values.h"
 
 namespace landfall {
@@ -22,7 +23,7 @@ double sigma_of(const std::string& text, const std::string& assignment) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
-    throw UsageError("--navigation-sigma " + assignment + ": '" + text +
+    throw UsageError("--navigation-sigma " + shown_text(assignment) + ": '" + shown_text(text) +
                      "' is not a number; wanted KEY=SIGMA or KEY=X,Y,Z");
   return value;
 }
@@ -37,7 +38,7 @@ std::vector<double> sigmas_of(const std::string& text, const std::string& assign
   }
   if (sigmas.size() == 1) sigmas.assign(3, sigmas.front());
   if (sigmas.size() != 3)
-    throw UsageError("--navigation-sigma " + assignment + ": " + std::to_string(sigmas.size()) +
+    throw UsageError("--navigation-sigma " + shown_text(assignment) + ": " + std::to_string(sigmas.size()) +
                      " numbers; wanted 1 or 3");
   return sigmas;
 }
@@ -84,7 +85,8 @@ bool has_no_pointing_error(const Json& config) {
 }
 
 bool has_no_navigation_error(const Json& config) {
-  if (!config.is_object() || !config.contains("navigation_error")) return false;
+  if (!config.is_object() || !config.contains("navigation_error") || !config["navigation_error"].is_object())
+    return false;
   const Json none = {0, 0, 0};
   for (const char* const key : kNavigationKeys)
     if (config["navigation_error"].value(key, Json()) != none) return false;
@@ -124,7 +126,7 @@ void add_navigation_sigma(Json& config, const std::string& assignment) {
   if (equals == std::string::npos ||
       std::find(kNavigationKeys.begin(), kNavigationKeys.end(), key) == kNavigationKeys.end())
     throw UsageError(
-        "--navigation-sigma " + assignment +
+        "--navigation-sigma " + shown_text(assignment) +
         ": wanted KEY=SIGMA or KEY=X,Y,Z; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps");
   Json& sigmas = config["uncertainty"]["navigation_sigma"];
   for (const char* const other : kNavigationKeys)

@@ -51,7 +51,7 @@ std::string_view off_keyword(MeshText& text) {
   const std::string_view keyword = word_of_next_line(text, "its keyword OFF");
   const bool known =
       keyword == "OFF" || keyword == "COFF" || keyword == "NOFF" || keyword == "CNOFF" || keyword == "STOFF";
-  if (!known) text.fail("is no OFF file that is read: it begins with '" + MeshText::shown(keyword) + "'");
+  if (!known) text.fail("is no OFF file that is read: it begins with '" + shown_word(keyword) + "'");
   return keyword;
 }
 
@@ -71,7 +71,7 @@ void expect_word(MeshText& text, std::string_view wanted) {
   const std::string_view word = text.word();
   if (!is_keyword(word, wanted))
     text.fail(word.empty() ? "ends before '" + std::string(wanted) + "'"
-                           : "'" + MeshText::shown(word) + "' where '" + std::string(wanted) + "' belongs");
+                           : "'" + shown_word(word) + "' where '" + std::string(wanted) + "' belongs");
 }
 
 void add_corner(PolygonSoup& soup, const Eigen::Vector3d& point) {
@@ -86,7 +86,7 @@ PolygonSoup parse_ascii_stl(std::string_view bytes, const std::string& name) {
   text.skip_line();
   for (std::string_view word = text.word(); !is_keyword(word, "endsolid"); word = text.word()) {
     if (!is_keyword(word, "facet"))
-      text.fail(word.empty() ? "ends before 'endsolid'" : "'" + MeshText::shown(word) + "' is no facet");
+      text.fail(word.empty() ? "ends before 'endsolid'" : "'" + shown_word(word) + "' is no facet");
     text.skip_line();  // its normal
     expect_word(text, "outer");
     expect_word(text, "loop");
@@ -191,7 +191,7 @@ MeshFile read_mesh_file(const fs::path& path) {
                      : extension == ".stl" ? parse_stl
                                            : nullptr;
   if (parse == nullptr)
-    throw FormatError(name + ": '" + MeshText::shown(extension) +
+    throw FormatError(name + ": '" + shown_word(extension) +
                       "' is no mesh that is read: .obj, .ply, .off or .stl");
   const std::string bytes = read_bytes(path);
   return {parse(bytes, name), Hash().update(std::as_bytes(std::span(bytes))).hex()};

@@ -65,14 +65,14 @@ Type type_of(MeshText& text) {
   const std::string_view word = text.word_of_line();
   for (const TypeName& known : kTypeNames)
     if (known.name == word) return known.type;
-  text.fail("'" + MeshText::shown(word) + "' is no type of PLY");
+  text.fail("'" + shown_word(word) + "' is no type of PLY");
 }
 
 Encoding encoding_of(MeshText& text) {
   const std::string_view word = text.word_of_line();
   if (word == "ascii") return Encoding::text;
   if (word == "binary_little_endian") return Encoding::little_endian;
-  if (word != "binary_big_endian") text.fail("'" + MeshText::shown(word) + "' is no format of PLY");
+  if (word != "binary_big_endian") text.fail("'" + shown_word(word) + "' is no format of PLY");
   return Encoding::big_endian;
 }
 
@@ -111,7 +111,7 @@ Header read_header(std::string_view bytes, const std::string& name) {
     } else if (keyword == "property") {
       add_property(text, header.elements);
     } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-      text.fail("'" + MeshText::shown(keyword) + "' does not belong into a PLY header");
+      text.fail("'" + shown_word(keyword) + "' does not belong into a PLY header");
     }
   }
   if (!has_format) text.fail("the header names no format");
@@ -215,7 +215,7 @@ void require_room(const Values& values, const Element& element) {
   for (const Property& property : element.properties)
     least += values.least_size(property.length.value_or(property.type));
   if (least > 0 && static_cast<std::uint64_t>(element.count) > values.bytes_left() / least)
-    values.fail(std::to_string(element.count) + " elements '" + MeshText::shown(element.name) +
+    values.fail(std::to_string(element.count) + " elements '" + shown_word(element.name) +
                 "', more than the file has left");
 }
 

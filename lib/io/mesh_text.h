@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "terrain/polygon_soup.h"
 
 namespace landfall {
@@ -53,8 +54,8 @@ class MeshText {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     const bool is_tiny = error == std::errc::result_out_of_range;  // or huge: below, it is not a number
     if ((error != std::errc() && !is_tiny) || end != digits.data() + digits.size() || digits.empty())
-      fail("'" + shown(word) + "' is not a number");
-    if (is_tiny) fail("'" + shown(word) + "' is beyond double precision");
+      fail("'" + shown_word(word) + "' is not a number");
+    if (is_tiny) fail("'" + shown_word(word) + "' is beyond double precision");
     return value;
   }
 
@@ -63,7 +64,7 @@ class MeshText {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size() || digits.empty())
-      fail("'" + shown(word) + "' is not an integer");
+      fail("'" + shown_word(word) + "' is not an integer");
     return value;
   }
 
@@ -78,14 +79,6 @@ class MeshText {
     std::size_t line = 1;
     for (const char c : text_.substr(0, at_)) line += c == '\n' ? 1U : 0U;
     throw FormatError(name_ + ": line " + std::to_string(line) + ": " + what);
-  }
-
-  /// A word as a message can hold it: short, and plain ASCII.
-  [[nodiscard]] static std::string shown(std::string_view word) {
-    std::string text(word.substr(0, 40));
-    for (char& c : text)
-      if (c < ' ' || c > '~') c = '?';
-    return text;
   }
 
  private:

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/regular_file.h"
+#include "base/shown_text.h"
 #include "io/table.h"
 
 namespace landfall {
@@ -95,7 +96,7 @@ class CsvReader {
       double value = 0;
       const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
       if (error != std::errc() || stop != cell.data() + cell.size())
-        fail(column.name + " '" + std::string(cell) + "' is not a number");
+        fail(column.name + " '" + shown_word(cell) + "' is not a number");
       column.values.push_back(value);
     }
   }

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a configuration reaches the four tools: files, --set, --seed, standard input, and what is refused."""
 import json
+import os
 import subprocess
 import unittest
 
@@ -142,6 +143,7 @@ class Assignments(ToolTest):
         for name in TOOLS:
             for text in ["a", "=1", "a=", "a=nonsense", "a=NaN", "a..b=1", '{"a":1}']:
                 self.refuse(2, name, "--check", "--set", text, words=["--set", text])
+        self.refuse(2, "scan-sim", "--check", "--set", os.fsdecode(b"seed.\xf8=1"), words=["--set", "UTF-8"])
         self.refuse(2, "scan-sim", "--check", "--set", "seed=1", "--set", "seed.x=1", words=["--set seed.x=1"])
         self.refuse(2, "scan-sim", "--check", "--set", 'noise={"range_bias_m":1,"range_bias_m":2}',
                     words=["--set", "range_bias_m", "twice"])
@@ -152,6 +154,14 @@ class Assignments(ToolTest):
                              self.resolved(name, "-c", self.config(CONFIGS[name])))
             self.refuse(2, name, "-c", "-", "--check", stdin='{"nope": 1}', words=["standard input", "/nope"])
             self.refuse(2, name, "-c", "-", "--check", stdin="", words=["standard input"])
+
+    def test_standard_input_that_cannot_be_read(self):
+        for name in TOOLS:
+            folder = os.open("/", os.O_RDONLY)
+            self.addCleanup(os.close, folder)
+            result = subprocess.run([tool(name), "-c", "-", "--check"], stdin=folder, capture_output=True, text=True, timeout=60,
+                                    check=False)
+            self.assertEqual((result.returncode, result.stderr), (2, f"{name}: standard input: cannot be read to its end\n"))
 
     def test_config_through_a_pipe(self):
         for name in TOOLS:

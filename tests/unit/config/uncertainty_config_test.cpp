@@ -30,6 +30,17 @@ std::string refusal_of(const std::string& config, const std::vector<ScanOrigin>&
   return refusal([&] { static_cast<void>(uncertainty_parameters(resolved(config), "c.json", scans)); });
 }
 
+// Any program may have made the scan.
+TEST(UncertaintyConfig, AForeignScanTellsNothing) {
+  for (const Json& error : {Json(5), Json("none"), Json::array(), Json(nullptr)}) {
+    ScanOrigin foreign = scan("a.h5", 0.02);
+    foreign.config["navigation_error"] = error;
+    EXPECT_THAT(refusal_of("{}", {foreign}),
+                HasSubstr("a.h5 holds a navigation or pointing error or does not tell"))
+        << error;
+  }
+}
+
 TEST(UncertaintyConfig, TakesFromTheScansWhatIsNotGiven) {
   const UncertaintyParameters parameters =
       uncertainty_parameters(resolved("{}"), "c.json", {scan("a.h5", 0.02), scan("b.h5", 0.02)});

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace landfall {
+
+/// For libraries that link nlohmann_json. Walks the text of JSON without building it, for Json::sax_parse():
+/// stops, and so says false, where the text is no JSON or opens more than `most` levels. What walks a JSON
+/// value calls itself level by level.
+class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  using Json = nlohmann::json;
+
+  explicit JsonLevels(int most) : most_(most) {}
+
+  bool start_object(std::size_t /*size*/) override { return go_down(); }
+  bool start_array(std::size_t /*size*/) override { return go_down(); }
+  bool end_object() override { return go_up(); }
+  bool end_array() override { return go_up(); }
+  bool key(std::string& /*text*/) override { return true; }
+  bool null() override { return true; }
+  bool boolean(bool /*value*/) override { return true; }
+  bool number_integer(Json::number_integer_t /*value*/) override { return true; }
+  bool number_unsigned(Json::number_unsigned_t /*value*/) override { return true; }
+  bool number_float(Json::number_float_t /*value*/, const std::string& /*text*/) override { return true; }
+  bool string(std::string& /*value*/) override { return true; }
+  bool binary(Json::binary_t& /*value*/) override { return true; }
+  bool parse_error(std::size_t /*at*/, const std::string& /*token*/,
+                   const nlohmann::detail::exception& /*error*/) override {
+    return false;
+  }
+
+ protected:
+  /// At the first level beyond the most.
+  virtual bool too_deep() { return false; }
+
+ private:
+  bool go_down() { return ++level_ <= most_ || too_deep(); }
+  bool go_up() {
+    --level_;
+    return true;
+  }
+
+  int most_;
+  int level_ = 0;
+};
+
+}  // namespace landfall
