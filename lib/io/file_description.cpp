@@ -13,6 +13,7 @@
 #include "io/dataset_list.h"
 #include "io/grid_file.h"
 #include "io/landfall_file.h"
+#include "io/stored_json.h"
 #include "io/table.h"
 #include "io/value_statistics.h"
 
@@ -26,12 +27,7 @@ constexpr const char* kLayers = "layers";
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-/// Null where the text is no JSON.
-Json parsed(const std::optional<std::string>& text) {
-  if (!text) return nullptr;
-  Json value = Json::parse(*text, nullptr, false);
-  return value.is_discarded() ? Json(nullptr) : value;
-}
+Json parsed(const std::optional<std::string>& text) { return stored_json<Json>(text); }
 
 std::string text_attribute(hid_t object, const char* name) {
   return h5::read_text_attribute(object, name).value_or("");

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "io/h5_close.h"
+#include "io/stored_json.h"
 
 namespace landfall {
 namespace {
@@ -29,26 +30,33 @@ h5::Handle open_quietly(const std::string& path) {
   return h5::open_file(path);
 }
 
-nlohmann::json parse_or_null(const std::optional<std::string>& text) {
-  if (!text) return nullptr;
-  nlohmann::json value = nlohmann::json::parse(*text, nullptr, false);
-  return value.is_discarded() ? nlohmann::json() : value;
+using Json = nlohmann::json;
+
+bool has_text(const Json& object, const char* key) {
+  return object.is_object() && object.contains(key) && object[key].is_string();
 }
 
-/// The text of a dataset, nothing where there is none; throws FormatError where it is there but cannot be
+bool is_input_list(const Json& inputs) {
+  return inputs.is_array() && std::all_of(inputs.begin(), inputs.end(), [](const Json& input) {
+           return has_text(input, "role") && has_text(input, "file_id");
+         });
+}
+
+/// Null where there is no such dataset or it is no JSON; throws FormatError where it is there but cannot be
 /// read.
-std::optional<std::string> text_of(const std::string& file, hid_t group, const std::string& name) {
-  std::optional<std::string> text = h5::read_text(group, name);
-  if (!text && h5::exists(group, name))
+Json json_of(const std::string& file, hid_t provenance, const std::string& name) {
+  const std::optional<std::string> text = h5::read_text(provenance, name);
+  if (!text && h5::exists(provenance, name))
     throw FormatError(file + ": provenance/" + name + " cannot be read: " + h5::reading_failure());
-  return text;
+  return stored_json<Json>(text);
 }
 
 /// A foreign file's history counts only where all of it can be understood.
-bool is_history(const nlohmann::json& chain) {
-  const auto is_step = [](const nlohmann::json& step) {
-    return step.is_object() && step.contains("tool") && step["tool"].is_string() &&
-           step.contains("file_id") && step["file_id"].is_string();
+bool is_history(const Json& chain) {
+  const auto is_step = [](const Json& step) {
+    return has_text(step, "tool") && has_text(step, "file_id") &&
+           (!step.contains("version") || step["version"].is_string()) &&
+           (!step.contains("inputs") || step["inputs"].is_null() || is_input_list(step["inputs"]));
   };
   return chain.is_array() && std::all_of(chain.begin(), chain.end(), is_step);
 }
@@ -113,15 +121,18 @@ void LandfallFileReader::read_provenance() {
   if (!h5::exists(root(), "provenance")) return;
   const h5::Handle group(H5Gopen2(root(), "provenance", H5P_DEFAULT), H5Gclose);
   if (!group) return;
-  config_ = parse_or_null(text_of(name_, group.get(), "config_json"));
-  nlohmann::json upstream = parse_or_null(text_of(name_, group.get(), "chain_json"));
+  Json config = json_of(name_, group.get(), "config_json");
+  if (config.is_object()) config_ = std::move(config);
+  Json upstream = json_of(name_, group.get(), "chain_json");
   if (is_history(upstream)) chain_ = std::move(upstream);
-  nlohmann::json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
-                         {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
-                         {"file_id", file_id_},
-                         {"config", config_},
-                         {"inputs", parse_or_null(text_of(name_, group.get(), "inputs_json"))}};
-  const nlohmann::json options = parse_or_null(text_of(name_, group.get(), "options_json"));
+  Json inputs = json_of(name_, group.get(), "inputs_json");
+  if (!is_input_list(inputs)) inputs = nullptr;
+  Json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
+               {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
+               {"file_id", file_id_},
+               {"config", config_},
+               {"inputs", std::move(inputs)}};
+  const Json options = json_of(name_, group.get(), "options_json");
   if (!options.is_null()) step["options"] = options;
   chain_.push_back(step);
 }

@@ -49,9 +49,10 @@ class LandfallFileReader {
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< for messages: the path as given
   [[nodiscard]] const std::string& file_id() const { return file_id_; }
-  /// Everything upstream, and this file as the last step.
+  /// Everything upstream, and this file as the last step: each has the texts "tool" and "file_id"; its
+  /// "inputs", where it has any, are a list, each of them with the texts "role" and "file_id".
   [[nodiscard]] const nlohmann::json& chain() const { return chain_; }
-  /// The resolved configuration that made it; null where the file does not say.
+  /// The resolved configuration that made it, an object; null where the file does not say.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   /// Throws FormatError "NAME: what".
   [[noreturn]] void fail(const std::string& what) const;

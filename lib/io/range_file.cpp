@@ -12,6 +12,13 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// The value at a path such as /noise/dropout_frac, null where there is none: a foreign file's configuration
+/// may have any shape.
+Json value_at(const Json& config, const std::string& path) {
+  const Json::json_pointer where(path);
+  return config.contains(where) ? config.at(where) : Json();
+}
+
 /// The path of the first difference, "/detector/rows"; empty where there is none.
 std::string first_difference(const Json& a, const Json& b, const std::string& pointer) {
   if (a == b) return {};
@@ -36,7 +43,8 @@ bool loses_nothing(const Json& config) {
 }
 
 bool has_false_returns(const Json& config) {
-  return config.value(Json::json_pointer("/noise/false_return_frac"), 0.0) != 0;
+  const Json share = value_at(config, "/noise/false_return_frac");
+  return !share.is_null() && share != 0;
 }
 
 /// The key, not zero, by which the seed moves the true beams; empty where it does not.
@@ -54,9 +62,8 @@ std::string seed_moves_beams_by(const Json& config) {
 /// Why the lidars' true pointing differs; empty where it does not.
 std::string turned_beams_differ(const Json& theirs, const Json& ours) {
   for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
-    const Json::json_pointer where("/pointing_error/" + std::string(key));
-    if (theirs.value(where, Json()) != ours.value(where, Json()))
-      return where.to_string() + " differs from this configuration's";
+    const std::string where = "/pointing_error/" + std::string(key);
+    if (value_at(theirs, where) != value_at(ours, where)) return where + " differs from this configuration's";
   }
   const std::string key = seed_moves_beams_by(ours);
   if (!key.empty() && theirs.value("seed", Json()) != ours.value("seed", Json()))

@@ -91,6 +91,16 @@ class RangesFrom(ChainTest):
         self.scan("single.h5", *self.NO_LOSSES, "--float32")
         self.refuse(2, *self.replay_arguments("single.h5", "out.h5"), words=["single precision"])
 
+    def test_a_source_with_a_foreign_configuration_is_refused(self):
+        """Its errors may be of any shape; what is known of the truth must be the same all the same."""
+        for key, value in [("pointing_error", 5), ("pointing_error", [1]), ("noise", 5), ("noise", {"dropout_frac": "0"})]:
+            self.scan("source.h5", *self.NO_LOSSES)
+            with h5py.File(self.path("source.h5"), "r+") as file:
+                config = json.loads(file["provenance/config_json"].asstr()[()])
+                file["provenance/config_json"][()] = json.dumps(config | {key: value})
+            self.refuse(2, *self.replay_arguments("source.h5", "out.h5", *self.NO_LOSSES), words=["source.h5"],
+                        output=self.path("out.h5"))
+
     def test_another_terrain_is_refused(self):
         self.scan("source.h5", *self.NO_LOSSES)
         self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "--set", "base.elevation_m=0.125", "-O",
