@@ -98,6 +98,9 @@ def configs():
     yield config("i", {}, "site.tif", "10,20", "", "1", "bicubic", "none", "1.5", "", "60", "0.5")
     yield config("i", {"grid": {"half_width_m": 5}}, "site.tif", "", "3,4", "", "", "", "", "2", "", "1", "seed=3")
     yield config("i", {}, "site.obj")
+    yield config("i", {"grid": 5}, *[""] * 8, "60")
+    for letter, key in itertools.product("srte", ["seed", "x" * 3000, "seed.x", "seed=" + "x" * 3000]):
+        yield config(letter, {}, key if "=" in key else key + "=1")
     yield config("u", {"uncertainty": {"range_sigma_m": 0.02}}, "velocity_mps=0.3,0.3,0.7", "position_m=1")
 
 
@@ -119,6 +122,7 @@ def tables():
     yield f"t{head},roll_deg,pitch_deg,yaw_deg\n# a remark\n\n0,0,0,100,1,2,3\n0.5,1,2,90,4,5,6\n"
     yield f"t{head},vx_mps,vy_mps,vz_mps,mrp_1,mrp_2,mrp_3\n0,0,0,100,1,2,3,0.1,0.2,0.3\n1,1,2,90,1,2,3,-1,0,0\n"
     yield f"t\ufeff{head},qw,qx,qy,qz,other\r\n-1,0,0,100,1,0,0,0,x\r\n1e3,1,2,90,1,0,0,0,y\r\n"
+    yield f"t{head},qw,qx,qy,qz\n0,0,0,{'x' * 3000},1,0,0,0\n"
     yield "st_s,angle_1_rad,angle_2_rad\n0,0,0\n0.5,0.1,-0.2\n2,0.3,0\n"
     yield "pt_s,x_m,y_m\n0,0,0\n0.5,10,-20\n1,0,0\n"
     yield "drow,column,u,v\n" + "".join(f"{i // 3},{i % 3},{0.01 * (i % 3)},{0.01 * (i // 3)}\n" for i in range(6))

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "memory_file.h"
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <string>
 #include <system_error>
 
@@ -17,12 +17,20 @@ void require(bool done) {
 
 }  // namespace
 
-MemoryFile::MemoryFile() : descriptor_(::memfd_create("landfall-fuzz", MFD_CLOEXEC)) {
+MemoryFile::MemoryFile() {
+  const std::filesystem::path in_memory = "/dev/shm";
+  const bool has_memory = std::filesystem::is_directory(in_memory);
+  std::string name =
+      ((has_memory ? in_memory : std::filesystem::temp_directory_path()) / "landfall-fuzz-XXXXXX").string();
+  descriptor_ = ::mkstemp(name.data());
   require(descriptor_ >= 0);
-  path_ = "/proc/self/fd/" + std::to_string(descriptor_);
+  path_ = name;
 }
 
-MemoryFile::~MemoryFile() { ::close(descriptor_); }
+MemoryFile::~MemoryFile() {
+  ::close(descriptor_);
+  ::unlink(path_.c_str());
+}
 
 void MemoryFile::fill(std::span<const std::byte> bytes) {
   require(::ftruncate(descriptor_, 0) == 0);

@@ -7,7 +7,8 @@
 
 namespace landfall::fuzz {
 
-/// A file that has a path and touches no disk. It lives as long as this does.
+/// A file that touches no disk where the system has /dev/shm. It lives as long as this does; a process that
+/// is killed leaves it behind. (HDF5 opens no file without a path of its own, as memfd_create() makes them.)
 class MemoryFile {
  public:
   MemoryFile();
@@ -15,13 +16,12 @@ class MemoryFile {
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
 
-  /// What every program of this process may open.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Replaces the content.
   void fill(std::span<const std::byte> bytes);
 
  private:
-  int descriptor_;
+  int descriptor_ = -1;
   std::filesystem::path path_;
 };
 
