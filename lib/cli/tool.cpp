@@ -68,7 +68,9 @@ Json environment_json(const std::string& config_name) {
   gethostname(host, sizeof host - 1);
   const std::time_t now = std::time(nullptr);
   char clock[32] = "";
-  std::strftime(clock, sizeof clock, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::strftime(clock, sizeof clock, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return {{"host", host},
           {"time_utc", clock},
           {"folder", std::filesystem::current_path().string()},

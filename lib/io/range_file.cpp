@@ -25,7 +25,7 @@ std::string first_difference(const Json& a, const Json& b, const std::string& po
   if (!a.is_object() || !b.is_object()) return pointer;
   for (const auto& [key, value] : a.items()) {
     if (!b.contains(key)) return pointer + "/" + key;
-    const std::string inner = first_difference(value, b.at(key), pointer + "/" + key);
+    std::string inner = first_difference(value, b.at(key), pointer + "/" + key);
     if (!inner.empty()) return inner;
   }
   for (const auto& [key, value] : b.items())
