@@ -17,8 +17,7 @@ void write_crs(hid_t root, const std::string& wkt) {
 }
 
 std::string read_crs(hid_t root) {
-  if (!h5::exists(root, "crs")) return kLocalSiteCrsWkt;
-  const h5::Handle crs(H5Dopen2(root, "crs", H5P_DEFAULT), H5Dclose);
+  const h5::Handle crs = h5::open_dataset(root, "crs");
   return crs ? h5::read_text_attribute(crs.get(), "crs_wkt").value_or(kLocalSiteCrsWkt) : kLocalSiteCrsWkt;
 }
 

@@ -18,16 +18,16 @@ struct Member {
 
 herr_t add_member(hid_t group, const char* name, const H5L_info_t* link, void* list) {
   H5O_info_t info;
-  if (link->type != H5L_TYPE_HARD ||
-      H5Oget_info_by_name2(group, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0)
-    return 0;
+  if (link->type != H5L_TYPE_HARD) return 0;
+  if (H5Oget_info_by_name2(group, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) return -1;
   static_cast<std::vector<Member>*>(list)->push_back({info.addr, name, info.type});
   return 0;
 }
 
 std::vector<Member> members_of(hid_t group) {
   std::vector<Member> members;
-  H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add_member, &members);
+  if (H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add_member, &members) < 0)
+    h5::fail_reading(group);
   std::sort(members.begin(), members.end(),
             [](const Member& a, const Member& b) { return a.address < b.address; });
   return members;
@@ -51,18 +51,6 @@ std::vector<hsize_t> shape_of(hid_t dataset) {
   return shape;
 }
 
-/// The flags of an int8; empty where there are none or more than such a type has.
-std::vector<int> read_flags(hid_t dataset, const char* name) {
-  if (H5Aexists(dataset, name) <= 0) return {};
-  const h5::Handle attribute(H5Aopen(dataset, name, H5P_DEFAULT), H5Aclose);
-  const h5::Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-  if (count < 1 || count > 256) return {};
-  std::vector<int> flags(static_cast<std::size_t>(count));
-  if (H5Aread(attribute.get(), H5T_NATIVE_INT, flags.data()) < 0) return {};
-  return flags;
-}
-
 std::vector<std::string> words(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> result;
@@ -73,7 +61,7 @@ std::vector<std::string> words(const std::string& text) {
 std::optional<DatasetEntry> entry_of(hid_t group, const std::string& name) {
   DatasetEntry entry;
   entry.dataset = h5::Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!entry.dataset) return std::nullopt;
+  if (!entry.dataset) h5::fail_reading(group, name);
   const hid_t dataset = entry.dataset.get();
   entry.name = name;
   entry.type = type_name(dataset);
@@ -81,10 +69,10 @@ std::optional<DatasetEntry> entry_of(hid_t group, const std::string& name) {
   if (entry.type.empty() || entry.shape.empty()) return std::nullopt;
   entry.units = h5::read_text_attribute(dataset, "units").value_or("");
   entry.long_name = h5::read_text_attribute(dataset, "long_name").value_or("");
-  entry.flag_values = read_flags(dataset, "flag_values");
-  entry.flag_masks = read_flags(dataset, "flag_masks");
+  entry.flag_values = h5::read_flags_attribute(dataset, "flag_values");
+  entry.flag_masks = h5::read_flags_attribute(dataset, "flag_masks");
   entry.flag_meanings = words(h5::read_text_attribute(dataset, "flag_meanings").value_or(""));
-  entry.stored_bytes = H5Dget_storage_size(dataset);
+  entry.stored_bytes = h5::stored_bytes(dataset);
   return entry;
 }
 

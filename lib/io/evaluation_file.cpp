@@ -60,14 +60,14 @@ void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std
 void check_axis(hid_t file, const std::string& path, const std::string& name,
                 const std::vector<double>& expected, double resolution_m) {
   if (!h5::exists(file, name)) return;
-  const h5::Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const h5::Handle dataset = h5::open_dataset(file, name);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   std::vector<double> found(expected.size());
   const bool same_size = H5Sget_simple_extent_npoints(space.get()) == static_cast<hssize_t>(expected.size());
   const auto near = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * resolution_m; };
-  if (!same_size ||
-      H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.data()) < 0 ||
-      !std::ranges::equal(found, expected, near))
+  if (same_size && H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.data()) < 0)
+    h5::fail_reading(file, name);
+  if (!same_size || !std::ranges::equal(found, expected, near))
     throw FormatError(path + ": /" + name + " differs from the DEM's");
 }
 
@@ -87,9 +87,7 @@ RegionMask read_region_mask(const std::filesystem::path& path, const std::string
   h5::initialise();
   const h5::Handle file = h5::open_file(path);
   check_axes(file.get(), path.string(), spec);
-  h5::Handle dataset;
-  if (h5::exists(file.get(), layer))
-    dataset = h5::Handle(H5Dopen2(file.get(), layer.c_str(), H5P_DEFAULT), H5Dclose);
+  const h5::Handle dataset = h5::open_dataset(file.get(), layer);
   if (!dataset) throw FormatError(path.string() + ": no layer /" + layer);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   hsize_t size[2] = {0, 0};

@@ -109,8 +109,7 @@ std::vector<Group> groups_of(const LandfallFileReader& file) {
   if (!layers.empty()) groups.push_back({kLayers, std::move(layers)});
   for (const std::string& name : list_groups(file.root())) {
     if (name == "provenance") continue;
-    const h5::Handle group(H5Gopen2(file.root(), name.c_str(), H5P_DEFAULT), H5Gclose);
-    if (!group) file.fail("group /" + name + " cannot be opened");
+    const h5::Handle group = h5::open_group(file.root(), name);
     groups.push_back({name, list_datasets(group.get())});
   }
   return groups;
@@ -214,7 +213,7 @@ std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
     H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
     if (H5Dread(vertices.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), H5P_DEFAULT,
                 values.data()) < 0)
-      file.fail("reading /mesh/vertices failed: " + h5::failure_reason());
+      file.fail("reading /mesh/vertices failed: " + h5::reading_failure());
     for (std::size_t i = 0; i < values.size(); ++i) {
       bounds[i % 3][0] = std::min(bounds[i % 3][0], values[i]);
       bounds[i % 3][1] = std::max(bounds[i % 3][1], values[i]);
@@ -264,8 +263,7 @@ void add_provenance(Json& json, const LandfallFileReader& file) {
     if (step.contains("options")) json["options"] = step["options"];
   }
   json["chain"] = file.chain();
-  if (!h5::exists(file.root(), "provenance")) return;
-  const h5::Handle group(H5Gopen2(file.root(), "provenance", H5P_DEFAULT), H5Gclose);
+  const h5::Handle group = h5::open_group(file.root(), "provenance");
   if (group) json["environment"] = parsed(h5::read_text(group.get(), "environment_json"));
 }
 

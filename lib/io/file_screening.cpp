@@ -140,11 +140,12 @@ class Screening {
 
   void screen_object(hid_t group, const std::string& name, const std::string& path) {
     H5O_info_t info;
-    if (H5Oget_info_by_name2(group, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) return;
+    if (H5Oget_info_by_name2(group, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0)
+      fail(path + " cannot be read: " + reading_failure());
     if (info.type == H5O_TYPE_GROUP) add_group({info.addr, path + "/"});
     if (info.type != H5O_TYPE_DATASET || !is_new(info.addr)) return;
     const Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!dataset) return;
+    if (!dataset) fail(path + " cannot be read: " + reading_failure());
     const Handle properties(H5Dget_create_plist(dataset.get()), H5Pclose);
     screen_storage(properties.get(), path);
     screen_filters(properties.get(), path);
@@ -183,7 +184,7 @@ class Screening {
     if (chunk_bytes > kMostChunkBytes)
       fail(path + " is stored in chunks of " + std::to_string(std::int64_t(chunk_bytes / kMebi)) +
            " MiB, more than 256; store it in smaller ones");
-    const double stored = static_cast<double>(H5Dget_storage_size(dataset));
+    const auto stored = static_cast<double>(stored_bytes(dataset));
     if (bytes * value_count(dataset) > std::max(kMostUnstoredBytes, stored * kDeflateAtMost))
       fail(path + " claims more values than the " + std::to_string(std::int64_t(stored)) +
            " bytes that are stored of it can hold; it is damaged or not whole");

@@ -57,9 +57,7 @@ void write_fill_value(hid_t dataset, h5::Type type) {
 }
 
 std::vector<double> read_axis(const LandfallFileReader& file, const std::string& name) {
-  h5::Handle dataset;
-  if (h5::exists(file.root(), name))
-    dataset = h5::Handle(H5Dopen2(file.root(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  const h5::Handle dataset = h5::open_dataset(file.root(), name);
   if (!dataset) file.fail("no dataset /" + name);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space.get());
@@ -243,8 +241,7 @@ GridLayerReader::GridLayerReader(const LandfallFileReader& file)
 bool GridLayerReader::has(const std::string& name) const { return h5::exists(file_.root(), name); }
 
 h5::Handle GridLayerReader::open(const std::string& name) const {
-  h5::Handle dataset;
-  if (has(name)) dataset = h5::Handle(H5Dopen2(file_.root(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  h5::Handle dataset = h5::open_dataset(file_.root(), name);
   if (!dataset) file_.fail("no layer /" + name);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   hsize_t size[2] = {0, 0};

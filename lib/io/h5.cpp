@@ -9,8 +9,6 @@
 
 #include "base/error.h"
 #include "base/headroom.h"
-#include "base/regular_file.h"
-#include "io/file_screening.h"
 #include "io/h5_close.h"
 
 namespace landfall::h5 {
@@ -25,9 +23,6 @@ Handle checked(hid_t id, Handle::Closer closer, const std::string& object) {
 void require(bool ok, const std::string& object) {
   if (!ok) checked(H5I_INVALID_HID, nullptr, object);
 }
-
-/// HDF5 1.10 crashes if it cannot have what an open file needs.
-constexpr std::size_t kHeadroomOfFile = std::size_t{8} << 20U;
 
 Handle variable_text_type() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -61,13 +56,6 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
   return keep_system_reason(depth, record, target);
 }
 
-/// What the system said, empty where the failure was none of its.
-std::string system_reason() {
-  std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_system_reason, &reason);
-  return reason;
-}
-
 std::mutex close_lock;
 std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
 
@@ -81,28 +69,6 @@ herr_t close_written(hid_t dataset) {
   if (close_failure.empty()) close_failure = reason.empty() ? "HDF5 cannot close a dataset" : reason;
   return result;
 }
-
-/// Reads one text from an attribute or dataset through `read(type, buffer)`; fixed and variable lengths both
-/// occur.
-template <class Read>
-std::optional<std::string> read_string(hid_t file_type, const Read& read) {
-  if (H5Tget_class(file_type) != H5T_STRING) return std::nullopt;
-  if (H5Tis_variable_str(file_type) > 0) {
-    const Handle type = variable_text_type();
-    H5Tset_cset(type.get(), H5Tget_cset(file_type));
-    char* text = nullptr;
-    if (read(type.get(), static_cast<void*>(&text)) < 0 || text == nullptr) return std::nullopt;
-    std::string result = text;
-    H5free_memory(text);
-    return result;
-  }
-  std::string result(H5Tget_size(file_type), '\0');
-  if (read(file_type, static_cast<void*>(result.data())) < 0) return std::nullopt;
-  result.resize(std::min(result.size(), result.find('\0')));
-  return result;
-}
-
-bool is_single_value(hid_t space) { return H5Sget_simple_extent_npoints(space) == 1; }
 
 }  // namespace
 
@@ -127,6 +93,12 @@ std::mutex& library_lock() {
 std::string failure_reason() {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, &reason);
+  return reason;
+}
+
+std::string system_reason() {
+  std::string reason;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_system_reason, &reason);
   return reason;
 }
 
@@ -166,7 +138,7 @@ std::size_t size_of(Type type) {
 }
 
 Handle create_file(const std::filesystem::path& path) {
-  require_headroom(kHeadroomOfFile);
+  require_headroom(kHeadroom);
   // Strong: closing the file closes what is still open in it. By default HDF5 would put the closing off,
   // report success, and write the rest after the file has been renamed.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -246,6 +218,15 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<st
   require(H5Awrite(attribute.get(), H5T_STD_I8LE, values.data()) >= 0, name);
 }
 
+void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values) {
+  const hsize_t size = values.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle attribute =
+      checked(H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+              H5Aclose, name);
+  require(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0, name);
+}
+
 void write_text(hid_t parent, const TextDataset& what, const std::string& text) {
   const std::string& name = what.name;
   const Handle type = variable_text_type();
@@ -261,83 +242,6 @@ void write_text(hid_t parent, const TextDataset& what, const std::string& text) 
           name);
   write_attribute(dataset.get(), "units", std::string("1"));
   write_attribute(dataset.get(), "long_name", what.long_name);
-}
-
-Handle open_file(const std::filesystem::path& path) {
-  require_regular_file(path);
-  require_headroom(kHeadroomOfFile);
-  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (id >= 0) {
-    Handle file(id, H5Fclose);
-    screen_file(id, path.string());
-    return file;
-  }
-  const std::string reason = system_reason();
-  if (!reason.empty()) throw FormatError(path.string() + ": reading failed: " + reason);
-  if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is no HDF5 file");
-  throw FormatError(path.string() + ": is an HDF5 file that is truncated or damaged; make it again");
-}
-
-Handle open_for_its_kind(const std::filesystem::path& path) {
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-}
-
-bool exists(hid_t parent, const std::string& name) {
-  return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
-}
-
-std::optional<std::string> read_text_attribute(hid_t object, const std::string& name) {
-  if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
-  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
-  if (!attribute) return std::nullopt;
-  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
-  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  if (!is_single_value(space.get())) return std::nullopt;
-  return read_string(type.get(), [&](hid_t t, void* buffer) { return H5Aread(attribute.get(), t, buffer); });
-}
-
-void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values) {
-  const hsize_t size = values.size();
-  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Handle attribute =
-      checked(H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
-              H5Aclose, name);
-  require(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0, name);
-}
-
-std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name) {
-  if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
-  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
-  if (!attribute) return std::nullopt;
-  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  std::array<double, 2> values{};
-  if (H5Sget_simple_extent_npoints(space.get()) != 2 ||
-      H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) < 0)
-    return std::nullopt;
-  return values;
-}
-
-std::optional<double> read_number_attribute(hid_t object, const std::string& name) {
-  if (H5Aexists(object, name.c_str()) <= 0) return std::nullopt;
-  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
-  if (!attribute) return std::nullopt;
-  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
-  double value = 0;
-  if (!is_single_value(space.get()) || H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value) < 0)
-    return std::nullopt;
-  return value;
-}
-
-std::optional<std::string> read_text(hid_t parent, const std::string& name) {
-  if (!exists(parent, name)) return std::nullopt;
-  const Handle dataset(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!dataset) return std::nullopt;
-  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
-  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
-  if (!is_single_value(space.get())) return std::nullopt;
-  return read_string(type.get(), [&](hid_t t, void* buffer) {
-    return H5Dread(dataset.get(), t, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
-  });
 }
 
 }  // namespace landfall::h5

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
@@ -51,8 +52,13 @@ void initialise();
 [[nodiscard]] std::mutex& library_lock();
 /// The innermost reason on HDF5's error stack ("No space left on device"), empty where there is none.
 [[nodiscard]] std::string failure_reason();
+/// What the system said of the last failure, empty where that was none of its.
+[[nodiscard]] std::string system_reason();
 /// Why data could not be read: what the system said, else that they are damaged.
 [[nodiscard]] std::string reading_failure();
+
+/// HDF5 1.10 crashes if it cannot have what an open file needs.
+inline constexpr std::size_t kHeadroom = std::size_t{8} << 20U;
 
 /// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types (SPEC section
 /// 8).
@@ -110,8 +116,6 @@ void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
 void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values);
-/// Nothing unless it is two numbers.
-[[nodiscard]] std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name);
 /// A scalar variable-length UTF-8 dataset with units and `long_name`: JSON goes here, for attributes end at
 /// 64 KiB.
 struct TextDataset {
@@ -124,11 +128,26 @@ void write_text(hid_t parent, const TextDataset& dataset, const std::string& tex
 /// (file_screening.h) refuses, such as links to other files.
 Handle open_file(const std::filesystem::path& path);
 /// A file that is not screened, for a look at the attributes of its root and nothing else; none where it is
-/// no HDF5 file.
+/// no HDF5 file. Throws FormatError where the system does not let that be seen.
 [[nodiscard]] Handle open_for_its_kind(const std::filesystem::path& path);
+
+/// What follows answers "nothing" only where there is nothing of that name, or something of another kind (a
+/// number where a text is wanted, two values where one is). Each throws FormatError, naming file and object,
+/// where that cannot be told or read.
 [[nodiscard]] bool exists(hid_t parent, const std::string& name);
+[[nodiscard]] Handle open_dataset(hid_t parent, const std::string& name);
+[[nodiscard]] Handle open_group(hid_t parent, const std::string& name);
 [[nodiscard]] std::optional<std::string> read_text_attribute(hid_t object, const std::string& name);
 [[nodiscard]] std::optional<double> read_number_attribute(hid_t object, const std::string& name);
+[[nodiscard]] std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name);
+/// 1 to 256 integers; else none.
+[[nodiscard]] std::vector<int> read_flags_attribute(hid_t object, const std::string& name);
 [[nodiscard]] std::optional<std::string> read_text(hid_t parent, const std::string& name);
+/// The bytes that the values of a dataset take in the file; 0 where none is stored.
+[[nodiscard]] std::uint64_t stored_bytes(hid_t dataset);
+/// Throws FormatError for the object `name` in `object` (without a name: for the object itself) or for an
+/// attribute, after HDF5's last call on it has failed.
+[[noreturn]] void fail_reading(hid_t object, const std::string& name = "");
+[[noreturn]] void fail_reading_attribute(hid_t object, const std::string& name);
 
 }  // namespace landfall::h5

@@ -42,12 +42,11 @@ bool is_input_list(const Json& inputs) {
          });
 }
 
-/// Null where there is no such dataset or it is no JSON; throws FormatError where it is there but cannot be
-/// read.
+/// Null where there is no such dataset or it is no JSON; throws FormatError where it is there but is no text.
 Json json_of(const std::string& file, hid_t provenance, const std::string& name) {
   const std::optional<std::string> text = h5::read_text(provenance, name);
   if (!text && h5::exists(provenance, name))
-    throw FormatError(file + ": provenance/" + name + " cannot be read: " + h5::reading_failure());
+    throw FormatError(file + ": /provenance/" + name + " is no text");
   return stored_json<Json>(text);
 }
 
@@ -118,8 +117,7 @@ LandfallFileReader::LandfallFileReader(std::filesystem::path path, std::initiali
 void LandfallFileReader::read_provenance() {
   file_id_ = h5::read_text_attribute(root(), "file_id").value_or("");
   if (file_id_.empty()) file_id_ = content_id(name_);
-  if (!h5::exists(root(), "provenance")) return;
-  const h5::Handle group(H5Gopen2(root(), "provenance", H5P_DEFAULT), H5Gclose);
+  const h5::Handle group = h5::open_group(root(), "provenance");
   if (!group) return;
   Json config = json_of(name_, group.get(), "config_json");
   if (config.is_object()) config_ = std::move(config);

@@ -53,8 +53,7 @@ void write_rows(const LandfallFileWriter& file, hid_t group, const RowsDataset& 
 template <class T>
 std::vector<T> read_rows(const LandfallFileReader& file, hid_t group, const std::string& name) {
   const std::string path = "/mesh/" + name;
-  h5::Handle dataset;
-  if (h5::exists(group, name)) dataset = h5::Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const h5::Handle dataset = h5::open_dataset(group, name);
   if (!dataset) file.fail("no dataset " + path);
   const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
   hsize_t size[2] = {0, 0};
@@ -62,7 +61,7 @@ std::vector<T> read_rows(const LandfallFileReader& file, hid_t group, const std:
       H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 || size[1] != 3)
     file.fail(path + " is not of the shape (rows, 3)");
   if (size[0] > kMostMeshElements) file.fail(path + " has more than 2^31 - 1 rows");
-  if (size[0] * 3 * sizeof(T) > H5Dget_storage_size(dataset.get()) * kDeflateAtMost)
+  if (size[0] * 3 * sizeof(T) > h5::stored_bytes(dataset.get()) * kDeflateAtMost)
     file.fail(path + " claims more rows than it can hold");
   std::vector<T> values(3 * size[0]);
   if (H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) <
@@ -87,7 +86,7 @@ void write_mesh_terrain(LandfallFileWriter& file, const IndexedTriangles& mesh) 
 }
 
 std::shared_ptr<const TriangleMesh> read_mesh_terrain(const LandfallFileReader& file) {
-  const h5::Handle group(H5Gopen2(file.root(), "mesh", H5P_DEFAULT), H5Gclose);
+  const h5::Handle group = h5::open_group(file.root(), "mesh");
   if (!group) file.fail("/mesh is no group");
   const auto coordinates = read_rows<double>(file, group.get(), "vertices");
   const auto corners = read_rows<std::int32_t>(file, group.get(), "triangles");

@@ -45,7 +45,7 @@ class CsvReader {
 
   NumberTable read(const TableColumns& wanted) {
     std::string line;
-    if (!next(line)) fail("is empty");
+    if (!next(line)) fail(stream_.bad() ? "reading failed" : "is empty");
     read_header(line, wanted);
     while (next(line)) read_row(line);
     if (stream_.bad()) fail("reading failed");
@@ -133,7 +133,9 @@ NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wan
 NumberTable read_number_table(const std::filesystem::path& path, const TableColumns& columns) {
   require_regular_file(path);
   h5::initialise();
-  return H5Fis_hdf5(path.c_str()) > 0 ? read_hdf5(path, columns) : CsvReader(path).read(columns);
+  const htri_t is_hdf5 = H5Fis_hdf5(path.c_str());
+  if (is_hdf5 < 0) throw FormatError(path.string() + ": reading failed: " + h5::reading_failure());
+  return is_hdf5 > 0 ? read_hdf5(path, columns) : CsvReader(path).read(columns);
 }
 
 }  // namespace landfall

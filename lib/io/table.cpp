@@ -221,17 +221,14 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 }
 
 TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
-    : file_(std::move(file)),
-      name_(group == "/" ? "" : "/" + group),
-      group_(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose) {
+    : file_(std::move(file)), name_(group == "/" ? "" : "/" + group), group_(h5::open_group(parent, group)) {
   if (!group_) throw FormatError(file_ + ": no group " + (name_.empty() ? "/" : name_));
 }
 
 bool TableReader::has(const std::string& column) const { return h5::exists(group_.get(), column); }
 
 h5::Handle TableReader::open(const std::string& column) const {
-  h5::Handle dataset;
-  if (has(column)) dataset = h5::Handle(H5Dopen2(group_.get(), column.c_str(), H5P_DEFAULT), H5Dclose);
+  h5::Handle dataset = h5::open_dataset(group_.get(), column);
   if (!dataset) throw FormatError(file_ + ": no column " + path_of(column));
   return dataset;
 }

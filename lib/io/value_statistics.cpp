@@ -114,7 +114,7 @@ class Blocks {
     const h5::Handle memory(H5Screate_simple(rank_, extent.data(), nullptr), H5Sclose);
     if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr) < 0 ||
         H5Dread(dataset_, H5T_NATIVE_DOUBLE, memory.get(), space.get(), H5P_DEFAULT, values.data()) < 0)
-      fail(h5::failure_reason());
+      fail(h5::reading_failure());
   }
 
   [[noreturn]] void fail(const std::string& why) const {
