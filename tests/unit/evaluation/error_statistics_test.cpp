@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "evaluation/piecewise.h"
 
 namespace landfall {
 namespace {
@@ -75,6 +76,24 @@ TEST(ErrorStatistics, NormalErrors) {
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const ThreadLimit limit(threads);
     EXPECT_EQ(error_statistics(error, everywhere), statistics);
+  }
+}
+
+// Values are taken in pieces; the last one is full, holds one value, or holds but one that counts.
+TEST(ErrorStatistics, WholePiecesAndOneMore) {
+  for (const std::size_t more : {0U, 1U}) {
+    const GridSpec spec{1, 0, 0, 1, static_cast<std::int64_t>(kValuesPerPiece + more)};
+    Grid<double> error(spec, kNan);
+    error.values().front() = 1;
+    error.values()[kValuesPerPiece - 1] = -2;
+    error.values().back() = -5;
+    const ErrorStatistics statistics = error_statistics(error, BinMask(spec, 1));
+    EXPECT_EQ(statistics.count, 2 + more);
+    EXPECT_EQ(statistics.median_m, -2.0);
+    EXPECT_EQ(statistics.mean_m, -2.0);
+    EXPECT_DOUBLE_EQ(statistics.nmad_m.value(), 1.4826 * 3);
+    EXPECT_NEAR(statistics.le90_m.value(), more == 0 ? 4.6 : 4.4, 1e-14);
+    EXPECT_EQ(horizontal_statistics(error, BinMask(spec, 1)).count, 2 + more);
   }
 }
 

@@ -309,6 +309,22 @@ TEST(Evaluate, ProgressRisesToOne) {
   EXPECT_EQ(fractions.back(), 1);
 }
 
+// One axis after another, each as long; the last hundredth is the summary's.
+TEST(Evaluate, ProgressIsSharedOutEvenly) {
+  const auto ends = [](DemLayers dem) {
+    std::vector<double> fractions;
+    static_cast<void>(evaluate(std::move(dem), small(), nullptr, [&](double f) { fractions.push_back(f); }));
+    return fractions;
+  };
+  // A map of one row of tiles: each axis is told once, when it is done.
+  EXPECT_THAT(ends(perfect(5)), testing::ElementsAre(testing::DoubleEq(0.33), testing::DoubleEq(0.66),
+                                                     testing::DoubleEq(0.99), 1.0));
+  DemLayers corrected = perfect(5);
+  corrected.z_corrected = corrected.z_est;
+  EXPECT_THAT(ends(corrected), testing::ElementsAre(testing::DoubleEq(0.2475), testing::DoubleEq(0.495),
+                                                    testing::DoubleEq(0.7425), testing::DoubleEq(0.99), 1.0));
+}
+
 TEST(Evaluate, RefusesWhatDoesNotFit) {
   EvaluationParameters parameters = small();
   parameters.region_radius_m = 6.5;
@@ -318,9 +334,9 @@ TEST(Evaluate, RefusesWhatDoesNotFit) {
   EXPECT_THROW(static_cast<void>(evaluate(perfect(5), parameters)), UsageError);
 }
 
-std::string refusal(const DemLayers& dem) {
+std::string refusal(const DemLayers& dem, const EvaluationParameters& parameters = small()) {
   try {
-    static_cast<void>(evaluate(dem, small()));
+    static_cast<void>(evaluate(dem, parameters));
   } catch (const FormatError& error) {
     return error.what();
   }
@@ -337,9 +353,11 @@ TEST(Evaluate, RegionsOfOtherShapes) {
   EXPECT_EQ(square.region, (RegionMetrics{RegionShape::square, {}, 5.0, 121}));
   EXPECT_EQ(square.coverage.invalid_count, 1);
   parameters.region_shape = RegionShape::mask;
-  EXPECT_THROW(static_cast<void>(evaluate(dem, parameters)), FormatError);
+  EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
+  dem.region_mask = BinMask(GridSpec::centered(4, 1), 1);
+  EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
   dem.region_mask = BinMask(dem.z_est.spec());
-  EXPECT_THROW(static_cast<void>(evaluate(dem, parameters)), FormatError);
+  EXPECT_EQ(refusal(dem, parameters), "region/path: the mask has no bin set");
   dem.region_mask->at({0, 0}) = dem.region_mask->at({10, 3}) = 1;
   const Metrics mask = evaluate(dem, parameters).metrics;
   EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));
@@ -365,12 +383,33 @@ TEST(Evaluate, RefusesInfiniteValues) {
   dem.truth.reset();
   dem.z_est.at({0, 1}) = std::numeric_limits<double>::infinity();
   EXPECT_EQ(refusal(dem), "z_est: the value in row 0, column 1 is infinite");
+  dem = perfect(5);
+  dem.truth->x.at({10, 10}) = dem.truth->x.at({10, 9}) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "x_true: the value in row 10, column 9 is infinite");
+  dem = perfect(5);
+  dem.z_corrected = dem.z_est;
+  dem.z_corrected->at({0, 0}) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "z_corrected: the value in row 0, column 0 is infinite");
+}
+
+// Layers are looked through in pieces of 2^18 values; the first infinite value of all is named.
+TEST(Evaluate, RefusesInfiniteValuesInAnyPiece) {
+  DemLayers dem{Grid<double>(GridSpec::centered(260, 1), 7), std::nullopt};  // 521 x 521 bins
+  dem.z_est.at({520, 520}) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "z_est: the value in row 520, column 520 is infinite");
+  dem.z_est.at({504, 3}) = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "z_est: the value in row 504, column 3 is infinite");
+  dem.z_est.at({100, 7}) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(dem), "z_est: the value in row 100, column 7 is infinite");
 }
 
 TEST(Evaluate, RefusesLayersOfDifferentGrids) {
   DemLayers dem = perfect(5);
   dem.truth->z = Grid<double>(GridSpec::centered(4, 1));
   EXPECT_EQ(refusal(dem), "z_true: its grid differs from that of z_est");
+  dem = perfect(5);
+  dem.truth->y = Grid<double>(GridSpec::centered(4, 1));
+  EXPECT_EQ(refusal(dem), "y_true: its grid differs from that of z_est");
 }
 
 }  // namespace

@@ -112,6 +112,24 @@ Grid<double> relief(const GridSpec& spec, double sigma_m) {
   });
 }
 
+// As the cases below, in a hundredth of their time.
+TEST(WindowQuantileExact, SmallMaps) {
+  constexpr GridSpec spec{0.1, -7, -9, 21, 26};
+  const BinMask spots = testing_masks::random_mask(spec, 0.15, 8);
+  for (const double q : {0.4, 0.95}) {
+    expect_exact(noise(spec, 0.1), 5, q);
+    expect_exact(noise(spec, 0.97), 2, q);
+    expect_exact(relief(spec, 0.001), 2, q);
+    expect_exact(cones(spec, 0), 2, q);
+    expect_exact(cones(spec, 0.002), spots, 5, q);
+  }
+  for (const double q : {0.0, 1.0}) expect_exact(noise(spec, 0.1), 2, q);
+  Grid<double> spike = noise(spec, 0.1);
+  spike.at({10, 12}) = -1e6;
+  expect_exact(spike, 3);
+  expect_exact(Grid<double>(spec, 0.1), 3);
+}
+
 TEST(WindowQuantileExact, NoiseWithHoles) { expect_exact(noise(kSpec, 0.04)); }
 
 TEST(WindowQuantileExact, TheFootprintOfThePaper) { expect_exact(noise(kSpec, 0.04), 17); }
