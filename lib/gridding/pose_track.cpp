@@ -58,7 +58,7 @@ TimedPose PoseTrack::at(double t_s) const {
   const auto next = static_cast<std::size_t>(std::min(after, scan.t_s.end() - 1) - scan.t_s.begin());
   const std::size_t last = next == 0 ? 0 : next - 1;
   const double span = scan.t_s[next] - scan.t_s[last];
-  const double u = span > 0 ? (t - scan.t_s[last]) / span : 0;
+  const double u = span > 0 ? (t - scan.t_s[last]) / span : 1;  // 0: the last pose, at one time with another
   const Eigen::Vector4d from = scan.attitude[last].coeffs();
   Eigen::Vector4d to = scan.attitude[next].coeffs();
   if (from.dot(to) < 0) to = -to;  // the same attitude, the short way

@@ -65,6 +65,20 @@ TEST(PoseTrack, OnePoseHoldsAlways) {
   EXPECT_EQ(track.at(6).since_start_s, 0);
 }
 
+// Two pulses at one time: the later one counts from then on.
+TEST(PoseTrack, TimesMayRepeat) {
+  const PoseTrack track({{"a.h5",
+                          {0, 1, 1, 2, 2},
+                          {{0, 0, 0}, {1, 0, 0}, {5, 0, 0}, {6, 0, 0}, {9, 0, 0}},
+                          {yaw(0), yaw(0), yaw(0), yaw(0), yaw(0)}}});
+  EXPECT_EQ(track.at(0.5).position.v.x(), 0.5);
+  EXPECT_EQ(track.at(1).position.v.x(), 5);
+  EXPECT_EQ(track.at(1.5).position.v.x(), 5.5);
+  EXPECT_EQ(track.at(2).position.v.x(), 9);
+  EXPECT_EQ(track.at(99).position.v.x(), 9);
+  EXPECT_TRUE(track.at(2).attitude.m.isIdentity(1e-15));
+}
+
 TEST(PoseTrack, ScansMayFollowOneAnotherInAnyOrderOfGiving) {
   const PoseTrack track({descent("late.h5", 10), descent("early.h5", 0)});
   EXPECT_DOUBLE_EQ(track.at(1.5).since_start_s, 1.5);
