@@ -11,6 +11,9 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -201,6 +204,41 @@ TEST_P(Methods, RefusesAGridWithoutBins) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Methods, testing::ValuesIn(kMethods));
+
+// More returns than are taken at a time: none is lost or seen twice, and rows are counted on. One column
+// stands for all but the times; only the last return lies in the map.
+TEST(LargeBatches, TakeMoreReturnsThanOnePass) {
+  const auto returns = [](const std::vector<double>& all, const std::vector<double>& t) {
+    return GridPoints{all, all, all, all, all, all, t};
+  };
+  for (const auto& [method, threads, pass] : {std::tuple{Method::bilinear_nearest, 1U, 20U},
+                                              {Method::bilinear_nearest, 2U, 20U},
+                                              {Method::bilinear4, 2U, 22U},
+                                              {Method::min, 2U, 22U}}) {
+    const ThreadLimit limit(threads);
+    std::vector<double> column((std::size_t{1} << pass) + 7, 9.0);
+    column.back() = 0;
+    const auto map = make_accumulator(method, GridSpec::centered(1, 1));
+    map->add(returns(column, column), 0);
+    EXPECT_EQ(map->inside_count(), 1);
+    EXPECT_EQ(map->outside_count(), std::ssize(column) - 1);
+    EXPECT_EQ(all_values(*map)[4].count, 1);
+    std::vector<double> t = column;
+    t[t.size() - 2] = kNan;
+    try {
+      make_accumulator(method, GridSpec::centered(1, 1))->add(returns(column, t), 100);
+      ADD_FAILURE() << "not refused";
+    } catch (const FormatError& error) {
+      EXPECT_EQ(error.what(), "row " + std::to_string(t.size() + 98) +
+                                  ": t is nan; the coordinates of a return must be finite");
+    }
+  }
+}
+
+TEST(MakeAccumulator, KnowsNoOtherMethod) {
+  EXPECT_THROW(static_cast<void>(make_accumulator(static_cast<Method>(99), GridSpec::centered(1, 1))),
+               std::logic_error);
+}
 
 TEST(SplatAccumulator, WeightsByHand) {
   // A quarter of the way from centre (0, 0) to (1, 0), half of the way to (0, 1).

@@ -90,6 +90,56 @@ TEST(Slope, ThreeBinsOffALineSuffice) {
   expect_slope(slopes.at({10, 10}));
 }
 
+/// The slope in bin (10, 10), m per bin edge, of single returns in the centres of bins; z is that of the
+/// plane x - 2 y for those within `flat` bins of it, and of another plane farther out.
+Slope slope_of(const std::vector<BinIndex>& filled, std::int64_t flat) {
+  const GridSpec spec = GridSpec::centered(10, 1);
+  std::vector<ReturnPoint> points;
+  for (const BinIndex bin : filled) {
+    const double x = spec.x(bin.col);
+    const double y = spec.y(bin.row);
+    const bool near = std::max(std::abs(x), std::abs(y)) <= static_cast<double>(flat);
+    points.push_back({.x_est = x, .y_est = y, .z_est = near ? x - 2 * y : 5 * x + 9 * y});
+  }
+  return slope_layer(accumulated(spec, points)).at({10, 10});
+}
+
+TEST(Slope, SixBinsAreEnoughAndFiveAreNot) {
+  std::vector<BinIndex> bins = {{10, 10}, {9, 9}, {9, 11}, {11, 9}, {12, 12}, {8, 9}};
+  EXPECT_GT(std::abs(slope_of(bins, 1).x - 1), 0.1);  // four of the 3 x 3 and those farther out
+  bins.push_back({11, 11});
+  EXPECT_GT(std::abs(slope_of(bins, 1).x - 1), 0.1);
+  bins.push_back({10, 9});
+  EXPECT_FLOAT_EQ(slope_of(bins, 1).x, 1);
+  EXPECT_FLOAT_EQ(slope_of(bins, 1).y, -2);
+  // Likewise of the 5 x 5.
+  bins = {{10, 10}, {8, 8}, {12, 8}, {8, 12}, {12, 12}, {13, 12}, {7, 9}};
+  EXPECT_GT(std::abs(slope_of(bins, 2).x - 1), 0.1);
+  bins.push_back({10, 12});
+  EXPECT_FLOAT_EQ(slope_of(bins, 2).x, 1);
+}
+
+TEST(Slope, ThreeBinsWithinThreeAreTheLeast) {
+  const std::vector<BinIndex> three = {{10, 10}, {13, 10}, {11, 7}};
+  EXPECT_FLOAT_EQ(slope_of(three, 3).x, 1);
+  EXPECT_FLOAT_EQ(slope_of(three, 3).y, -2);
+  EXPECT_TRUE(std::isnan(slope_of({{10, 10}, {13, 10}, {11, 6}}, 9).x));  // four bins away
+  EXPECT_TRUE(std::isnan(slope_of({{10, 10}, {11, 7}}, 9).x));
+}
+
+// Two rows of three bins, the centroids d bins apart: they scatter by (d / 2)^2 across.
+TEST(Slope, NoneWhereCentroidsScatterByLessThanATenth) {
+  const auto two_rows = [](double d) {
+    std::vector<ReturnPoint> points;
+    for (const double x : {-1.0, 0.0, 1.0})
+      for (const double y : {0.5 - d / 2, 0.5 + d / 2})
+        points.push_back({.x_est = x, .y_est = y, .z_est = y});
+    return slope_layer(accumulated(GridSpec::centered(4, 1), points)).at({4, 4});
+  };
+  EXPECT_TRUE(std::isnan(two_rows(0.62).y));  // 0.0961
+  EXPECT_FLOAT_EQ(two_rows(0.64).y, 1);       // 0.1024
+}
+
 // sigma_z / (s sqrt(6)) on each axis: 3 x 3 bins, returns in the centres. 2401 independent windows: the
 // standard deviation is known to 1 / sqrt(2 * 2401) = 1.4 %; 6 % is 4 sigma (false alarm 1e-4, fixed seed).
 TEST(Slope, NoiseOfTheSlope) {
