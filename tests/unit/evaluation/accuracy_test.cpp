@@ -49,6 +49,14 @@ TEST(FootprintStatistics, CentredInTheRegion) {
   }
 }
 
+TEST(FootprintStatistics, TheQuantileIsThatOfThePaper) {
+  EXPECT_EQ(FootprintRule{Footprint::square(0)}.quantile, 0.95);
+  const Grid<double> error = row_of({3, 6, 0, 9});
+  const BinMask everywhere(error.spec(), 1);
+  const FootprintStatistics statistics = footprint_statistics(error, everywhere, {Footprint::square(2)});
+  EXPECT_EQ(statistics.relative.at({0, 1}), 4.5);  // about the mean of 4.5: 1.5 1.5 4.5 4.5
+}
+
 TEST(Summaries, Absolute) {
   const AbsoluteMetrics metrics = summarise_absolute(row_of({kNan, -4, 1, 0, kNan}));
   EXPECT_EQ(metrics.mean_m, -1);
@@ -64,6 +72,7 @@ TEST(Summaries, Relative) {
   EXPECT_EQ(metrics.violation_count, 2);  // equal to the limit is none
   EXPECT_NEAR(metrics.p95_m.value(), 0.725, 1e-14);
   EXPECT_EQ(summarise_relative(row_of({kNan}), 0), RelativeMetrics{});
+  EXPECT_EQ(summarise_relative(row_of({kNan}), 0).violation_count, 0);
 }
 
 TEST(Summaries, HorizontalLeavesEmptyFootprintsOut) {

@@ -49,6 +49,18 @@ TEST(SquaredDistance, FarthestCorner) {
   EXPECT_EQ(squared_distance(set).at({299, 6}), 299 * 299 + 36);
 }
 
+TEST(SquaredDistance, OneBin) {
+  EXPECT_EQ(squared_distance(drawn({"#"})).at({0, 0}), 0);
+  EXPECT_EQ(squared_distance(drawn({"."})).at({0, 0}), kNoValidBin);
+}
+
+TEST(SquaredDistance, SmallMasksEqualBruteForce) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const BinMask set = random_mask(GridSpec{1, 0, 0, 9, 13}, 0.01 * static_cast<double>(1 + seed), seed);
+    EXPECT_TRUE(std::ranges::equal(squared_distance(set).values(), brute_force(set).values())) << seed;
+  }
+}
+
 TEST(SquaredDistance, EmptyGrid) {
   EXPECT_TRUE(squared_distance(BinMask(GridSpec{1, 0, 0, 0, 0})).values().empty());
 }

@@ -79,6 +79,14 @@ TEST(ErrorStatistics, NormalErrors) {
   }
 }
 
+// Squares of the errors themselves would lose what is left beside them.
+TEST(ErrorStatistics, DeviationsBesideALargeMean) {
+  const ErrorStatistics statistics =
+      error_statistics(row_of({1e9 - 1, 1e9, 1e9 + 1}), BinMask(GridSpec{1, 0, 0, 1, 3}, 1));
+  EXPECT_EQ(statistics.mean_m, 1e9);
+  EXPECT_DOUBLE_EQ(statistics.std_m.value(), std::sqrt(2.0 / 3));
+}
+
 // Values are taken in pieces; the last one is full, holds one value, or holds but one that counts.
 TEST(ErrorStatistics, WholePiecesAndOneMore) {
   for (const std::size_t more : {0U, 1U}) {

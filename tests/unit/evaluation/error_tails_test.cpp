@@ -148,6 +148,26 @@ TEST(ErrorTail, MembersAreTheFootprintsBins) {
     }
 }
 
+// More words of places than a few, the last one as full as can be.
+TEST(ErrorTail, MembersOfALongTail) {
+  const GridSpec spec{1, 0, 0, 40, 40};
+  const Tile tile{18, 18, 3, 3};
+  for (const std::size_t size : {1120U, 1137U, 1183U, 1184U}) {
+    const Footprint footprint = Footprint::square(17);
+    ErrorTail tail = noise_tail(spec, tile, 17);
+    tail.bins.resize(size);
+    tail.build(tile, footprint);
+    tail.enter_row(1);
+    for (std::int64_t col = 0; col < 3; ++col) {
+      const std::vector<bool> members = members_by_definition(tail, footprint, tile, {1, col});
+      const TailMembers found(tail, col);
+      for (const std::size_t place : {kPad, std::size_t{700}, kPad + size})
+        EXPECT_EQ(found.count_before(place), count(members, 0, place)) << size << ' ' << col;
+      EXPECT_EQ(found.next(kPad + size), kPad + size);
+    }
+  }
+}
+
 TEST(ErrorTail, ValuesDescendBetweenTheirPadding) {
   const Tile tile{2, 2, 3, 3};
   const Footprint footprint = Footprint::square(2);

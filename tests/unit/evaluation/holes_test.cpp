@@ -90,6 +90,16 @@ TEST(LabelHoles, DescribesAnLShape) {
   EXPECT_EQ(holes[0].centroid_y_m, (-2 + 1.25) * 0.5);
 }
 
+// The second row begins west of the first.
+TEST(LabelHoles, TheBoxGrowsToTheWest) {
+  const HoleLabels labels = label_holes(drawn({"##.#", ".##.", "..#."}));
+  ASSERT_EQ(labels.holes.size(), 1U);
+  EXPECT_EQ(labels.holes[0].first, (BinIndex{0, 2}));
+  EXPECT_EQ(labels.holes[0].south_west, (BinIndex{0, 0}));
+  EXPECT_EQ(labels.holes[0].north_east, (BinIndex{2, 3}));
+  EXPECT_EQ(labels.holes[0].largest_distance_bins, 0);  // not filled here
+}
+
 TEST(LabelHoles, EqualsFloodFillOnRandomMasks) {
   for (const double set_frac : {0.1, 0.3, 0.4, 0.5, 0.7, 1.0}) {
     for (const GridSpec& spec :

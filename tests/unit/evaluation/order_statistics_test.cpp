@@ -52,6 +52,24 @@ TEST(QuantileOf, SeveralPiecesAsSorted) {
     }
 }
 
+TEST(QuantileOf, TheLastPieceIsFullOrHoldsOneValue) {
+  for (const std::size_t more : {0U, 1U}) {
+    std::vector<double> values(kValuesPerPiece + more, kNan);
+    values.front() = 4;
+    values[kValuesPerPiece - 1] = -1;
+    values.back() = 2;
+    EXPECT_EQ(quantile(values, 0.75), by_sorting(values, 0.75));
+    const ValueLook look = look_at(values.size(), at(values), 1.5);
+    EXPECT_EQ(look.sum.count, more == 0 ? 2 : 3);
+    EXPECT_EQ(look.sum.sum, more == 0 ? 6 : 5);
+    EXPECT_EQ(look.largest, 4);
+    EXPECT_EQ(look.above, 2);
+    EXPECT_EQ(look.counts[ValueBucket::of(2)], 1U);
+    EXPECT_EQ(look.counts.back(), kValuesPerPiece - 2);
+    EXPECT_EQ(counted_sum(values.size(), at(values)).sum, look.sum.sum);
+  }
+}
+
 TEST(QuantileOf, FewValuesOfAnySize) {
   const std::vector<double> values{-kInfinity, -1e300, -2, -1e-310, 0, kNan, 1e-310, 1, 1e300, kInfinity};
   for (int step = 0; step <= 8; ++step)
@@ -65,6 +83,37 @@ TEST(QuantileOf, EqualValuesAndZeros) {
   const std::optional<double> zero = quantile({-0.0, -0.0, -0.0}, 0.5);
   ASSERT_TRUE(zero);
   EXPECT_FALSE(std::signbit(*zero));
+}
+
+TEST(ValueBucket, OfMagnitudes) {
+  for (const double value : {0.0, 1e-310, 0.03, 1.0, 3.5, 1e300, kInfinity}) {
+    EXPECT_EQ(ValueBucket::of_magnitude(ValueBucket::of(value)), ValueBucket::of(value)) << value;
+    EXPECT_EQ(ValueBucket::of_magnitude(ValueBucket::of(-value)), ValueBucket::of(value)) << value;
+  }
+  EXPECT_EQ(ValueBucket::of_magnitude(ValueBucket::of(kNan)), ValueBucket::kCount);
+}
+
+// Values 0, 0, 1, 1, 1, 4 in the buckets of 0, 1 and 4.
+TEST(FindBuckets, ThoseOfTheTwoOrderStatistics) {
+  BucketCounts counts(ValueBucket::kCount + 1);
+  counts[ValueBucket::of(0)] = 2;
+  counts[ValueBucket::of(1)] = 3;
+  counts[ValueBucket::of(4)] = 1;
+  counts.back() = 7;  // NaN
+  const auto expect = [&](double q, double first, double last, std::size_t below) {
+    const BucketRange range = find_buckets(counts, q).value();
+    EXPECT_EQ(range.first, ValueBucket::of(first)) << q;
+    EXPECT_EQ(range.last, ValueBucket::of(last)) << q;
+    EXPECT_EQ(range.rank.below, below) << q;
+  };
+  expect(0, 0, 0, 0);
+  expect(0.1, 0, 0, 0);   // h = 0.5
+  expect(0.2, 0, 0, 1);   // h = 1
+  expect(0.25, 0, 1, 1);  // h = 1.25
+  expect(0.4, 1, 1, 0);   // h = 2
+  expect(0.7, 1, 1, 1);   // h = 3.5
+  expect(0.9, 1, 4, 2);   // h = 4.5
+  expect(1, 4, 4, 0);
 }
 
 TEST(QuantileOf, NothingWithoutAValue) {

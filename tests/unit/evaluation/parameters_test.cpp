@@ -30,6 +30,7 @@ std::string refusal(const std::function<void(EvaluationParameters&)>& change) {
 TEST(EvaluationParameters, DefaultsAreTable1) {
   const EvaluationParameters parameters;
   EXPECT_NO_THROW(check(parameters));
+  EXPECT_EQ(parameters.region_half_width_m, 50);
   EXPECT_EQ(parameters.limits.invalid_frac, 0.01);
   EXPECT_EQ(parameters.limits.hole_bins, 10);
   EXPECT_EQ(parameters, EvaluationParameters{});
@@ -38,6 +39,8 @@ TEST(EvaluationParameters, DefaultsAreTable1) {
 TEST(EvaluationParameters, LengthsAreFiniteAndPositive) {
   for (const double bad : {0.0, -1.0, kNan, kInf}) {
     EXPECT_THAT(refusal([&](auto& p) { p.region_radius_m = bad; }), testing::StartsWith("region_radius_m: "));
+    EXPECT_THAT(refusal([&](auto& p) { p.region_half_width_m = bad; }),
+                testing::StartsWith("region/half_width_m: "));
     EXPECT_THAT(refusal([&](auto& p) { p.footprint_m = bad; }), testing::StartsWith("footprint_m: "));
   }
 }

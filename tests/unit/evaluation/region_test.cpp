@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -64,6 +66,34 @@ TEST(CircularRegion, FitsWhileEveryBinLiesInTheDem) {
   EXPECT_NE(refusal(dem, 1e300), "accepted");
 }
 
+// 17 = 4^2 + 1 is exactly the square of the double nearest to its root: its eight bins are out.
+TEST(CircularRegion, BinsOnACircleOfFractionalRadiusAreOut) {
+  ASSERT_EQ(std::sqrt(17.0) * std::sqrt(17.0), 17);
+  EXPECT_EQ(count_set(circular_region(GridSpec::centered(5, 1), std::sqrt(17.0))), 49);
+}
+
+// A ratio of 1e-9 is 0, which holds no bin.
+TEST(CircularRegion, RefusesARadiusOfNoBin) {
+  EXPECT_NE(refusal(GridSpec::centered(5, 1), 1e-9), "accepted");
+  EXPECT_EQ(refusal(GridSpec::centered(5, 1), 2e-9), "accepted");
+}
+
+TEST(CircularRegion, TheOriginMayLieOnTheBorder) {
+  const GridSpec dem{1, 0, -3, 5, 7};
+  EXPECT_EQ(count_set(circular_region(dem, 1)), 1);
+  EXPECT_EQ(refusal(dem, 1.123456789),
+            "region_radius_m: 1.123456789 does not fit the DEM: the largest that fits is 1");
+  EXPECT_EQ(count_set(square_region(dem, 0.5)), 1);
+}
+
+TEST(CircularRegion, TheNearestBorderMayBeAnyOfTheFour) {
+  for (const GridSpec& dem : {GridSpec{1, -2, -7, 20, 20}, GridSpec{1, -9, -2, 20, 20},
+                              GridSpec{1, -9, -7, 12, 20}, GridSpec{1, -9, -7, 20, 10}}) {
+    EXPECT_EQ(count_set(circular_region(dem, 3)), 25);
+    EXPECT_EQ(refusal(dem, 3.5), "region_radius_m: 3.5 does not fit the DEM: the largest that fits is 3");
+  }
+}
+
 TEST(CircularRegion, OriginNeedNotBeTheMiddle) {
   const GridSpec dem{1, -2, -7, 20, 20};  // the southern border is nearest
   const BinMask region = circular_region(dem, 3);
@@ -101,6 +131,8 @@ TEST(SquareRegion, FitsWhileEveryBinLiesInTheDem) {
   };
   EXPECT_EQ(refused(dem, 2.5), "region/half_width_m: 2.5 does not fit the DEM: the largest that fits is 2");
   EXPECT_NE(refused({1, 1, -5, 10, 10}, 0.5), "accepted");
+  EXPECT_NE(refused(dem, std::numeric_limits<double>::quiet_NaN()), "accepted");
+  EXPECT_NE(refused(dem, -1), "accepted");
 }
 
 }  // namespace

@@ -66,6 +66,31 @@ TEST(Uncertainty, RelativeIsTheErrorLessItsFootprintsMean) {
   EXPECT_TRUE(scores.by_count.empty());
 }
 
+TEST(Uncertainty, SharesEndAtFourSigma) {
+  const UncertaintyLayers layers{row_of<double>({4, -3.9, 4.1, 3.75, 0}), row_of<float>({1, 1, 1, 1, 1}),
+                                 row_of<float>({1, 1, 1, 1, 1}), std::nullopt};
+  const ScoreMetrics scores =
+      assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(0)).absolute;
+  EXPECT_EQ(scores.shares[0], (ScoreMetrics::Share{0.25, 0.2}));
+  EXPECT_EQ(scores.shares[14], (ScoreMetrics::Share{3.75, 0.4}));
+  EXPECT_EQ(scores.shares[15], (ScoreMetrics::Share{4, 0.8}));
+}
+
+TEST(Uncertainty, OneScoreOrNone) {
+  const UncertaintyLayers layers{row_of<double>({0.5, 1, 1}), row_of<float>({1, 0, -1}),
+                                 row_of<float>({kFloatNan, 0, 0}), std::nullopt};
+  const UncertaintyMetrics metrics =
+      assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(1));
+  EXPECT_EQ(metrics.absolute.count, 1);
+  EXPECT_EQ(metrics.absolute.left_out_count, 2);
+  EXPECT_EQ(metrics.absolute.mean, 0.5);
+  EXPECT_EQ(metrics.absolute.std, 0);
+  EXPECT_EQ(metrics.relative.count, 0);
+  EXPECT_EQ(metrics.relative.left_out_count, 3);
+  EXPECT_EQ(metrics.relative.mean, std::nullopt);
+  EXPECT_TRUE(metrics.relative.shares.empty());
+}
+
 TEST(Uncertainty, StepsOfSigmaAscend) {
   const UncertaintyLayers layers{row_of<double>({1, 1, 1, 1, 1}), row_of<float>({1, 2, 1.25F, 1.1F, 0.001F}),
                                  row_of<float>({1, 1, 1, 1, 1}), std::nullopt};
@@ -106,6 +131,22 @@ TEST(Uncertainty, RefusesAnotherGrid) {
   const UncertaintyLayers layers{row_of<double>({1, 1}), ones, row_of<float>({1}), std::nullopt};
   EXPECT_THROW(static_cast<void>(assess_uncertainty(layers, BinMask(ones.spec(), 1), Footprint::square(0))),
                FormatError);
+  const auto refused = [](std::size_t error, std::size_t abs, std::size_t rel, std::size_t count) {
+    const auto spec = [](std::size_t cols) { return GridSpec{1, 0, 0, 1, static_cast<std::int64_t>(cols)}; };
+    const UncertaintyLayers some{Grid<double>(spec(error)), Grid<float>(spec(abs), 1),
+                                 Grid<float>(spec(rel), 1), Grid<std::int32_t>(spec(count), 1)};
+    try {
+      static_cast<void>(assess_uncertainty(some, BinMask(spec(2), 1), Footprint::square(0)));
+    } catch (const FormatError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(2, 2, 2, 2));
+  EXPECT_TRUE(refused(3, 2, 2, 2));
+  EXPECT_TRUE(refused(2, 3, 2, 2));
+  EXPECT_TRUE(refused(2, 2, 3, 2));
+  EXPECT_TRUE(refused(2, 2, 2, 3));
 }
 
 }  // namespace

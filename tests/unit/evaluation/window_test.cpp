@@ -252,7 +252,9 @@ INSTANTIATE_TEST_SUITE_P(
                     RandomCase{{1, 0, 0, 150, 20}, 0.1, 70, 0.95}, RandomCase{{1, 0, 0, 40, 33}, 0.9, 2, 0.8},
                     RandomCase{{1, 0, 0, 30, 31}, 1, 4, 0.95}, RandomCase{{1, 0, 0, 1, 90}, 0.3, 6, 0.33},
                     RandomCase{{1, 0, 0, 90, 1}, 0.3, 6, 1}, RandomCase{{1, 0, 0, 20, 20}, 0.2, 0, 0.5},
-                    RandomCase{{1, 0, 0, 12, 15}, 0.2, 40, 0}));
+                    RandomCase{{1, 0, 0, 12, 15}, 0.2, 40, 0},
+                    // Two bands of rows; a row that fills its vectors.
+                    RandomCase{{1, 0, 0, 140, 3}, 0.1, 4, 0.95}, RandomCase{{1, 0, 0, 5, 32}, 0.1, 3, 0.95}));
 
 }  // namespace
 }  // namespace landfall
