@@ -288,6 +288,7 @@ TEST(Evaluate, SameAtAnyThreadCountAndWithoutLayers) {
   const Collected one = with_threads(1);
   const Collected two = with_threads(2);
   const Evaluation without_layers = evaluate(dem, parameters);
+  EXPECT_EQ(one.metrics.accuracy->footprint_bins, 9);
   EXPECT_EQ(one.metrics, two.metrics);
   EXPECT_EQ(one.metrics, without_layers.metrics);
   EXPECT_EQ(one.holes, two.holes);

@@ -30,6 +30,7 @@ std::string refusal(const std::function<void(EvaluationParameters&)>& change) {
 TEST(EvaluationParameters, DefaultsAreTable1) {
   const EvaluationParameters parameters;
   EXPECT_NO_THROW(check(parameters));
+  EXPECT_EQ(parameters.region_radius_m, 50);
   EXPECT_EQ(parameters.region_half_width_m, 50);
   EXPECT_EQ(parameters.limits.invalid_frac, 0.01);
   EXPECT_EQ(parameters.limits.hole_bins, 10);
@@ -105,6 +106,10 @@ TEST(FootprintOf, DiscOfThatDiameterInclusive) {
 
 TEST(FootprintOf, RefusesAFootprintBeyondCounting) {
   EXPECT_EQ(half_bins(0x1p21, 1), 0x1p20);
+  const double beyond = 2 * (0x1p20 + 1 - 1e-9);
+  ASSERT_EQ(beyond / 2 + 1e-9, 0x1p20 + 1);  // exactly the first that is too large
+  EXPECT_THROW(static_cast<void>(half_bins(beyond, 1)), UsageError);
+  EXPECT_EQ(half_bins(beyond - 1e-6, 1), 0x1p20);
   EXPECT_THROW(static_cast<void>(half_bins(0x1p22, 1)), UsageError);
   EXPECT_THROW(static_cast<void>(half_bins(1e300, 1e-300)), UsageError);
 }

@@ -81,8 +81,8 @@ TEST(CircularRegion, RefusesARadiusOfNoBin) {
 TEST(CircularRegion, TheOriginMayLieOnTheBorder) {
   const GridSpec dem{1, 0, -3, 5, 7};
   EXPECT_EQ(count_set(circular_region(dem, 1)), 1);
-  EXPECT_EQ(refusal(dem, 1.123456789),
-            "region_radius_m: 1.123456789 does not fit the DEM: the largest that fits is 1");
+  EXPECT_EQ(refusal(dem, 1.12345678901234),
+            "region_radius_m: 1.12345678901 does not fit the DEM: the largest that fits is 1");
   EXPECT_EQ(count_set(square_region(dem, 0.5)), 1);
 }
 

@@ -45,14 +45,14 @@ class TailWalkTest : public testing::TestWithParam<double> {
     return found;
   }
 
-  /// A walk from `floor`, with the tails that it asks for.
-  void expect_as_sorted(double floor, const Footprint& footprint, double q) const;
+  /// A walk from `floor`, with the tails that it asks for. Returns the smallest of what it found.
+  double expect_as_sorted(double floor, const Footprint& footprint, double q) const;
 
   Grid<double> error_{GridSpec{1, 0, 0, 16, 19}};
   BinMask region_{GridSpec{1, 0, 0, 16, 19}, 1};
 };
 
-void TailWalkTest::expect_as_sorted(double floor, const Footprint& footprint, double q) const {
+double TailWalkTest::expect_as_sorted(double floor, const Footprint& footprint, double q) const {
   const WindowMeans windows = window_means(error_, footprint);
   const WindowQuantileInput input{
       .error = error_, .windows = windows, .footprint = footprint, .region = region_, .quantile = q};
@@ -101,6 +101,7 @@ void TailWalkTest::expect_as_sorted(double floor, const Footprint& footprint, do
   if (uncertified == 0) {
     EXPECT_EQ(outcome.lower_bound, kInfinity);
   }
+  return smallest;
 }
 
 TEST_P(TailWalkTest, FindsAllThatLieAboveItsFloor) {
@@ -109,6 +110,14 @@ TEST_P(TailWalkTest, FindsAllThatLieAboveItsFloor) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Floors, TailWalkTest, testing::Values(0, 0.9, 1.8, 2.1, 9));
+
+// What lies at the floor is found, too.
+TEST_F(TailWalkTest, FindsWhatLiesAtItsFloor) {
+  for (const Footprint& footprint : {Footprint::square(3), Footprint::disc(13)}) {
+    const double smallest = expect_as_sorted(0, footprint, 0.9);
+    EXPECT_EQ(expect_as_sorted(smallest, footprint, 0.9), smallest);
+  }
+}
 
 // Tails that hold every bin, in steps of one window: a rank that jumps from window to window.
 TEST_F(TailWalkTest, FollowsMeansThatJump) {
