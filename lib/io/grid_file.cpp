@@ -158,7 +158,7 @@ void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinInde
   const hsize_t offset[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
   const std::lock_guard lock(
       h5::library_lock());  // what is written may be computed from another file's layer
-  if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()) < 0)
+  if (!h5::write_chunk(dataset, offset, bytes))
     throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
 }
 

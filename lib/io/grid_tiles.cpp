@@ -116,9 +116,7 @@ void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, in
     slot.bytes = slot.encoder.encode(std::as_bytes(std::span(slot.values)));
   };
   const auto write = [&](std::size_t i, std::size_t number) {
-    const std::span<const std::byte> bytes = slots[number].bytes;
-    if (H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset_of(part, todo[i]).data(), bytes.size(), bytes.data()) <
-        0)
+    if (!h5::write_chunk(dataset, offset_of(part, todo[i]), slots[number].bytes))
       throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
   };
   produce_in_parallel(todo.size(), slots.size(), encode, write);

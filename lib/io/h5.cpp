@@ -73,6 +73,7 @@ herr_t close_written(hid_t dataset) {
 }  // namespace
 
 void initialise() {
+  require_headroom(kHeadroom);
   // Every identifier has an owner that closes it. The library's own clean-up at exit would try once more to
   // flush a file that a full disk refused, and crash (HDF5 1.10).
   H5dont_atexit();
@@ -195,6 +196,11 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
   return checked(
       H5Dcreate2(parent, name.c_str(), native(type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
       close_written, name);
+}
+
+bool write_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const std::byte> bytes) {
+  require_headroom(kHeadroom);
+  return H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, offset.data(), bytes.size(), bytes.data()) >= 0;
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,7 +46,7 @@ class Handle {
 };
 
 /// Silences HDF5's own printing and lets no file have filter plug-ins loaded; call before any other use.
-/// Reasons reach the user through failure_reason().
+/// Reasons reach the user through failure_reason(). Throws std::bad_alloc where memory is short.
 void initialise();
 /// HDF5 is not reentrant. Where threads may meet in it (the readers and writers of a pipeline), each call is
 /// made under this lock, and nothing long is done meanwhile.
@@ -57,7 +58,7 @@ void initialise();
 /// Why data could not be read: what the system said, else that they are damaged.
 [[nodiscard]] std::string reading_failure();
 
-/// HDF5 1.10 crashes if it cannot have what an open file needs.
+/// HDF5 1.10 crashes if it cannot have what it needs for its own start, for an open file or for a chunk.
 inline constexpr std::size_t kHeadroom = std::size_t{8} << 20U;
 
 /// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types (SPEC section
@@ -110,6 +111,10 @@ struct DatasetShape {
   bool nan_fill = false;  ///< floating-point types only
 };
 Handle create_dataset(hid_t parent, const std::string& name, Type type, const DatasetShape& shape);
+/// Writes a whole chunk as it is to be stored; `offset` is its first element. False where HDF5 refuses;
+/// throws std::bad_alloc where memory is short.
+[[nodiscard]] bool write_chunk(hid_t dataset, std::span<const hsize_t> offset,
+                               std::span<const std::byte> bytes);
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text);
 void write_attribute(hid_t object, const std::string& name, double value);

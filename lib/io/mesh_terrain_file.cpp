@@ -44,7 +44,7 @@ void write_rows(const LandfallFileWriter& file, hid_t group, const RowsDataset& 
     std::fill(std::copy(part.begin(), part.end(), chunk.begin()), chunk.end(), std::byte{0});
     const std::span<const std::byte> stored = encoder.encode(chunk);
     const hsize_t offset[2] = {row, 0};
-    if (H5Dwrite_chunk(dataset.get(), H5P_DEFAULT, 0, offset, stored.size(), stored.data()) < 0)
+    if (!h5::write_chunk(dataset.get(), offset, stored))
       throw IoError("writing /mesh/" + what.name + " failed: " + h5::failure_reason());
   }
 }

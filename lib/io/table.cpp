@@ -58,9 +58,8 @@ bool stored_alike(hid_t a, hid_t b) {
 void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<const std::byte> bytes,
                  const std::string& name) {
   const hsize_t size = end;
-  const hsize_t offset = begin;
-  if (H5Dset_extent(dataset, &size) < 0 ||
-      H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &offset, bytes.size(), bytes.data()) < 0)
+  const std::array<hsize_t, 1> offset = {begin};
+  if (H5Dset_extent(dataset, &size) < 0 || !h5::write_chunk(dataset, offset, bytes))
     throw IoError("writing column " + name + " failed: " + h5::failure_reason());
 }
 
