@@ -152,17 +152,20 @@ std::string reference(const Options& o, const cli::Session& session) {
   return xdmf_reference(o.input, session.options().output_path);
 }
 
-/// The .xmf, and beside it the places that it refers to.
+/// The .xmf, and beside it the places that it refers to, which get their name before it.
 void export_points_xdmf(const cli::Session& session, const Options& o, const PointReader& points,
                         ByteSink& sink) {
   require_only_returns(points);
   const cli::CommonOptions& options = session.options();
   const std::filesystem::path file = xdmf_places(options.output_path);
   const PointPlaces places = places_of(points, position_of(o), reference(o, session));
-  write_point_places({file, options.overwrite, options.compression}, places, session.tool());
+  OutputPath places_output(file, options.overwrite);
+  write_point_places(places_output, places, session.tool(), options.compression);
   std::vector<ContentInfo> columns = points.columns();
   std::erase_if(columns, [](const ContentInfo& column) { return column.name == "t"; });
   sink.write(points_xdmf(columns, places, file.filename().string()));
+  sink.flush();
+  places_output.commit();
 }
 
 void export_scan(const cli::Session& session, const Options& o, const std::string& format, ByteSink& sink,

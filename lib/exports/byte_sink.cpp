@@ -49,10 +49,15 @@ void FileSink::write(std::string_view bytes) {
   fail("writing failed");
 }
 
-void FileSink::finish() {
+void FileSink::flush() {
   const int descriptor = descriptor_;
   descriptor_ = -1;
   if (::close(descriptor) != 0) fail("closing failed");
+  output_.flush();
+}
+
+void FileSink::finish() {
+  if (descriptor_ >= 0) flush();
   output_.commit();
 }
 

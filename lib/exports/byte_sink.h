@@ -26,7 +26,10 @@ class ByteSink {
 
   /// Throws IoError when the system refuses.
   virtual void write(std::string_view bytes) = 0;
-  /// After the last byte. Throws IoError when the system refuses.
+  /// After the last byte: from here on only the output's name is wanting. finish() does it where it was not
+  /// done. Throws IoError when the system refuses.
+  virtual void flush() {}
+  /// Throws IoError when the system refuses.
   virtual void finish() = 0;
 };
 
@@ -37,6 +40,7 @@ class FileSink final : public ByteSink {
   FileSink(const std::filesystem::path& path, bool overwrite);
   ~FileSink() override;
   void write(std::string_view bytes) override;
+  void flush() override;
   void finish() override;
 
  private:

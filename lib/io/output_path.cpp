@@ -101,8 +101,13 @@ OutputPath::~OutputPath() {
   forget_temporary_file(temporary_.string());
 }
 
-void OutputPath::commit() {
+void OutputPath::flush() {
   flush_to_disk(temporary_);
+  flushed_ = true;
+}
+
+void OutputPath::commit() {
+  if (!flushed_) flush();
   ignore_interrupts();
   if (overwrite_) {
     if (::rename(temporary_.c_str(), path_.c_str()) != 0)
@@ -117,13 +122,13 @@ void OutputPath::commit() {
   committed_ = true;
 }
 
-void write_text(const OutputPath& output, const std::string& text) {
+void write_text(OutputPath& output, const std::string& text) {
   std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
   stream << text;
   stream.close();
   if (!stream)
     throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
-  flush_to_disk(output.temporary());
+  output.flush();
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {

@@ -25,14 +25,18 @@ class OutputPath {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
-  /// The temporary file must be closed. Throws IoError when the disk refuses, UsageError when another process
-  /// made the output meanwhile and `overwrite` is false.
+  /// Puts the temporary file, which must be closed, on the disk. A run of several outputs does so with all of
+  /// them before the first gets its name. Throws IoError when the disk refuses.
+  void flush();
+  /// Flushes where that was not done, and gives the output its name. Throws IoError when the disk refuses,
+  /// UsageError when another process made the output meanwhile and `overwrite` is false.
   void commit();
 
  private:
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool overwrite_;
+  bool flushed_ = false;
   bool committed_ = false;
 };
 
@@ -43,8 +47,8 @@ class OutputPath {
 /// UsageError.
 void require_usable_output(const std::filesystem::path& path, bool overwrite);
 
-/// Writes these bytes as the whole of the temporary file; the caller commits. Throws IoError when the disk
-/// refuses.
-void write_text(const OutputPath& output, const std::string& text);
+/// Writes these bytes as the whole of the temporary file and flushes it; the caller commits. Throws IoError
+/// when the disk refuses.
+void write_text(OutputPath& output, const std::string& text);
 
 }  // namespace landfall

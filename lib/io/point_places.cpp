@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "io/h5_close.h"
 #include "io/provenance.h"
 #include "io/table.h"
 
@@ -86,6 +87,13 @@ void write_row(hid_t root, std::size_t rows, int compression) {
   }
 }
 
+/// A chunk that could not be written is told when its dataset closes, and by nothing else.
+void close(h5::Handle& file) {
+  const bool closed = H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0 && file.reset();
+  const std::string reason = closed ? h5::first_close_failure() : h5::failure_reason();
+  if (!closed || !reason.empty()) throw IoError("closing failed: " + reason);
+}
+
 void write_file(const std::filesystem::path& path, const PointPlaces& places, const std::string& tool,
                 int compression) {
   h5::Handle file = h5::create_file(path);
@@ -94,7 +102,7 @@ void write_file(const std::filesystem::path& path, const PointPlaces& places, co
   h5::write_attribute(file.get(), "scan_file_id", places.scan_id);
   write_position(file.get(), places);
   write_row(file.get(), places.rows, compression);
-  require(file.reset(), "the file");
+  close(file);
 }
 
 }  // namespace
@@ -103,14 +111,14 @@ h5::Type row_type(std::size_t rows) {
   return rows <= std::size_t{std::numeric_limits<std::int32_t>::max()} ? h5::Type::int32 : h5::Type::int64;
 }
 
-void write_point_places(const OutputOptions& options, const PointPlaces& places, const std::string& tool) {
-  OutputPath output(options.path, options.overwrite);
+void write_point_places(OutputPath& output, const PointPlaces& places, const std::string& tool,
+                        int compression) {
   try {
-    write_file(output.temporary(), places, tool, options.compression);
+    write_file(output.temporary(), places, tool, compression);
   } catch (const IoError& error) {
-    throw IoError("output " + options.path.string() + ": " + error.what());
+    throw IoError("output " + output.path().string() + ": " + error.what());
   }
-  output.commit();
+  output.flush();
 }
 
 }  // namespace landfall

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 
 #include "io/h5.h"
-#include "io/landfall_file.h"
+#include "io/output_path.h"
 
 namespace landfall {
 
@@ -26,7 +25,9 @@ struct PointPlaces {
 /// Writes a small HDF5 file of two datasets, whole or not at all:
 /// `/position`, N x 3, virtual (HDF5 1.10): it holds no coordinate, but says where in the scan they are;
 /// `/row`, N x 1 of row_type(): 0, 1, ..., the point that each vertex stands on.
-/// Throws UsageError as OutputPath does, IoError naming the output when the disk refuses.
-void write_point_places(const OutputOptions& options, const PointPlaces& places, const std::string& tool);
+/// It is written and flushed when this returns; the caller commits. Throws IoError naming the output when the
+/// disk refuses.
+void write_point_places(OutputPath& output, const PointPlaces& places, const std::string& tool,
+                        int compression);
 
 }  // namespace landfall

@@ -23,10 +23,11 @@ SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261122"))
 BY_LABEL = {each.label: each for each in TASKS}
 # One that HDF5 writes, one that GDAL writes, one of several files, one of plain text.
 FEW = [BY_LABEL[label] for label in ("terrain-gen .ply", "scan-sim", "landfall-export .tif", "dem-eval --metrics --report", "landfall-export .csv")]
+SEVERAL_OUTPUTS = [BY_LABEL[label] for label in ("dem-eval --metrics --report", "landfall-export .xmf")]
 
 
 def setUpModule():  # pylint: disable=invalid-name
-    Reliability.workshop = Workshop(os.environ["LANDFALL_BIN"], tasks=FEW)
+    Reliability.workshop = Workshop(os.environ["LANDFALL_BIN"], tasks={*FEW, *SEVERAL_OUTPUTS})
     unittest.addModuleCleanup(Reliability.workshop.remove)
 
 
@@ -82,8 +83,8 @@ class Calls(Reliability):
         if "runtime does not come first" in run.stderr:
             raise unittest.SkipTest("a sanitizer wants to be preloaded itself")
 
-    def try_calls(self, kind, action, what, most=3, **options):
-        self.check([calls.try_calls(self.workshop, self.library, kind, action, what=what, tasks=FEW, most=most, **options)])
+    def try_calls(self, kind, action, what, most=3, tasks=None, **options):
+        self.check([calls.try_calls(self.workshop, self.library, kind, action, what=what, tasks=tasks or FEW, most=most, **options)])
 
     def test_no_space_from_one_call_on(self):
         self.try_calls("write", errno.ENOSPC, "ENOSPC", sticky=True, old=True)
@@ -95,6 +96,10 @@ class Calls(Reliability):
     def test_an_interrupt_with_each_of_the_last_calls(self):
         """Among them those that give the output its name."""
         self.try_calls("write", -signal.SIGTERM, "SIGTERM", most=20, ended_by=signal.SIGTERM)
+
+    def test_no_output_gets_its_name_before_all_are_on_the_disk(self):
+        """Among the last calls are those that flush."""
+        self.try_calls("write", errno.EIO, "EIO", most=30, tasks=SEVERAL_OUTPUTS)
 
     def test_a_wrong_clock_changes_nothing(self):
         judge = surroundings.try_environment(self.workshop, "a wrong clock", {"LD_PRELOAD": self.library, "FAULT_CLOCK": "-1000000000"},

@@ -47,6 +47,8 @@ TASKS = [
     task("terrain-gen .h5", "terrain-gen -c {in}/terrain.json -o {out}/terrain.h5", "terrain.h5"),
     task("terrain-gen .tif", "terrain-gen --from {in}/terrain.h5 -o {out}/terrain.tif", "terrain.tif"),
     task("terrain-gen .ply", "terrain-gen --from {in}/terrain.h5 -o {out}/mesh.ply", "mesh.ply"),
+    task("terrain-gen of a .tif", "terrain-gen --from {in}/terrain.tif -o {out}/import.h5", "import.h5"),
+    task("terrain-gen of a .ply", "terrain-gen --from {in}/mesh.ply -o {out}/import.h5", "import.h5"),
     task("scan-sim", "scan-sim -c {in}/scan.json --terrain {in}/terrain.h5 -o {out}/scan.h5", "scan.h5"),
     task("scan-sim --ranges-from", "scan-sim -c {in}/scan.json --ranges-from {in}/scan.h5 --seed 2 -o {out}/draw.h5", "draw.h5"),
     task("scan-sim --plan", "scan-sim -c {in}/scan.json --plan --plan-radius 5 --plan-resolution 0.1 -o {out}/plan.h5", "plan.h5"),
@@ -55,7 +57,8 @@ TASKS = [
     task("dem-eval --metrics --report", "dem-eval {in}/dem.h5 -c {in}/eval.json -o {out}/eval.h5 --metrics {out}/metrics.json "
          "--report {out}/report.html", "eval.h5", "metrics.json", "report.html"),
     *(task(f"landfall-export .{kind}", f"landfall-export {{in}}/{source}.h5 -o {{out}}/export.{kind}", f"export.{kind}")
-      for kind, source in [("csv", "scan"), ("las", "scan"), ("ply", "scan"), ("xmf", "scan"), ("tif", "dem"), ("png", "eval")]),
+      for kind, source in [("csv", "scan"), ("las", "scan"), ("ply", "scan"), ("tif", "dem"), ("png", "eval")]),
+    task("landfall-export .xmf", "landfall-export {in}/scan.h5 -o {out}/export.xmf", "export.xmf.h5", "export.xmf"),
     task("landfall-export -o -", "landfall-export {in}/dem.h5 -o - --format csv"),
     task("landfall-info --json", "landfall-info {in}/scan.h5 --json"),
 ]
@@ -105,7 +108,7 @@ class Workshop:
             self.remember(one)
 
     def make_inputs(self):
-        for label in ("terrain-gen .h5", "scan-sim", "regrid", "dem-eval --metrics --report"):
+        for label in ("terrain-gen .h5", "terrain-gen .tif", "terrain-gen .ply", "scan-sim", "regrid", "dem-eval --metrics --report"):
             one = next(each for each in TASKS if each.label == label)
             run = self.run(one)
             if run.code != 0:

@@ -44,11 +44,17 @@ PointPlaces places(const std::string& scan) {
   return {scan, {"x", "y", "z"}, h5::Type::float64, kRows, "id"};
 }
 
+void write_places(const std::filesystem::path& path, const PointPlaces& places) {
+  OutputPath output(path, false);
+  write_point_places(output, places, "tool", 1);
+  output.commit();
+}
+
 TEST(PointPlaces, ShowTheColumnsSideBySideWithoutHoldingThem) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "below");
   write_scan(folder / "below/50%b.h5");  // a pattern, were it not escaped
-  write_point_places({folder / "p.h5"}, places("below/50%b.h5"), "tool");
+  write_places(folder / "p.h5", places("below/50%b.h5"));
   const std::vector<double> position = read(folder / "p.h5", "position");
   const std::vector<double> row = read(folder / "p.h5", "row");
   ASSERT_EQ(position.size(), 3 * kRows);
@@ -66,28 +72,28 @@ TEST(PointPlaces, MayBeFewerThanAChunk) {
   const TemporaryFolder folder;
   PointPlaces one = places("scan.h5");
   one.rows = 1;
-  write_point_places({folder / "p.h5"}, one, "tool");
+  write_places(folder / "p.h5", one);
   EXPECT_EQ(read(folder / "p.h5", "row"), std::vector<double>{0});
 }
 
 TEST(PointPlaces, AreNoneWhereTheScanIsNot) {
   const TemporaryFolder folder;
-  write_point_places({folder / "p.h5"}, places("gone.h5"), "tool");
+  write_places(folder / "p.h5", places("gone.h5"));
   for (const double value : read(folder / "p.h5", "position")) ASSERT_TRUE(std::isnan(value));
 }
 
 TEST(PointPlaces, HaveEqualBytes) {
   const TemporaryFolder folder;
-  write_point_places({folder / "p.h5"}, places("scan.h5"), "tool");
-  write_point_places({folder / "q.h5"}, places("scan.h5"), "tool");
+  write_places(folder / "p.h5", places("scan.h5"));
+  write_places(folder / "q.h5", places("scan.h5"));
   EXPECT_EQ(read_file(folder / "p.h5"), read_file(folder / "q.h5"));
 }
 
 TEST(PointPlaces, AppearWholeOrNotAtAll) {
   const TemporaryFolder folder;
-  write_point_places({folder / "p.h5"}, places("scan.h5"), "tool");
+  write_places(folder / "p.h5", places("scan.h5"));
   const std::string before = read_file(folder / "p.h5");
-  EXPECT_THROW(write_point_places({folder / "p.h5"}, places("other.h5"), "tool"), UsageError);
+  EXPECT_THROW(write_places(folder / "p.h5", places("other.h5")), UsageError);
   EXPECT_EQ(read_file(folder / "p.h5"), before);
   EXPECT_EQ(folder.entries(), 1U);
 }
