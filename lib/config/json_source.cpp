@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 
 std::string read_to_end(std::istream& stream, const std::string& name) {
   std::string text;
-  std::array<char, 65536> block;
+  std::array<char, 4096> block;  // stacks may be small (ulimit -s)
   while (stream.read(block.data(), block.size()), stream.gcount() > 0)
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   const bool failed = stream.bad() || (&stream == &std::cin && std::ferror(stdin) != 0);

@@ -15,6 +15,7 @@ import calls
 import folders
 import limits
 import page
+import resources
 import signals
 import surroundings
 from workshop import OLD, TASKS, Judge, Run, Workshop
@@ -75,6 +76,8 @@ class TheJudge(Reliability):
 
 @unittest.skipUnless(shutil.which(os.environ.get("CC", "cc")), "no C compiler")
 class Calls(Reliability):
+    """And what a sanitizer does not go with."""
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -100,6 +103,9 @@ class Calls(Reliability):
     def test_no_output_gets_its_name_before_all_are_on_the_disk(self):
         """Among the last calls are those that flush."""
         self.try_calls("write", errno.EIO, "EIO", most=30, tasks=SEVERAL_OUTPUTS)
+
+    def test_a_small_stack_is_enough(self):
+        self.check([resources.try_stacks(self.workshop, [BY_LABEL["scan-sim"]])])
 
     def test_a_wrong_clock_changes_nothing(self):
         judge = surroundings.try_environment(self.workshop, "a wrong clock", {"LD_PRELOAD": self.library, "FAULT_CLOCK": "-1000000000"},
