@@ -7,6 +7,7 @@ import resource
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import time
 import unittest
@@ -120,6 +121,20 @@ class OneLine(ImportTest):
         self.refuse(2, "terrain-gen", "--center", "1,2", "-o", output, words=["--center", "--from"])
         self.refuse(1, "terrain-gen", "--from", self.path("none.tif"), "-o", output, words=["none.tif"])
         self.refuse(2, "terrain-gen", "--from", self.raster(), "-o", output, words=["--horizontal-scale"])
+
+    def test_a_tag_that_cannot_be_read_is_not_left_out(self):
+        """GDAL goes on without it: here, without a scale of 2."""
+        path = self.path("scaled.tif")
+        gdal("gdal_translate", "-q", "-a_srs", UTM, "-a_scale", "2", self.raster(), path)
+        with open(path, "r+b") as file:
+            data = file.read()
+            first, = struct.unpack_from("<I", data, 4)
+            count, = struct.unpack_from("<H", data, first)
+            entry = next(at for at in range(first + 2, first + 2 + 12 * count, 12) if struct.unpack_from("<H", data, at) == (42112,))
+            file.seek(entry + 8)
+            file.write(struct.pack("<I", len(data) + 1000))  # beyond the end
+        output = self.path("t.h5")
+        self.refuse(1, "terrain-gen", "--from", path, "-o", output, words=[path, "cannot be read as a whole", "GDALMetadata"], output=output)
 
     def test_check_writes_nothing(self):
         self.succeed("terrain-gen", "--from", self.projected(), "--check", "-o", self.path("out.h5"))

@@ -4,11 +4,13 @@
 #include <cpl_error.h>
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 namespace landfall {
 
-/// Keeps GDAL's first error of this thread instead of printing it, for as long as it lives.
+/// Keeps GDAL's first error of this thread instead of printing it, for as long as it lives; and the first
+/// warning that it goes on without something that it could not read.
 class GdalErrors {
  public:
   GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
@@ -19,18 +21,25 @@ class GdalErrors {
   [[nodiscard]] bool any() const { return !first_.empty(); }
   [[nodiscard]] std::string reason() const { return any() ? first_ : "GDAL gives no reason"; }
   void clear() { first_.clear(); }
+  /// The warning that a tag could not be read; empty where there was none. clear() leaves it.
+  [[nodiscard]] const std::string& loss() const { return loss_; }
 
  private:
   static void CPL_STDCALL keep(CPLErr level, CPLErrorNum /*number*/, const char* message) {
     auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
-    if (level < CE_Failure || self.any()) return;
-    self.first_ = message;
-    if (const std::size_t end = self.first_.find(':'); self.first_.front() == '_' && end != std::string::npos)
-      self.first_.erase(0, end + 1);  // the name of a function of GDAL's
-    std::replace(self.first_.begin(), self.first_.end(), '\n', ' ');
-    self.first_.erase(self.first_.find_last_not_of(" .") + 1);
+    if (level >= CE_Failure && !self.any()) self.first_ = line(message);
+    const bool is_loss = level == CE_Warning && std::strstr(message, "IO error during reading") != nullptr;
+    if (is_loss && self.loss_.empty()) self.loss_ = line(message);
+  }
+  static std::string line(std::string text) {
+    if (const std::size_t end = text.find(':'); text.starts_with('_') && end != std::string::npos)
+      text.erase(0, end + 1);  // the name of a function of GDAL's
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    text.erase(text.find_last_not_of(" .") + 1);
+    return text;
   }
   std::string first_;
+  std::string loss_;
 };
 
 }  // namespace landfall

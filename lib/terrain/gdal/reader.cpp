@@ -163,9 +163,17 @@ class WindowReader {
   std::vector<unsigned char> mask_values_;
 };
 
+/// Without a tag, the raster would be another one: at another place, without its scale or its holes.
+void require_no_loss(const DemBase& dem, const GdalErrors& errors) {
+  if (!errors.loss().empty())
+    throw FormatError(dem.path + ": cannot be read as a whole (" + errors.loss() +
+                      "); get or export it again");
+}
+
 /// That a file is damaged is said before what it lacks besides: a horizontal scale would not help it.
 SiteFrame frame_of(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors) {
   const Georeference place = georeference(raster);
+  require_no_loss(dem, errors);
   if (place.crs == nullptr && !dem.horizontal_scale_m)
     (void)WindowReader(raster, dem, errors).read({raster.size.rows / 2, raster.size.cols / 2, {1, 1}});
   return site_frame(place, dem);
@@ -178,6 +186,7 @@ DemRaster read_dem(const DemBase& dem, const GridSpec& site, RasterLinks links) 
   require_site_inside(frame.mapping, raster.size, dem.interpolation, site, dem.path);
   const Window window = window_to_read(raster, frame.mapping, site, dem);
   DemSamples samples = WindowReader(raster, dem, errors).read(window);
+  require_no_loss(dem, errors);
   const PixelPosition first{static_cast<double>(window.col), static_cast<double>(window.row)};
   const char* const driver = GDALGetDriverShortName(raster.dataset->GetDriver());
   return {std::move(samples),
