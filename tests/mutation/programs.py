@@ -1,27 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs googletest programs with a mutant on, or records which mutants each of their tests reaches."""
+import math
 import os
 import signal
 import subprocess
 import tempfile
-import time
+import threading
 
 QUICK_S = 0.3  # tests are run in turns, of this length at first, each longer than the one before
 GROWTH = 6
 PATIENCE = 5  # a run that takes so many times as long as usual hangs
 GRACE_S = 5.0
+IDLE = 20
+
+
+def measured(command, environment, limit_s):
+    """The exit status, or None after `limit_s` of processor time or IDLE times as long, and the processor time taken, seconds.
+    Ends all that the command started. Processor time, so that a busy machine neither kills a mutant nor leaves out a test."""
+    limited = ["/bin/sh", "-c", f'ulimit -t {math.ceil(limit_s)} && exec "$@"', "sh", *command]
+    process = subprocess.Popen(limited, env={**os.environ, **environment}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                               start_new_session=True)
+    timer = threading.Timer(IDLE * limit_s, os.killpg, (process.pid, signal.SIGKILL))
+    timer.start()
+    _, status, usage = os.wait4(process.pid, 0)
+    timer.cancel()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    hangs = process.returncode in (-signal.SIGKILL, -signal.SIGXCPU)
+    return None if hangs else process.returncode, usage.ru_utime + usage.ru_stime
 
 
 def run(command, environment, limit_s):
-    """The exit status, or None after `limit_s`. Ends all that the command started."""
-    process = subprocess.Popen(command, env={**os.environ, **environment}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                               start_new_session=True)
-    try:
-        return process.wait(limit_s)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        return None
+    return measured(command, environment, limit_s)[0]
 
 
 def tests_of(program):
@@ -41,9 +50,7 @@ def trace(command, limit_s=600, environment=None):
     """Which mutants the command reaches and how long it takes; None where it fails without a mutant or takes too long."""
     with tempfile.TemporaryDirectory() as scratch:
         path = os.path.join(scratch, "trace")
-        start = time.monotonic()
-        status = run(command, {**(environment or {}), "LANDFALL_MUTANT_TRACE": path}, limit_s)
-        elapsed = time.monotonic() - start
+        status, elapsed = measured(command, {**(environment or {}), "LANDFALL_MUTANT_TRACE": path}, limit_s)
         if status != 0:
             return None
         if not os.path.exists(path):

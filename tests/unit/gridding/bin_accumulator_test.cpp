@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "gridding/finite_points.h"
 #include "point_columns.h"
 
 namespace landfall {
@@ -121,6 +123,17 @@ TEST(BinAccumulator, NamesTheRowAndColumnThatIsNotFinite) {
   EXPECT_THAT(refusal({{.t = kNan}}, 0), StartsWith("row 0: t is"));
   EXPECT_THAT(refusal({{}, {.t = kNan}, {.x_est = kNan}}, 0), StartsWith("row 1: t"));  // the first of them
   EXPECT_THAT(refusal({{.x_est = 99, .z_est = kNan}}, 0), StartsWith("row 0: z_est"));  // outside, too
+}
+
+TEST(BinAccumulator, ThrowsOnlyWhereSomethingIsNotFinite) {
+  const PointColumns columns(std::vector<ReturnPoint>(3));
+  EXPECT_THROW(throw_first_not_finite(columns.view(), 0), std::logic_error);
+}
+
+TEST(BinAccumulator, OnePassIsAllOfTheProgress) {
+  BinAccumulator bins(five_by_five());
+  EXPECT_EQ(bins.progress(0.25), 0.25);
+  EXPECT_FALSE(bins.end_pass());
 }
 
 // In a batch of several pieces, and past the first pass.

@@ -152,6 +152,42 @@ TEST(BinKernel, ScansHaveTheSameBitsWithThreads) {
   }
 }
 
+// A lone return and then a long run in its bin, the rest of its word elsewhere; then words that lack but
+// their first return. Whichever tiles belong to one part, each bin sees its returns once and in order.
+TEST(BinKernel, RunsOfWordsKeepTheirOrder) {
+  const GridSpec spec{1, 0, 0, 1, 400};
+  const ThreadLimit limit(2);
+  for (double other = 40; other < 400; other += 32) {
+    PointColumns columns;
+    const auto add = [&](double x) {
+      columns.push_back({x, 0, 1 + 0.1 * static_cast<double>(columns.t.size()), 0, 0, 0, 0});
+    };
+    add(3);
+    for (int i = 1; i < 64; ++i) add(other);
+    for (int i = 0; i < 6 * 64; ++i) add(3);
+    for (int i = 0; i < 6 * 64; ++i) add(i % 64 == 0 ? other : 3);
+    for (int i = 0; i < 5 * 64; ++i) add(other);
+    const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
+    BinAccumulator bins(spec);
+    bins.add(columns.view(), 0);
+    expect_same_bits(bins.bins(), expected.bins);
+  }
+}
+
+// More scattered returns in each part than are gathered at a time.
+TEST(BinKernel, ScatteredReturnsHaveTheSameBitsWithThreads) {
+  const GridSpec spec = GridSpec::centered(8, 0.1);
+  const PointColumns columns = points_around(spec, 4000);
+  const Expected expected = one_by_one(columns.view(), spec, BinWeights::equal);
+  for (const std::size_t threads : {1U, 2U, 3U}) {
+    const ThreadLimit limit(threads);
+    BinAccumulator bins(spec, BinWeights::equal);
+    bins.add(columns.view(), 0);
+    expect_same_bits(bins.bins(), expected.bins);
+    EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
+  }
+}
+
 TEST(BinKernel, FindsWhatIsNotFinite) {
   const GridSpec spec = GridSpec::centered(1, 0.1);
   for (std::size_t at : {0U, 6U, 130U, 136U}) {

@@ -43,6 +43,7 @@ std::vector<ReturnPoint> random_points(const GridSpec& spec, std::size_t count) 
     if (i % 10 == 0) p.x_est = std::round(p.x_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
     if (i % 15 == 0) p.y_est = std::round(p.y_est / spec.resolution_m * 2) / 2 * spec.resolution_m;
     p.z_est = 100 + 0.25 * step(random);
+    p.z_true = p.z_est - 0.01;
     p.x_true = p.x_est + 0.01 * step(random);
     p.y_true = p.y_est - 0.01 * step(random);
     p.t = static_cast<double>(i) * 1e-3;
@@ -198,6 +199,55 @@ TEST_P(Methods, NamesTheFirstRowThatIsNotFinite) {
   }
 }
 
+// Also where every other return is finite, inside the map and outside it.
+TEST_P(Methods, NamesTheOnlyReturnThatIsNotFinite) {
+  for (const std::size_t threads : {1U, 2U})
+    for (const double x : {0.0, 99.0}) {
+      const ThreadLimit limit(threads);
+      std::vector<ReturnPoint> points(20);
+      points[7] = {.x_est = x, .z_est = kNan};
+      const PointColumns columns(points);
+      const auto map = make_accumulator(GetParam(), GridSpec::centered(1, 0.5));
+      EXPECT_THROW(map->add(columns.view(), 0), FormatError) << x << ' ' << threads;
+    }
+}
+
+// Millimetres on top of a million metres.
+TEST_P(Methods, SpreadSurvivesALargeOffset) {
+  const PointColumns columns(
+      {{.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}, {.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}});
+  const auto map = gathered(make_accumulator(GetParam(), GridSpec::centered(1, 1)), columns.view(), 3);
+  EXPECT_EQ(all_values(*map)[4].z_spread, 0x1p-10);
+}
+
+// In steps of a quarter of a bin, over the border: a return is inside where some bin sees it.
+TEST_P(Methods, InsideIsWhatReachesABin) {
+  const GridSpec spec = GridSpec::centered(1, 1);
+  for (double x = -2.5; x <= 2.5; x += 0.25)
+    for (double y = -2.5; y <= 2.5; y += 0.25) {
+      const std::vector<ReturnPoint> point{{.x_est = x, .y_est = y}};
+      const PointColumns columns(point);
+      const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 1);
+      EXPECT_EQ(map->inside_count(), members_of(GetParam(), spec, point).empty() ? 0 : 1) << x << ' ' << y;
+    }
+}
+
+// More than one piece of work, whose bits are those of one thread.
+TEST_P(Methods, SeveralPiecesOfWork) {
+  const GridSpec spec = GridSpec::centered(2, 0.25);
+  const PointColumns columns(random_points(spec, 70'000));
+  const auto bits = [&](std::size_t threads) {
+    const ThreadLimit limit(threads);
+    return all_values(*gathered(make_accumulator(GetParam(), spec), columns.view(), 70'000));
+  };
+  const std::vector<BinValues> one = bits(1);
+  const std::vector<BinValues> two = bits(2);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].count, two[i].count);
+    ASSERT_EQ(std::memcmp(&one[i].weight_sum, &two[i].weight_sum, 10 * sizeof(double)), 0) << i;
+  }
+}
+
 TEST_P(Methods, RefusesAGridWithoutBins) {
   EXPECT_THROW(static_cast<void>(make_accumulator(GetParam(), GridSpec{0.1, 0, 0, 0, 5})), UsageError);
   EXPECT_THROW(static_cast<void>(make_accumulator(GetParam(), GridSpec{0, 0, 0, 5, 5})), UsageError);
@@ -303,6 +353,53 @@ TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
         "method median: the row of bins at y = -0.500000 m holds 11 returns; at most 10 can be sorted "
         "at a time");
   }
+}
+
+// The first row, too; as many as can be sorted are taken.
+TEST(MedianAccumulator, AsManyReturnsInARowAsCanBeSorted) {
+  for (const std::size_t count : {10U, 11U}) {
+    const PointColumns columns(std::vector<ReturnPoint>(count, {.y_est = -1}));
+    MedianAccumulator map(GridSpec::centered(1, 0.5), 10);
+    map.add(columns.view(), 0);
+    if (count == 10)
+      EXPECT_TRUE(map.end_pass());
+    else
+      EXPECT_THROW(map.end_pass(), FormatError);
+  }
+}
+
+// Returns by row, 10 at a time, and the passes that gather them.
+TEST(MedianAccumulator, GathersAsManyRowsAsFit) {
+  const auto passes = [](const std::vector<int>& rows) {
+    const GridSpec spec{1, 0, 0, std::ssize(rows), 1};
+    std::vector<ReturnPoint> points;
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      for (int i = 0; i < rows[row]; ++i) points.push_back({.y_est = static_cast<double>(row)});
+    const PointColumns columns(points);
+    MedianAccumulator map(spec, 10);
+    int count = -1;  // the first one counts
+    do {
+      map.add(columns.view(), 0);
+      ++count;
+    } while (map.end_pass());
+    return count;
+  };
+  EXPECT_EQ(passes({5, 5}), 1);
+  EXPECT_EQ(passes({5, 6}), 2);
+  EXPECT_EQ(passes({6, 6, 2, 2}), 2);
+  EXPECT_EQ(passes({10, 0, 10, 1}), 3);
+}
+
+TEST(MedianAccumulator, TheFirstPassIsATenthOfTheProgress) {
+  const PointColumns columns(std::vector<ReturnPoint>{{.y_est = 0}, {.y_est = 1}});
+  MedianAccumulator map(GridSpec{1, 0, 0, 2, 1}, 1);
+  EXPECT_DOUBLE_EQ(map.progress(0.5), 0.05);
+  map.add(columns.view(), 0);
+  map.end_pass();
+  EXPECT_DOUBLE_EQ(map.progress(0.5), 0.1 + 0.9 / 4);
+  map.add(columns.view(), 0);
+  map.end_pass();
+  EXPECT_DOUBLE_EQ(map.progress(0.5), 0.1 + 0.9 * 3 / 4);
 }
 
 /// Counts points without having them.

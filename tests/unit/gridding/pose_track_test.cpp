@@ -65,6 +65,12 @@ TEST(PoseTrack, OnePoseHoldsAlways) {
   EXPECT_EQ(track.at(6).since_start_s, 0);
 }
 
+TEST(PoseTrack, PosesMayBeAnyTimeApart) {
+  const PoseTrack track({{"a.h5", {0, 4}, {{0, 0, 0}, {8, 0, 0}}, {yaw(0), yaw(0.4)}}});
+  EXPECT_EQ(track.at(1).position.v.x(), 2);
+  EXPECT_TRUE(track.at(2).attitude.m.isApprox(yaw(0.2).toRotationMatrix(), 1e-14));
+}
+
 // Two pulses at one time: the later one counts from then on.
 TEST(PoseTrack, TimesMayRepeat) {
   const PoseTrack track({{"a.h5",
@@ -83,6 +89,7 @@ TEST(PoseTrack, ScansMayFollowOneAnotherInAnyOrderOfGiving) {
   const PoseTrack track({descent("late.h5", 10), descent("early.h5", 0)});
   EXPECT_DOUBLE_EQ(track.at(1.5).since_start_s, 1.5);
   EXPECT_DOUBLE_EQ(track.at(11.5).since_start_s, 1.5);
+  EXPECT_EQ(track.at(10).since_start_s, 0);        // the later one has begun
   EXPECT_DOUBLE_EQ(track.at(5).since_start_s, 2);  // between them: the end of the earlier
 }
 
@@ -103,6 +110,11 @@ TEST(PoseTrack, RefusesWhatIsNoTrack) {
   ScanPoses poses = descent("a.h5", 0);
   poses.t_s = {0, 2, 1};
   EXPECT_THAT(refusal<FormatError>({poses}), AllOf(HasSubstr("a.h5"), HasSubstr("ascending")));
+  poses.t_s = {1, 0, 2};
+  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("ascending"));
+  poses = descent("a.h5", 0);
+  poses.position_m[0].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("not finite"));
   poses = descent("a.h5", 0);
   poses.t_s[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal<FormatError>({poses}), HasSubstr("not finite"));

@@ -24,6 +24,23 @@ TEST(RowPartition, KeepsPointOrderWithinABand) {
   EXPECT_EQ(partition.outside_count(), 2U);
 }
 
+TEST(RowPartition, BandsHoldEightRows) {
+  EXPECT_EQ(RowPartition(GridSpec{1, 0, 0, 7, 1}).band_count(), 1U);
+  EXPECT_EQ(RowPartition(GridSpec{1, 0, 0, 8, 1}).band_count(), 1U);
+  EXPECT_EQ(RowPartition(GridSpec{1, 0, 0, 9, 1}).band_count(), 2U);
+}
+
+// The row behind the last one lies in the last band's eight.
+TEST(RowPartition, AnyNumberOutsideTheGridIsOutside) {
+  RowPartition partition(GridSpec{1, 0, 0, 17, 1});
+  partition.assign(4, [](std::size_t begin, std::size_t end, std::int32_t* rows) {
+    constexpr std::int32_t kRows[] = {16, 17, -1, 99};
+    std::copy(kRows + begin, kRows + end, rows);
+  });
+  EXPECT_THAT(partition.points_of_band(2), ElementsAre(0));
+  EXPECT_THAT(partition.outside_points(), ElementsAre(1, 2, 3));
+}
+
 TEST(RowPartition, AssignForgetsThePreviousBatch) {
   RowPartition partition(GridSpec{1, 0, 0, 8, 1});
   partition.assign(std::vector<double>{0, 9}, std::vector<double>{0, 0});

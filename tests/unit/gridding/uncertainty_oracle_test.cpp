@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole uncertainty map against its definition, return by return in double.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "gridding/uncertainty.h"
+#include "point_columns.h"
+
+namespace landfall {
+namespace {
+
+const GridSpec kSpec = GridSpec::centered(1.2, 0.1);  // 25 x 25
+const UncertaintyParameters kParameters{.range_sigma_m = 0.02,
+                                        .navigation = {.position_m = {{0.01, 0.02, 0.03}},
+                                                       .velocity_mps = {{0.002, 0.001, 0.003}},
+                                                       .rpy_rad = {1e-4, 3e-4, 2e-4},
+                                                       .rpy_rate_radps = {2e-5, 1e-5, 4e-5}}};
+
+/// About three returns per bin in the west; in the east a bin of two returns, and one of one.
+std::vector<ReturnPoint> returns() {
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> noise(0, 0.03);
+  std::vector<ReturnPoint> points;
+  const auto add = [&](double x, double y) {
+    points.push_back(
+        {.x_est = x, .y_est = y, .z_est = 2 + 0.4 * x - 0.7 * y + noise(random), .t = 5 + 10 * unit(random)});
+  };
+  for (int i = 0; i < 1100; ++i) add(-1.25 + 1.5 * unit(random), -1.25 + 2.5 * unit(random));
+  add(1.03, 0.02);
+  add(0.98, -0.03);
+  add(1.1, -0.9);
+  return points;
+}
+
+/// Given, not fitted; unknown in some bins.
+Grid<Slope> slopes() {
+  Grid<Slope> layer(kSpec);
+  for (std::int64_t row = 0; row < kSpec.rows; ++row)
+    for (std::int64_t col = 0; col < kSpec.cols; ++col)
+      if ((3 * row + col) % 11 != 0)
+        layer.at({row, col}) = {static_cast<float>(0.4 + 0.02 * static_cast<double>(row % 5)),
+                                static_cast<float>(-0.7 + 0.03 * static_cast<double>(col % 7))};
+  return layer;
+}
+
+/// From (30, -20, 100) at t = 4 s to (40, -14, 90) at 16 s, at a fixed attitude.
+struct Flight {
+  Eigen::Quaterniond attitude = Eigen::Quaterniond(rotation_matrix({0.1, -0.2, 0.6}));
+  [[nodiscard]] PoseTrack track() const {
+    return PoseTrack({{"a.h5", {4, 16}, {{30, -20, 100}, {40, -14, 90}}, {attitude, attitude}}});
+  }
+  [[nodiscard]] static Eigen::Vector3d position(double t) {
+    return Eigen::Vector3d(30, -20, 100) + (t - 4) / 12 * Eigen::Vector3d(10, 6, -10);
+  }
+};
+
+/// What the definition needs of a bin.
+struct BinOracle {
+  double count = 0, w_w = 0, scatter = 0;
+  Eigen::Vector3d J{0, 0, 0}, lever{0, 0, 0};
+  double since_start = 0;
+
+  BinOracle(const std::vector<ReturnPoint>& in, BinIndex bin, const Slope& g) : J(-g.x, -g.y, 1) {
+    double w = 0;
+    Eigen::Vector4d mean(0, 0, 0, 0);
+    std::vector<double> weights;
+    for (const ReturnPoint& p : in) {
+      weights.push_back((1 - std::abs(p.x_est - kSpec.x(bin.col)) / kSpec.resolution_m) *
+                        (1 - std::abs(p.y_est - kSpec.y(bin.row)) / kSpec.resolution_m));
+      w += weights.back();
+      mean += weights.back() * Eigen::Vector4d(p.x_est, p.y_est, p.z_est, p.t);
+    }
+    mean /= w;
+    for (std::size_t k = 0; k < in.size(); ++k) {
+      w_w += weights[k] * weights[k] / (w * w);
+      const double off = J.dot(Eigen::Vector3d(in[k].x_est, in[k].y_est, in[k].z_est) - mean.head<3>());
+      scatter += weights[k] / w * off * off;
+    }
+    count = static_cast<double>(in.size());
+    lever = Eigen::Vector3d(kSpec.x(bin.col), kSpec.y(bin.row), mean[2]) - Flight::position(mean[3]);
+    since_start = mean[3] - 4;
+  }
+  [[nodiscard]] double noise() const { return kParameters.range_sigma_m * J.dot(lever.normalized()); }
+  [[nodiscard]] double excess() const {
+    return (count == 1 ? 0 : scatter - noise() * noise() * (1 - w_w)) / w_w;
+  }
+  [[nodiscard]] double navigation(const Eigen::Vector3d& direction) const {
+    const NavigationSigma& sigma = kParameters.navigation;
+    const auto square = [](double v) { return v * v; };
+    const Eigen::Vector3d arm = Flight().attitude.toRotationMatrix().transpose() * lever.cross(direction);
+    const double rates[] = {sigma.rpy_rate_radps.roll_rad, sigma.rpy_rate_radps.pitch_rad,
+                            sigma.rpy_rate_radps.yaw_rad};
+    const double angles[] = {sigma.rpy_rad.roll_rad, sigma.rpy_rad.pitch_rad, sigma.rpy_rad.yaw_rad};
+    double variance = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      variance += square(direction[axis] * sigma.position_m.v[axis]) +
+                  square(direction[axis] * since_start * sigma.velocity_mps.v[axis]) +
+                  square(arm[axis] * angles[axis]) + square(arm[axis] * since_start * rates[axis]);
+    return variance;
+  }
+  [[nodiscard]] double horizontal() const {
+    const Eigen::Vector3d n = lever.normalized();
+    return 0.01 * quantisation_factor(count) / count + 4e-4 * w_w * (n.x() * n.x() + n.y() * n.y()) / 2 +
+           (navigation(Eigen::Vector3d::UnitX()) + navigation(Eigen::Vector3d::UnitY())) / 2;
+  }
+};
+
+class UncertaintyOracle : public testing::Test {
+ protected:
+  UncertaintyOracle() {
+    moments_.add(PointColumns(returns()).view(), bins_);
+    std::map<std::pair<std::int64_t, std::int64_t>, std::vector<ReturnPoint>> members;
+    for (const ReturnPoint& p : returns()) {
+      const BinIndex bin = kSpec.bin_of(p.x_est, p.y_est);
+      if (kSpec.contains(bin)) members[{bin.row, bin.col}].push_back(p);
+    }
+    for (const auto& [at, in] : members)
+      oracle_.emplace(at, BinOracle(in, {at.first, at.second}, slopes_.at({at.first, at.second})));
+  }
+
+  /// rho^2 over the 7 x 7 bins around.
+  [[nodiscard]] double roughness(BinIndex middle) const {
+    double excess = 0;
+    double freedom = 0;
+    for (const auto& [at, bin] : oracle_) {
+      if (std::abs(at.first - middle.row) > 3 || std::abs(at.second - middle.col) > 3) continue;
+      if (std::isnan(bin.J.x())) continue;
+      excess += bin.excess();
+      freedom += bin.count == 1 ? 0 : 1 / bin.w_w - 1;
+    }
+    return freedom > 0 ? std::max(0.0, excess / freedom) : 0;
+  }
+
+  BinAccumulator bins_ = accumulated(kSpec, returns());
+  MomentAccumulator moments_{kSpec};
+  Grid<Slope> slopes_ = slopes();
+  PoseTrack poses_ = Flight().track();
+  std::map<std::pair<std::int64_t, std::int64_t>, BinOracle> oracle_;
+};
+
+void expect_close(double found, double expected) {
+  if (std::isnan(expected))
+    EXPECT_TRUE(std::isnan(found));
+  else
+    EXPECT_NEAR(found, expected, 1e-9 + 2e-4 * std::abs(expected));
+}
+
+TEST_F(UncertaintyOracle, EveryBinAsItIsDefined) {
+  const UncertaintyMap map(bins_, moments_, slopes_, poses_, kParameters);
+  std::size_t rough = 0;
+  for (const auto& [at, expected] : oracle_) {
+    SCOPED_TRACE(testing::Message() << at.first << ' ' << at.second);
+    const BinIndex bin{at.first, at.second};
+    const double noise = expected.noise();
+    const double range = noise * noise * expected.w_w;
+    const double quant =
+        expected.J.head<2>().squaredNorm() * 0.01 * quantisation_factor(expected.count) / expected.count;
+    const double roughness_here = roughness(bin) * expected.w_w;
+    const double navigation = expected.navigation(expected.J);
+    rough += roughness_here > 1e-5 ? 1U : 0U;
+    expect_close(map.variances(bin).range, range);
+    expect_close(map.variances(bin).quant, quant);
+    if (!std::isnan(noise)) expect_close(map.variances(bin).rough, roughness_here);
+    expect_close(map.variances(bin).navigation, navigation);
+    expect_close(map.z_sigma_abs(bin), std::sqrt(range + quant + roughness_here + navigation));
+    expect_close(map.z_sigma_rel(bin), std::sqrt(range + quant + roughness_here));
+    expect_close(map.z_corrected_sigma_abs(bin), std::sqrt(range + roughness_here + navigation));
+    expect_close(map.z_corrected_sigma_rel(bin), std::sqrt(range + roughness_here));
+    expect_close(map.xy_sigma(bin), std::sqrt(expected.horizontal()));
+  }
+  EXPECT_GT(rough, 200U);
+}
+
+TEST_F(UncertaintyOracle, ProgressIsOneHalfAndAnother) {
+  std::vector<double> fractions;
+  const UncertaintyMap map(bins_, moments_, slopes_, poses_, kParameters,
+                           [&](double f) { fractions.push_back(f); });
+  ASSERT_EQ(fractions.size(), 4U);  // two pieces of 16 rows, twice
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  EXPECT_GT(fractions[0], 0.1);
+  EXPECT_DOUBLE_EQ(fractions[1], 0.5);
+  EXPECT_DOUBLE_EQ(fractions[2], 0.5 + fractions[0]);
+  EXPECT_DOUBLE_EQ(fractions[3], 1);
+}
+
+TEST_F(UncertaintyOracle, RefusesParametersThatAreNone) {
+  EXPECT_THROW(UncertaintyMap(bins_, moments_, slopes_, poses_, {.range_sigma_m = -1}), UsageError);
+}
+
+}  // namespace
+}  // namespace landfall
