@@ -17,6 +17,22 @@ AccuracyMetrics flawless() {
   return accuracy;
 }
 
+// What was not measured counts nothing.
+TEST(Metrics, BeginAtZero) {
+  const Metrics metrics;
+  EXPECT_EQ(metrics.region.bin_count, 0);
+  EXPECT_EQ(metrics.statistics.valid_frac, 0);
+  EXPECT_EQ(AccuracyMetrics{}.footprint_bins, 0);
+  EXPECT_EQ(AccuracyMetrics{}.quantile, 0);
+  EXPECT_EQ(RelativeMetrics{}.violation_count, 0);
+  const ScoreMetrics scores;
+  EXPECT_EQ(scores.count, 0);
+  EXPECT_EQ(scores.left_out_count, 0);
+  EXPECT_EQ(ScoreMetrics::OfCount{}, (ScoreMetrics::OfCount{0, 0, 0, 0, 0}));
+  EXPECT_EQ(ScoreMetrics::OfSigma{}, (ScoreMetrics::OfSigma{0, 0, 0}));
+  EXPECT_EQ(ScoreMetrics::Share{}, (ScoreMetrics::Share{0, 0}));
+}
+
 TEST(Judge, FlawlessPasses) {
   const RequirementMetrics judged = judge({}, flawless(), {});
   EXPECT_EQ(overall_pass(judged), true);

@@ -21,6 +21,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr GridSpec kSpec{0.05, -60, -45, 96, 121};
 
 std::size_t different_bits(const Grid<double>& a, const Grid<double>& b) {
+  if (a.spec() != b.spec()) return std::max(a.spec().size(), b.spec().size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.spec().size(); ++i)
     count +=

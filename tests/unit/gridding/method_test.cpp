@@ -223,12 +223,15 @@ TEST_P(Methods, SpreadSurvivesALargeOffset) {
 // In steps of a quarter of a bin, over the border: a return is inside where some bin sees it.
 TEST_P(Methods, InsideIsWhatReachesABin) {
   const GridSpec spec = GridSpec::centered(1, 1);
+  const ThreadLimit limit(1);
   for (double x = -2.5; x <= 2.5; x += 0.25)
     for (double y = -2.5; y <= 2.5; y += 0.25) {
       const std::vector<ReturnPoint> point{{.x_est = x, .y_est = y}};
       const PointColumns columns(point);
+      const std::int64_t inside = members_of(GetParam(), spec, point).empty() ? 0 : 1;
       const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 1);
-      EXPECT_EQ(map->inside_count(), members_of(GetParam(), spec, point).empty() ? 0 : 1) << x << ' ' << y;
+      EXPECT_EQ(map->inside_count(), inside) << x << ' ' << y;
+      EXPECT_EQ(map->outside_count(), 1 - inside) << x << ' ' << y;
     }
 }
 
