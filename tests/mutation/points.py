@@ -190,7 +190,7 @@ class Finder:
         if overloaded and not re.search("string", cursor.type.get_canonical().spelling):
             self.binary(cursor, parent, piece, function, result)
         extreme = re.match(r"std::(min|max)\s*(<[^()]*>)?\s*\(", text)
-        if extreme:
+        if extreme and not overloaded:
             name, kind = extreme[1], extreme[2]
             call = f"{CALL}{name}_as<@0, {kind[1:-1]}>(" if kind else f"{CALL}{name}<@0>("
             other = "max" if name == "min" else "min"

@@ -10,7 +10,7 @@ import threading
 QUICK_S = 0.3  # tests are run in turns, of this length at first, each longer than the one before
 GROWTH = 6
 PATIENCE = 5  # a run that takes so many times as long as usual hangs
-GRACE_S = 5.0
+GRACE_S = 2.0
 IDLE = 20
 
 
