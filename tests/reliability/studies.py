@@ -17,6 +17,11 @@ STUDY = {"base": {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EV
 RESULTS = ("results.csv", "results.h5")
 
 
+def interruptible():
+    """A shell that started this in the background has made it ignore SIGINT, which programs inherit."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Study:
     """A study of four cases, made into `folder`."""
 
@@ -30,7 +35,8 @@ class Study:
         environment = {key: value for key, value in os.environ.items() if not key.startswith(("MAKE", "MFLAGS"))}
         return subprocess.Popen(["make", "-C", ROOT, "-f", "Makefile.studies", f"STUDY={self.file}", f"BIN={self.workshop.binaries}",
                                  f"RUNS={self.folder}", "-k", "-j2", "study-results"], stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True)
+                                stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True,
+                                preexec_fn=interruptible)
 
     def make(self):
         process = self.start()
