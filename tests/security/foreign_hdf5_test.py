@@ -173,7 +173,7 @@ class ForeignHdf5(ChainTest):
             for path in pathlib.Path(os.environ["LANDFALL_ROOT"], top).rglob("*.cpp"):
                 for call in re.findall(r"\b(H5Fopen|GDALOpenEx|GDALOpen|GDALDataset::Open)\(", path.read_text()):
                     places.setdefault(call, set()).add(path.name)
-        self.assertEqual(places, {"H5Fopen": {"h5.cpp"}, "GDALDataset::Open": {"file_guard.cpp"}})
+        self.assertEqual(places, {"H5Fopen": {"h5_reading.cpp"}, "GDALDataset::Open": {"file_guard.cpp"}})
 
     def test_what_is_whole_is_read(self):
         """A hard link, a group in itself, and a layer of nothing but fill values."""
