@@ -81,9 +81,10 @@ void initialise() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-std::string first_close_failure() {
+std::optional<std::string> close_file(Handle& file) {
+  if (H5Fflush(file.get(), H5F_SCOPE_GLOBAL) < 0 || !file.reset()) return failure_reason();
   const std::lock_guard lock(close_lock);
-  return close_failure;
+  return close_failure.empty() ? std::nullopt : std::optional(close_failure);
 }
 
 std::mutex& library_lock() {

@@ -90,10 +90,8 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
 
 void LandfallFileWriter::commit() {
   h5::write_attribute(root(), "complete", std::int64_t{1});
-  const bool closed = H5Fflush(root(), H5F_SCOPE_GLOBAL) >= 0 && file_.reset();
-  const std::string reason = closed ? h5::first_close_failure() : h5::failure_reason();
-  if (!closed || !reason.empty())
-    throw IoError("output " + output_.path().string() + ": closing failed: " + reason);
+  if (const std::optional<std::string> failure = h5::close_file(file_))
+    throw IoError("output " + output_.path().string() + ": closing failed: " + *failure);
   output_.commit();
 }
 

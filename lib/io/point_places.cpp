@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -87,13 +88,6 @@ void write_row(hid_t root, std::size_t rows, int compression) {
   }
 }
 
-/// A chunk that could not be written is told when its dataset closes, and by nothing else.
-void close(h5::Handle& file) {
-  const bool closed = H5Fflush(file.get(), H5F_SCOPE_GLOBAL) >= 0 && file.reset();
-  const std::string reason = closed ? h5::first_close_failure() : h5::failure_reason();
-  if (!closed || !reason.empty()) throw IoError("closing failed: " + reason);
-}
-
 void write_file(const std::filesystem::path& path, const PointPlaces& places, const std::string& tool,
                 int compression) {
   h5::Handle file = h5::create_file(path);
@@ -102,7 +96,8 @@ void write_file(const std::filesystem::path& path, const PointPlaces& places, co
   h5::write_attribute(file.get(), "scan_file_id", places.scan_id);
   write_position(file.get(), places);
   write_row(file.get(), places.rows, compression);
-  close(file);
+  if (const std::optional<std::string> failure = h5::close_file(file))
+    throw IoError("closing failed: " + *failure);
 }
 
 }  // namespace
