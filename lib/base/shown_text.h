@@ -7,13 +7,15 @@
 
 namespace landfall {
 
-/// A word of a file as a message can hold it: at most 40 bytes, and plain ASCII, with ? for other characters.
-inline std::string shown_word(std::string_view word) {
-  std::string text(word.substr(0, 40));
+/// A text with ? for what is no printable ASCII.
+inline std::string plain_ascii(std::string text) {
   for (char& c : text)
     if (c < ' ' || c > '~') c = '?';
   return text;
 }
+
+/// A word of a file as a message can hold it: at most 40 bytes, and plain ASCII.
+inline std::string shown_word(std::string_view word) { return plain_ascii(std::string(word.substr(0, 40))); }
 
 /// A text that the user typed or that is valid UTF-8: whole up to 60 bytes; of a longer one what fits there,
 /// to the end of a letter, and "...".

@@ -16,7 +16,9 @@
 #include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "base/shown_text.h"
 #include "base/thread_refusal.h"
+#include "base/utf8.h"
 #include "cli/command_line.h"
 #include "cli/completion.h"
 #include "cli/config_changes.h"
@@ -71,9 +73,9 @@ Json environment_json(const std::string& config_name) {
   std::tm utc{};
   gmtime_r(&now, &utc);
   std::strftime(clock, sizeof clock, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return {{"host", host},
+  return {{"host", as_utf8(host)},
           {"time_utc", clock},
-          {"folder", std::filesystem::current_path().string()},
+          {"folder", as_utf8(std::filesystem::current_path().string())},
           {"config", config_name}};
 }
 
@@ -201,8 +203,17 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   return code;
 }
 
+/// All that is typed may end in JSON: in the configuration, in provenance, in a summary.
+void require_utf8(int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i)
+    if (!is_utf8(argv[i]))
+      throw UsageError("argument " + std::to_string(i) + ", '" + shown_word(argv[i]) +
+                       "', is not UTF-8, as names and texts in landfall's files are");
+}
+
 ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const Tool& tool,
                        const CommonOptions& options) {
+  require_utf8(argc, argv);
   try {
     app.parse(argc, argv);
     require_values(app);

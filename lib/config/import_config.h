@@ -27,7 +27,7 @@ struct ImportOptions {
   friend bool operator==(const ImportOptions&, const ImportOptions&) = default;
 };
 
-/// Writes the options into a configuration as a file would have them, so that the same run has the same
+/// Writes the options, UTF-8, into a configuration as a file would have them, so that the same run has the same
 /// resolved configuration either way. Throws UsageError naming the option where a text is no number or no
 /// pair of numbers, and naming both where the configuration has a base of its own.
 void apply_import(JsonSource& source, const ImportOptions& options);

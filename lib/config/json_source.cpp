@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/json_source.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <iostream>
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include "base/error.h"
@@ -73,12 +75,18 @@ class StrictnessCheck final : public JsonLevels {
   std::vector<std::set<std::string>> keys_;
 };
 
-/// The parser's message without its prefix and in plain ASCII: it quotes the bytes that it could not read.
+/// The parser's message without its prefix and in plain ASCII: it quotes the bytes that it could not read, of
+/// which the last ones tell most.
 std::string plain_message(const std::string& message) {
-  const std::size_t end = message.find("] ");
-  std::string text = end == std::string::npos ? message : message.substr(end + 2);
-  for (char& c : text)
-    if (c < ' ' || c > '~') c = '?';
+  constexpr std::string_view kQuote = "last read: '";
+  constexpr std::size_t kMost = 60;
+  const std::size_t prefix = message.find("] ");
+  std::string text = plain_ascii(prefix == std::string::npos ? message : message.substr(prefix + 2));
+  const std::size_t quote = text.find(kQuote);
+  if (quote == std::string::npos) return text;
+  const std::size_t begin = quote + kQuote.size();
+  const std::size_t end = std::min(text.rfind("'; expected "), text.size() - 1);
+  if (end > begin + kMost) text.replace(begin, end - begin - (kMost - 3), "...");
   return text;
 }
 
@@ -113,17 +121,7 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   return array[index];
 }
 
-bool is_utf8(const std::string& text) {
-  try {
-    static_cast<void>(Json(text).dump());
-    return true;
-  } catch (const Json::type_error&) {
-    return false;
-  }
-}
-
 void assign(Json& root, const std::string& assignment) {
-  if (!is_utf8(assignment)) throw UsageError("--set: the text is not UTF-8, as JSON is");
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
     throw UsageError("--set " + shown_text(assignment) + ": wanted KEY=JSON");

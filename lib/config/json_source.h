@@ -21,7 +21,7 @@ struct JsonSource {
 /// The same from a text; `name` stands for the file.
 [[nodiscard]] JsonSource parse_json(const std::string& text, const std::string& name);
 
-/// Applies `a.b.c=JSON` assignments in order; a number in the path is an array index, which must exist.
+/// Applies `a.b.c=JSON` assignments, UTF-8, in order; a number in the path is an array index, which must exist.
 /// Missing objects are made. Throws UsageError naming the assignment where it is not KEY=JSON or runs into a
 /// value that is no container, or has more than 64 keys in its path.
 void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments);

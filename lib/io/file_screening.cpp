@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/shown_text.h"
+#include "base/utf8.h"
 #include "io/chunk_codec.h"
 #include "io/h5.h"
 
@@ -124,6 +126,8 @@ class Screening {
       fail("the group " + where.path + " cannot be listed: " + reading_failure());
     for (const Link& link : links) {
       const std::string path = where.path + link.name;
+      if (!is_utf8(link.name))
+        fail(where.path + " holds an object whose name, '" + shown_word(link.name) + "', is not UTF-8");
       if (link.type != H5L_TYPE_HARD) refuse_link(group.get(), link, path);
       screen_object(group.get(), link.name, path);
     }

@@ -138,7 +138,7 @@ Handle open_file(const std::filesystem::path& path);
 
 /// What follows answers "nothing" only where there is nothing of that name, or something of another kind (a
 /// number where a text is wanted, two values where one is). Each throws FormatError, naming file and object,
-/// where that cannot be told or read.
+/// where that cannot be told or read. Of a text, bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] bool exists(hid_t parent, const std::string& name);
 [[nodiscard]] Handle open_dataset(hid_t parent, const std::string& name);
 [[nodiscard]] Handle open_group(hid_t parent, const std::string& name);

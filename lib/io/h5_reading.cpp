@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/headroom.h"
 #include "base/regular_file.h"
+#include "base/utf8.h"
 #include "io/file_screening.h"
 #include "io/h5.h"
 
@@ -68,7 +69,7 @@ bool read_numbers(hid_t object, const std::string& name, std::span<double> value
 }
 
 /// Reads one text from an attribute or dataset through `read(type, buffer)`, which throws where it fails;
-/// fixed and variable lengths both occur. Nothing unless it is one text.
+/// fixed and variable lengths both occur. Nothing unless it is one text. Other programs write what is no UTF-8.
 template <class Read>
 std::optional<std::string> read_string(hid_t file_type, hid_t space, const Read& read) {
   if (H5Tget_class(file_type) != H5T_STRING || !has_values(space, 1)) return std::nullopt;
@@ -79,14 +80,14 @@ std::optional<std::string> read_string(hid_t file_type, hid_t space, const Read&
     char* text = nullptr;
     read(type.get(), static_cast<void*>(&text));
     if (text == nullptr) return std::nullopt;
-    std::string result = text;
+    const std::string result = text;
     H5free_memory(text);
-    return result;
+    return as_utf8(result);
   }
   std::string result(H5Tget_size(file_type), '\0');
   read(file_type, static_cast<void*>(result.data()));
   result.resize(std::min(result.size(), result.find('\0')));
-  return result;
+  return as_utf8(result);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "io/h5_close.h"
 #include "io/stored_json.h"
 
@@ -103,10 +104,11 @@ LandfallFileReader::LandfallFileReader(std::filesystem::path path, std::initiali
     wanted += (wanted.empty() ? "landfall." : " or landfall.") + std::string(kind);
   if (!format) fail("is no landfall file (it has no attribute format_name); wanted " + wanted);
   const auto matches = [&](const char* kind) { return *format == "landfall." + std::string(kind); };
-  if (std::none_of(kinds.begin(), kinds.end(), matches)) fail("is a " + *format + " file; wanted " + wanted);
+  if (std::none_of(kinds.begin(), kinds.end(), matches))
+    fail("is a " + shown_word(*format) + " file; wanted " + wanted);
   const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");
   if (version.substr(0, 2) != "1.")
-    fail("format_version '" + version + "' is not 1.x, which this version reads");
+    fail("format_version '" + shown_word(version) + "' is not 1.x, which this version reads");
   if (h5::read_number_attribute(root(), "complete").value_or(0) != 1)
     fail("is incomplete (attribute complete is not 1)");
   read_provenance();

@@ -11,6 +11,7 @@ import unittest
 
 import h5py
 import jsonschema
+import numpy as np
 from tools import CONFIGS, INPUTS, TOOLS, ChainTest, ToolTest, read_bytes, run, tool
 
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
@@ -118,6 +119,15 @@ class Usage(ToolTest):
             self.refuse(2, name, "--no-such-flag", words=["--no-such-flag"])
         self.refuse(2, "terrain-gen", "surplus", words=["surplus"])
         self.refuse(2, "dem-eval", "a.h5", "b.h5", words=["b.h5"])
+
+    def test_what_is_typed_is_utf_8(self):
+        foreign = os.fsdecode(b"a\xf8")
+        for name in [*TOOLS, "landfall-info", "landfall-export"]:
+            self.refuse(2, name, foreign + ".h5", words=["argument 1, 'a?.h5'", "UTF-8"])
+            self.refuse(2, name, "-q", "-o", foreign, words=["argument 3, 'a?'", "UTF-8"])
+        self.refuse(2, "scan-sim", "--check", "--set", f"seed.{foreign}=1", words=["argument 3, 'seed.a?=1'", "UTF-8"])
+        self.refuse(2, "terrain-gen", "--from", "a.tif", "--datum", foreign, words=["argument 4, 'a?'", "UTF-8"])
+        self.assertEqual(self.entries(), [])
 
     def test_option_values_out_of_range(self):
         for name in TOOLS:
@@ -332,6 +342,42 @@ class Inputs(ChainTest):
                 file.attrs["complete"] = 1
                 file.attrs["format_version"] = "2.0"
             self.refuse_input(name, data, ["2.0"])
+
+    def test_messages_repeat_little_of_a_file(self):
+        for name, kind in self.READERS.items():
+            data = self.path("changed.h5")
+            for attribute in ["format_name", "format_version"]:
+                shutil.copy(getattr(self.chain, kind), data)
+                with h5py.File(data, "r+") as file:
+                    file.attrs[attribute] = "[" * 40000 + "\n"
+                self.refuse_input(name, data, ["[" * 40])
+                self.assertNotIn("[" * 41, run(name, data).stderr)
+
+    def test_texts_that_are_no_utf_8(self):
+        foreign = np.bytes_(b"a\xff\xfe")
+        for kind in ["terrain", "scan", "dem", "eval"]:
+            data = self.path(kind + ".h5")
+            shutil.copy(getattr(self.chain, kind), data)
+            with h5py.File(data, "r+") as file:
+                for holder, name in [(file, "file_id"), (file["provenance"], "tool"), (file["provenance"], "version")]:
+                    del holder.attrs[name]
+                    holder.attrs.create(name, foreign)
+                for column in [c for c in file.values() if isinstance(c, h5py.Dataset) and "units" in c.attrs]:
+                    for name in ["units", "long_name"]:
+                        column.attrs.create(name, foreign)
+            self.assertEqual(json.loads(self.succeed("landfall-info", "--json", data).stdout)["file_id"], "a\ufffd\ufffd")
+            self.succeed("landfall-info", data)
+            setattr(self, kind, data)
+        self.succeed("scan-sim", "-c", self.chain.config("scan-sim"), "--terrain", self.terrain, "-o", self.path("s.h5"))
+        self.succeed("regrid", self.scan, "-c", self.chain.config("regrid"), "--terrain", self.terrain, "--other-terrain", "-o",
+                     self.path("d.h5"))
+        self.succeed("dem-eval", self.dem, "-c", self.chain.config("dem-eval"), "-o", self.path("e.h5"))
+        with h5py.File(self.path("e.h5")) as file:
+            self.assertIn("a\ufffd\ufffd", file["provenance/chain_json"].asstr()[()])
+        with h5py.File(self.terrain, "r+") as file:
+            file[b"b\xff"] = [1.0]
+        for name, arguments in [("landfall-info", []), ("scan-sim", ["-o", self.path("o.h5"), "--terrain"])]:
+            self.refuse(1, name, *arguments, self.terrain, words=["holds an object whose name, 'b?', is not UTF-8"])
 
     def test_truncated_at_many_places(self):
         data = self.path("cut.h5")

@@ -9,6 +9,7 @@
 #include <array>
 #include <vector>
 
+#include "base/utf8.h"
 #include "config/dem_config.h"
 #include "config/import_config.h"
 #include "config/scan_config.h"
@@ -119,6 +120,7 @@ void use_eval(const JsonSource& source) {
 }
 
 void use(std::uint8_t tool, const std::string& text, const Texts& texts) {
+  if (!std::all_of(texts.begin(), texts.end(), is_utf8)) return;  // refused before anything is read
   switch (tool) {
     case 't':
       return use_terrain(source_of(text, texts));

@@ -39,6 +39,15 @@ TEST(ReadJson, MissingFileAndWrongContent) {
   EXPECT_THAT(refusal(""), HasSubstr("not valid JSON"));
 }
 
+TEST(ReadJson, AMessageQuotesTheEndOfALongText) {
+  const std::string end(57, 'x');
+  const std::string text = "\"" + std::string(3000, 'x');
+  EXPECT_THAT(refusal("{" + text),
+              HasSubstr("missing closing quote; last read: '..." + end + "'; expected string literal"));
+  EXPECT_THAT(refusal("{\"a\": " + text), testing::EndsWith("missing closing quote; last read: '..." + end + "'"));
+  EXPECT_THAT(refusal("{\"a\": nil}"), testing::EndsWith("last read: '\"a\": ni'"));
+}
+
 TEST(ReadJson, NanAndInfinityAreNotJson) {
   EXPECT_THAT(refusal("{\"a\": NaN}"), HasSubstr("not valid JSON"));
   EXPECT_THAT(refusal("{\"a\": -Infinity}"), HasSubstr("not valid JSON"));

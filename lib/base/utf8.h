@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace landfall {
+
+/// For libraries that link nlohmann_json. Whether a text is UTF-8, as all of a JSON text must be.
+inline bool is_utf8(const std::string& text) {
+  try {
+    static_cast<void>(nlohmann::json(text).dump());
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+/// A text with U+FFFD for each byte that is no UTF-8.
+inline std::string as_utf8(const std::string& text) {
+  if (is_utf8(text)) return text;
+  const std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return nlohmann::json::parse(json).get<std::string>();
+}
+
+}  // namespace landfall
