@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "test_seed.h"
 
 namespace landfall {
@@ -91,6 +92,14 @@ TEST(PointingError, TimeStampsHaveTheirBiasAndSigma) {
   for (std::int64_t k = 0; k < kPulses; ++k) ASSERT_LE(error.time_stamp_error_s(k), 1.4);
 }
 
+TEST(PointingError, ASigmaOfOneIsASigma) {
+  const PointingError jitter({.jitter_sigma_x_rad = 1, .jitter_sigma_y_rad = 1}, 4);
+  const RandomField draws(4, RandomStream::pointing_jitter);
+  EXPECT_EQ(jitter.turn(9).m, rotation_matrix({draws.normal(9, 0), draws.normal(9, 1), 0}));
+  const PointingError stamp({.time_stamp_bias_s = 0.25, .time_stamp_sigma_s = 1}, 4);
+  EXPECT_EQ(stamp.time_stamp_error_s(9), 0.25 + RandomField(4, RandomStream::time_stamp).normal(9));
+}
+
 TEST(PointingError, OneErrorChangesNoDrawOfAnother) {
   const PointingError jitter({.jitter_sigma_x_rad = 0.1}, 4);
   const PointingError stamp({.time_stamp_sigma_s = 0.1}, 4);
@@ -101,6 +110,11 @@ TEST(PointingError, OneErrorChangesNoDrawOfAnother) {
     EXPECT_EQ(stamp.turn(k).m, Eigen::Matrix3d::Identity());
     EXPECT_EQ(jitter.time_stamp_error_s(k), 0);
   }
+}
+
+TEST(PointingError, AMillionSecondsAreWithinTheBounds) {
+  EXPECT_EQ(PointingError({.time_stamp_bias_s = -1e6}, 1).time_stamp_error_s(0), -1e6);
+  EXPECT_EQ(PointingError({.time_stamp_sigma_s = 1e6}, 1).largest_time_stamp_error_s(), 9e6);
 }
 
 TEST(PointingError, RefusesWhatIsOutOfRange) {

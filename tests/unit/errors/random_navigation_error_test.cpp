@@ -177,6 +177,13 @@ TEST(RandomNavigationError, DurationChangesNoDraw) {
   EXPECT_NE(brief.error(0.5).p_err, RandomNavigationError({}, p, {4, 1}).error(0.5).p_err);
 }
 
+TEST(RandomNavigationError, TheFirstSeedIsOne) { EXPECT_EQ(RandomNavigationError::Draw{}.seed, 1U); }
+
+TEST(RandomNavigationError, ItsGridIsCheckedBeforeAnythingIsDrawn) {
+  EXPECT_NO_THROW(RandomNavigationError::require_valid({.interval_s = 0.1}, 2));
+  EXPECT_THROW(RandomNavigationError::require_valid({.interval_s = 0}, 2), UsageError);
+}
+
 TEST(RandomNavigationError, RefusesWhatIsOutOfRange) {
   const auto refused = [](const RandomNavigationParameters& p, const char* message) {
     try {

@@ -61,6 +61,7 @@ TEST(RangeErrors, AFalseRangeIsItsSecondDraw) {
 
 TEST(RangeErrors, NoneByDefault) {
   const RangeErrors errors({}, 1);
+  EXPECT_FALSE(errors.has_false_returns());
   EXPECT_EQ(errors.measured_m(500.25, {3, 4}), 500.25);
   for (std::int64_t i = 0; i < 1000; ++i) {
     ASSERT_FALSE(errors.is_dead(i));
@@ -174,6 +175,17 @@ TEST(RangeErrors, EitherGrowthOfSigmaAloneCounts) {
   const RangeErrors by_incidence({.incidence_sigma_rad = 1e-3}, 1);
   EXPECT_DOUBLE_EQ(by_incidence.sigma_m(400, 1.5), 0.6);
   EXPECT_NE(by_incidence.measured_m(400, {0, 0}, 1.5), 400);
+}
+
+TEST(RangeErrors, GrowthOfOneIsGrowth) {
+  EXPECT_EQ(RangeErrors({.range_sigma_per_m = 1}, 1).sigma_m(400, 0), 400);
+  EXPECT_EQ(RangeErrors({.incidence_sigma_rad = 1}, 1).sigma_m(400, 1.5), 600);
+}
+
+TEST(RangeErrors, APixelWithoutAnIncidenceLooksStraightAtTheGround) {
+  const RangeErrors errors({.range_sigma_m = 0.03, .incidence_sigma_rad = 1e-3}, 5);
+  EXPECT_EQ(errors.measured_m(400, {12, 3}), errors.measured_m(400, {12, 3}, 0));
+  EXPECT_NE(errors.measured_m(400, {12, 3}), errors.measured_m(400, {12, 3}, 1));
 }
 
 TEST(RangeErrors, BiasIsAddedToWholePulsesOfAnySigma) {

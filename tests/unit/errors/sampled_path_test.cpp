@@ -30,6 +30,8 @@ TEST(TimeGrid, ReachesTheDurationInWholeSteps) {
   EXPECT_EQ(RandomNavigationError::Draw{}.duration_s, 2);
 }
 
+TEST(TimeGrid, HasNoStepAtFirst) { EXPECT_EQ(TimeGrid{}.steps, 0U); }
+
 TEST(SampledPath, IsLinearBetweenItsPointsAndConstantOutside) {
   const SampledPath path({0.5, 2}, {{0, 10, -1}, {2, 20, -1}, {6, 0, -1}});
   EXPECT_EQ(path.at(-1), Eigen::Vector3d(0, 10, -1));
@@ -50,6 +52,8 @@ TEST(SampledPath, SumsAndIntegratesPointByPoint) {
   path += integral;
   EXPECT_EQ(path.at(0), Eigen::Vector3d(0, 1, 0));
   EXPECT_EQ(path.at(1), Eigen::Vector3d(8.5, 2, 0));
+  path += path;
+  EXPECT_EQ(path.at(0), Eigen::Vector3d(0, 2, 0));
 }
 
 TEST(SampledPath, ARandomWalkAddsScaledDraws) {

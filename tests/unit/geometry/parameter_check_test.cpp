@@ -42,6 +42,11 @@ TEST(GeometryCheck, TheComponentThatIsNotFiniteIsNamed) {
   EXPECT_EQ(message_of([&] { of_vector({1, 2, 3}); }), "");
   EXPECT_THAT(message_of([&] { of_vector({NAN, 2, 3}); }), testing::HasSubstr("lander/v/0"));
   EXPECT_THAT(message_of([&] { of_vector({1, 2, HUGE_VAL}); }), testing::HasSubstr("lander/v/2"));
+  const struct {
+    Eigen::Vector3d v{1, 2, 3};
+    double after = NAN;
+  } larger;
+  EXPECT_EQ(message_of([&] { of_vector(larger.v); }), "");
   const auto of_angles = [](const RollPitchYaw& rpy) { require_finite({"lander", "rpy"}, rpy); };
   EXPECT_EQ(message_of([&] { of_angles({1, 2, 3}); }), "");
   EXPECT_THAT(message_of([&] { of_angles({1, NAN, 3}); }), testing::HasSubstr("lander/rpy/1"));

@@ -66,11 +66,16 @@ TEST_F(RandomRotation, RateIsTheDerivative) {
   }
 }
 
+TEST(RotationVector, WithoutATurnTheRateIsTheAngularRate) {
+  const Eigen::Vector3d omega(0.1, -0.2, 0.3);
+  EXPECT_EQ(rotation_vector_rate(Eigen::Vector3d::Zero(), omega), omega);
+}
+
 // At 0.02 rad the series takes over: both ways must agree there.
 TEST_F(RandomRotation, TheSeriesMeetsTheClosedForm) {
   const Eigen::Vector3d omega(0, 1, 0);
   const auto c = [&](double a) { return -rotation_vector_rate({a, 0, 0}, omega).y() + 1; };
-  EXPECT_NEAR(c(0.02 * (1 - 1e-9)), c(0.02 * (1 + 1e-9)), 1e-12);
+  EXPECT_NEAR(c(0.02 * (1 - 1e-12)), c(0.02 * (1 + 1e-12)), 5e-15);
 }
 
 }  // namespace
