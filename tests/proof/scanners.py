@@ -133,14 +133,14 @@ class Fsm(Aimed):
         return true, at_pulse + self.c["encoder_sigma_rad"] * noise, self.blanked(scan)
 
     def aim_at_echo(self, scan):
-        """The aim 2 r/c after the pulse; it moves evenly to the next, at the end of a line as it did before."""
+        """The aim 2 r/c after the pulse; it moves evenly to the next, at the end of a line or of the pattern as it did before."""
         pattern, k = self.c["pattern"], scan.k
         ground = lambda pulses: patterns.aims(pattern, pulses, pulses / scan.rate)
         first = lambda pulses: patterns.first_behind_jump(pattern, pulses)
         here = ground(k)
-        ends, begins = first(k + 1) != first(k), first(k) == k
-        step = np.where(ends[:, None], np.where(begins[:, None], 0, here - ground(np.maximum(k - 1, 0))),
-                        ground(k + 1) - here)
+        after = ground(k + 1)
+        ends, begins = (first(k + 1) != first(k)) | np.isnan(after[:, 0]), first(k) == k
+        step = np.where(ends[:, None], np.where(begins[:, None], 0, here - ground(np.maximum(k - 1, 0))), after - here)
         delay = 2 * scan.look_at(pattern, k, here)[1] / LIGHT_MPS * scan.rate
         return scan.look_at(pattern, k, here + delay[:, None] * step)[0]
 
