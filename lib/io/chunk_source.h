@@ -25,7 +25,7 @@ struct DecodableChunks {
 
 /// Chunks of exactly `chunk` elements (one number per dimension), without filters or with shuffle and
 /// deflate, of one of the little-endian types of h5::Type. Anything else, which other programs may write, is
-/// left to H5Dread: nothing is returned.
+/// left to h5::read_values(): nothing is returned.
 [[nodiscard]] std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk);
 
 /// The file of a dataset's chunks. Many threads may load chunks at once: HDF5 tells, under

@@ -160,8 +160,8 @@ void ColumnReader::read_plainly(const Column& column, std::size_t begin, const C
   const h5::Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
   const bool selected =
       H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &offset, nullptr, &count, nullptr) >= 0;
-  if (!selected || H5Dread(column.dataset.get(), h5::native(type_of(target)), memory.get(), space.get(),
-                           H5P_DEFAULT, bytes_of(target).data()) < 0)
+  if (!selected || !h5::read_values(column.dataset.get(), h5::native(type_of(target)), memory.get(),
+                                    space.get(), bytes_of(target).data()))
     fail(column, h5::reading_failure());
 }
 

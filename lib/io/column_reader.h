@@ -24,8 +24,8 @@ using ColumnTarget =
 ///
 /// Chunks as TableWriter writes them are decoded in parallel, also float32 into double; HDF5 only hands over
 /// their bytes. Columns in any other form (contiguous, big-endian, other filters, chunks or types) go through
-/// H5Dread: as right, but slower. The chunk in which a batch ends is kept for the next one, so that batches
-/// in order decode every chunk once however they are cut: up to 512 KiB per column.
+/// h5::read_values(): as right, but slower. The chunk in which a batch ends is kept for the next one, so that
+/// batches in order decode every chunk once however they are cut: up to 512 KiB per column.
 class ColumnReader {
  public:
   /// Throws FormatError, naming file and column, where a column is missing or not one-dimensional. The

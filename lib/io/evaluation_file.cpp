@@ -65,7 +65,7 @@ void check_axis(hid_t file, const std::string& path, const std::string& name,
   std::vector<double> found(expected.size());
   const bool same_size = H5Sget_simple_extent_npoints(space.get()) == static_cast<hssize_t>(expected.size());
   const auto near = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * resolution_m; };
-  if (same_size && H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.data()) < 0)
+  if (same_size && !h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, found.data()))
     h5::fail_reading(file, name);
   if (!same_size || !std::ranges::equal(found, expected, near))
     throw FormatError(path + ": /" + name + " differs from the DEM's");
@@ -97,7 +97,7 @@ RegionMask read_region_mask(const std::filesystem::path& path, const std::string
     throw FormatError(path.string() + ": layer /" + layer + " is not of the DEM's shape (" +
                       std::to_string(spec.rows) + ", " + std::to_string(spec.cols) + ")");
   Grid<double> values(spec);
-  if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.values().data()) < 0)
+  if (!h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, values.values().data()))
     throw FormatError(path.string() + ": reading layer /" + layer + " failed: " + h5::reading_failure());
   RegionMask result{BinMask(spec), h5::read_text_attribute(file.get(), "file_id").value_or("")};
   if (result.file_id.empty()) result.file_id = content_id(path);

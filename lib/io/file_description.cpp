@@ -211,8 +211,7 @@ std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
     const h5::Handle memory(H5Screate_simple(2, count.data(), nullptr), H5Sclose);
     values.resize(3 * count[0]);
     H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
-    if (H5Dread(vertices.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), H5P_DEFAULT,
-                values.data()) < 0)
+    if (!h5::read_values(vertices.dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), values.data()))
       file.fail("reading /mesh/vertices failed: " + h5::reading_failure());
     for (std::size_t i = 0; i < values.size(); ++i) {
       bounds[i % 3][0] = std::min(bounds[i % 3][0], values[i]);

@@ -64,7 +64,7 @@ std::vector<double> read_axis(const LandfallFileReader& file, const std::string&
   if (H5Sget_simple_extent_ndims(space.get()) != 1 || count < 2 || count > (hssize_t{1} << 30U))
     file.fail("/" + name + " is not a list of 2 to 2^30 coordinates");
   std::vector<double> values(static_cast<std::size_t>(count));
-  if (H5Dread(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+  if (!h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, values.data()))
     file.fail("reading /" + name + " failed: " + h5::reading_failure());
   return values;
 }
@@ -97,7 +97,7 @@ bool read_rectangle(hid_t dataset, hid_t type, BinIndex first, const GridSpec& w
   const h5::Handle file_space(H5Dget_space(dataset), H5Sclose);
   const h5::Handle memory_space(H5Screate_simple(2, count, nullptr), H5Sclose);
   return H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
-         H5Dread(dataset, type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) >= 0;
+         h5::read_values(dataset, type, memory_space.get(), file_space.get(), values);
 }
 
 GridSpec read_spec(const LandfallFileReader& file) {
@@ -258,8 +258,7 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
   const h5::Handle dataset = open(name);
   auto layer = Grid<T>::unset(spec_);
   if (!read_tiles(dataset.get(), layer, {tile_of(spec_), {}}, progress) &&
-      H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT,
-              layer.values().data()) < 0)
+      !h5::read_values(dataset.get(), h5::native(h5::TypeOf<T>::value), layer.values().data()))
     file_.fail("reading layer /" + name + " failed: " + h5::reading_failure());
   report(progress, 1);
   return layer;

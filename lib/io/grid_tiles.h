@@ -35,8 +35,8 @@ void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, in
                  const std::string& name);
 
 /// Reads all tiles of such a part of a layer of that kind, decoding them on all threads. False, with `layer`
-/// unspecified, for any other dataset of this shape and where a tile is missing or damaged: H5Dread knows
-/// what to do. The progress tells the part of the rows that were loaded before; it stays below 1.
+/// unspecified, for any other dataset of this shape and where a tile is missing or damaged: h5::read_values()
+/// knows what to do. The progress tells the part of the rows that were loaded before; it stays below 1.
 template <class T>
 [[nodiscard]] bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part,
                               const ProgressCallback& progress = {});

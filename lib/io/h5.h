@@ -147,7 +147,15 @@ Handle open_file(const std::filesystem::path& path);
 [[nodiscard]] std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name);
 /// 1 to 256 integers; else none.
 [[nodiscard]] std::vector<int> read_flags_attribute(hid_t object, const std::string& name);
+/// Of a dataset in one piece; of one in chunks nothing.
 [[nodiscard]] std::optional<std::string> read_text(hid_t parent, const std::string& name);
+
+/// H5Dread() of the values that `selection`, of the dataset's space, holds (H5S_ALL: of all) into those of
+/// `memory`, once each chunk that it touches is known to be whole (chunk_check.h). False where HDF5 fails or a
+/// chunk is damaged; reading_failure() tells why. Throws FormatError for a filter whose chunks cannot be
+/// looked at.
+[[nodiscard]] bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values);
+[[nodiscard]] bool read_values(hid_t dataset, hid_t type, void* values);
 /// The bytes that the values of a dataset take in the file; 0 where none is stored.
 [[nodiscard]] std::uint64_t stored_bytes(hid_t dataset);
 /// Throws FormatError for the object `name` in `object` (without a name: for the object itself) or for an

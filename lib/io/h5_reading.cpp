@@ -8,6 +8,7 @@
 #include "base/headroom.h"
 #include "base/regular_file.h"
 #include "base/utf8.h"
+#include "io/chunk_check.h"
 #include "io/file_screening.h"
 #include "io/h5.h"
 
@@ -191,11 +192,25 @@ std::vector<int> read_flags_attribute(hid_t object, const std::string& name) {
 std::optional<std::string> read_text(hid_t parent, const std::string& name) {
   const Handle dataset = open_dataset(parent, name);
   if (!dataset) return std::nullopt;
+  const Handle properties(H5Dget_create_plist(dataset.get()), H5Pclose);
+  if (H5Pget_layout(properties.get()) == H5D_CHUNKED) return std::nullopt;
   const Handle type(H5Dget_type(dataset.get()), H5Tclose);
   const Handle space(H5Dget_space(dataset.get()), H5Sclose);
   return read_string(type.get(), space.get(), [&](hid_t t, void* buffer) {
     if (H5Dread(dataset.get(), t, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer) < 0) fail_reading(parent, name);
   });
+}
+
+bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values) {
+  if (const std::optional<std::string> filter = undecodable_filter(dataset))
+    throw FormatError(file_of(dataset) + ": " + path_of(dataset) + " is stored by filter " + *filter +
+                      ", which landfall does not read: store it with deflate (h5repack -f GZIP=1)");
+  return chunks_are_whole(dataset, selection) &&
+         H5Dread(dataset, type, memory, selection, H5P_DEFAULT, values) >= 0;
+}
+
+bool read_values(hid_t dataset, hid_t type, void* values) {
+  return read_values(dataset, type, H5S_ALL, H5S_ALL, values);
 }
 
 }  // namespace landfall::h5

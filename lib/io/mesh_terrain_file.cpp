@@ -64,8 +64,7 @@ std::vector<T> read_rows(const LandfallFileReader& file, hid_t group, const std:
   if (size[0] * 3 * sizeof(T) > h5::stored_bytes(dataset.get()) * kDeflateAtMost)
     file.fail(path + " claims more rows than it can hold");
   std::vector<T> values(3 * size[0]);
-  if (H5Dread(dataset.get(), h5::native(h5::TypeOf<T>::value), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) <
-      0)
+  if (!h5::read_values(dataset.get(), h5::native(h5::TypeOf<T>::value), values.data()))
     file.fail("reading " + path + " failed: " + h5::reading_failure());
   return values;
 }

@@ -113,7 +113,7 @@ class Blocks {
     const h5::Handle space(H5Dget_space(dataset_), H5Sclose);
     const h5::Handle memory(H5Screate_simple(rank_, extent.data(), nullptr), H5Sclose);
     if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr) < 0 ||
-        H5Dread(dataset_, H5T_NATIVE_DOUBLE, memory.get(), space.get(), H5P_DEFAULT, values.data()) < 0)
+        !h5::read_values(dataset_, H5T_NATIVE_DOUBLE, memory.get(), space.get(), values.data()))
       fail(h5::reading_failure());
   }
 

@@ -11,6 +11,7 @@ import re
 import shutil
 import sys
 import unittest
+import zlib
 
 import h5py
 import numpy as np
@@ -171,9 +172,32 @@ class ForeignHdf5(ChainTest):
         places = {}
         for top in ("lib", "tools"):
             for path in pathlib.Path(os.environ["LANDFALL_ROOT"], top).rglob("*.cpp"):
-                for call in re.findall(r"\b(H5Fopen|GDALOpenEx|GDALOpen|GDALDataset::Open)\(", path.read_text()):
+                for call in re.findall(r"\b(H5Fopen|H5Dread|GDALOpenEx|GDALOpen|GDALDataset::Open)\(", path.read_text()):
                     places.setdefault(call, set()).add(path.name)
-        self.assertEqual(places, {"H5Fopen": {"h5_reading.cpp"}, "GDALDataset::Open": {"file_guard.cpp"}})
+        self.assertEqual(places, {"H5Fopen": {"h5_reading.cpp"}, "H5Dread": {"h5_reading.cpp"},
+                                  "GDALDataset::Open": {"file_guard.cpp"}})
+
+    def test_a_chunk_of_too_few_bytes_is_damaged(self):
+        """HDF5 1.10 reads what is missing from behind the chunk's memory."""
+        def shorten(source, name, dataset, **form):
+            path = self.copy(source, name)
+            with h5py.File(path, "a") as file:
+                values, attributes = file[dataset][()], dict(file[dataset].attrs)
+                del file[dataset]
+                made = file.create_dataset(dataset, data=values, chunks=values.shape, **form)
+                made.attrs.update(attributes)
+                made.id.write_direct_chunk((0,) * values.ndim, zlib.compress(b"12345678"))
+            return path
+        big_endian = {"dtype": ">f8", "compression": 1}
+        terrain = shorten(self.chain.terrain, "terrain.h5", "z", **big_endian)
+        scan = shorten(self.chain.scan, "scan.h5", "points/z_est", **big_endian)
+        dem = shorten(self.chain.dem, "dem.h5", "z_est", **big_endian)
+        out = ["-o", self.path("out.h5")]
+        for name, *arguments in [("scan-sim", "--terrain", terrain, *out), ("regrid", scan, *out), ("dem-eval", dem, *out),
+                                 ("landfall-info", terrain), ("landfall-info", scan), ("landfall-info", dem),
+                                 ("landfall-export", dem, "-o", self.path("out.tif"))]:
+            with self.subTest([name, *arguments]):
+                self.refuse(1, name, *arguments, words=["is damaged"], output=out[1])
 
     def test_what_is_whole_is_read(self):
         """A hard link, a group in itself, and a layer of nothing but fill values."""
