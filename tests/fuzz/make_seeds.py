@@ -53,7 +53,7 @@ class Examples:
         if part.get("type") == "object":
             return self.objects(part, depth)
         if part.get("type") == "array":
-            items = self.of(part.get("items", {"type": "number"}), depth + 1)[:3]
+            items = self.of(part.get("items", {"type": "number"}), depth + 1)
             return [[item] * max(part.get("minItems", 1), 1) for item in items]
         if part.get("type") == "string":
             return ["file.csv"]
