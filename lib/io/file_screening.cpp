@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <functional>
+#include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -21,6 +25,7 @@ constexpr double kMebi = 0x1p20;
 constexpr double kMostChunkBytes = 256 * kMebi;
 constexpr double kMostUnstoredBytes = 256 * kMebi;
 constexpr std::size_t kMostObjects = std::size_t{1} << 20U;
+constexpr double kMostChunks = 0x1p20;
 constexpr const char* kAdvice =
     "; landfall opens no file that another one names: copy the data into one file";
 
@@ -82,12 +87,36 @@ double value_bytes(hid_t dataset) {
   return static_cast<double>(H5Tget_size(type.get()));
 }
 
-double value_count(hid_t dataset) {
+/// Elements per dimension; those that there are not are 1.
+using Extent = std::array<double, H5S_MAX_RANK>;
+
+Extent as_extent(int rank, const std::array<hsize_t, H5S_MAX_RANK>& size) {
+  Extent extent;
+  extent.fill(1);
+  std::copy_n(size.begin(), std::max(rank, 0), extent.begin());
+  return extent;
+}
+
+Extent size_of(hid_t dataset) {
   const Handle space(H5Dget_space(dataset), H5Sclose);
   std::array<hsize_t, H5S_MAX_RANK> size{};
-  const int rank = H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+  return as_extent(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), size);
+}
+
+/// None where a dataset has no chunks.
+std::optional<Extent> chunk_of(hid_t properties) {
+  std::array<hsize_t, H5S_MAX_RANK> size{};
+  if (H5Pget_layout(properties) != H5D_CHUNKED) return std::nullopt;
+  return as_extent(H5Pget_chunk(properties, H5S_MAX_RANK, size.data()), size);
+}
+
+double product(const Extent& extent) {
+  return std::accumulate(extent.begin(), extent.end(), 1.0, std::multiplies<>());
+}
+
+double chunk_count(const Extent& size, const Extent& chunk) {
   double count = 1;
-  for (int axis = 0; axis < rank; ++axis) count *= static_cast<double>(size[static_cast<std::size_t>(axis)]);
+  for (std::size_t axis = 0; axis < size.size(); ++axis) count *= std::ceil(size[axis] / chunk[axis]);
   return count;
 }
 
@@ -179,19 +208,18 @@ class Screening {
 
   void screen_sizes(hid_t dataset, hid_t properties, const std::string& path) const {
     const double bytes = value_bytes(dataset);
-    std::array<hsize_t, H5S_MAX_RANK> chunk{};
-    const int rank =
-        H5Pget_layout(properties) == H5D_CHUNKED ? H5Pget_chunk(properties, H5S_MAX_RANK, chunk.data()) : 0;
-    double chunk_bytes = rank > 0 ? bytes : 0;
-    for (int axis = 0; axis < rank; ++axis)
-      chunk_bytes *= static_cast<double>(chunk[static_cast<std::size_t>(axis)]);
+    const Extent size = size_of(dataset);
+    const std::optional<Extent> chunk = chunk_of(properties);
+    const double chunk_bytes = chunk ? bytes * product(*chunk) : 0;
     if (chunk_bytes > kMostChunkBytes)
       fail(path + " is stored in chunks of " + std::to_string(std::int64_t(chunk_bytes / kMebi)) +
            " MiB, more than 256; store it in smaller ones");
     const auto stored = static_cast<double>(stored_bytes(dataset));
-    if (bytes * value_count(dataset) > std::max(kMostUnstoredBytes, stored * kDeflateAtMost))
+    if (bytes * product(size) > std::max(kMostUnstoredBytes, stored * kDeflateAtMost))
       fail(path + " claims more values than the " + std::to_string(std::int64_t(stored)) +
            " bytes that are stored of it can hold; it is damaged or not whole");
+    if (chunk && chunk_count(size, *chunk) > kMostChunks)
+      fail(path + " is stored in more than 2^20 chunks; store it in larger ones");
   }
 
   const std::string& name_;

@@ -16,9 +16,10 @@
 namespace landfall {
 namespace {
 
-/// Values of a block of a dataset that has no chunks of its own, or too large ones.
+/// Values of a block of a dataset that has no chunks of its own, or too large or too small ones.
 constexpr hsize_t kBlockValues = 65536;
 constexpr hsize_t kLargestChunk = hsize_t{1} << 21U;
+constexpr hsize_t kSmallestChunk = 1024;
 constexpr double kMostValues = 0x1p40;
 
 using Extent = std::array<hsize_t, 2>;  ///< rows and columns; one column where there is one dimension
@@ -60,7 +61,8 @@ class Blocks {
     const h5::Handle properties(H5Dget_create_plist(dataset_), H5Pclose);
     const bool chunked = H5Pget_layout(properties.get()) == H5D_CHUNKED &&
                          H5Pget_chunk(properties.get(), rank_, block_.data()) == rank_;
-    if (chunked && block_[0] <= kLargestChunk && block_[1] <= kLargestChunk / block_[0]) {
+    if (chunked && block_[0] <= kLargestChunk && block_[1] <= kLargestChunk / block_[0] &&
+        block_[0] * block_[1] >= kSmallestChunk) {
       chunks_ = decodable_chunks(dataset_, std::span(block_).first(static_cast<std::size_t>(rank_)));
       return;
     }

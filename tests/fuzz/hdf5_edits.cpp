@@ -258,7 +258,7 @@ void replace_json_value(const Scene& s) {
   else
     *value = any_number(s.input);
   if (!json.is_discarded())
-    write_text(dataset.get(), json.dump(2, ' ', false, Json::error_handler_t::replace), false);
+    write_text(dataset.get(), json.dump(-1, ' ', false, Json::error_handler_t::replace), false);
 }
 
 void replace_json_text(const Scene& s) {
