@@ -25,7 +25,9 @@ constexpr double kMebi = 0x1p20;
 constexpr double kMostChunkBytes = 256 * kMebi;
 constexpr double kMostUnstoredBytes = 256 * kMebi;
 constexpr std::size_t kMostObjects = std::size_t{1} << 20U;
-constexpr double kMostChunks = 0x1p20;
+/// HDF5 takes some 2 KiB of memory for each chunk that it reads.
+constexpr double kMostSmallChunks = 0x1p16;
+constexpr double kSmallChunkBytes = 2048;
 constexpr const char* kAdvice =
     "; landfall opens no file that another one names: copy the data into one file";
 
@@ -218,8 +220,8 @@ class Screening {
     if (bytes * product(size) > std::max(kMostUnstoredBytes, stored * kDeflateAtMost))
       fail(path + " claims more values than the " + std::to_string(std::int64_t(stored)) +
            " bytes that are stored of it can hold; it is damaged or not whole");
-    if (chunk && chunk_count(size, *chunk) > kMostChunks)
-      fail(path + " is stored in more than 2^20 chunks; store it in larger ones");
+    if (chunk && chunk_bytes < kSmallChunkBytes && chunk_count(size, *chunk) > kMostSmallChunks)
+      fail(path + " is stored in more than 2^16 chunks of less than 2 KiB; store it in larger ones");
   }
 
   const std::string& name_;
