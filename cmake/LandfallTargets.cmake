@@ -34,6 +34,11 @@ if(LANDFALL_SANITIZE)
   target_link_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE})
 endif()
 
+if(LANDFALL_COVERAGE)
+  target_compile_options(landfall_flags INTERFACE -fprofile-instr-generate -fcoverage-mapping)
+  target_link_options(landfall_flags INTERFACE -fprofile-instr-generate)
+endif()
+
 # landfall_library(module SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...])
 # A static library landfall::<module> that may include exactly what it links.
 function(landfall_library module)

@@ -1,0 +1,76 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which lines, branches and error paths of lib/ and tools/ the tests run (docs/coverage.md), by clang's own counters.
+
+    coverage.py build | run | page     one after the other; all that is made lies in build/coverage
+    coverage.py lines lib/io           lines of these files that no test runs
+
+`page` writes the tables, and fails where an error path that no test runs is not in uncovered.json.
+"""
+import argparse
+import glob
+import json
+import os
+import re
+import subprocess
+import sys
+
+import page
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+BUILD = os.path.join(ROOT, "build", "coverage")
+PROFILES = os.path.join(BUILD, "profiles")
+MERGED = os.path.join(BUILD, "tests.profdata")
+TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info", "landfall-export"]
+
+
+def build():
+    subprocess.run(["cmake", "--preset", "coverage"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", "--preset", "coverage"], cwd=ROOT, check=True)
+
+
+def run(arguments):
+    """Every test, or those that `arguments` of ctest choose; what earlier runs counted is forgotten."""
+    os.makedirs(PROFILES, exist_ok=True)
+    os.chmod(PROFILES, 0o1777)  # tests become other users
+    for old in glob.glob(os.path.join(PROFILES, "*")):
+        os.remove(old)
+    # Processes of one program add to one file.
+    environment = {**os.environ, "LLVM_PROFILE_FILE": os.path.join(PROFILES, "%4m.profraw")}
+    status = subprocess.run(["ctest", "--preset", "coverage", "-j2", *arguments], cwd=ROOT, env=environment, check=False).returncode
+    subprocess.run(["llvm-profdata", "merge", "-o", MERGED, *glob.glob(os.path.join(PROFILES, "*.profraw"))], check=True)
+    return status
+
+
+def counted():
+    """What llvm-cov says of each file of lib/ and tools/: {path from the root: its record}."""
+    programs = [*(os.path.join(BUILD, "bin", tool) for tool in TOOLS), os.path.join(BUILD, "lib", "landfall", "landfall-gdal.so"),
+                *sorted(glob.glob(os.path.join(BUILD, "tests", "*_test")))]
+    objects = [word for program in programs[1:] for word in ("-object", program)]
+    text = subprocess.run(["llvm-cov", "export", "-instr-profile", MERGED, "-skip-expansions", "-skip-functions", programs[0], *objects,
+                           "-ignore-filename-regex", "^/usr/"], check=True, stdout=subprocess.PIPE).stdout
+    # ccache makes names relative to the build folder.
+    records = {os.path.relpath(os.path.join(BUILD, record["filename"]), ROOT): record for record in json.loads(text)["data"][0]["files"]}
+    return {path: record for path, record in records.items() if path.startswith(("lib/", "tools/"))}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("step", choices=["build", "run", "page", "lines"])
+    parser.add_argument("arguments", nargs="*", help="of run: options for ctest, after --; of lines: how paths begin")
+    options = parser.parse_args()
+    if options.step == "build":
+        build()
+    elif options.step == "run":
+        return run(options.arguments)
+    elif options.step == "lines":
+        for path, record in sorted(counted().items()):
+            if path.startswith(tuple(options.arguments)):
+                page.print_lines(ROOT, path, record)
+    else:
+        return page.write(ROOT, counted())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
