@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// Whether each chunk of a dataset that a selection of its space touches (H5S_ALL: any) holds as many bytes as
+/// Whether each chunk that a selection of a dataset's space touches (H5S_ALL: any) holds as many bytes as
 /// a chunk has, once its filters are undone. HDF5 1.10 does not ask: what is missing it reads from behind the
 /// chunk's memory. Chunks that are not there pass, and so does a dataset that has none. Decodes all of them
 /// once: for what decode_chunk() does not read itself. Values must be of one size (no variable lengths), and
