@@ -31,6 +31,7 @@ target_link_libraries(landfall_flags INTERFACE Threads::Threads)
 if(LANDFALL_SANITIZE)
   target_compile_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE} -fno-sanitize-recover=all
                          -fno-omit-frame-pointer)
+  target_compile_definitions(landfall_flags INTERFACE LANDFALL_SANITIZED)
   target_link_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE})
 endif()
 

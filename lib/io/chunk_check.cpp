@@ -2,7 +2,6 @@
 #include "io/chunk_check.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -11,29 +10,16 @@
 #include "io/chunk_decoder.h"
 #include "io/chunk_source.h"
 #include "io/h5.h"
+#include "io/h5_filters.h"
 
 namespace landfall {
 namespace {
 
 constexpr std::size_t kChecksumBytes = 4;  // fletcher32
 
-struct Filter {
-  H5Z_filter_t id = H5Z_FILTER_NONE;
-  std::string name;
-};
-
-std::vector<Filter> filters_of(hid_t dataset) {
+std::vector<h5::Filter> filters_of(hid_t dataset) {
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  std::vector<Filter> filters;
-  for (int i = 0; i < H5Pget_nfilters(properties.get()); ++i) {
-    std::array<char, 64> name{};
-    std::size_t value_count = 0;
-    unsigned flags = 0;
-    const H5Z_filter_t id = H5Pget_filter2(properties.get(), static_cast<unsigned>(i), &flags, &value_count,
-                                           nullptr, name.size() - 1, name.data(), nullptr);
-    filters.push_back({id, name.data()});
-  }
-  return filters;
+  return h5::filters_in(properties.get());
 }
 
 /// The chunks of a dataset and those among them that a selection touches.
@@ -68,7 +54,7 @@ bool advance(std::vector<hsize_t>& chunk, const ChunkRange& range) {
   return false;
 }
 
-bool is_whole(const StoredChunk& stored, std::span<const Filter> filters, std::size_t chunk_bytes) {
+bool is_whole(const StoredChunk& stored, std::span<const h5::Filter> filters, std::size_t chunk_bytes) {
   const auto is_used = [&](std::size_t i) { return (stored.filter_mask >> i & 1U) == 0; };
   std::vector<std::byte> bytes = stored.bytes;
   for (std::size_t i = filters.size(); i-- > 0;) {
@@ -93,7 +79,7 @@ bool is_whole(const StoredChunk& stored, std::span<const Filter> filters, std::s
 bool chunks_are_whole(hid_t dataset, hid_t selection) {
   const ChunkRange range = chunks_of(dataset, selection);
   if (range.size.empty()) return true;
-  const std::vector<Filter> filters = filters_of(dataset);
+  const std::vector<h5::Filter> filters = filters_of(dataset);
   const h5::Handle type(H5Dget_type(dataset), H5Tclose);
   std::size_t chunk_bytes = H5Tget_size(type.get());
   for (const hsize_t size : range.size) chunk_bytes *= size;
@@ -109,11 +95,11 @@ bool chunks_are_whole(hid_t dataset, hid_t selection) {
 
 std::optional<std::string> undecodable_filter(hid_t dataset) {
   bool is_deflated = false;
-  for (const Filter& filter : filters_of(dataset)) {
+  for (const h5::Filter& filter : filters_of(dataset)) {
     const bool keeps_size = filter.id == H5Z_FILTER_SHUFFLE && !is_deflated;
     const bool deflates = filter.id == H5Z_FILTER_DEFLATE && !is_deflated;
     if (!keeps_size && !deflates && filter.id != H5Z_FILTER_FLETCHER32)
-      return std::to_string(filter.id) + (filter.name.empty() ? "" : " (" + filter.name + ")");
+      return h5::text_of(filter);
     is_deflated = is_deflated || deflates;
   }
   return std::nullopt;

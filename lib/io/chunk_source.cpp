@@ -9,6 +9,8 @@
 #include <functional>
 #include <numeric>
 
+#include "io/h5_filters.h"
+
 namespace landfall {
 namespace {
 
@@ -28,15 +30,9 @@ bool has_chunks(hid_t properties, std::span<const hsize_t> chunk) {
   return rank == static_cast<int>(chunk.size()) && std::equal(chunk.begin(), chunk.end(), found.begin());
 }
 
-H5Z_filter_t filter_id(hid_t properties, unsigned index) {
-  std::size_t value_count = 0;
-  unsigned flags = 0;
-  return H5Pget_filter2(properties, index, &flags, &value_count, nullptr, 0, nullptr, nullptr);
-}
-
 bool has_our_filters(hid_t properties) {
-  return H5Pget_nfilters(properties) == 2 && filter_id(properties, 0) == H5Z_FILTER_SHUFFLE &&
-         filter_id(properties, 1) == H5Z_FILTER_DEFLATE;
+  const std::vector<h5::Filter> filters = h5::filters_in(properties);
+  return filters.size() == 2 && filters[0].id == H5Z_FILTER_SHUFFLE && filters[1].id == H5Z_FILTER_DEFLATE;
 }
 
 bool read_fully(int descriptor, std::uint64_t offset, std::span<std::byte> out) {

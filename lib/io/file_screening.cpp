@@ -17,6 +17,7 @@
 #include "base/utf8.h"
 #include "io/chunk_codec.h"
 #include "io/h5.h"
+#include "io/h5_filters.h"
 
 namespace landfall::h5 {
 namespace {
@@ -195,17 +196,10 @@ class Screening {
   }
 
   void screen_filters(hid_t properties, const std::string& path) const {
-    for (int i = 0; i < H5Pget_nfilters(properties); ++i) {
-      std::array<char, 64> filter{};
-      std::size_t value_count = 0;
-      unsigned flags = 0;
-      const H5Z_filter_t id = H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &value_count,
-                                             nullptr, filter.size() - 1, filter.data(), nullptr);
-      if (id >= 0 && H5Zfilter_avail(id) <= 0)
-        fail(path + " is stored by filter " + std::to_string(id) +
-             (filter[0] == '\0' ? std::string() : " (" + std::string(filter.data()) + ")") +
+    for (const Filter& filter : filters_in(properties))
+      if (filter.id >= 0 && H5Zfilter_avail(filter.id) <= 0)
+        fail(path + " is stored by filter " + text_of(filter) +
              ", which is none of HDF5's own; landfall loads no plug-ins: store it with deflate");
-    }
   }
 
   void screen_sizes(hid_t dataset, hid_t properties, const std::string& path) const {
