@@ -7,25 +7,24 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "base/parallel.h"
 
 namespace landfall {
 namespace {
 
-struct Task {
+using BatchPtr = std::unique_ptr<PulseBatch>;
+
+/// A batch of pulses on its way through the stages.
+struct Passage {
   PulseRange pulses;
   std::vector<double> ranges_true_m;  ///< empty: trace
-};
-
-using TaskPtr = std::shared_ptr<Task>;
-using BatchPtr = std::shared_ptr<PulseBatch>;
-
-/// A batch, or why there is none. Thrown only in its turn, so that the first pulse that fails is the one
-/// named, on any number of threads.
-struct Simulated {
   BatchPtr batch;
+  /// Why there is no batch. Thrown only in its turn, so that the first pulse that fails is the one named, on any number
+  /// of threads.
   std::exception_ptr failure;
+  SinkWork work;
 };
 
 /// Batches that are not in use: their memory is touched for the first time only once.
@@ -33,7 +32,7 @@ class BatchPool {
  public:
   BatchPtr take() {
     const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_shared<PulseBatch>();
+    if (free_.empty()) return std::make_unique<PulseBatch>();
     BatchPtr batch = std::move(free_.back());
     free_.pop_back();
     return batch;
@@ -49,56 +48,50 @@ class BatchPool {
   std::vector<BatchPtr> free_;
 };
 
-/// What became of a batch: work, and its pulses.
-struct Taken {
-  SinkWork work;
-  std::int64_t pulse_count = 0;
-};
-
-using TakenPtr = std::shared_ptr<Taken>;
-
-/// The stages, and what they share.
+/// The stages, and what they share. They hand on pointers: what a run that fails leaves between two stages, oneTBB never
+/// destroys.
 class ScanPipeline {
  public:
-  ScanPipeline(const Simulation& simulation, const Replay& replay, const BatchSink& sink)
-      : simulation_(simulation), replay_(replay), sink_(sink) {}
+  /// At most so many batches are on their way at once.
+  ScanPipeline(const Simulation& simulation, const Replay& replay, const BatchSink& sink, std::size_t most)
+      : simulation_(simulation), replay_(replay), sink_(sink), passages_(most) {}
 
-  TaskPtr next_task(std::int64_t pulses_per_batch, tbb::flow_control& control) {
+  Passage* next(std::int64_t pulses_per_batch, tbb::flow_control& control) {
     if (next_pulse_ >= simulation_.pulse_count()) {
       control.stop();
       return nullptr;
     }
-    const PulseRange pulses{next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
-    next_pulse_ += pulses.count;
-    if (!replay_.ranges) return std::make_shared<Task>(Task{pulses, {}});
-    return std::make_shared<Task>(Task{pulses, replay_.ranges(pulses)});
+    // The last stage is in order: who had this place is through.
+    Passage& passage = passages_[begun_++ % passages_.size()];
+    passage.pulses = {next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
+    next_pulse_ += passage.pulses.count;
+    if (replay_.ranges) passage.ranges_true_m = replay_.ranges(passage.pulses);
+    return &passage;
   }
 
-  Simulated simulate(const Task& task) {
-    Simulated result{pool_.take(), nullptr};
+  void simulate(Passage& passage) {
+    passage.batch = pool_.take();
     try {
       if (replay_.ranges) {
-        simulation_.replay(task.pulses, task.ranges_true_m, *result.batch, replay_.content);
+        simulation_.replay(passage.pulses, passage.ranges_true_m, *passage.batch, replay_.content);
       } else {
-        simulation_.simulate(task.pulses, *result.batch);
+        simulation_.simulate(passage.pulses, *passage.batch);
       }
     } catch (...) {
-      result.failure = std::current_exception();
+      passage.failure = std::current_exception();
     }
-    return result;
   }
 
-  TakenPtr give_to_sink(const Simulated& simulated) {
-    if (simulated.failure) std::rethrow_exception(simulated.failure);
-    auto taken = std::make_shared<Taken>(
-        Taken{sink_(*simulated.batch), static_cast<std::int64_t>(simulated.batch->pulses.size())});
-    pool_.give_back(simulated.batch);
-    return taken;
+  void give_to_sink(Passage& passage) {
+    if (passage.failure) std::rethrow_exception(passage.failure);
+    passage.work = sink_(*passage.batch);
+    pool_.give_back(std::move(passage.batch));
   }
 
-  void finish(const Taken& taken, const ProgressCallback& progress) {
-    if (taken.work.in_order) taken.work.in_order();
-    pulses_done_ += taken.pulse_count;
+  void finish(Passage& passage, const ProgressCallback& progress) {
+    if (passage.work.in_order) passage.work.in_order();
+    passage.work = {};
+    pulses_done_ += passage.pulses.count;
     report(progress, static_cast<double>(pulses_done_) / static_cast<double>(simulation_.pulse_count()));
   }
 
@@ -107,6 +100,8 @@ class ScanPipeline {
   const Replay& replay_;
   const BatchSink& sink_;
   BatchPool pool_;
+  std::vector<Passage> passages_;
+  std::size_t begun_ = 0;
   std::int64_t next_pulse_ = 0;
   std::int64_t pulses_done_ = 0;
 };
@@ -115,24 +110,28 @@ class ScanPipeline {
 
 void run_scan(const Simulation& simulation, const Replay& replay, const BatchSink& sink,
               std::int64_t points_per_batch, const ProgressCallback& progress) {
-  ScanPipeline pipeline(simulation, replay, sink);
+  const std::size_t most = 4 * thread_count();
+  ScanPipeline pipeline(simulation, replay, sink, most);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   const std::int64_t pulses_per_batch = std::max<std::int64_t>(1, points_per_batch / pixels);
   using enum tbb::filter_mode;
-  const auto next = tbb::make_filter<void, TaskPtr>(serial_in_order, [&](tbb::flow_control& control) {
-    return pipeline.next_task(pulses_per_batch, control);
+  const auto next = tbb::make_filter<void, Passage*>(
+      serial_in_order, [&](tbb::flow_control& control) { return pipeline.next(pulses_per_batch, control); });
+  const auto simulate = tbb::make_filter<Passage*, Passage*>(parallel, [&](Passage* passage) {
+    pipeline.simulate(*passage);
+    return passage;
   });
-  const auto simulate = tbb::make_filter<TaskPtr, Simulated>(
-      parallel, [&](const TaskPtr& task) { return pipeline.simulate(*task); });
-  const auto take = tbb::make_filter<Simulated, TakenPtr>(
-      serial_in_order, [&](const Simulated& simulated) { return pipeline.give_to_sink(simulated); });
-  const auto work = tbb::make_filter<TakenPtr, TakenPtr>(parallel, [](const TakenPtr& taken) {
-    if (taken->work.in_parallel) taken->work.in_parallel();
-    return taken;
+  const auto take = tbb::make_filter<Passage*, Passage*>(serial_in_order, [&](Passage* passage) {
+    pipeline.give_to_sink(*passage);
+    return passage;
   });
-  const auto finish = tbb::make_filter<TakenPtr, void>(
-      serial_in_order, [&](const TakenPtr& taken) { pipeline.finish(*taken, progress); });
-  tbb::parallel_pipeline(4 * thread_count(), next & simulate & take & work & finish);
+  const auto work = tbb::make_filter<Passage*, Passage*>(parallel, [](Passage* passage) {
+    if (passage->work.in_parallel) passage->work.in_parallel();
+    return passage;
+  });
+  const auto finish = tbb::make_filter<Passage*, void>(
+      serial_in_order, [&](Passage* passage) { pipeline.finish(*passage, progress); });
+  tbb::parallel_pipeline(most, next & simulate & take & work & finish);
 }
 
 }  // namespace landfall
