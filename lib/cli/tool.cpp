@@ -192,8 +192,9 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   }
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
-  // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more.
-  static const ThreadLimit& limit = *new ThreadLimit(options.threads);
+  // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more. Volatile, so
+  // that the pointer is kept, by which leak checks see that this is no leak.
+  static const ThreadLimit* volatile const limit = new ThreadLimit(options.threads);
   static_cast<void>(limit);
   install_signal_cleanup(tool.name);
   session.require_output_for_view();

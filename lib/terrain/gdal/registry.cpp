@@ -57,14 +57,14 @@ class Drivers {
   std::vector<GDALDriver*> all_;
 };
 
-/// Once, before anything else.
+/// Made once, before anything else, and there until the process ends, as its drivers are.
 Drivers& drivers() {
-  static Drivers drivers = [] {
+  static auto* const drivers = [] {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // of threads that GDAL starts itself
     GDALSetCacheMax64(kBlockCacheBytes);
-    return Drivers();
+    return new Drivers;
   }();
-  return drivers;
+  return *drivers;
 }
 
 std::mutex& registry_lock() {
