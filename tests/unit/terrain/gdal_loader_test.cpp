@@ -2,6 +2,7 @@
 #include "terrain/gdal_loader.h"
 
 #include <gdal.h>
+#include <gdal_frmts.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -363,7 +364,7 @@ TEST_F(LoadDem, SaysWhatAFileThatIsNoRasterNeeds) {
 
 // Each header is read; none of the samples that it promises is.
 TEST_F(LoadDem, RefusesBlocksBeyondAllMemory) {
-  GDALAllRegister();
+  GDALRegister_GTiff();
   DemBase dem;
   dem.path = (folder_ / "blocks.tif").string();
   dem.horizontal_scale_m = 1;
@@ -381,6 +382,7 @@ TEST_F(LoadDem, RefusesATruncatedDtedCell) {
   const std::array<double, 6> cell{9.0 - post / 2, post, 0, 44.0 + post / 2, 0, -post};
   const DemBase source =
       written({121, 121, [](int c, int r) { return c + r; }, "Int16", cell, "EPSG:4326", {}, 1, 0, {}});
+  GDALRegister_DTED();
   GDALDatasetH const raster = GDALOpen(source.path.c_str(), GA_ReadOnly);
   DemBase dem = source;
   dem.path = (folder_ / "n43.dt0").string();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gdal_rasters.h"
 
+#include <gdal_frmts.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
@@ -35,7 +36,7 @@ void write_pixels(GDALRasterBand& band, const TestRaster& raster,
 }  // namespace
 
 void write_geotiff(const std::string& path, const TestRaster& raster) {
-  GDALAllRegister();
+  GDALRegister_GTiff();
   CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", "YES");
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   const GDALDatasetUniquePtr dataset(driver->Create(path.c_str(), raster.cols, raster.rows, 1,
