@@ -210,7 +210,7 @@ class Judge:
             faults += [] if run.stderr in ("", f"{one.tool}: interrupted, no output was written\n") else ["not one message"]
             if run.stderr and "new" in states:
                 faults.append("says that no output was written, but one is new")
-            elif len(set(states)) > 1 and not parts_may_stay:
+            elif len(set(states[self.named_before(one, run):])) > 1 and not parts_may_stay:
                 faults.append("some outputs are new, others not")
         else:
             faults.append("a wrong exit code")
