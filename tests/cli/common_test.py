@@ -12,7 +12,7 @@ import unittest
 import h5py
 import jsonschema
 import numpy as np
-from tools import CONFIGS, INPUTS, TOOLS, ChainTest, ToolTest, read_bytes, run, tool
+from tools import CONFIGS, INPUTS, SANITIZED, TOOLS, ChainTest, ToolTest, read_bytes, run, tool
 
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
           "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
@@ -30,6 +30,7 @@ class Information(ToolTest):
             self.assertEqual("--seed" in text, name in ["terrain-gen", "scan-sim"], name)
             self.assertEqual(run(name, "-h").stdout, text)
 
+    @unittest.skipIf(SANITIZED, "a sanitizer takes time")
     def test_help_answers_in_under_50_ms(self):
         for name in TOOLS:
             times = []

@@ -8,6 +8,8 @@ import tempfile
 import unittest
 
 BIN = os.environ["LANDFALL_BIN"]
+SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # such a build takes many times the time and memory
+LONGEST_S = 1200 if SANITIZED else 120
 TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval"]
 
 # 400 pulses of 8 x 8 pixels from 50 m: 25,600 rays on a 12 m square of relief.
@@ -49,7 +51,7 @@ def tool(name):
 def run(name, *arguments, stdin="", **options):
     """Runs a tool off any terminal; the result has returncode, stdout and stderr (text)."""
     return subprocess.run([tool(name), *map(str, arguments)], input=stdin, capture_output=True, text=True,
-                          timeout=120, **options)
+                          timeout=LONGEST_S, **options)
 
 
 def with_values(config, **values):

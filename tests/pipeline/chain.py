@@ -9,7 +9,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 # pylint: disable=wrong-import-position,unused-import
-from tools import CONFIGS, TOOLS, Chain, ChainTest, ToolTest, read_bytes, run, tool, with_values
+from tools import CONFIGS, SANITIZED, TOOLS, Chain, ChainTest, ToolTest, read_bytes, run, tool, with_values
 
 
 def columns(path, group):

@@ -7,7 +7,7 @@ import unittest
 
 import h5py
 import numpy as np
-from chain import ToolTest, columns, read_bytes
+from chain import SANITIZED, ToolTest, columns, read_bytes
 
 # 4201 x 4201 nodes, above the 2^24 that scan-sim and regrid load whole.
 TERRAIN = {"grid": {"half_width_m": 105, "resolution_m": 0.05},
@@ -60,7 +60,8 @@ class LargeTerrain(ToolTest):
         large = self.scanned("large.h5")
         self.cropped("middle.h5", 1401)
         self.check_same(large, self.scanned("middle.h5"))
-        self.assertLess(large[0]["peak_memory_bytes"], 4201**2 * 16)  # the nodes and their pyramid alone take more
+        if not SANITIZED:
+            self.assertLess(large[0]["peak_memory_bytes"], 4201**2 * 16)  # the nodes and their pyramid alone take more
 
         def without_range(file):
             del file["z"].attrs["actual_range"]

@@ -8,7 +8,7 @@ import time
 from workshop import TASKS, Judge, files_of
 
 WRITING = [each for each in TASKS if each.outputs]
-OWN_NUMBERS = ["unshare", "--pid", "--fork", "--kill-child"]
+OWN_NUMBERS = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc"]
 UNPRIVILEGED = ["setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"]
 
 

@@ -104,6 +104,7 @@ class Calls(Reliability):
         """Among the last calls are those that flush."""
         self.try_calls("write", errno.EIO, "EIO", most=30, tasks=SEVERAL_OUTPUTS)
 
+    @unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "a sanitizer takes more stack")
     def test_a_small_stack_is_enough(self):
         self.check([resources.try_stacks(self.workshop, [BY_LABEL["scan-sim"]])])
 
