@@ -28,17 +28,18 @@ target_compile_options(landfall_flags INTERFACE
 target_link_options(landfall_flags INTERFACE $<$<CONFIG:Release>:LINKER:-z,relro,-z,now>)
 target_include_directories(landfall_flags INTERFACE ${CMAKE_SOURCE_DIR}/lib)
 target_link_libraries(landfall_flags INTERFACE Threads::Threads)
+set(landfall_instrumentation)  # what whoever links instrumented objects must be linked with
 if(LANDFALL_SANITIZE)
   target_compile_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE} -fno-sanitize-recover=all
                          -fno-omit-frame-pointer)
   target_compile_definitions(landfall_flags INTERFACE LANDFALL_SANITIZED)
-  target_link_options(landfall_flags INTERFACE -fsanitize=${LANDFALL_SANITIZE})
+  list(APPEND landfall_instrumentation -fsanitize=${LANDFALL_SANITIZE})
 endif()
-
 if(LANDFALL_COVERAGE)
   target_compile_options(landfall_flags INTERFACE -fprofile-instr-generate -fcoverage-mapping)
-  target_link_options(landfall_flags INTERFACE -fprofile-instr-generate)
+  list(APPEND landfall_instrumentation -fprofile-instr-generate)
 endif()
+target_link_options(landfall_flags INTERFACE ${landfall_instrumentation})
 
 # landfall_library(module SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...])
 # A static library landfall::<module> that may include exactly what it links.
