@@ -11,7 +11,6 @@ import argparse
 import glob
 import json
 import os
-import re
 import subprocess
 import sys
 

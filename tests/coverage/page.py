@@ -5,6 +5,11 @@ import collections
 import json
 import os
 import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "pages"))
+# pylint: disable=wrong-import-position
+from sections import with_sections
 
 REASONS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "uncovered.json")
 ERROR = re.compile(r"\bthrow\b|\bcatch\s*\(")
@@ -69,9 +74,7 @@ def write(root, records):
     page = os.path.join(root, "docs", "coverage.md")
     with open(page, encoding="utf-8") as file:
         text = file.read()
-    for name, lines in (("Results", table(records, missed, total)), ("Error paths that no test runs", paths_table(missed, reasons))):
-        text = re.sub(f"(## {name}\n\n).*?(?=\n## |$(?![\\s\\S]))", lambda m, l=lines: m[1] + "\n".join(l).strip() + "\n", text,
-                      flags=re.S)
+    text = with_sections(text, {"Results": table(records, missed, total), "Error paths that no test runs": paths_table(missed, reasons)})
     with open(page, "w", encoding="utf-8") as file:
         file.write(text)
     unknown = [(path, line, key) for path, line, key in missed if f"{path}: {key}" not in reasons]

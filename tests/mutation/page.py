@@ -4,6 +4,11 @@ import collections
 import json
 import os
 import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "pages"))
+# pylint: disable=wrong-import-position
+from sections import with_sections
 
 SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")
 EQUIVALENT = "equivalent: "  # begins the reason of a mutant that no test can tell
@@ -21,9 +26,7 @@ def write(path, mutants, results, dropped):
     rows, sections = kept_rows(text, ran), kept_sections(text, ran)
     rows.update(counted_rows(mutants, results, dropped, reasons))
     sections.update(survivors(mutants, results, reasons))
-    for name, lines in (("Results", table(rows)), ("Survivors", [line for file in sorted(sections) for line in sections[file]])):
-        text = re.sub(f"(## {name}\n\n).*?(?=\n## |$(?![\\s\\S]))", lambda m, l=lines: m[1] + "\n".join(l).strip() + "\n", text,
-                      flags=re.S)
+    text = with_sections(text, {"Results": table(rows), "Survivors": [line for file in sorted(sections) for line in sections[file]]})
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
     unknown = [m for m in mutants if not results[m["key"]]["by"] and m["key"] not in reasons]
