@@ -310,6 +310,17 @@ class Refusals(InfoTest):
         path = self.changed(self.chain.eval, change)
         self.refuse(1, "landfall-info", path, words=[path, "metrics_json"])
 
+    def test_an_evaluation_by_a_configuration_that_is_none(self):
+        """The verdict's table names the limits of the configuration."""
+        for key, value in [("limits", {}), ("limits", 7), ("quantile", 2), ("region", {"shape": "square"})]:
+            def change(file):
+                config = {**json.loads(file["provenance/config_json"][()]), key: value}
+                del file["provenance/config_json"]
+                file["provenance/config_json"] = json.dumps(config)
+            path = self.changed(self.chain.eval, change)
+            self.refuse(1, "landfall-info", path, words=[path, "/provenance/config_json is no configuration of dem-eval"])
+            self.assertEqual(self.describe(path)["config"][key], value)
+
     def test_control_characters_do_not_reach_the_terminal(self):
         path = self.changed(self.chain.dem, lambda f: f.attrs.__setitem__("title", "a\x1b[2Jb\nc"))
         text = self.info(path)
