@@ -122,6 +122,10 @@ std::string refusal(const DemBase& dem, const GridSpec& spec) {
   return "accepted";
 }
 
+void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
 /// What a raster must store so that z = 7 + 2 x - 3 y, (x, y) in map units.
 std::function<double(int, int)> map_plane(const std::array<double, 6>& transform) {
   return [g = GeoTransform(transform)](int col, int row) {
@@ -342,8 +346,19 @@ TEST_F(LoadDem, RefusesWhatTheFileCannotGive) {
               AllOf(HasSubstr("format: "), HasSubstr("beyond a pole")));
 }
 
-void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
+// No GeoTIFF's keys hold these CRS: the file beside it does.
+TEST_F(LoadDem, RefusesCrsThatAreNoMap) {
+  const std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
+  const DemBase dem = written({9, 9, map_plane(transform), "Float32", transform, "", {}, 1, 0, {}});
+  const auto refusal_with = [&](const std::string& crs) {
+    write_bytes(dem.path + ".aux.xml", "<PAMDataset><SRS>" + crs + "</SRS></PAMDataset>");
+    return refusal(dem, GridSpec::centered(1, 1));
+  };
+  EXPECT_EQ(refusal_with("EPSG:32631"), "accepted");
+  EXPECT_THAT(refusal_with("+proj=ob_tran +o_proj=longlat +o_lon_p=0 +o_lat_p=39.25 +lon_0=18 +R=6371229"),
+              AllOf(HasSubstr("format: "), HasSubstr(dem.path), HasSubstr("rotated-pole")));
+  EXPECT_THAT(refusal_with("LOCAL_CS[&quot;a sheet&quot;,UNIT[&quot;nothing&quot;,0]]"),
+              AllOf(HasSubstr("format: "), HasSubstr(dem.path), HasSubstr("no linear unit")));
 }
 
 // What GDAL does not know is told apart, for each calls for something else.
@@ -421,37 +436,6 @@ TEST_F(LoadDem, LargeRastersAreReadByWindow) {
   EXPECT_LE(raster.samples.size.cols, 308);
   EXPECT_LE(raster.samples.size.rows, 308);
   expect_plane(terrain_of(dem, spec).nodes, 2 * 8000 + 3 * 3000, 2, -3);
-}
-
-TEST(GdalPlugin, NamesThePlacesTried) {
-  // A fresh process, since the plugin is loaded once for all; the copy of this program finds none beside it.
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) / "landfall_no_plugin/tests";
-  std::filesystem::create_directories(folder);
-  const auto copy = folder / "terrain_test";
-  std::filesystem::copy_file("/proc/self/exe", copy, std::filesystem::copy_options::overwrite_existing);
-  const std::string command =
-      "LANDFALL_PLUGIN_DIR=/nowhere " + copy.string() +
-      " --gtest_also_run_disabled_tests --gtest_filter=GdalPlugin.DISABLED_IsMissing >" +
-      (folder / "log").string();
-  EXPECT_EQ(std::system(command.c_str()), 0);
-  std::filesystem::remove_all(folder.parent_path());
-}
-
-// Run by the test above, in a place without the plugin.
-TEST(GdalPlugin, DISABLED_IsMissing) {
-  DemBase dem;
-  dem.path = "any.tif";
-  try {
-    (void)load_dem(dem, GridSpec::centered(1, 1));
-    FAIL() << "the plugin was found";
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(),
-                AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
-                      HasSubstr("/nowhere/landfall-gdal.so"),
-                      HasSubstr("landfall_no_plugin/lib/landfall/landfall-gdal.so"),
-                      HasSubstr("LANDFALL_PLUGIN_DIR")));
-  }
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "terrain/terrain_strips.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "base/error.h"
@@ -122,6 +124,32 @@ TEST(TerrainStrips, ADemWithoutRelief) {
   holes.bases = {dem};
   TerrainStrips strips(holes, kGrid, empty, {1000, 64});
   EXPECT_THROW(strips.make([](const Grid<double>&) {}), FormatError);
+}
+
+// At a pole, columns of longitude meet in one point: no wavelength can be told that the raster lacks.
+TEST(TerrainStrips, AFractalOnTheDemOfAPole) {
+  const DemLoader pole = [](const DemBase& dem, const GridSpec& site) {
+    DemRaster raster = bumpy_raster(dem, site);
+    raster.mapping =
+        SiteMapping(GeoTransform({-180, 1, 0, 90.5, 0, -1}), {180, 0},
+                    OrthographicFrame({1e6, 0}, {0, std::numbers::pi / 2}), std::numbers::pi / 180);
+    return raster;
+  };
+  TerrainModel model;
+  DemBase dem;
+  dem.path = "pole";
+  dem.datum = Datum::none;
+  model.bases = {dem, FractalBase{0.7, 0.3, 5}};
+  try {
+    const TerrainStrips strips(model, kGrid, pole, {1000, 64});
+    FAIL() << "the pole was accepted";
+  } catch (const FormatError& error) {
+    EXPECT_THAT(error.what(),
+                ::testing::AllOf(::testing::StartsWith("pole: has no posting at the site centre"),
+                                 ::testing::HasSubstr("longest_wavelength_m")));
+  }
+  std::get<FractalBase>(model.bases[1]).longest_wavelength_m = 4;
+  EXPECT_NO_THROW(TerrainStrips(model, kGrid, pole, {1000, 64}));
 }
 
 TEST(TerrainStrips, ProgressRisesToOne) {

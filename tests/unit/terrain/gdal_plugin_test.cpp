@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "base/error.h"
+#include "terrain/gdal_loader.h"
+
+namespace landfall {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr const char* kFile = "landfall-gdal.so";
+
+class GdalPluginFile : public ::testing::Test {
+ protected:
+  GdalPluginFile() { fs::create_directories(folder_); }
+  ~GdalPluginFile() override { fs::remove_all(folder_); }
+
+  /// What load_dem() says of any raster in a fresh process of `program`, since a process loads the plugin
+  /// once.
+  [[nodiscard]] std::string refusal(const fs::path& program, const fs::path& plugin_folder) const {
+    const fs::path said = folder_ / "refusal";
+    const std::string command =
+        "LANDFALL_PLUGIN_DIR=" + plugin_folder.string() + " LANDFALL_REFUSAL=" + said.string() + " " +
+        program.string() + " --gtest_also_run_disabled_tests --gtest_filter=GdalPlugin.DISABLED_Refusal" +
+        " >/dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    std::ifstream file(said);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  fs::path program_ = fs::read_symlink("/proc/self/exe");
+  fs::path folder_ = fs::path(::testing::TempDir()) / "landfall_plugin/tests";
+};
+
+// Run by the tests below.
+TEST(GdalPlugin, DISABLED_Refusal) {
+  DemBase dem;
+  dem.path = "any.tif";
+  try {
+    (void)load_dem(dem, GridSpec::centered(1, 1));
+  } catch (const FormatError& error) {
+    std::ofstream(std::getenv("LANDFALL_REFUSAL")) << error.what();
+  }
+}
+
+TEST_F(GdalPluginFile, ThatIsMissing) {
+  // The copy of this program finds none beside it.
+  const fs::path copy = folder_ / "terrain_test";
+  fs::copy_file(program_, copy);
+  EXPECT_THAT(
+      refusal(copy, "/nowhere"),
+      AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
+            HasSubstr("/nowhere/landfall-gdal.so"),
+            HasSubstr("landfall_plugin/lib/landfall/landfall-gdal.so"), HasSubstr("LANDFALL_PLUGIN_DIR")));
+}
+
+TEST_F(GdalPluginFile, ThatIsNoLibrary) {
+  std::ofstream(folder_ / kFile) << "no library";
+  EXPECT_THAT(refusal(program_, folder_), AllOf(StartsWith("any.tif: cannot load the GDAL plugin: "),
+                                                HasSubstr((folder_ / kFile).string())));
+}
+
+TEST_F(GdalPluginFile, ThatIsAnotherLibrary) {
+  Dl_info c_library{};
+  ASSERT_NE(dladdr(dlsym(RTLD_DEFAULT, "gnu_get_libc_version"), &c_library), 0);
+  fs::create_symlink(c_library.dli_fname, folder_ / kFile);
+  EXPECT_THAT(refusal(program_, folder_),
+              AllOf(StartsWith("any.tif: cannot use the GDAL plugin: "), HasSubstr("landfall_gdal_plugin")));
+}
+
+TEST_F(GdalPluginFile, ThatIsOfAnotherVersion) {
+  const fs::path stale = program_.parent_path() / "stale_plugin";
+  EXPECT_THAT(refusal(program_, stale),
+              StartsWith("any.tif: " + (stale / kFile).string() + ": is of version 0.0.0, this program of "));
+}
+
+}  // namespace
+}  // namespace landfall
