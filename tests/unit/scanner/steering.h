@@ -38,13 +38,7 @@ inline Eigen::Vector3d line_of_sight(const Scanner& scanner, const ScannerState&
 
 /// Rotation of the image about the line of sight, right-handed about it, relative to the shortest turn that
 /// takes +z to the line of sight.
-inline double image_rotation(const Scanner& scanner, const ScannerState& state) {
-  const Eigen::Vector3d x = beam_of(scanner, state, Eigen::Vector3d::UnitX()).direction.v;
-  const auto shortest =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), line_of_sight(scanner, state));
-  const Eigen::Vector3d untilted = shortest.inverse() * x;
-  return std::atan2(untilted.y(), untilted.x());
-}
+double image_rotation(const Scanner& scanner, const ScannerState& state);
 
 inline Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, double angle_rad) {
   return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
