@@ -142,13 +142,16 @@ def main(arguments):
         done += 1
         if done % 100 == 0:
             print(f"{done} chains, {time.time() - start:.0f} s, wrong: {dict(+soak.wrong)}", file=sys.stderr, flush=True)
-    soak.wrong["shared memory or semaphores left"] = len(shared_objects() - before)
+    left = sorted(shared_objects() - before)  # some may be another program's: their names tell
+    soak.wrong["shared memory or semaphores left"] = len(left)
     shutil.rmtree(soak.folder)
     print(f"{done:,} chains, {4 * done:,} processes, {time.time() - start:.0f} s; "
           f"{soak.compared:,} chains compared with an earlier one of the same seed.\n")
     print("\n".join(rows(soak)) + "\n")
     for what, count in soak.wrong.items():
         print(f"{what}: {count}")
+    for name in left:
+        print("left:", name)
     return 1 if +soak.wrong else 0
 
 
