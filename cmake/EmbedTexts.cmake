@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # landfall_embed_texts(folder NAME assets FILES a.html b.css ...): files as raw string literals in a header that CMake makes, so
 # that a tool needs no file beside it. The target of this folder's library adds the header to its sources:
-#   #include "folder/embedded_assets.h"      // namespace landfall::embedded: assets[i].name, assets[i].text
+#   #include "folder/embedded_assets.h"      // namespace landfall::embedded: kAssets[i].name, kAssets[i].text
 # The header's path is left in embedded_assets; its include folder must be added to the target. The file is also the script
 # that writes it: cmake -DOUTPUT=... -DNAME=assets "-DTEXTS=a.html;b.css" -P EmbedTexts.cmake
 if(CMAKE_SCRIPT_MODE_FILE)
+  string(SUBSTRING ${NAME} 0 1 initial)
+  string(TOUPPER ${initial} initial)
+  string(SUBSTRING ${NAME} 1 -1 others)
+  set(constant k${initial}${others})
   set(header "// SPDX-License-Identifier: GPL-3.0-or-later\n// Made by cmake/EmbedTexts.cmake.\n#pragma once\n\n")
-  string(APPEND header "namespace landfall::embedded {\ninline constexpr struct {\n  const char* name;\n  const char* text;\n} ${NAME}[] = {\n")
+  string(APPEND header "namespace landfall::embedded {\ninline constexpr struct {\n  const char* name;\n  const char* text;\n} ${constant}[] = {\n")
   foreach(path ${TEXTS})
     file(READ ${path} content)
     get_filename_component(name ${path} NAME)

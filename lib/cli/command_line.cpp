@@ -66,7 +66,7 @@ void require_values(const CLI::App& app) {
 }
 
 std::string plain_message(const CLI::App& app, const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   std::smatch part;
   const auto is = [&](const char* pattern) { return std::regex_match(text, part, std::regex(pattern)); };
   if (is("The following arguments? (?:was|were) not expected: (.*)")) return not_expected(app, part[1]);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 
@@ -17,7 +18,7 @@ std::string seconds_text(double seconds) {
   if (seconds < 99.95) {
     std::snprintf(text.data(), text.size(), "%.1f s", seconds);
   } else {
-    const auto whole = static_cast<long>(seconds + 0.5);
+    const auto whole = std::lround(seconds);
     std::snprintf(text.data(), text.size(), "%ld min %02ld s", whole / 60, whole % 60);
   }
   return text.data();

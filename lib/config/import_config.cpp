@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 /// 60 stays an integer and 60.0 none: both are hashed as a file would have them.
 Json number_of(const std::string& text, const char* option) {
-  const Json value = Json::parse(text, nullptr, false);
+  Json value = Json::parse(text, nullptr, false);
   if (value.is_number()) return value;
   double number = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);

@@ -293,7 +293,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 const Json& embedded_schema(const std::string& name) {
   static const Json schemas = [] {
     Json all = Json::object();
-    for (const auto& schema : embedded::schemas) all[schema.name] = Json::parse(schema.text);
+    for (const auto& schema : embedded::kSchemas) all[schema.name] = Json::parse(schema.text);
     return all;
   }();
   return schemas.at(name + ".schema.json");

@@ -84,7 +84,7 @@ class Walk {
     const Json& s = dereferenced(schema);
     if (s.contains("oneOf")) return alternatives(s["oneOf"]);
     if (s.contains("enum") || s.contains("const")) return "text";
-    const std::string type = s.value("type", "object");
+    std::string type = s.value("type", "object");
     if (type == "string") return "text";
     if (type != "array" || !s.contains("items")) return type;
     const bool exact = s.contains("maxItems") && s.value("minItems", 0) == s["maxItems"];

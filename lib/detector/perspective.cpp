@@ -80,7 +80,8 @@ class PixelGrid {
     if (p_.places.empty())
       return {(from_middle(pixel.col, p_.columns) + right) * pitch_.x,
               (from_middle(pixel.row, p_.rows) + down) * pitch_.y};
-    const ImagePlace& place = p_.places[static_cast<std::size_t>(pixel.row * p_.columns + pixel.col)];
+    const std::size_t row = static_cast<std::size_t>(pixel.row) * static_cast<std::size_t>(p_.columns);
+    const ImagePlace& place = p_.places[row + static_cast<std::size_t>(pixel.col)];
     return {place.u + right * pitch_.x, -place.v + down * pitch_.y};
   }
 

@@ -77,9 +77,9 @@ void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Gri
     if (id == 0) continue;
     std::int8_t& flags = fail.values()[i];
     if (coverage.holes[static_cast<std::size_t>(id - 1)].size_bins > limits.hole_bins)
-      set_flag(flags, kFailHoleSize);
+      set_flag(flags, fail_hole_size);
     if (distance_bins(coverage.squared_distance.values()[i]) > limits.distance_bins)
-      set_flag(flags, kFailDistance);
+      set_flag(flags, fail_distance);
   }
 }
 
@@ -102,21 +102,21 @@ struct AxisFields {
 };
 
 constexpr AxisFields kX{Axis::x,
-                        kFailRelativeX,
+                        fail_relative_x,
                         &TrueLayers::x,
                         &EvaluationLimits::relative_horizontal_m,
                         &AccuracyMetrics::Absolute::x,
                         &AccuracyMetrics::Relative::x,
                         &StatisticsMetrics::x};
 constexpr AxisFields kY{Axis::y,
-                        kFailRelativeY,
+                        fail_relative_y,
                         &TrueLayers::y,
                         &EvaluationLimits::relative_horizontal_m,
                         &AccuracyMetrics::Absolute::y,
                         &AccuracyMetrics::Relative::y,
                         &StatisticsMetrics::y};
 constexpr AxisFields kZ{Axis::z,
-                        kFailRelativeZ,
+                        fail_relative_z,
                         &TrueLayers::z,
                         &EvaluationLimits::relative_elevation_m,
                         &AccuracyMetrics::Absolute::z,
@@ -190,7 +190,7 @@ class AccuracyPass {
 
   void judge_horizontal(const Grid<double>& horizontal) const {
     out_.metrics.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
-    flag_above(horizontal, limits_.absolute_horizontal_m, kFailAbsoluteHorizontal, out_.fail);
+    flag_above(horizontal, limits_.absolute_horizontal_m, fail_absolute_horizontal, out_.fail);
   }
 
   /// The corrected elevation, which is used up.

@@ -15,12 +15,12 @@ namespace landfall {
 
 /// Bits of the layer `fail`: why a bin, or the footprint centred on it, misses a requirement.
 enum FailFlag : std::int8_t {
-  kFailRelativeX = 1,
-  kFailRelativeY = 2,
-  kFailRelativeZ = 4,
-  kFailAbsoluteHorizontal = 8,
-  kFailHoleSize = 16,  ///< every bin of a hole over the limit
-  kFailDistance = 32,
+  fail_relative_x = 1,
+  fail_relative_y = 2,
+  fail_relative_z = 4,
+  fail_absolute_horizontal = 8,
+  fail_hole_size = 16,  ///< every bin of a hole over the limit
+  fail_distance = 32,
 };
 
 struct CoverageLayers {

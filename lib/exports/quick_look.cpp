@@ -114,9 +114,10 @@ RgbImage mesh_picture(const TriangleMesh& mesh, const ProgressCallback& progress
       map.values.size(), 1000,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          const auto cols = static_cast<std::size_t>(map.cols);
-          map.values[i] = mesh.elevation(map.west_m + (static_cast<double>(i % cols) + 0.5) * map.pixel_m,
-                                         map.north_m - (static_cast<double>(i / cols) + 0.5) * map.pixel_m);
+          const std::size_t row = i / static_cast<std::size_t>(map.cols);
+          const std::size_t col = i % static_cast<std::size_t>(map.cols);
+          map.values[i] = mesh.elevation(map.west_m + (static_cast<double>(col) + 0.5) * map.pixel_m,
+                                         map.north_m - (static_cast<double>(row) + 0.5) * map.pixel_m);
         }
       },
       progress);

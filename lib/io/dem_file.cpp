@@ -174,6 +174,7 @@ void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemReque
   std::vector<Layer> layers = all_layers(request.truth_at);
   std::erase_if(layers, [&](const Layer& layer) { return !wanted(request, layer); });
   std::vector<GridLayerWriter::TiledLayer> tiled;
+  tiled.reserve(layers.size());
   for (const Layer& layer : layers) tiled.push_back({layer.name, layer.type, layer.text});
   const auto fill = [&](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
     std::vector<BinValues> row(static_cast<std::size_t>(tile.cols));

@@ -189,8 +189,8 @@ void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
 
 void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
   GridLayerWriter::LayerText text{"1", "missed requirements of the bin or of the footprint centred on it"};
-  text.flag_masks = {kFailRelativeX,          kFailRelativeY, kFailRelativeZ,
-                     kFailAbsoluteHorizontal, kFailHoleSize,  kFailDistance};
+  text.flag_masks = {fail_relative_x,          fail_relative_y, fail_relative_z,
+                     fail_absolute_horizontal, fail_hole_size,  fail_distance};
   text.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
   grid().write("fail", fail, text);
 }

@@ -70,9 +70,10 @@ Json flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
   Json counts = Json::object();
   for (std::size_t i = 0; i < std::min(flags.size(), entry.flag_meanings.size()); ++i) {
     std::int64_t count = 0;
-    for (int value = -128; value < 128; ++value)
-      if (bits ? (value & flags[i]) != 0 : value == flags[i])
-        count += statistics.int8_counts[static_cast<std::size_t>(value + 128)];
+    for (std::size_t k = 0; k < statistics.int8_counts.size(); ++k) {
+      const int value = static_cast<int>(k) - 128;
+      if (bits ? (value & flags[i]) != 0 : value == flags[i]) count += statistics.int8_counts[k];
+    }
     counts[entry.flag_meanings[i]] = count;
   }
   return counts;

@@ -204,6 +204,7 @@ std::vector<GridLayerWriter::Tile> GridLayerWriter::tiles() const {
 void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const FillTile& fill,
                                   const ProgressCallback& progress) {
   std::vector<h5::Handle> datasets;
+  datasets.reserve(layers.size());
   for (const TiledLayer& layer : layers) datasets.push_back(create(layer.name, layer.type, layer.text));
   struct Slot {
     std::vector<TileValues> values;

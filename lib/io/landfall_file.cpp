@@ -96,7 +96,8 @@ void LandfallFileWriter::commit() {
   output_.commit();
 }
 
-LandfallFileReader::LandfallFileReader(std::filesystem::path path, std::initializer_list<const char*> kinds)
+LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
+                                       std::initializer_list<const char*> kinds)
     : name_(path.string()), file_(open_quietly(name_)) {
   const auto format = h5::read_text_attribute(root(), "format_name");
   std::string wanted;

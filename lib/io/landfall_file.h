@@ -44,7 +44,7 @@ class LandfallFileReader {
  public:
   /// Throws FormatError unless the file is a complete landfall file of one of `kinds` and of a format this
   /// version reads.
-  LandfallFileReader(std::filesystem::path path, std::initializer_list<const char*> kinds);
+  LandfallFileReader(const std::filesystem::path& path, std::initializer_list<const char*> kinds);
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< for messages: the path as given

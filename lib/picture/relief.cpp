@@ -57,6 +57,7 @@ std::vector<double> relief(const PixelMap& elevations) {
   const double rms = count > 0 ? std::sqrt(squares / count) : 0;
   const double factor = rms > 0 ? std::clamp(0.4 / rms, 0.25, 5.0) : 1;
   std::vector<double> shades;
+  shades.reserve(slopes.size());
   for (const Slope& slope : slopes) shades.push_back(shade_of(slope, factor));
   return shades;
 }

@@ -69,7 +69,7 @@ std::string data_html(const ReportData& data) {
 }
 
 std::string asset(std::string_view name) {
-  for (const auto& asset : embedded::assets)
+  for (const auto& asset : embedded::kAssets)
     if (asset.name == name) return asset.text;
   throw std::logic_error("no embedded asset " + std::string(name));
 }

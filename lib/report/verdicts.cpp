@@ -15,8 +15,7 @@ std::string number(double value, RequirementUnit unit) {
   const bool is_fraction = unit == RequirementUnit::fraction;
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.6g", std::abs(is_fraction ? 100 * value : value));
-  const std::string digits =
-      (value < 0 ? "\u2212" : "") + std::string(text.data());  // a minus, as in the diagrams
+  std::string digits = (value < 0 ? "\u2212" : "") + std::string(text.data());  // a minus, as in the diagrams
   if (is_fraction) return digits + " %";
   if (unit == RequirementUnit::footprints) return digits;
   return digits + (value == 1 ? " bin" : " bins");

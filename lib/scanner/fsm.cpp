@@ -39,10 +39,10 @@ ScannerState Fsm::following(const PulseContext& pulse,
   limit_.require_within(*aim, pulse.time.pulse);
   const Direction<LidarFrame> normal = mirror_.normal_towards(*aim);
   const TiltAngles commanded = mirror_.tilts(normal);
-  const ScannerState at_aim{.angle_1_rad = commanded.angle_1_rad,
-                            .angle_2_rad = commanded.angle_2_rad,
-                            .mirror_normal = normal,
-                            .blanked = timing_.blanks(pulse.since_jump_s)};
+  ScannerState at_aim{.angle_1_rad = commanded.angle_1_rad,
+                      .angle_2_rad = commanded.angle_2_rad,
+                      .mirror_normal = normal,
+                      .blanked = timing_.blanks(pulse.since_jump_s)};
   const double left = timing_.step_left(pulse.since_jump_s);
   if (left == 0 || !pulse.aim_before_jump) return at_aim;
   const TiltAngles before = mirror_.tilts(mirror_.normal_towards(*pulse.aim_before_jump));
@@ -59,7 +59,7 @@ ScannerState Fsm::with_tilts(const ScannerState& state, const TiltAngles& tilts)
 bool Fsm::is_known() const { return parameters_.encoder_sigma_rad == 0 && !parameters_.tof_lag; }
 
 ScannerState Fsm::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
-  const ScannerState at_pulse = parameters_.tof_lag ? following(pulse, pulse.aim) : truth;
+  ScannerState at_pulse = parameters_.tof_lag ? following(pulse, pulse.aim) : truth;
   if (parameters_.encoder_sigma_rad == 0) return at_pulse;
   const RandomField noise(parameters_.seed, RandomStream::encoder);
   const auto k = static_cast<std::uint64_t>(pulse.time.pulse);

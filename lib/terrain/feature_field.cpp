@@ -9,7 +9,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -241,9 +240,9 @@ void require_on_grid(const TerrainModel& model, const GridSpec& grid) {
 }
 
 FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
-  const auto place = [&](PlacedFeature placed) {
+  const auto place = [&](const PlacedFeature& placed) {
     require_on_grid(placed, grid);
-    features_.push_back(std::move(placed));
+    features_.push_back(placed);
   };
   for_each_listed(model.features, place);
   for (std::size_t p = 0; p < model.patterns.size(); ++p)

@@ -38,7 +38,7 @@ std::vector<fs::path> plugin_folders() {
 constexpr std::size_t kHeadroomOfGdal = std::size_t{192} << 20U;
 
 std::string last_dl_error() {
-  const char* reason = dlerror();
+  const char* reason = dlerror();  // NOLINT(concurrency-mt-unsafe): glibc has one for each thread
   return reason != nullptr ? reason : "unknown reason";
 }
 

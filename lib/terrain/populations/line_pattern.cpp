@@ -11,7 +11,11 @@ namespace landfall {
 namespace {
 
 // Draws of one line. Part of the files' reproducibility: never renumber.
-enum Draw : std::uint64_t { kCountDraw = 0, kXDraw = 1, kYDraw = 2, kLengthDraw = 3, kYawDraw = 4 };
+constexpr std::uint64_t kCountDraw = 0;
+constexpr std::uint64_t kXDraw = 1;
+constexpr std::uint64_t kYDraw = 2;
+constexpr std::uint64_t kLengthDraw = 3;
+constexpr std::uint64_t kYawDraw = 4;
 constexpr std::uint64_t kDrawBits = 12;
 
 template <class Shape>
@@ -62,7 +66,7 @@ std::vector<Feature> LinePattern::features(const PatternSite& site) const {
   std::vector<Feature> lines;
   double events = 0;
   for (std::uint64_t i = 0;; ++i) {
-    const auto uniform = [&](Draw draw) { return random.uniform(i, own_seed | draw); };
+    const auto uniform = [&](std::uint64_t draw) { return random.uniform(i, own_seed | draw); };
     events -= std::log(1 - uniform(kCountDraw));
     if (!(events < expected)) return lines;
     const auto line = [&](auto copy) -> FeatureShape {

@@ -106,7 +106,7 @@ TEST(Evaluate, OneWrongElevation) {
   EXPECT_NEAR(accuracy.absolute.z.max_m.value(), 0.1, 1e-14);
   EXPECT_NEAR(accuracy.relative.z.max_m.value(), 0.52, 1e-14);
   const Layers& layers = evaluation.layers;
-  EXPECT_EQ(layers.fail.at({4, 6}), kFailRelativeZ);
+  EXPECT_EQ(layers.fail.at({4, 6}), fail_relative_z);
   EXPECT_EQ(layers.fail.at({4, 7}), 0);
   EXPECT_EQ(layers.z->error.at({5, 5}), 7.9 - 7);
   EXPECT_NEAR(layers.z->absolute.at({6, 6}), 0.1, 1e-7);
@@ -118,9 +118,9 @@ TEST(Evaluate, AxesHaveTheirOwnFlags) {
   dem.truth->x.at({5, 5}) -= 0.9;
   dem.truth->y.at({5, 7}) += 0.9;
   const Collected evaluation = collected(dem, small());
-  EXPECT_EQ(evaluation.layers.fail.at({5, 4}), kFailRelativeX);
-  EXPECT_EQ(evaluation.layers.fail.at({5, 6}), kFailRelativeX | kFailRelativeY);
-  EXPECT_EQ(evaluation.layers.fail.at({5, 8}), kFailRelativeY);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 4}), fail_relative_x);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 6}), fail_relative_x | fail_relative_y);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 8}), fail_relative_y);
   EXPECT_NEAR(evaluation.metrics.accuracy->absolute.x.mean_m.value(), -0.1 * 9 / 45, 1e-14);
   // Both blocks of 3 x 3 footprints lie in the region: its corner (4, 8) has 3^2 + 1 < 16.
   EXPECT_EQ(evaluation.metrics.requirements.relative_horizontal.value, 18);
@@ -139,7 +139,7 @@ TEST(Evaluate, AbsoluteHorizontalIsTheHypotenuse) {
   parameters.limits.absolute_horizontal_m = std::nextafter(5, 0);
   evaluation = collected(dem, parameters);
   EXPECT_EQ(evaluation.metrics.requirements.absolute_horizontal, (Requirement{0.0, 0.95, false}));
-  EXPECT_EQ(evaluation.layers.fail.at({5, 5}), kFailAbsoluteHorizontal);
+  EXPECT_EQ(evaluation.layers.fail.at({5, 5}), fail_absolute_horizontal);
   EXPECT_EQ(evaluation.layers.fail.at({0, 0}), 0);  // outside the region
 }
 
@@ -166,8 +166,8 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
   parameters.limits.hole_bins = 8;
   const Collected evaluation = collected(dem, parameters);
   const Layers& layers = evaluation.layers;
-  EXPECT_EQ(layers.fail.at({4, 4}), kFailHoleSize);
-  EXPECT_EQ(layers.fail.at({5, 5}), kFailHoleSize | kFailDistance);
+  EXPECT_EQ(layers.fail.at({4, 4}), fail_hole_size);
+  EXPECT_EQ(layers.fail.at({5, 5}), fail_hole_size | fail_distance);
   EXPECT_EQ(layers.coverage.hole_id.at({5, 5}), 1);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({5, 5}), 2);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({3, 5}), 0);
@@ -365,7 +365,7 @@ TEST(Evaluate, RegionsOfOtherShapes) {
   EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));
   EXPECT_EQ(mask.coverage.invalid_frac, 0.5);
   parameters.limits.hole_bins = 0;
-  EXPECT_EQ(collected(dem, parameters).layers.fail.at({0, 0}), kFailHoleSize);
+  EXPECT_EQ(collected(dem, parameters).layers.fail.at({0, 0}), fail_hole_size);
 }
 
 TEST(Evaluate, DiscsLeaveTheirCornersOut) {
