@@ -25,7 +25,7 @@ constexpr const char* kFile = "landfall-gdal.so";
 class GdalPluginFile : public ::testing::Test {
  protected:
   GdalPluginFile() { fs::create_directories(folder_); }
-  ~GdalPluginFile() override { fs::remove_all(folder_); }
+  ~GdalPluginFile() override { fs::remove_all(folder_.parent_path()); }
 
   /// What load_dem() says of any raster in a fresh process of `program`, since a process loads the plugin
   /// once.
@@ -41,7 +41,11 @@ class GdalPluginFile : public ::testing::Test {
   }
 
   fs::path program_ = fs::read_symlink("/proc/self/exe");
-  fs::path folder_ = fs::path(::testing::TempDir()) / "landfall_plugin/tests";
+  /// Of each test its own, for ctest runs several at a time.
+  fs::path folder_ =
+      fs::path(::testing::TempDir()) /
+      ("landfall_plugin_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name())) /
+      "tests";
 };
 
 // Run by the tests below.
@@ -59,11 +63,11 @@ TEST_F(GdalPluginFile, ThatIsMissing) {
   // The copy of this program finds none beside it.
   const fs::path copy = folder_ / "terrain_test";
   fs::copy_file(program_, copy);
-  EXPECT_THAT(
-      refusal(copy, "/nowhere"),
-      AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
-            HasSubstr("/nowhere/landfall-gdal.so"),
-            HasSubstr("landfall_plugin/lib/landfall/landfall-gdal.so"), HasSubstr("LANDFALL_PLUGIN_DIR")));
+  EXPECT_THAT(refusal(copy, "/nowhere"),
+              AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
+                    HasSubstr("/nowhere/landfall-gdal.so"),
+                    HasSubstr("landfall_plugin_ThatIsMissing/lib/landfall/landfall-gdal.so"),
+                    HasSubstr("LANDFALL_PLUGIN_DIR")));
 }
 
 TEST_F(GdalPluginFile, ThatIsNoLibrary) {
