@@ -4,6 +4,7 @@
 
     coverage.py build | run | page     one after the other; all that is made lies in build/coverage
     coverage.py lines lib/io           lines of these files that no test runs
+    coverage.py fuzz                   what the fuzz targets reach: the table of docs/fuzzing.md
 
 `page` writes the tables, and fails where an error path that no test runs is not in uncovered.json.
 """
@@ -21,6 +22,7 @@ BUILD = os.path.join(ROOT, "build", "coverage")
 PROFILES = os.path.join(BUILD, "profiles")
 MERGED = os.path.join(BUILD, "tests.profdata")
 TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info", "landfall-export"]
+FUZZ_TARGETS = ["config", "table", "mesh", "hdf5"]
 
 
 def build():
@@ -41,33 +43,51 @@ def run(arguments):
     return status
 
 
-def counted():
-    """What llvm-cov says of each file of lib/ and tools/: {path from the root: its record}."""
-    programs = [*(os.path.join(BUILD, "bin", tool) for tool in TOOLS), os.path.join(BUILD, "lib", "landfall", "landfall-gdal.so"),
-                *sorted(glob.glob(os.path.join(BUILD, "tests", "*_test")))]
+def programs_of_tests():
+    return [*(os.path.join(BUILD, "bin", tool) for tool in TOOLS), os.path.join(BUILD, "lib", "landfall", "landfall-gdal.so"),
+            *sorted(glob.glob(os.path.join(BUILD, "tests", "*_test")))]
+
+
+def counted(merged, programs):
+    """What llvm-cov says of each file of lib/ and tools/ in these programs: {path from the root: its record}."""
     objects = [word for program in programs[1:] for word in ("-object", program)]
-    text = subprocess.run(["llvm-cov", "export", "-instr-profile", MERGED, "-skip-expansions", "-skip-functions", programs[0], *objects,
+    text = subprocess.run(["llvm-cov", "export", "-instr-profile", merged, "-skip-expansions", "-skip-functions", programs[0], *objects,
                            "-ignore-filename-regex", "^/usr/"], check=True, stdout=subprocess.PIPE).stdout
     # ccache makes names relative to the build folder.
     records = {os.path.relpath(os.path.join(BUILD, record["filename"]), ROOT): record for record in json.loads(text)["data"][0]["files"]}
     return {path: record for path, record in records.items() if path.startswith(("lib/", "tools/"))}
 
 
+def fuzz():
+    """What each target's test reaches, the corpus and its mutations: {target: records}."""
+    found = {}
+    for target in FUZZ_TARGETS:
+        raw = os.path.join(BUILD, f"fuzz_{target}.profraw")
+        subprocess.run(["ctest", "--preset", "coverage", "-R", f"^fuzz_{target}$"], cwd=ROOT, check=True,
+                       env={**os.environ, "LLVM_PROFILE_FILE": raw})
+        merged = raw.removesuffix("raw") + "data"
+        subprocess.run(["llvm-profdata", "merge", "-o", merged, raw], check=True)
+        found[target] = counted(merged, [os.path.join(BUILD, "tests", "fuzz_" + target)])
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("step", choices=["build", "run", "page", "lines"])
+    parser.add_argument("step", choices=["build", "run", "page", "lines", "fuzz"])
     parser.add_argument("arguments", nargs="*", help="of run: options for ctest, after --; of lines: how paths begin")
     options = parser.parse_args()
     if options.step == "build":
         build()
     elif options.step == "run":
         return run(options.arguments)
+    elif options.step == "fuzz":
+        page.write_fuzz(ROOT, fuzz())
     elif options.step == "lines":
-        for path, record in sorted(counted().items()):
+        for path, record in sorted(counted(MERGED, programs_of_tests()).items()):
             if path.startswith(tuple(options.arguments)):
                 page.print_lines(ROOT, path, record)
     else:
-        return page.write(ROOT, counted())
+        return page.write(ROOT, counted(MERGED, programs_of_tests()))
     return 0
 
 

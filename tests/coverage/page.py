@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/coverage.md, from llvm-cov's records and from uncovered.json: {key of an error path: why no test runs it}."""
+"""The tables of docs/coverage.md, from llvm-cov's records and from uncovered.json: {key of an error path: why no test runs it};
+and that of docs/fuzzing.md."""
 import bisect
 import collections
 import json
@@ -71,12 +72,8 @@ def write(root, records):
         reasons = json.load(file)
     missed, total = uncovered_paths(root, records)
     known = {f"{path}: {key}" for path, _, key in missed}
-    page = os.path.join(root, "docs", "coverage.md")
-    with open(page, encoding="utf-8") as file:
-        text = file.read()
-    text = with_sections(text, {"Results": table(records, missed, total), "Error paths that no test runs": paths_table(missed, reasons)})
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(text)
+    rewrite(os.path.join(root, "docs", "coverage.md"),
+            {"Results": table(records, missed, total), "Error paths that no test runs": paths_table(missed, reasons)})
     unknown = [(path, line, key) for path, line, key in missed if f"{path}: {key}" not in reasons]
     gone = sorted(set(reasons) - known)
     for path, line, key in unknown:
@@ -86,7 +83,25 @@ def write(root, records):
     return 1 if unknown or gone else 0
 
 
-def table(records, missed, total):
+def rewrite(page, sections):
+    with open(page, encoding="utf-8") as file:
+        text = file.read()
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(with_sections(text, sections))
+
+
+def write_fuzz(root, records_by_target):
+    """Lines of each library that is part of a fuzz target, and how many of them its inputs reach."""
+    sums = {target: sums_by_library(records) for target, records in records_by_target.items()}
+    lines = [f"| | {' | '.join(f'`fuzz_{target}`' for target in sums)} |", "|---" * (1 + len(sums)) + "|"]
+    for name in sorted({name for of_target in sums.values() for name in of_target} - {"all"}):
+        cells = [f"{share(s[name], 'lines')} of {s[name]['lines']:,}" if s[name]["lines"] else "" for s in sums.values()]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    rewrite(os.path.join(root, "docs", "fuzzing.md"), {"What it reaches": lines})
+
+
+def sums_by_library(records):
+    """{library, or "all": {"lines": how many, "lines run": ..., "branches": ...}}"""
     sums = collections.defaultdict(collections.Counter)
     for path, record in records.items():
         for group in (library(path), "all"):
@@ -94,6 +109,11 @@ def table(records, missed, total):
                 summary = record["summary"][kind]
                 sums[group][kind] += summary["count"]
                 sums[group][kind + " run"] += summary["covered"]
+    return sums
+
+
+def table(records, missed, total):
+    sums = sums_by_library(records)
     by_library = collections.Counter(library(path) for path, _, _ in missed)
     lines = ["| | lines | run | branches | taken | functions | run | error paths | run |", "|---|---|---|---|---|---|---|---|---|"]
     for name in [*sorted(set(sums) - {"all"}), "all"]:

@@ -73,6 +73,13 @@ class Coverage(unittest.TestCase):
         self.assertEqual(write(KEYS[1:]), (1, f"lib/io/f.cpp:3: {KEYS[0]}\n"))
         self.assertEqual(write([*KEYS, "gone"]), (1, "runs, or is no more: lib/io/f.cpp: gone\n"))
 
+    def test_what_fuzz_targets_reach_by_library(self):
+        self.put("docs/fuzzing.md", "# Page\n\n## What it reaches\n\nold\n\n## After\n")
+        page.write_fuzz(self.root, {"config": {"lib/io/f.cpp": RECORD, "lib/io/g.h": RECORD}, "mesh": {"lib/ray/h.cpp": RECORD}})
+        with open(os.path.join(self.root, "docs", "fuzzing.md"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "# Page\n\n## What it reaches\n\n| | `fuzz_config` | `fuzz_mesh` |\n|---|---|---|\n"
+                             "| lib/io | 60.0 % of 20 |  |\n| lib/ray |  | 60.0 % of 10 |\n\n## After\n")
+
     def test_lines_that_never_ran(self):
         with contextlib.redirect_stdout(io.StringIO()) as out:
             page.print_lines(self.root, "lib/io/f.cpp", RECORD)
