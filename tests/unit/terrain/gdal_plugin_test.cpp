@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include "base/error.h"
+#include "io/temporary_folder.h"
 #include "terrain/gdal_loader.h"
 
 namespace landfall {
@@ -20,13 +20,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr const char* kFile = "landfall-gdal.so";
-
 class GdalPluginFile : public ::testing::Test {
  protected:
-  GdalPluginFile() { fs::create_directories(folder_); }
-  ~GdalPluginFile() override { fs::remove_all(folder_.parent_path()); }
-
   /// What load_dem() says of any raster in a fresh process of `program`, since a process loads the plugin
   /// once.
   [[nodiscard]] std::string refusal(const fs::path& program, const fs::path& plugin_folder) const {
@@ -36,16 +31,15 @@ class GdalPluginFile : public ::testing::Test {
         program.string() + " --gtest_also_run_disabled_tests --gtest_filter=GdalPlugin.DISABLED_Refusal" +
         " >/dev/null";
     EXPECT_EQ(std::system(command.c_str()), 0);
-    std::ifstream file(said);
-    return {std::istreambuf_iterator<char>(file), {}};
+    return read_file(said);
   }
 
+  /// What load_dem() says where the plugin is the folder's.
+  [[nodiscard]] std::string refusal_of_own() const { return refusal(program_, plugin_.parent_path()); }
+
   fs::path program_ = fs::read_symlink("/proc/self/exe");
-  /// Of each test its own, for ctest runs several at a time.
-  fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      ("landfall_plugin_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name())) /
-      "tests";
+  TemporaryFolder folder_;
+  fs::path plugin_ = folder_ / "landfall-gdal.so";
 };
 
 // Run by the tests below.
@@ -61,33 +55,34 @@ TEST(GdalPlugin, DISABLED_Refusal) {
 
 TEST_F(GdalPluginFile, ThatIsMissing) {
   // The copy of this program finds none beside it.
-  const fs::path copy = folder_ / "terrain_test";
+  const fs::path copy = folder_ / "tests/terrain_test";
+  fs::create_directory(copy.parent_path());
   fs::copy_file(program_, copy);
   EXPECT_THAT(refusal(copy, "/nowhere"),
               AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
                     HasSubstr("/nowhere/landfall-gdal.so"),
-                    HasSubstr("landfall_plugin_ThatIsMissing/lib/landfall/landfall-gdal.so"),
+                    HasSubstr((folder_ / "lib/landfall/landfall-gdal.so").lexically_normal().string()),
                     HasSubstr("LANDFALL_PLUGIN_DIR")));
 }
 
 TEST_F(GdalPluginFile, ThatIsNoLibrary) {
-  std::ofstream(folder_ / kFile) << "no library";
-  EXPECT_THAT(refusal(program_, folder_), AllOf(StartsWith("any.tif: cannot load the GDAL plugin: "),
-                                                HasSubstr((folder_ / kFile).string())));
+  std::ofstream(plugin_) << "no library";
+  EXPECT_THAT(refusal_of_own(),
+              AllOf(StartsWith("any.tif: cannot load the GDAL plugin: "), HasSubstr(plugin_.string())));
 }
 
 TEST_F(GdalPluginFile, ThatIsAnotherLibrary) {
   Dl_info c_library{};
   ASSERT_NE(dladdr(dlsym(RTLD_DEFAULT, "gnu_get_libc_version"), &c_library), 0);
-  fs::create_symlink(c_library.dli_fname, folder_ / kFile);
-  EXPECT_THAT(refusal(program_, folder_),
+  fs::create_symlink(c_library.dli_fname, plugin_);
+  EXPECT_THAT(refusal_of_own(),
               AllOf(StartsWith("any.tif: cannot use the GDAL plugin: "), HasSubstr("landfall_gdal_plugin")));
 }
 
 TEST_F(GdalPluginFile, ThatIsOfAnotherVersion) {
   const fs::path stale = program_.parent_path() / "stale_plugin";
-  EXPECT_THAT(refusal(program_, stale),
-              StartsWith("any.tif: " + (stale / kFile).string() + ": is of version 0.0.0, this program of "));
+  EXPECT_THAT(refusal(program_, stale), StartsWith("any.tif: " + (stale / "landfall-gdal.so").string() +
+                                                   ": is of version 0.0.0, this program of "));
 }
 
 }  // namespace
