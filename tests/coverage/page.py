@@ -10,7 +10,7 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "pages"))
 # pylint: disable=wrong-import-position
-from sections import with_sections
+from sections import rewrite
 
 REASONS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "uncovered.json")
 ERROR = re.compile(r"\bthrow\b|\bcatch\s*\(")
@@ -81,13 +81,6 @@ def write(root, records):
     for key in gone:
         print("runs, or is no more:", key)
     return 1 if unknown or gone else 0
-
-
-def rewrite(page, sections):
-    with open(page, encoding="utf-8") as file:
-        text = file.read()
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(with_sections(text, sections))
 
 
 def write_fuzz(root, records_by_target):

@@ -8,7 +8,7 @@ import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "pages"))
 # pylint: disable=wrong-import-position
-from sections import with_sections
+from sections import rewrite
 
 SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")
 EQUIVALENT = "equivalent: "  # begins the reason of a mutant that no test can tell
@@ -26,9 +26,7 @@ def write(path, mutants, results, dropped):
     rows, sections = kept_rows(text, ran), kept_sections(text, ran)
     rows.update(counted_rows(mutants, results, dropped, reasons))
     sections.update(survivors(mutants, results, reasons))
-    text = with_sections(text, {"Results": table(rows), "Survivors": [line for file in sorted(sections) for line in sections[file]]})
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
+    rewrite(path, {"Results": table(rows), "Survivors": [line for file in sorted(sections) for line in sections[file]]})
     unknown = [m for m in mutants if not results[m["key"]]["by"] and m["key"] not in reasons]
     for mutant in unknown:
         print(f"{mutant['file']}:{mutant['line']}: {mutant['key']}{'' if results[mutant['key']]['covered'] else ' (not covered)'}")

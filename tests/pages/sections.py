@@ -9,3 +9,11 @@ def with_sections(text, sections):
         text = re.sub(f"(## {heading}\n\n).*?(?=\n## |$(?![\\s\\S]))", lambda m, new=lines: m[1] + "\n".join(new).strip() + "\n", text,
                       flags=re.S)
     return text
+
+
+def rewrite(page, sections):
+    """with_sections() of a file."""
+    with open(page, encoding="utf-8") as file:
+        text = file.read()
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(with_sections(text, sections))
