@@ -1,0 +1,59 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""scripts/test and the presets, in a project of one test: it runs, wherever the build came from; none at all is a failure."""
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(os.environ["LANDFALL_ROOT"])
+PROJECT = """cmake_minimum_required(VERSION 3.25)
+project(one_test LANGUAGES NONE)
+option(LANDFALL_BUILD_TESTS "" ON)
+if(LANDFALL_BUILD_TESTS)
+  enable_testing()
+  add_test(NAME only COMMAND ${CMAKE_COMMAND} -E RESULT)
+endif()
+"""
+
+
+class TestScript(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="landfall-test-script-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "scripts").mkdir()
+        shutil.copy(ROOT / "scripts" / "test", self.folder / "scripts")
+        shutil.copy(ROOT / "CMakePresets.json", self.folder)
+        install = self.folder / "scripts" / "install-packages"
+        install.write_text("#!/bin/sh\n", encoding="utf-8")
+        install.chmod(0o755)
+
+    def execute(self, *command):
+        return subprocess.run([str(part) for part in command], cwd=self.folder, capture_output=True, text=True, check=False)
+
+    def project(self, result="true"):
+        (self.folder / "CMakeLists.txt").write_text(PROJECT.replace("RESULT", result), encoding="utf-8")
+
+    def test_runs_them_after_a_build_without_tests(self):
+        self.project()
+        self.assertEqual(self.execute("cmake", "--preset", "release", "-DLANDFALL_BUILD_TESTS=OFF").returncode, 0)
+        result = self.execute(self.folder / "scripts" / "test")
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        self.assertIn("100% tests passed, 0 tests failed out of 1", result.stdout)
+
+    def test_fails_with_one_that_fails(self):
+        self.project(result="false")
+        self.assertNotEqual(self.execute(self.folder / "scripts" / "test").returncode, 0)
+
+    def test_fails_when_none_is_there(self):
+        self.project()
+        result = self.execute(self.folder / "scripts" / "test", "-R", "another")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("No tests were found", result.stdout + result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
