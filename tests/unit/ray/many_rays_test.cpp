@@ -2,7 +2,7 @@
 // Many random rays of every kind, on terrains of every kind: the lanes answer what Descent answers, to the
 // last bit, the heightfield engine what CGAL's exact predicates answer, and no ray leaks. LANDFALL_TEST_RAYS
 // sets the number of rays (a tenth of them for CGAL), LANDFALL_TEST_SEED the seed, LANDFALL_DATA the folder
-// of real rasters.
+// of real rasters (shared_data.h).
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -13,6 +13,7 @@
 #include "ray/heightfield_engine.h"
 #include "ray/packet_walk.h"
 #include "scenes.h"
+#include "shared_data.h"
 #include "terrain/fractal.h"
 #include "terrain/gdal_loader.h"
 #include "terrain/terrain_generator.h"
@@ -44,10 +45,10 @@ Terrain fractal(Random& random) {
 
 /// Null without the data.
 Terrain raster(const char* name, const GridSpec& spec) {
-  const char* const folder = std::getenv("LANDFALL_DATA");
-  if (folder == nullptr) return nullptr;
+  const std::filesystem::path path = shared_data() / "dem" / name;
+  if (!exists(path)) return nullptr;
   DemBase dem;
-  dem.path = (std::filesystem::path(folder) / "dem" / name).string();
+  dem.path = path.string();
   TerrainModel model;
   model.bases = {dem};
   return std::make_shared<const TriangulatedGrid>(generate_terrain(model, spec, load_dem).nodes);
@@ -60,7 +61,7 @@ class ManyRays : public testing::TestWithParam<Scene> {
  protected:
   void SetUp() override {
     terrain_ = GetParam().make(random_);
-    if (!terrain_) GTEST_SKIP() << "LANDFALL_DATA is not set";
+    if (!terrain_) GTEST_SKIP() << "no raster in " << shared_data();
     const ElevationPyramid pyramid(terrain_->nodes());
     low_ = pyramid.lowest();
     high_ = pyramid.highest();

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "gdal_rasters.h"
+#include "shared_data.h"
 #include "terrain/gdal_loader.h"
 #include "terrain/terrain_generator.h"
 
@@ -22,21 +22,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path data_folder() {
-  const char* chosen = std::getenv("LANDFALL_DATA");
-  return chosen != nullptr ? chosen : LANDFALL_SHARED_DATA;
-}
-
 class SharedData : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!fs::exists(data_folder() / "dem")) GTEST_SKIP() << "no data in " << data_folder();
+    if (!fs::exists(shared_data() / "dem")) GTEST_SKIP() << "no data in " << shared_data();
   }
 };
 
 DemBase dem_of(const std::string& name) {
   DemBase dem;
-  dem.path = (data_folder() / name).string();
+  dem.path = (shared_data() / name).string();
   dem.datum = Datum::none;
   return dem;
 }
@@ -170,7 +165,7 @@ std::string outcome(const fs::path& file) {
 
 std::vector<fs::path> files_in(const char* folder) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(data_folder() / folder)) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(shared_data() / folder)) files.push_back(entry.path());
   std::ranges::sort(files);
   return files;
 }
