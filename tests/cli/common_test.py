@@ -12,7 +12,8 @@ import unittest
 import h5py
 import jsonschema
 import numpy as np
-from tools import CONFIGS, INPUTS, SANITIZED, TOOLS, ChainTest, ToolTest, read_bytes, run, tool
+
+from harness import CONFIGS, INPUTS, SANITIZED, TOOLS, ChainTest, ToolTest, read_bytes, run, tool
 
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
           "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
