@@ -56,7 +56,7 @@ class Components(ChainTest):
     def test_true_points_lie_on_the_terrain(self):
         terrain = self.path("ground.h5")
         self.succeed("terrain-gen", "-c", self.config(TERRAINS["relief"]), "-o", terrain)
-        surface = surface.of_file(terrain)
+        ground = surface.of_file(terrain)
         for name in NAMES:
             with open(os.path.join(FOLDER, name + ".scan.json"), encoding="utf-8") as file:
                 if json.load(file).get("detector", {}).get("subpixels", 1) > 1:
@@ -64,7 +64,7 @@ class Components(ChainTest):
             with self.subTest(name):
                 points = returns_of(self.scan(name, terrain))
                 hit = points["status"] == 0
-                heights = surface.elevation(points["x_true"][hit], points["y_true"][hit])
+                heights = ground.elevation(points["x_true"][hit], points["y_true"][hit])
                 self.assertLess(np.abs(heights - points["z_true"][hit]).max(), 1e-6)
                 self.assertGreater(hit.sum(), 300)
 

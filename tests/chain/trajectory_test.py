@@ -136,15 +136,15 @@ class Rover(ToolTest):
         terrain, path, scan, dem = (self.path(name) for name in ("terrain.h5", "rover.csv", "scan.h5", "dem.h5"))
         self.succeed("terrain-gen", "-c", self.config(CONFIGS["terrain-gen"]), "-o", terrain)
         DOC["rover_table"](terrain, path)
-        surface = surface.of_file(terrain)
+        ground = surface.of_file(terrain)
         table = np.genfromtxt(path, delimiter=",", names=True)
-        np.testing.assert_allclose(surface.elevation(table["x_m"], table["y_m"]), table["z_m"], atol=1e-12)
+        np.testing.assert_allclose(ground.elevation(table["x_m"], table["y_m"]), table["z_m"], atol=1e-12)
         config = json.loads(blocks("json")[-1])
         config["trajectory"]["path"] = path
         self.succeed("scan-sim", "-c", self.config(config), "--terrain", terrain, "-o", scan)
         points, pulses = returns_of(scan), columns(scan, "pulses")
         self.assertGreater(len(points["pulse"]), 5000)
-        heights = surface.elevation(points["x_true"], points["y_true"])
+        heights = ground.elevation(points["x_true"], points["y_true"])
         self.assertLess(np.abs(heights - points["z_true"]).max(), 1e-6)
         # It looks ahead: every return lies in front of the lidar, within half the field of view.
         ahead = points["x_true"] - pulses["px_true"][points["pulse"]]
