@@ -8,7 +8,7 @@ install(FILES Makefile.studies DESTINATION ${share})
 install(DIRECTORY scripts DESTINATION ${share} USE_SOURCE_PERMISSIONS
         PATTERN __pycache__ EXCLUDE
         # What works on a clone only.
-        PATTERN fuzz EXCLUDE PATTERN quickstart EXCLUDE PATTERN test EXCLUDE PATTERN test-deb EXCLUDE PATTERN package EXCLUDE
+        PATTERN fuzz EXCLUDE PATTERN coverage EXCLUDE PATTERN quickstart EXCLUDE PATTERN test EXCLUDE PATTERN test-deb EXCLUDE PATTERN package EXCLUDE
         PATTERN install-packages EXCLUDE PATTERN check_includes.py EXCLUDE)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})

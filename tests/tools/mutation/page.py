@@ -4,10 +4,7 @@ import collections
 import json
 import os
 import re
-import sys
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-# pylint: disable=wrong-import-position
 from sections import rewrite
 
 SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")
