@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mutation testing of lib/gridding, lib/evaluation, lib/errors and lib/geometry.
 
-    mutate.py write | build | trace | run | chain | page     one after the other; each goes on where it was stopped
+    mutate.py write | build | trace | run | chain | report     one after the other; each goes on where it was stopped
 
-All that is made lies in build/mutation. docs/mutation.md says what is done and what came out.
+All that is made lies in build/mutation. `report` prints the numbers, and the survivors that survivors.json has no reason for.
+docs/mutation.md says what is done and what came out.
 """
 import argparse
 import collections
@@ -16,12 +17,12 @@ import re
 import subprocess
 import sys
 
-import page
 import programs
 import schema
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", ".."))
 WORK = os.path.join(ROOT, "build", "mutation")
+SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")  # {key of a mutant: why it survives}
 DATABASE = os.path.join(ROOT, "build", "dev", "compile_commands.json")
 LIBRARIES = ["geometry", "errors", "gridding", "evaluation"]
 # Headers of lib/geometry are read everywhere: their mutants are built apart, with few tests, so that the rest of the
@@ -204,9 +205,34 @@ def chain(count, workers):
     print(len(todo), "tried,", sum(results[m["key"]]["by"] != "" for m in todo), "killed")
 
 
+def report():
+    """Prints the results by library; returns 1, and names them, where survivors and survivors.json differ."""
+    with open(SURVIVORS, encoding="utf-8") as file:
+        reasons = json.load(file)
+    results, dropped = load("results.json"), load("dropped.json", {})
+    mutants = [m for m in live_mutants() if m["key"] in results]
+    alive = [m for m in mutants if not results[m["key"]]["by"]]
+    libraries = sorted({m["file"].split("/")[1] for m in mutants})
+    print("| library | mutants | killed | of these by the chain | survive | equivalent | left out |", "|---|---|---|---|---|---|---|", sep="\n")
+    for name in libraries:
+        mine = lambda key, prefix=f"lib/{name}/": key.startswith(prefix)
+        killers = [results[m["key"]]["by"] for m in mutants if mine(m["key"])]
+        killed, lived = len([by for by in killers if by]), [m["key"] for m in alive if mine(m["key"])]
+        equivalent = sum(reasons.get(key, "").startswith("equivalent: ") for key in lived)
+        print(f"| lib/{name} | {len(killers):,} | {killed:,}, {100 * killed / len(killers):.1f} % | "
+              f"{sum(by.startswith('chain') for by in killers)} | {len(lived)} | {equivalent} | {sum(map(mine, dropped))} |")
+    unknown = [m for m in alive if m["key"] not in reasons]
+    for m in unknown:
+        print(f"{m['file']}:{m['line']}: {m['key']}{'' if results[m['key']]['covered'] else ' (not covered)'}")
+    gone = sorted(key for key in set(reasons) - {m["key"] for m in alive} if key.split("/")[1] in libraries)
+    for key in gone:
+        print("no longer a survivor:", key)
+    return 1 if unknown or gone else 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("step", choices=["write", "build", "trace", "run", "chain", "page"])
+    parser.add_argument("step", choices=["write", "build", "trace", "run", "chain", "report"])
     parser.add_argument("names", nargs="*", help="of build: targets; of trace: test programs; of run: libraries")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--slowest", type=float, default=1e9, help="of run: seconds of a test that is still run (a first pass)")
@@ -228,7 +254,7 @@ def main():
     elif options.step == "chain":
         chain(options.cases, options.workers)
     else:
-        return page.write(os.path.join(ROOT, "docs", "mutation.md"), live_mutants(), load("results.json"), load("dropped.json", {}))
+        return report()
     return 0
 
 
