@@ -6,7 +6,9 @@ STAGES = ["resolved configuration", "terrain", "points", "pulses", "detector", "
 
 
 class Ledger:
-    def __init__(self):
+    def __init__(self, bounds=None):
+        """`bounds`: (absolute, relative) that replace those of quantities whose names begin so; the first that does."""
+        self.bounds = bounds or {}
         self.rows, self.failures, self.excused, self.case = {}, [], {}, None
 
     def row(self, quantity, bound):
@@ -37,6 +39,7 @@ class Ledger:
     def close(self, quantity, found, expected, bound, relative=0.0, doubtful=None):
         """NaN in the same places, and differences of at most bound + relative |expected|."""
         found, expected = np.asarray(found, float), np.asarray(expected, float)
+        bound, relative = next((own for name, own in self.bounds.items() if quantity.startswith(name)), (bound, relative))
         row = self.row(quantity, f"{bound:g}" + (f" + {relative:g} of it" if relative else ""))
         if found.shape != expected.shape:
             self.fail(quantity, f"{found.shape} values, not {expected.shape}")
