@@ -5,22 +5,18 @@ import json
 import os
 import resource
 import shutil
-import signal
 import socket
 import struct
 import subprocess
-import time
 import unittest
 
 import h5py
 import numpy as np
 
-from harness import ToolTest, read_bytes, run, tool
+from harness import ToolTest, read_bytes, run
 
 CONE = ["--set", 'features=[{"type":"cone","radius_m":3,"height_m":10}]', "--set",
         'base={"type":"plane","slope_x":0.1,"slope_y":-0.05}']
-# A large run, of a second or so, so that there is a middle to be ended in.
-LARGE = ["--set", "grid.half_width_m=100", "--set", 'base={"type":"fractal","rms_deviation_m":1}']
 UTM = "EPSG:32631"
 
 
@@ -239,26 +235,6 @@ class Export(ImportTest):
         with h5py.File(terrain, "a") as file:
             file.attrs["complete"] = 0
         self.refuse(1, "terrain-gen", "--from", terrain, "-o", self.path("u.tif"), words=["incomplete"])
-
-    def test_an_interrupted_export_leaves_nothing(self):
-        whole = time.perf_counter()
-        self.succeed("terrain-gen", *LARGE, "-o", self.path("large.h5"))
-        command = [tool("terrain-gen"), "--from", self.path("large.h5"), "-o", self.path("out.tif")]
-        self.succeed("terrain-gen", *command[1:])
-        whole = time.perf_counter() - whole
-        os.remove(self.path("out.tif"))
-        ended = 0
-        for part in np.linspace(0.02, 0.5, 8):
-            with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-                time.sleep(part * whole)
-                process.send_signal(signal.SIGTERM)
-                process.communicate(timeout=60)
-            if process.returncode == -signal.SIGTERM:
-                ended += 1
-                self.assertEqual(self.entries(), ["large.h5"])
-            elif "out.tif" in self.entries():
-                os.remove(self.path("out.tif"))
-        self.assertGreater(ended, 0)
 
     def test_a_full_disk_is_told(self):
         terrain = self.made("--set", 'base={"type":"fractal"}')

@@ -34,12 +34,12 @@ def sizes(largest, step):
     return sorted({max(step, largest * i // SIZES // step * step) for i in range(SIZES)})
 
 
-def try_full_disks(workshop):
+def try_full_disks(workshop, tasks=None):
     """Disks too small for the outputs, with and without an old output, and one that is just large enough."""
     judge = Judge(workshop, "a full disk (tmpfs)")
     if not may_mount(workshop.out):
         return judge
-    for one in filter(lambda each: each.outputs, TASKS):
+    for one in filter(lambda each: each.outputs, tasks or TASKS):
         need = sum(len(data) + 4096 for data in workshop.whole[one].values())
         for kibibytes in sizes(need // 1024, 4):
             for old in (False, True):
@@ -55,9 +55,9 @@ def limit_files(size):
     return apply
 
 
-def try_file_limits(workshop):
+def try_file_limits(workshop, tasks=None):
     judge = Judge(workshop, "a limit on the size of files (ulimit -f)")
-    for one in filter(lambda each: each.outputs, TASKS):
+    for one in filter(lambda each: each.outputs, tasks or TASKS):
         for size in sizes(max(map(len, workshop.whole[one].values())), 512):
             for old in (False, True):
                 judge.take(one, workshop.run(one, old, preexec_fn=limit_files(size)), old=old, how=f"{size} bytes")

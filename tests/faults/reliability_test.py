@@ -12,23 +12,33 @@ import unittest
 sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
 import calls
+import disks
 import folders
 import limits
 import page
 import resources
 import signals
 import surroundings
-from workshop import OLD, TASKS, Judge, Run, Workshop
+from workshop import OLD, TASKS, Judge, Run, Workshop, task
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261122"))
 BY_LABEL = {each.label: each for each in TASKS}
 # One that HDF5 writes, one that GDAL writes, one of several files, one of plain text.
 FEW = [BY_LABEL[label] for label in ("terrain-gen .ply", "scan-sim", "landfall-export .tif", "dem-eval --metrics --report", "landfall-export .csv")]
+TOOLS = [BY_LABEL[label] for label in ("terrain-gen .h5", "scan-sim", "regrid", "dem-eval --metrics --report")]
+# Runs several times as long as the start of a process, so that signals meet them at their work.
+LARGER = [
+    task("terrain-gen .h5, larger", "terrain-gen -c {in}/terrain.json --set grid.half_width_m=40 -o {out}/a.h5", "a.h5"),
+    task("terrain-gen .tif, larger", "terrain-gen -c {in}/terrain.json --set grid.half_width_m=20 -o {out}/a.tif", "a.tif"),
+    task("scan-sim, larger", "scan-sim -c {in}/scan.json --set laser.pulse_rate_hz=10000 --terrain {in}/terrain.h5 -o {out}/a.h5", "a.h5"),
+    task("regrid, larger", "regrid {in}/scan.h5 -c {in}/regrid.json --set half_width_m=25 -o {out}/a.h5", "a.h5"),
+    task("dem-eval, larger", "dem-eval {in}/dem.h5 -c {in}/eval.json --set footprint_m=2 -o {out}/a.h5", "a.h5"),
+]
 SEVERAL_OUTPUTS = [BY_LABEL[label] for label in ("dem-eval --metrics --report", "landfall-export .xmf")]
 
 
 def setUpModule():  # pylint: disable=invalid-name
-    Reliability.workshop = Workshop(os.environ["LANDFALL_BIN"], tasks={*FEW, *SEVERAL_OUTPUTS})
+    Reliability.workshop = Workshop(os.environ["LANDFALL_BIN"], tasks={*FEW, *TOOLS, *LARGER, *SEVERAL_OUTPUTS})
     unittest.addModuleCleanup(Reliability.workshop.remove)
 
 
@@ -117,6 +127,41 @@ class Calls(Reliability):
 class Others(Reliability):
     def test_signals(self):
         self.check([signals.try_signal(self.workshop, self.random, number, 4, FEW) for number in (signal.SIGKILL, signal.SIGPIPE)])
+
+    def test_signals_meet_larger_runs(self):
+        judges = [signals.try_signal(self.workshop, self.random, number, count, LARGER)
+                  for number, count in ((signal.SIGKILL, 50), (signal.SIGTERM, 30), (signal.SIGINT, 10))]
+        self.check(judges)
+        for judge in judges:
+            self.assertGreater(judge.counts["ended"], judge.counts["runs"] / 2, f"{judge.fault}, seed {SEED}")
+
+    def check_out_of_room(self, judge, reason):
+        self.check([judge])
+        for message in judge.messages:
+            self.assertRegex(message, rf"OUT/.*{reason}", judge.fault)
+        self.assertGreaterEqual(judge.counts["refused"], 8 * len(TOOLS))
+
+    def test_limits_on_the_size_of_files(self):
+        self.check_out_of_room(disks.try_file_limits(self.workshop, TOOLS), "File too large")
+
+    def need_small_disks(self):
+        if not disks.may_mount(self.workshop.out):
+            self.skipTest("no rights to mount a small disk")
+
+    def test_full_disks(self):
+        self.need_small_disks()
+        self.check_out_of_room(disks.try_full_disks(self.workshop, TOOLS), "No space left on device")
+
+    def test_metrics_that_cannot_be_written_take_the_layers_with_them(self):
+        self.need_small_disks()
+        small = os.path.join(self.workshop.inputs, "small")
+        with disks.small_disk(small, 4):
+            with open(os.path.join(small, "ballast"), "wb") as file:
+                file.write(bytes(4096))
+            run = self.workshop.run(task("dem-eval, metrics elsewhere", "dem-eval {in}/dem.h5 -c {in}/eval.json -o {out}/eval.h5 "
+                                         "--metrics {in}/small/metrics.json", "eval.h5"))
+            self.assertEqual((run.code, run.files, os.listdir(small)), (1, {}, ["ballast"]), run.stderr)
+        self.assertRegex(run.stderr, r"\Adem-eval: [^\n]*small/metrics.json[^\n]*\n\Z")
 
     def test_folders_that_vanish(self):
         self.check([folders.try_vanishing(self.workshop, self.random, 4, FEW)])
