@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an HDF5 file must be before its values are read: all of it in the one file (as lib/io/file_screening.h has it)."""
+"""What an HDF5 file must be before its values are read: all of it in the one file (as lib/hdf5/file_screening.h has it)."""
 import h5py
 
 
