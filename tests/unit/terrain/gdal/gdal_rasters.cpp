@@ -61,13 +61,13 @@ void write_geotiff(const std::string& path, const TestRaster& raster) {
   write_pixels(band, raster, raster.value);
 }
 
-MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& place, const std::string& crs) {
+MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& point, const std::string& crs) {
   const OGRSpatialReference from = crs_of(site_wkt);
   const OGRSpatialReference to = crs_of(crs);
   const std::unique_ptr<OGRCoordinateTransformation> transformation(
       OGRCreateCoordinateTransformation(&from, &to));
   require(transformation != nullptr);
-  MapPoint point{place.x_m, place.y_m};
+  MapPoint point{point.x_m, point.y_m};
   require(transformation->Transform(1, &point.x, &point.y) != 0);
   return point;
 }

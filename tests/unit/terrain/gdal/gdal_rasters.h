@@ -28,7 +28,7 @@ struct TestRaster {
 void write_geotiff(const std::string& path, const TestRaster& raster);
 
 /// Where a place of the site lies in another CRS, by PROJ.
-MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& place, const std::string& crs);
+MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& point, const std::string& crs);
 
 /// True where GDAL reads the text as a local CRS in metres.
 bool is_local_in_metres(const std::string& wkt);
