@@ -61,15 +61,23 @@ void write_geotiff(const std::string& path, const TestRaster& raster) {
   write_pixels(band, raster, raster.value);
 }
 
-MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& place, const std::string& crs) {
+std::vector<MapPoint> site_to_crs(const std::string& site_wkt, const std::vector<SitePoint>& places,
+                                  const std::string& crs) {
   const OGRSpatialReference from = crs_of(site_wkt);
   const OGRSpatialReference to = crs_of(crs);
   const std::unique_ptr<OGRCoordinateTransformation> transformation(
       OGRCreateCoordinateTransformation(&from, &to));
   require(transformation != nullptr);
-  MapPoint point{place.x_m, place.y_m};
-  require(transformation->Transform(1, &point.x, &point.y) != 0);
-  return point;
+  std::vector<MapPoint> points;
+  for (const SitePoint& place : places) {
+    MapPoint& point = points.emplace_back(MapPoint{place.x_m, place.y_m});
+    require(transformation->Transform(1, &point.x, &point.y) != 0);
+  }
+  return points;
+}
+
+MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& place, const std::string& crs) {
+  return site_to_crs(site_wkt, std::vector<SitePoint>{place}, crs).front();
 }
 
 bool is_local_in_metres(const std::string& wkt) {
