@@ -89,6 +89,7 @@ def rasters():
         "tiff_all_holes.tif": formats.tiff(np.full((20, 20), np.nan, np.float32)),
         "bigtiff_header_only.tif": bigtiff_header(),
         "netcdf_header_cut.nc": grid[:100],
+        "netcdf_truncated.nc": grid[:-2000],
         "hdf5_truncated.h5": hdf5_cut(),
         "vrt_missing_source.vrt": formats.mosaic_vrt((20, 20), (0, 1, 0, 20, 0, -1), "EPSG:32631", [("none_west.tif", 0), ("none_east.tif", 10)]),
         "vrt_cut.vrt": formats.mosaic_vrt((20, 20), (0, 1, 0, 20, 0, -1), "EPSG:32631", [("a.tif", 0)])[:300],

@@ -13,9 +13,10 @@ import time
 import unittest
 
 import h5py
+import netCDF4
 import numpy as np
 import raster_readers as readers
-from chain import SANITIZED, ToolTest, tool
+from chain import SANITIZED, ToolTest, read_bytes, tool
 from raster_readers import Cells, Degrees, Turned
 
 ROOT = os.environ["LANDFALL_ROOT"]
@@ -45,6 +46,9 @@ class LoadsMesh:
 class Refused:
     def __init__(self, kind, options=""):
         self.kind, self.options = kind, options
+
+
+VALUES = np.arange(1, 36, dtype=np.int16).reshape(5, 7)
 
 
 def nodata(value, read):
@@ -126,6 +130,7 @@ TESTDATA_FILES = {
     "malformed/empty.tif": Refused("GeoTIFF, no bytes"),
     "malformed/hdf5_truncated.h5": Refused("HDF5, truncated"),
     "malformed/netcdf_header_cut.nc": Refused("netCDF, truncated in its header"),
+    "malformed/netcdf_truncated.nc": Refused("netCDF, truncated"),
     "malformed/obj_nan.obj": Refused("Wavefront OBJ, a vertex that is NaN"),
     "malformed/obj_no_area.obj": Refused("Wavefront OBJ, no facet has an area"),
     "malformed/obj_no_facet.obj": Refused("Wavefront OBJ, vertices only"),
@@ -374,6 +379,43 @@ class Testdata(Folder, ToolTest):
         edges = np.sort(np.unique(facets.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3)[:, [[0, 1], [1, 2], [2, 0]]])
         self.assertEqual(facets.shape, (320, 3, 3))
         self.assertEqual(set(np.unique(edges.reshape(-1, 2), axis=0, return_counts=True)[1]), {2})
+
+
+class ClassicNetcdf(ToolTest):
+    """The netCDF library reads what is missing of these formats as zeros."""
+
+    def write(self, name, form):
+        """Grids on their own and in records, of sizes that need padding; and the size of the file."""
+        with netCDF4.Dataset(self.path(name), "w", format=form) as file:
+            file.history = "made by a test"
+            for dimension, length in {"time": None, "lat": 5, "lon": 7}.items():
+                file.createDimension(dimension, length)
+            for axis in ("lat", "lon"):
+                file.createVariable(axis, "f8", (axis,))[:] = np.arange(len(file.dimensions[axis]))
+            file.createVariable("z", "i2", ("lat", "lon"))[:] = VALUES
+            for layer in ("in_records", "last"):
+                file.createVariable(layer, "i2", ("time", "lat", "lon"))[:] = np.stack([VALUES, 2 * VALUES])
+        return self.path(name)
+
+    def arguments(self, path, layer, output):
+        return ["--from", f'NETCDF:"{path}":{layer}', "-O", "-o", output, "--horizontal-scale", "1", *EXACT]
+
+    def test_whole_files_load_and_truncated_ones_are_refused(self):
+        output = self.path("out.h5")
+        for form in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET"):
+            path = self.write(form + ".nc", form)
+            for layer in ("z", "in_records"):
+                self.succeed("terrain-gen", *self.arguments(path, layer, output))
+                with h5py.File(output) as file:
+                    np.testing.assert_array_equal(file["z"][()], VALUES[:, 1:-1], form)
+            os.remove(output)
+            whole = read_bytes(path)
+            # The last value, which no padding follows: 35 numbers of 2 bytes need 2 bytes of it.
+            for size in (len(whole) - 3, len(whole) - 100, len(whole) // 2):
+                with open(path, "wb") as file:
+                    file.write(whole[:size])
+                self.refuse(1, "terrain-gen", *self.arguments(path, "z", output), words=[path, f"holds {size} of the", "truncated"],
+                            output=output)
 
 
 @unittest.skipUnless(os.path.isdir(os.path.join(DATA, "dem")), f"no real rasters: {os.path.join(DATA, 'dem')} (LANDFALL_DATA)")
