@@ -233,7 +233,7 @@ class Changed(ReportTest):
 def fake_study(test, *axes, **keys):
     """A study whose metrics were never measured: those of a real case, changed with the case's number. Returns its folder."""
     folder = test.plan(study(*axes, **keys), "--no-check")
-    with open(os.path.join(ROOT, "tests", "studies", "metrics.json"), encoding="utf-8") as file:
+    with open(os.path.join(ROOT, "testdata", "studies", "metrics.json"), encoding="utf-8") as file:
         metrics = json.load(file)
     statistics = metrics["statistics"]
     for number, (*_, name) in enumerate(json.loads(read(os.path.join(folder, "cases.json")))["cases"]):
