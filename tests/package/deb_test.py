@@ -68,7 +68,7 @@ class Deb(unittest.TestCase):
     def test_each_holds_what_it_should(self):
         tools, module = self.contents("landfall"), self.contents("landfall-dev")
         for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
-                     "share/landfall/scripts/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
+                     "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
                      "share/doc/landfall/docs/lidar/README.md", "share/doc/landfall/changelog.gz"]:
             self.assertIn("./usr/" + file, tools)
         for file in ["include/landfall/lidar.h", "lib/liblandfall-lidar.a", "lib/cmake/landfall/landfallConfig.cmake"]:

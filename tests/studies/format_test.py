@@ -10,9 +10,9 @@ import unittest
 from case import BASE, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, study
 
 # pylint: disable=wrong-import-order
-import landfall_schema
-import landfall_study
-import landfall_study_file
+from landfall import schema
+from landfall.errors import UsageError
+from landfall.study import model, reader
 
 
 def axis(**keys):
@@ -21,7 +21,7 @@ def axis(**keys):
 
 class Cases(StudyTest):
     def read(self, tree):
-        return landfall_study_file.read_study(self.write(tree))
+        return reader.read_study(self.write(tree))
 
     def values(self, tree):
         read = self.read(tree)
@@ -29,7 +29,7 @@ class Cases(StudyTest):
 
     def config(self, tree, stage, number=0):
         read = self.read(tree)
-        return landfall_study.configuration(read, stage, list(read.cases())[number])
+        return model.configuration(read, stage, list(read.cases())[number])
 
     def test_axes_are_crossed_and_the_last_runs_fastest(self):
         self.assertEqual(self.values(study(SIGMAS, RESOLUTIONS)),
@@ -218,11 +218,11 @@ class BadStudies(StudyTest):
         for tree, words in BAD:
             with self.subTest(words=words):
                 path = self.write(tree)
-                with self.assertRaises(landfall_schema.ConfigError) as context:
-                    read = landfall_study_file.read_study(path)
+                with self.assertRaises(UsageError) as context:
+                    read = reader.read_study(path)
                     for indices in read.cases():
-                        for stage in landfall_study.STAGES:
-                            landfall_study.configuration(read, stage, indices)
+                        for stage in model.STAGES:
+                            model.configuration(read, stage, indices)
                 for word in [path, *words]:
                     self.assertIn(word, str(context.exception))
 
@@ -253,16 +253,16 @@ class BadStudies(StudyTest):
             import jsonschema
         except ImportError:
             self.skipTest("python3-jsonschema is not installed")
-        schema = landfall_schema.read_json(os.path.join(ROOT, "schemas", "study.schema.json"))
-        validator = jsonschema.Draft7Validator(schema)
+        study_schema = schema.read_json(os.path.join(ROOT, "schemas", "study.schema.json"))
+        validator = jsonschema.Draft7Validator(study_schema)
         checked = 0
         for tree, words in BAD:
             if isinstance(tree, str):
                 continue
             try:
-                landfall_schema.check(json.loads(json.dumps(tree)), schema, "x")
+                schema.check(json.loads(json.dumps(tree)), study_schema, "x")
                 ours = True
-            except landfall_schema.ConfigError:
+            except UsageError:
                 ours = False
             self.assertEqual(validator.is_valid(json.loads(json.dumps(tree))), ours, words)
             checked += not ours
