@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """landfall's files: the checks before any value is read, and the grids and metrics in them."""
 import contextlib
+import importlib
 import json
 import os
 from dataclasses import dataclass
@@ -8,7 +9,11 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-from landfall.errors import DataError
+from landfall.errors import DataError, Error
+
+
+# What ties layers to coordinates within HDF5.
+DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
 
 class ForeignFileError(OSError):
@@ -47,25 +52,64 @@ def open_landfall(path, format_name):
 
     Whatever HDF5 reports while the file is open is a DataError naming the file.
     """
+    with open_screened(path, (format_name,)) as file:
+        try:
+            yield file
+        except (OSError, RuntimeError) as error:
+            raise _unreadable(path, error) from error
+
+
+def open_screened(path, formats):
+    """An open h5py.File that is self-contained, finished and of one of the formats. Throws DataError, naming the file."""
     if not os.path.exists(path):
         raise DataError(f"{path}: no such file")
+    file = None
     try:
-        with h5py.File(path, "r") as file:
-            require_self_contained(file)
-            check_kind(file, path, format_name)
-            yield file
-    except ForeignFileError as error:
-        raise DataError(f"{path}: {error}") from error
+        file = h5py.File(path, "r")
+        require_self_contained(file)
+        check_kind(file, path, formats)
+        return file
+    except Exception as error:
+        if file:
+            file.close()
+        if isinstance(error, ForeignFileError):
+            raise DataError(f"{path}: {error}") from error
+        if isinstance(error, (OSError, RuntimeError)):
+            raise _unreadable(path, error) from error
+        raise
+
+
+def _unreadable(path, error):
+    return DataError(f"{path}: not a readable HDF5 file ({' '.join(str(error).split())})")
+
+
+def text(value):
+    """An attribute's text; other values as they are."""
+    return value.decode(errors="replace") if isinstance(value, bytes) else value
+
+
+def attributes(item):
+    return {key: _plain(value) for key, value in item.attrs.items() if key not in DIMENSION_SCALES}
+
+
+def _plain(value):
+    value = text(value)
+    return value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
+
+
+def read(dataset, key):
+    """The values at a key. What HDF5 reports is a DataError that names file and dataset."""
+    try:
+        return dataset.asstr()[key] if dataset.dtype.kind == "O" else dataset[key]
     except (OSError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise DataError(f"{path}: not a readable HDF5 file ({reason})") from error
+        raise DataError(f"{dataset.file.filename}: {dataset.name}: {' '.join(str(error).split())}") from error
 
 
-def check_kind(file, path, format_name):
-    found = file.attrs.get("format_name", "")
-    found = found.decode() if isinstance(found, bytes) else str(found)
-    if found != format_name:
-        raise DataError(f"{path}: format_name is '{found}', expected '{format_name}'")
+def check_kind(file, path, formats):
+    found = text(file.attrs.get("format_name", ""))
+    if str(found) not in formats:
+        wanted = " or ".join(f"'{name}'" for name in formats)
+        raise DataError(f"{path}: format_name is '{found}', expected {wanted}")
     if np.any(np.asarray(file.attrs.get("complete", 0)) != 1):
         raise DataError(f"{path}: attribute 'complete' is not 1: the file was never finished")
 
@@ -141,3 +185,11 @@ class Metrics:
         if isinstance(node, (str, dict)):
             raise DataError(f"/metrics_json: {path} is not a number")
         return node
+
+
+def package(name):
+    """Imports a package that only some commands need; where it is missing, the error names Debian's."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise Error(f"the Python package {name} is missing: apt-get install python3-{name}") from error
