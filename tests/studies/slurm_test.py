@@ -12,7 +12,7 @@ from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
 HAS_SLURM = all(shutil.which(name, path=PATH) for name in ("slurmctld", "slurmd", "munged", "sbatch"))
-SLURM_LOCAL = os.path.join(ROOT, "scripts", "slurm-local")
+SLURM_LOCAL = os.path.join(ROOT, "studies", "runners", "slurm-local")
 
 
 def slurm_local(*arguments, **options):
