@@ -7,7 +7,6 @@ import sys
 
 def start(module):
     """Calls main(arguments) of the package's module."""
-    sys.dont_write_bytecode = True  # the package may be installed where only dpkg writes
     sys.path[0] = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
     main = importlib.import_module(f"landfall.{module}").main
     importlib.import_module("landfall.command").run(main)
