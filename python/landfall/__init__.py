@@ -17,10 +17,10 @@ def open(path, group=None):  # pylint: disable=redefined-builtin
     """Opens a file that landfall made. Values are read when they are asked for.
 
     A terrain, DEM, evaluation or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
-    reference system as `crs`. A scan, or the results of a study, is a landfall.opening.Table. metrics.json is a dict. With
+    reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json is a dict. With
     `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an evaluation.
 
-    Throws DataError, naming the file, where it is missing, damaged, unfinished, not landfall's, or leads to other files. Closing
+    Throws DataError, naming the file, if it is missing, damaged, unfinished, not landfall's, or refers to other files. Closing
     the result, or leaving a `with` block of it, closes the file.
     """
     from landfall import opening  # here, because h5py and numpy take time
@@ -35,8 +35,8 @@ def run(tool, config=None, *inputs, output=None, **options):
     option: scans of regrid, the DEM of dem-eval. Each option is one of the tool's, without dashes: keep_misses=True,
     layers=["z_est", "count"], set={"noise.range_sigma_m": 0.02}, overwrite=True; None and False leave it out.
 
-    Returns what open() makes of the output; without an output, what the tool printed. The tool's warnings go to stderr. Throws
-    ToolError with the tool's message and exit code where it fails.
+    Returns the opened output; the path of an output in another program's format; without an output, what the tool printed. The
+    tool's warnings go to stderr. Throws ToolError with the tool's message and exit code if it fails.
     """
     from landfall import tools
 

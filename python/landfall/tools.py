@@ -43,13 +43,18 @@ def run(tool, config, inputs, output, options):
         arguments += _option("--" + name.replace("_", "-"), value)
     if output is not None:
         arguments += ["-o", os.fspath(output)]
-    done = run_tool(find(tool), *arguments, input=json.dumps(config) if isinstance(config, dict) else "")
+    done = run_tool(find(tool), *arguments, input=_json(config) if isinstance(config, dict) else "")
     sys.stderr.write(done.stderr)
     if output is None:
         return done.stdout
     from landfall import opening
 
-    return opening.open_file(output)
+    return opening.open_file(output) if opening.h5py.is_hdf5(output) else os.fspath(output)
+
+
+def _json(value):
+    """The JSON of a value that may hold numpy's numbers and arrays."""
+    return json.dumps(value, default=lambda inner: inner.tolist())
 
 
 def _config_name(name):
@@ -69,5 +74,5 @@ def _option(name, value):
     if value is True:
         return [name]
     if isinstance(value, dict):
-        return [word for key, inner in value.items() for word in (name, f"{key}={json.dumps(inner)}")]
+        return [word for key, inner in value.items() for word in (name, f"{key}={_json(inner)}")]
     return [name, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)]

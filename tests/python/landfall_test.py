@@ -291,7 +291,7 @@ class Runs(Chain):
                           "--set", 'mount={"rpy_deg": [0, 0, 0]}', "--set", 'scanner.type="fsm"'])
 
     def test_configurations(self):
-        self.assertEqual(self.passed({"seed": 2}), (["-c", "-"], '{"seed": 2}'))
+        self.assertEqual(self.passed({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
         self.assertEqual(self.passed("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
         with self.assertRaisesRegex(landfall.UsageError, "^papers is neither a file nor a preset: .*paper"):
             landfall.run("scan-sim", "papers")
@@ -304,6 +304,9 @@ class Runs(Chain):
         with landfall.open(self.path("scan.h5")) as scan:
             self.assertGreater(scan["z_est"].std(), 0.009)
         self.assertIn("dem", landfall.run("landfall-info", None, self.path("dem.h5")))
+        points = self.path("points.csv")
+        self.assertEqual(landfall.run("landfall-export", None, self.path("scan.h5"), output=points, columns=["pulse", "z_est"]), points)
+        self.assertTrue(os.path.exists(points))
 
     def test_a_failure_has_the_tool_s_message_and_exit_code(self):
         for code, words, call in [
