@@ -31,7 +31,7 @@ def run(main):
 
 
 def check_outputs(paths, overwrite, makes_folder=False):
-    """Refuses in the tools' words, before any work, what could not be written at the end. With makes_folder, one folder may be new."""
+    """Rejects, before any work, outputs that could not be written at the end. With makes_folder, their folder may be new."""
     for path in paths:
         folder = os.path.dirname(path) or "."
         is_new = os.path.isdir(os.path.dirname(folder) or ".") and not os.path.exists(folder)
@@ -40,7 +40,7 @@ def check_outputs(paths, overwrite, makes_folder=False):
         if os.path.isdir(path):
             raise UsageError(f"output {path} is a directory")
         if os.path.exists(path) and not os.path.isfile(path):
-            raise UsageError(f"output {path} is no regular file")
+            raise UsageError(f"output {path} is not a regular file")
         if os.path.lexists(path) and not overwrite:
             raise UsageError(f"output {path} exists; use -O to overwrite it")
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from landfall.errors import DataError, Error
 
-
 # What ties layers to coordinates within HDF5.
 DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
@@ -33,7 +32,7 @@ def require_self_contained(file):
             link = group.get(name, getlink=True)
             if not isinstance(link, h5py.HardLink):
                 target = f"{getattr(link, 'filename', '')} {getattr(link, 'path', '')}".strip()
-                raise ForeignFileError(f"{path} is a link, to {target or 'what only other programs know'}; links are not followed")
+                raise ForeignFileError(f"{path} is a link, to {target or 'a target that HDF5 does not know'}; links are not followed")
             item = group[name]
             if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
                 raise ForeignFileError(f"{path} keeps its values in other files, which are not opened")
@@ -50,7 +49,7 @@ def _address(item):
 def open_landfall(path, format_name):
     """Opens a finished landfall file of the given format_name for reading.
 
-    Whatever HDF5 reports while the file is open is a DataError naming the file.
+    Errors of HDF5 while the file is open become a DataError that names the file.
     """
     with open_screened(path, (format_name,)) as file:
         try:
@@ -147,12 +146,12 @@ def read_grid(file):
 
 
 def read_layer(file, grid, name):
-    """A layer as an array in which whatever is not finite is NaN, or None where the file does not have it."""
+    """A layer as an array with NaN for all values that are not finite; None if the file does not have the layer."""
     if grid is None or name not in file:
         return None
     values = file[name][()]
     if values.shape != grid.shape:
-        raise DataError(f"{file.filename}: {name} has shape {values.shape}, x and y say {grid.shape}")
+        raise DataError(f"{file.filename}: {name} has shape {values.shape}; x and y need {grid.shape}")
     if values.dtype.kind == "f" and np.isinf(values).any():
         values[np.isinf(values)] = np.nan
     return values

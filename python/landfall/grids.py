@@ -11,7 +11,7 @@ MESH = {"vertices": ("vertex", "axis"), "triangles": ("triangle", "corner")}
 
 
 class Source:
-    """An open file. A copy, as of an unpickled Dataset, opens the file anew."""
+    """An open file. A copy of it, such as an unpickled one, opens the file again."""
 
     def __init__(self, path, formats, file=None):
         self.path, self.formats = path, formats

@@ -4,9 +4,6 @@ import math
 from dataclasses import dataclass
 
 import matplotlib
-
-matplotlib.use("Agg")
-
 import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
@@ -132,7 +129,7 @@ def draw_flags(ax, grid, flags, color, cells, growth=2):
 
 
 def draw_outside(ax, grid, inside, cells):
-    """Whatever is not in the region, in the colour of no value."""
+    """Bins outside the region, in the colour of missing values."""
     size = reduction.block_size(inside.shape, cells)
     outside = ~reduction.shrink_any(inside, size)
     draw_image(ax, grid, np.ma.masked_equal(outside, False), size, cmap=ListedColormap([NO_VALUE]))
@@ -213,7 +210,7 @@ def zoom_window(grid, center, width_m):
 
 
 def largest_bin(grid, values):
-    """(x, y) of the bin of largest magnitude; the middle of the map where there is no value."""
+    """(x, y) of the bin of largest magnitude; the middle of the map if it has no values."""
     magnitude = np.where(np.isnan(values), -1, np.abs(values))
     row, col = np.unravel_index(int(np.argmax(magnitude)), values.shape)
     if magnitude[row, col] < 0:

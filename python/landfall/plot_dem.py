@@ -14,7 +14,7 @@ ZOOM_WIDTH_M = 8.0
 def parse(arguments):
     parser = command.Parser(prog="plot_dem.py", description=__doc__)
     parser.add_argument("dem", metavar="DEM.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: DEM-figure.png beside the DEM)")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DEM-figure.png beside the DEM)")
     parser.add_argument("--region-radius-m", type=plots.positive_metres, help="default: the largest that fits")
     parser.add_argument("--footprint-m", type=plots.positive_metres, default=1.7, help="default 1.7")
     plots.add_output_options(parser)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws what dem-eval found: elevation error, coverage, accuracy and the verdict, one picture each, and for a DEM
-with 1-sigma maps how well they foretell the errors.
+"""Draws what dem-eval found: elevation error, coverage, accuracy and the verdict, one figure each, and for a DEM
+with 1-sigma maps how well they predict the errors.
 
 Files written with --metrics-only have no maps: only the coverage histogram and the verdict are drawn.
 """
@@ -21,7 +21,7 @@ def parse(arguments):
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
-                        help="a folder, made where the name ends with /, or the beginning of the pictures' names "
+                        help="a folder, made where the name ends with /, or the prefix of the figures' names "
                              "(default: EVAL-)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
@@ -268,7 +268,7 @@ def style_table(table, passed):
             cell.set_facecolor(VERDICT_COLOR[passed[row - 1]])
 
 
-def pictures(evaluation):
+def figures_of(evaluation):
     """{name: drawing function}: what this file has the layers for."""
     chosen = {"verdict.png": draw_verdict, "coverage.png": draw_coverage}
     if evaluation.has("e_z", "abs_z", "rel_z", "in_region"):
@@ -283,18 +283,18 @@ def pictures(evaluation):
 def main(arguments):
     options = parse(arguments)
     evaluation = Evaluation(options.evaluation)
-    chosen = pictures(evaluation)
-    dem_picture = [options.output + "dem.png"] if options.dem else []
-    command.check_outputs([options.output + name for name in chosen] + dem_picture, options.overwrite,
+    chosen = figures_of(evaluation)
+    dem_figure = [options.output + "dem.png"] if options.dem else []
+    command.check_outputs([options.output + name for name in chosen] + dem_figure, options.overwrite,
                           makes_folder=options.output.endswith(os.sep))
     figures = {options.output + name: draw(evaluation) for name, draw in chosen.items()}
     if options.dem:
-        figures[dem_picture[0]] = draw_dem(options, evaluation)
+        figures[dem_figure[0]] = draw_dem(options, evaluation)
     plots.save(figures, options.dpi)
 
 
 def draw_dem(options, evaluation):
-    """The picture of plot_dem.py, with this evaluation's region and footprint."""
+    """The figure of plot_dem.py, with this evaluation's region and footprint."""
     dem_options = plot_dem.parse([options.dem, "-o", options.output + "dem.png"])
     dem_options.region_radius_m = evaluation.radius_m
     dem_options.footprint_m = evaluation.footprint_m or dem_options.footprint_m

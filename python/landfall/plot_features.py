@@ -5,12 +5,9 @@ import os
 import tempfile
 from dataclasses import dataclass
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position,wrong-import-order
-from matplotlib.colors import LightSource  # pylint: disable=wrong-import-position,wrong-import-order
+from matplotlib.colors import LightSource
 
 from landfall import command, files, plots, tools
 

@@ -5,12 +5,9 @@ import os
 import tempfile
 from dataclasses import dataclass
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position,wrong-import-order
-from matplotlib.collections import LineCollection  # pylint: disable=wrong-import-position,wrong-import-order
+from matplotlib.collections import LineCollection
 
 from landfall import command, files, plots, tools
 
@@ -22,10 +19,10 @@ STAR = np.array([(0, 48), (28, -39), (-46, 15), (46, 15), (-28, -39), (0, 48)])
 
 @dataclass(frozen=True)
 class Panel:
-    """One pattern: its configuration, what is said of it, and the scan's pulses and pixels."""
+    """One pattern: its configuration, its caption, and the scan's pulses and pixels."""
 
     keys: dict
-    says: str
+    caption: str
     pulses: int = 2000
     pixels: int = 1
     ifov_rad: float = 8.9e-5
@@ -113,7 +110,7 @@ def draw_panel(ax, panel, x, y):
         draw_aims(ax, center_x, center_y, len(x) <= 300)
     ax.plot(center_x[0], center_y[0], "o", color="crimson", markersize=5, zorder=4)
     ax.set_title(f"{panel.keys['type']}\n", fontsize=11, fontweight="bold", pad=3)
-    ax.text(0.5, 1.03, panel.says, transform=ax.transAxes, ha="center", fontsize=9)
+    ax.text(0.5, 1.03, panel.caption, transform=ax.transAxes, ha="center", fontsize=9)
     ax.set_xlim(-56, 56)
     ax.set_ylim(-56, 56)
     ax.set_aspect("equal")

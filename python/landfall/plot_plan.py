@@ -19,7 +19,7 @@ UNCOVERED = "#d55e00"
 def parse(arguments):
     parser = command.Parser(prog="plot_plan.py", description=__doc__)
     parser.add_argument("plan", metavar="PLAN.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: PLAN-figure.png beside the plan)")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: PLAN-figure.png beside the plan)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.plan)[0] + "-figure.png"

@@ -7,16 +7,14 @@ import json
 from dataclasses import dataclass
 
 import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position,wrong-import-order
 
 from landfall import command, files, plots
 from landfall.errors import DataError
 
 STEPS_PER_DECADE = 12
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]  # Okabe and Ito's, for all eyes
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]  # Okabe and Ito's, for colour-blind readers
 MARKERS = "osD^v<"
 POWER_LAWS = {
     "power_law_rocks": {"viper": (3e-4, 2.482), "low_blocky": (1e-4, 1.75457), "haworth": (2e-3, 2.6607)},
@@ -157,7 +155,7 @@ def read_samples(file):
     return samples
 
 
-# The picture
+# Drawing
 
 
 def parse(arguments):
@@ -171,7 +169,7 @@ def parse(arguments):
 
 
 def title_of(sample):
-    """Pattern number, type, and the keys that say which law it is."""
+    """Pattern number, type, and the keys that identify its law."""
     keys = sample.pattern
     law = keys.get("model") or f"k = {golombek_k(keys):.3g}"
     if law in ("custom", "production"):

@@ -20,7 +20,7 @@ KIND_COLORS = ("#d55e00", "#56b4e9", "#009e73", "#e69f00", "#cc79a7", "#0072b2",
 def parse(arguments):
     parser = command.Parser(prog="plot_terrain.py", description=__doc__)
     parser.add_argument("terrain", metavar="TERRAIN.h5")
-    parser.add_argument("-o", "--output", metavar="PNG", help="the picture (default: TERRAIN-figure.png beside it)")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: TERRAIN-figure.png beside it)")
     parser.add_argument("--sun-azimuth-deg", type=finite, default=315, help="clockwise from +y, default 315")
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
     parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the plot commands share: options, numbers in words, and writing pictures."""
+"""What the plot commands share: options, numbers as text, and writing figures."""
 import argparse
 import contextlib
 import math
@@ -9,7 +9,7 @@ from landfall.errors import DataError, UsageError
 
 
 def add_output_options(parser):
-    parser.add_argument("-O", "--overwrite", action="store_true", help="replace existing pictures")
+    parser.add_argument("-O", "--overwrite", action="store_true", help="replace existing files")
     parser.add_argument("--dpi", type=dots_per_inch, default=150, help="50..600, default 150")
 
 
@@ -68,7 +68,7 @@ def percent(fraction):
 def save(figures, dpi):
     """Writes {path: figure} and prints the paths.
 
-    All are written under temporary names first, so that a failure leaves no picture half written.
+    All are written under temporary names first, so that a failure leaves no incomplete figure.
     """
     temporary = {path: f"{path}.{os.getpid()}.tmp" for path in figures}
     try:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strict JSON: reading that refuses what JSON leaves open, and a check against a JSON schema in the tools' words.
+"""Strict JSON: a reader that rejects duplicate keys, NaN and infinity, and a check against a JSON schema.
 
-Only the words of draft-07 that schemas/study.schema.json uses are known; another one in a schema is an error of ours.
+It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError.
 """
 import json
 import re
@@ -15,7 +15,7 @@ WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "ty
 
 
 def read_json(path):
-    """The file's value. Refuses keys that stand twice, and NaN and infinity."""
+    """The file's value. Rejects duplicate keys, NaN and infinity."""
     try:
         with open(path, encoding="utf-8") as file:
             return json.load(file, object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
@@ -26,7 +26,7 @@ def read_json(path):
 
 
 def check(value, schema, path):
-    """Throws UsageError at the first place where the value of file `path` breaks the schema."""
+    """Throws UsageError at the first value of file `path` that violates the schema."""
     _Checker(schema, path).check(value, schema, "")
 
 
@@ -47,13 +47,13 @@ def _unique(pairs):
     result = {}
     for key, value in pairs:
         if key in result:
-            raise ValueError(f"the key \"{key}\" stands twice")
+            raise ValueError(f"the key \"{key}\" is given twice")
         result[key] = value
     return result
 
 
 def _no_constant(text):
-    raise ValueError(f"{text} is no number")
+    raise ValueError(f"{text} is not a number")
 
 
 def _finite(text):
@@ -97,8 +97,8 @@ class _Checker:
             self.check_array(value, schema, where)
 
     def check_type(self, value, schema, where):
-        wanted = schema.get("type")
-        names = [wanted] if isinstance(wanted, str) else wanted
+        expected = schema.get("type")
+        names = [expected] if isinstance(expected, str) else expected
         if names and not any(_is(value, name) for name in names):
             self.fail(where, f"{shown(value)} is of type {type_of(value)}, not {' or '.join(names)}")
 
@@ -133,9 +133,9 @@ class _Checker:
     def check_array(self, value, schema, where):
         least, most = schema.get("minItems", 0), schema.get("maxItems", len(value))
         if not least <= len(value) <= most:
-            wanted = most if least == most else f"at least {least}" if len(value) < least else f"at most {most}"
-            self.fail(where, f"an array of {len(value)} elements; wanted {wanted}")
+            expected = most if least == most else f"at least {least}" if len(value) < least else f"at most {most}"
+            self.fail(where, f"an array of {len(value)} elements; expected {expected}")
         if schema.get("uniqueItems") and len({json.dumps(entry) for entry in value}) < len(value):
-            self.fail(where, f"{shown(value)} has an element twice")
+            self.fail(where, f"{shown(value)} has a duplicate element")
         for index, entry in enumerate(value):
             self.check(entry, schema.get("items", {}), f"{where}/{index}")

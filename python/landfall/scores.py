@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well a DEM's 1-sigma maps foretell its errors: reliability and z-scores."""
+"""How well a DEM's 1-sigma maps predict its errors: reliability and z-scores."""
 import math
 
 import numpy as np
@@ -9,7 +9,7 @@ from landfall import maps, plots
 
 
 def draw(name, metrics):
-    title = f"{name}: do the 1-sigma maps foretell the errors?"
+    title = f"{name}: do the 1-sigma maps predict the errors?"
     figure, axes = maps.new_figure((2, 2), (11, 10), title)
     for row, kind in enumerate(("absolute", "relative")):
         draw_reliability(axes[row, 0], metrics, kind)
@@ -30,10 +30,10 @@ def draw_reliability(ax, metrics, kind):
         return
     sigma, rmse = 100 * values["sigma_m"][shown], 100 * values["rmse_m"][shown]
     low, high = min(sigma.min(), rmse.min()) / 1.3, max(sigma.max(), rmse.max()) * 1.3
-    ax.plot([low, high], [low, high], color="black", linewidth=1, label="as foretold")
+    ax.plot([low, high], [low, high], color="black", linewidth=1, label="predicted")
     area = 16 + 160 * values["bins"][shown] / values["bins"].max()
     ax.plot(sigma, rmse, color=maps.BLUE, linewidth=1)
-    ax.scatter(sigma, rmse, area, color=maps.BLUE, label="found (area: bins)")
+    ax.scatter(sigma, rmse, area, color=maps.BLUE, label="measured (area: bins)")
     ax.set(xlim=(low, high), ylim=(low, high))
     few = high / low < 30
     for axis in (ax.xaxis, ax.yaxis):
@@ -62,6 +62,6 @@ def draw_shares(ax, metrics, kind):
     ax.plot(steps, [100 * math.erf(step / math.sqrt(2)) for step in steps], color="black", linewidth=1,
             label="normal distribution")
     ax.plot(np.append(0, k), 100 * np.append(0, found), color=maps.BLUE, marker="o", markersize=4, linewidth=1,
-            label="found")
+            label="measured")
     ax.grid(True, color="#e0e0e0", linewidth=0.6)
     ax.legend(loc="lower right")

@@ -3,7 +3,7 @@
 """Judges regrid's uncertainty map against the truth: z-scores of many draws on 10 m maps (docs/uncertainty.md).
 
 Each scene is scanned once; every draw takes new errors (scan-sim --ranges-from), grids them with --uncertainty
---corrected, and divides z_true_map - z_est by its sigma. Writes zscores.csv and two pictures into the output folder.
+--corrected, and divides z_true_map - z_est by its sigma. Writes zscores.csv and two figures into the output folder.
 """
 import argparse
 import csv
@@ -57,7 +57,7 @@ def parse(arguments):
     parser.add_argument("--navigation-draws", type=int, default=2500)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--plot-only", action="store_true", help="draw the pictures from an earlier zscores.csv")
+    parser.add_argument("--plot-only", action="store_true", help="draw the figures from an earlier zscores.csv")
     options = parser.parse_args(arguments)
     options.scenes = chosen_scenes(options)
     return options

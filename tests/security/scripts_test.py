@@ -147,7 +147,7 @@ class Names(StudyTest):
             cases["cases"][0][-1] = name
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(cases, file)
-            self.assertIn(f"\"{name}\" is no file of the study's folder", self.sweep("collect", folder, code=2).stderr)
+            self.assertIn(f"\"{name}\" is not in the study's folder", self.sweep("collect", folder, code=2).stderr)
 
     def test_a_plot_follows_no_link(self):
         target, terrain = self.path("target.h5"), self.path("terrain.h5")

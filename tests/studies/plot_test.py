@@ -319,8 +319,8 @@ class Plots(unittest.TestCase):
     def test_refusals(self):
         table = self.table(("sigma_m",))
         for arguments, code, word in (
-                ([table, "--metrics", "nope"], 2, "'nope' is no metric"), ([table, "--metrics", "sigma_m"], 2, "no metric"),
-                ([table, "--x", "nope"], 2, "'nope' is none of sigma_m"), ([table, "--percentile", "101"], 2, "[0, 100]"),
+                ([table, "--metrics", "nope"], 2, "'nope' is not a metric"), ([table, "--metrics", "sigma_m"], 2, "not a metric"),
+                ([table, "--x", "nope"], 2, "'nope' is not one of sigma_m"), ([table, "--percentile", "101"], 2, "[0, 100]"),
                 ([self.path("none.h5")], 1, "no such file")):
             message = self.plot(*arguments, "-o", self.path("f"), code=code).stderr
             self.assertIn(word, message)
@@ -333,7 +333,7 @@ class Plots(unittest.TestCase):
         os.remove(self.path("f", "pass_rates.csv"))
         os.mkfifo(self.path("f", "pass_rates.csv"))
         pipe = self.plot(table, "-o", self.path("f"), "-O", code=2).stderr
-        self.assertIn("output " + self.path("f", "pass_rates.csv") + " is no regular file", pipe)
+        self.assertIn("output " + self.path("f", "pass_rates.csv") + " is not a regular file", pipe)
         with h5py.File(table, "r+") as file:
             file["_study_json"][()] = json.dumps({"title": "T"})
         self.assertIn("no table of a study", self.plot(table, "-o", self.path("g"), code=1).stderr)

@@ -206,7 +206,7 @@ class Changed(ReportTest):
         folder = fake_study(self, {"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]})
         self.report()
         self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.3, 0.25]}), "--no-check")
-        self.assertRegex(self.report("-O", code=1).stderr, r"results.h5: case 1: resolution_m is not that of cases.json")
+        self.assertRegex(self.report("-O", code=1).stderr, r"results.h5: case 1: resolution_m differs from cases.json")
         with open(os.path.join(folder, "study.mk"), "w", encoding="utf-8") as file:
             file.write("# nothing\n")
         self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]}), "--no-check")

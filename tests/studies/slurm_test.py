@@ -116,7 +116,7 @@ class OnSlurm(StudyTest):
 
 class SlurmLocal(StudyTest):
     def test_wrong_arguments(self):
-        for arguments, word in ((["frob"], "start"), (["start", "-N", "0"], "-N: 0 is no integer in [1, 256]"),
+        for arguments, word in ((["frob"], "start"), (["start", "-N", "0"], "-N: 0 is not an integer in [1, 256]"),
                                 (["start", "-N"], "-N needs a value"), (["start", "--nodes", "3"], "unknown option --nodes"),
                                 (["lose"], "lose needs a node"), (["start", "--dir", self.path("a b")], "a name of letters, digits")):
             result = slurm_local(*arguments)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from landfall.errors import UsageError
 from landfall.study.session import inner_name
 
-
 RULE = re.compile(r"\t\$\(call stage,([a-z]+),([0-9a-f]+),[^)]*\) (.*)")
 KINDS = ("terrain", "truth", "scan", "regrid", "eval")
 OPTIONS = ("--corrected", "--uncertainty")
@@ -22,7 +21,7 @@ class Run:
 
     kind: str  # of KINDS
     config: str  # a file's name, relative to the study's folder
-    output: str  # so too; of a file that lives within its recipe only, a name that is no file's
+    output: str  # likewise; for a temporary file of a recipe, a unique name
     recipe: str  # KIND-ID, which names the log
     index: int  # its place among the recipe's steps
     inputs: tuple  # outputs of other runs
@@ -81,7 +80,7 @@ class Chains:
 
 
 class Logs:
-    """What the logs of a study say of its runs; each file is read once."""
+    """The logs of a study's runs; each file is read once."""
 
     def __init__(self, folder, chains):
         self._folder, self._chains, self._known = folder, chains, {}
@@ -123,7 +122,7 @@ def _text(path):
 
 
 def _summaries(text):
-    """The JSON objects that stand one after another in a text; none where one of them is broken."""
+    """The JSON objects of a text, one after another; none if one of them is invalid."""
     decoder, found, at = json.JSONDecoder(), [], 0
     try:
         while text[at:].strip():

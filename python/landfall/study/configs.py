@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Configurations of many cases as one and what the others change, which is small, and what all of them share."""
+"""Configurations of many cases: the first one, what each other one changes, and what all of them share."""
 import copy
 import re
 

@@ -4,10 +4,8 @@ import math
 import textwrap
 
 import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position
 
 from landfall.study.table import METRIC_NAMES
 
@@ -146,7 +144,7 @@ def spread(items, count):
 
 
 def draw_line(axes, results, metric, scale, placed, quantile, index, label, joined):
-    """One series: estimates with their intervals, and faint dots for the repeats. Kinds that are no numbers are not joined."""
+    """One series: estimates with their intervals, and faint dots for the repeats. Points of an axis without numbers are not joined."""
     at = [position for position, _ in placed]
     estimates = np.array([results.estimate(point, metric, quantile) for _, point in placed]) * scale.factor
     style = {"color": COLORS[index % len(COLORS)], "marker": MARKERS[index % len(MARKERS)], "markersize": 5}
@@ -200,7 +198,7 @@ def tick_labels(values):
 
 
 def finish_y(axes, results, metric, scale):
-    """Logarithmic where values differ by more than a hundred and half of them would be hard to read on a linear axis; linear about 0
+    """Logarithmic where values differ by more than a hundred and half of them would be hard to read on a linear axis; linear near 0
     where that is among them or required."""
     values = np.concatenate([results.values(point, metric) for point in results.points]) * scale.factor
     axes.set_ylabel(scale.title())
@@ -222,7 +220,7 @@ def finish_y(axes, results, metric, scale):
 
 
 def map_axes(results, x):
-    """The two axes of a map: x and another number that does not go with x, where there is no third axis; None otherwise."""
+    """The two axes of a map: x and another numeric axis that is independent of x, if there is no third axis; else None."""
     numeric = [axis for axis in results.axes if axis.numeric and len(axis.values) > 1]
     if len(results.axes) != 2 or len(numeric) != 2 or x not in numeric or results.follows(numeric[0], numeric[1]):
         return None
@@ -300,7 +298,7 @@ def write_cells(axes, values, rates, image):
 
 
 def overview_figure(results, metrics, x, quantile):
-    """A panel for each of the first six metrics; None of fewer than two, and where x is no number, whose names need the width."""
+    """A panel for each of the first six metrics; None for fewer than two metrics, and if x is not numeric, because its labels need the width."""
     shown = metrics[:MOST_PANELS]
     if x is None or not x.numeric or len(shown) < 2:
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A study: the cases that it stands for, and the configuration of each stage in each of them."""
+"""A study: its cases, and the configuration of each stage in each case."""
 import copy
 import itertools
 import os
@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from landfall.errors import UsageError
 from landfall.schema import shown
 
-
 STAGES = ("terrain", "scan", "regrid", "eval")
 UNITS = {"m": "m", "mps": "m/s", "rad": "rad", "radps": "rad/s", "deg": "deg", "degps": "deg/s", "s": "s", "hz": "Hz",
          "frac": "1", "px": "px", "bins": "bins", "count": "1"}
@@ -16,7 +15,7 @@ UNITS = {"m": "m", "mps": "m/s", "rad": "rad", "radps": "rad/s", "deg": "deg", "
 
 @dataclass(frozen=True)
 class Point:
-    """One value of an axis: what the table says, and the keys that it sets."""
+    """One value of an axis: its entry in the table, and the keys that it sets."""
 
     value: object
     assignments: tuple  # of (key, value)
@@ -87,7 +86,7 @@ def stage_of(key):
 
 
 def assign(config, key, value):
-    """The configuration with the value at the key "stage.a.b.0". Throws KeyError, with the reason, where there is no such place."""
+    """The configuration with the value at the key "stage.a.b.0". Throws KeyError, with the reason, if the configuration has no such key."""
     _, *path = key.split(".")
     if not path:
         return copy.deepcopy(value)
@@ -114,7 +113,7 @@ def _child(node, name):
 
 def _index(node, text):
     if not text.isdigit() or int(text) >= len(node):
-        raise KeyError(f"\"{text}\" is no index into {shown(node)}")
+        raise KeyError(f"\"{text}\" is not an index into {shown(node)}")
     return int(text)
 
 

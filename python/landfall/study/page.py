@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page of report_study.py: HTML of the tree that landfall.study.report makes. Whatever comes from files is escaped."""
+"""The page of report_study.py: HTML of the tree that landfall.study.report makes. Texts from files are escaped."""
 import base64
 import html
 import json
@@ -9,8 +9,7 @@ from landfall.errors import DataError
 from landfall.study.figures import number, with_unit
 from landfall.study.table import METRIC_NAMES, REQUIREMENTS
 
-
-# No request leaves the page, whatever stands in it.
+# The page sends no request, whatever texts it shows.
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 MOST_VALUES = 12  # of an axis that are all named
 MOST_NAMED = 20  # cases of one failure
@@ -122,7 +121,7 @@ def tried(tree):
              cell(len(axis["values"])), f"<td>{escaped(values(axis))}</td>"] for axis in tree["axes"]]
     text = table([head("axis"), head("kind"), head("unit"), head("values", True), head("which")], rows) if rows else ""
     text += "<details><summary>Limits that all cases share</summary>" + limits(tree["limits"]) + "</details>\n"
-    text += ('<h3>Configuration</h3>\n<p class="note">What the study sets in all cases; “(varies)” stands where cases differ. All else '
+    text += ('<h3>Configuration</h3>\n<p class="note">What the study sets in all cases; “(varies)” marks values that differ between cases. All else '
              "has the tools’ defaults.</p>\n")
     for kind, config in tree["configs"].items():
         shared = json.dumps(config["shared"], indent=1, ensure_ascii=False)
@@ -146,7 +145,7 @@ def values(axis):
 def limits(found):
     rows = [[f"<td>{escaped(key)}</td>", cell(value, with_unit(value, LIMIT_UNITS.get(key.rsplit("_", 1)[-1], "")))]
             for key, value in found.items()]
-    return table([head("limit"), head("value", True)], rows) if rows else '<p class="note">None: the cases differ in all of them.</p>\n'
+    return table([head("limit"), head("value", True)], rows) if rows else '<p class="note">None: every limit differs between cases.</p>\n'
 
 
 # Points

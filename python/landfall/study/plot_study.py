@@ -15,7 +15,6 @@ from landfall.errors import UsageError
 from landfall.study import figures, verdicts
 from landfall.study.table import REQUIREMENTS, Results
 
-
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
                    "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
 
@@ -45,7 +44,7 @@ def chosen_metrics(options, results):
         names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS if name in results.columns]
     for name in names:
         if not results.is_metric(name):
-            raise UsageError(f"--metrics: '{name}' is no metric of {options.results}")
+            raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
     return names
 
 
@@ -57,7 +56,7 @@ def chosen_x(options, results):
     for axis in results.axes:
         if axis.name == name:
             return axis
-    raise UsageError(f"--x: '{name}' is none of {', '.join(axis.name for axis in results.axes)}")
+    raise UsageError(f"--x: '{name}' is not one of {', '.join(axis.name for axis in results.axes)}")
 
 
 def pass_rate_rows(results):

@@ -10,7 +10,6 @@ from landfall.errors import UsageError
 from landfall.schema import shown
 from landfall.study.model import assign, Axis, plain_numbers, Point, stage_of, STAGES, Study, unit_of, with_full_paths
 
-
 KINDS = ("list", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")
 MOST_CASES = 1_000_000
@@ -73,7 +72,7 @@ class _Reader:
         """A value as a configuration holds it: of a stage alone, its whole configuration."""
         if "." not in key:
             if not isinstance(value, (dict, str)):
-                self.fail(where, f"{shown(value)} is no configuration (an object or the name of a file)")
+                self.fail(where, f"{shown(value)} is not a configuration (an object or the name of a file)")
             return self.config(value, where)
         last = key.rsplit(".", 1)[1]
         return plain_numbers(with_full_paths({last: value}, self.folder)[last])
@@ -81,7 +80,7 @@ class _Reader:
     def dimension(self, tree, where):
         kinds = [kind for kind in KINDS if kind in tree]
         if len(kinds) != 1:
-            self.fail(where, f"has {' and '.join(kinds) or 'none'} of {', '.join(KINDS)}; one is needed")
+            self.fail(where, f"has {' and '.join(kinds) or 'none'} of {', '.join(KINDS)}; exactly one is needed")
         if kinds != ["zip"]:
             return (self.axis(tree, kinds[0], where),)
         self.allow(tree, {"zip"}, "zip", where)
@@ -135,7 +134,7 @@ class _Reader:
     def spaced(self, numbers, kind, where):
         first, last, count = numbers
         if count != int(count) or not 2 <= count <= MOST_CASES:
-            self.fail(f"{where}/2", f"{shown(count)} is no integer in [2, {MOST_CASES}]")
+            self.fail(f"{where}/2", f"{shown(count)} is not an integer in [2, {MOST_CASES}]")
         if kind == "logspace" and not (first > 0 and last > 0):
             self.fail(where, f"{shown(min(first, last))} is not above 0")
         steps = [step / (int(count) - 1) for step in range(int(count))]
@@ -152,7 +151,7 @@ class _Reader:
         if labels is None and isinstance(value, dict):
             self.fail(f"{where}/{index}", "an object needs a name in \"labels\"")
         if scale is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
-            self.fail(f"{where}/{index}", f"{shown(value)} is no number to be scaled")
+            self.fail(f"{where}/{index}", f"{shown(value)} is not a number and cannot be scaled")
         shown_value = labels[index] if labels else value if not isinstance(value, list) else json.dumps(value)
         return Point(plain_numbers(shown_value),
                      tuple((key, self.value(key, _scaled(value, scale), f"{where}/{index}")) for key in keys))
@@ -172,7 +171,7 @@ class _Reader:
 
     def check_draw(self, draw, where):
         if len(draw) != 1:
-            self.fail(where, f"has {' and '.join(draw) or 'none'} of normal, uniform; one is needed")
+            self.fail(where, f"has {' and '.join(draw) or 'none'} of normal, uniform; exactly one is needed")
         if "uniform" in draw and draw["uniform"][0] > draw["uniform"][1]:
             self.fail(f"{where}/uniform", f"{shown(draw['uniform'])}: the lowest value is above the highest")
 
@@ -195,7 +194,7 @@ class _Reader:
 
 
 def _name_of(key):
-    """The column of a key's axis: its last part that is no index."""
+    """The column of a key's axis: its last part that is not an index."""
     return next(part for part in reversed(key.split(".")) if not part.isdigit())
 
 

@@ -12,7 +12,7 @@ from landfall.errors import DataError
 from landfall.study import chain, configs, results, session
 from landfall.study.table import METRIC_NAMES, REQUIREMENTS, Results
 
-# Beyond these the page holds the first so many, and says so.
+# Of more cases the page shows the first ones, and their number.
 MOST_CASES = 20_000
 DIGITS = 7
 TOOL_OF = {"terrain": "terrain", "truth": "scan", "scan": "scan", "regrid": "regrid", "eval": "eval"}
@@ -47,8 +47,8 @@ class Study:
             for index, axis in enumerate(self.axes):
                 column = self.results.columns.get(axis["name"])
                 if case >= len(self.rows) or column is None or not _same(column[row], self.rows[case][index]):
-                    raise DataError(f"{path}: case {case}: {axis['name']} is not that of cases.json; the study was planned anew "
-                                    "since, make study-results makes the table")
+                    raise DataError(f"{path}: case {case}: {axis['name']} differs from cases.json: the study was planned again "
+                                    "later; make study-results updates the table")
 
     def _count_stale(self):
         """Cases of the table whose metrics are older than the tools."""
@@ -161,7 +161,7 @@ class FigureNumbers:
                       for row in _read_csv(os.path.join(folder, "pass_rates.csv"))}
         keys = {tuple(map(str, point.values)) for point in study.results.points}
         if keys != {key for key, _ in self.estimates} or not set(self.metrics) <= study.results.columns.keys():
-            raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; plot_study.py draws it anew")
+            raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; run plot_study.py again")
 
 
 def _key(row, names):

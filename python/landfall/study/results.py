@@ -47,7 +47,7 @@ def read_metrics(path):
         with open(path, encoding="utf-8") as file:
             tree = json.load(file)
         if tree["format"] != "landfall.metrics":
-            raise ValueError("it is no landfall.metrics")
+            raise ValueError("\"format\" is not \"landfall.metrics\"")
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise DataError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
     del tree["version"]

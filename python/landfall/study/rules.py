@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A study's folder: where each stage's files lie, and the rules by which Makefile.studies makes them.
 
-Terrains, truths and metrics stay. A scan or a DEM that nobody asked to keep is made within the recipe of the only stage
-that reads it, and is gone after it; one that several stages read lies in shared/ until all of them are done.
+Terrains, truths and metrics stay. A scan or a DEM that is not kept is made within the recipe of the only stage that
+reads it, and removed after it; one that several stages read stays in shared/ until all of them are done.
 """
 import json
 from dataclasses import dataclass, field
@@ -75,9 +75,9 @@ def _file(name, otherwise):
 
 
 class Fragment:
-    """The make rules of a graph. `$O` stands for the study's folder.
+    """The make rules of a graph. `$O` is the study's folder.
 
-    Make starts all scans before the first DEM. Where more than MOST_SHARED scans are read several times, all that hangs on
+    Make starts all scans before the first DEM. Where more than MOST_SHARED scans are read several times, all that depends on
     such a scan is therefore made within one recipe: the disk then holds a scan for each recipe that runs.
     """
 
@@ -162,7 +162,7 @@ class Fragment:
         self.rule("metrics", stage.id, self.outputs(stage), recipe)
 
     def group(self, scan):
-        """All that hangs on a scan."""
+        """All that depends on a scan."""
         recipe, outputs = self.scanning(scan, None), []
         for dem in scan.consumers:
             self.grid(recipe, dem, None, None)
@@ -186,7 +186,7 @@ class Fragment:
         return Recipe([config, terrain], stage.files, [step], [truth] if truth else [])
 
     def gridding(self, stage, output):
-        """Makes a DEM, and its scan where that is no file of its own."""
+        """Makes a DEM, and its scan unless that has a rule of its own."""
         scan = self.layout.scan(stage.upstream)
         if scan is None:
             recipe = self.scanning(stage.upstream, None)
@@ -203,7 +203,7 @@ class Fragment:
             [f"regrid $O/{config} {_file(scan, '@')} $O/{terrain} {_file(output, '@')}", *options]))
 
     def lean(self):
-        """Only the layers that dem-eval reads, not compressed: for a DEM of which nobody sees anything."""
+        """Only the layers that dem-eval reads, uncompressed: for a DEM that is not kept."""
         if "eval" in self.layout.keep:
             return []
         layers = ["z_est", "x_true", "y_true", "z_true"]

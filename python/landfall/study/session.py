@@ -18,9 +18,9 @@ def kind_of(name):
 
 
 def inner_name(name):
-    """The name, which a file of the study's folder says of another one there. Raises UsageError where it leads out of it."""
+    """The name of a file in the study's folder, as another file there gives it. Throws UsageError if it leads outside."""
     if os.path.isabs(name) or ".." in name.split("/"):
-        raise UsageError(f"{shown(name)} is no file of the study's folder")
+        raise UsageError(f"{shown(name)} is not in the study's folder")
     return name
 
 

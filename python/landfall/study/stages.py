@@ -13,7 +13,6 @@ from landfall.errors import UsageError
 from landfall.schema import shown
 from landfall.study import model
 
-
 # Keys of a scan that true ranges depend on; beside them, the seed where it moves the beams.
 TRUTH_KEYS = ("detector", "laser", "scanner", "mount", "trajectory")
 TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad")

@@ -56,11 +56,11 @@ def parse(arguments):
 
 
 def kept(text):
-    """The set of --keep: names parted by commas or blanks."""
+    """The set of --keep: names separated by commas or blanks."""
     names, known = text.replace(",", " ").split(), rules.KEEPABLE
     for name in names:
         if name not in (*known, "all"):
-            raise UsageError(f"--keep: '{name}' is none of {', '.join(known)}, all")
+            raise UsageError(f"--keep: '{name}' is not one of {', '.join(known)}, all")
     return frozenset(known if "all" in names else names)
 
 
@@ -100,7 +100,7 @@ def write_plan(options, study, graph, fragment, versions):
 
 
 def plan_inputs(study):
-    """Makes the plan follow its files; one that is gone is no error but makes a new plan."""
+    """Makes the plan depend on its files; a missing one causes a new plan, not an error."""
     files = " ".join(os.path.relpath(path) for path in study.files)
     return f"$O/study.mk: {files}\n{files}:\n"
 

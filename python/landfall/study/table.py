@@ -47,7 +47,7 @@ METRIC_NAMES = {
 
 @dataclass(frozen=True)
 class StudyAxis:
-    """An axis that is no repeat, and its values in the order of the study."""
+    """An axis that is not a repeat, and its values in the order of the study."""
 
     name: str
     label: str
@@ -173,7 +173,7 @@ def wilson(passed, count):
 def bootstrap(values, quantile, seed=1):
     """(low, high) of a quantile of what `values` were drawn from: percentile bootstrap (Efron 1979), fixed seed.
 
-    Both are NaN for fewer than two values. RandomState, for its numbers are the same in all versions of numpy.
+    Both are NaN for fewer than two values. RandomState, because its numbers are the same in all versions of numpy.
     """
     values = np.asarray(values, float)
     if values.size < 2:

@@ -3,7 +3,7 @@
 import math
 
 import matplotlib
-import matplotlib.pyplot as plt  # after figures, which chooses the backend
+import matplotlib.pyplot as plt
 import numpy as np
 
 from landfall.study import figures
