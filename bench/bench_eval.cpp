@@ -23,7 +23,7 @@
 #include "evaluation/evaluate.h"
 #include "evaluation/region.h"
 #include "evaluation/window_quantile.h"
-#include "io/evaluation_file.h"
+#include "files/evaluation_file.h"
 
 namespace landfall {
 namespace {

@@ -16,8 +16,8 @@
 
 #include "base/parallel.h"
 #include "base/zeroed_memory.h"
-#include "gridding/bin_accumulator.h"
 #include "gridding/method.h"
+#include "gridding/weighted_mean_accumulator.h"
 
 namespace landfall {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "ray/engine.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 

@@ -12,8 +12,8 @@
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
 #include "config/dem_config.h"
-#include "io/evaluation_file.h"
-#include "io/metrics_json.h"
+#include "files/evaluation_file.h"
+#include "files/metrics_json.h"
 #include "report/page.h"
 
 namespace landfall {

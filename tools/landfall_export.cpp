@@ -12,8 +12,8 @@
 #include "exports/ply.h"
 #include "exports/point_reader.h"
 #include "exports/quick_look.h"
+#include "exports/terrain_export.h"
 #include "exports/xdmf.h"
-#include "io/terrain_export.h"
 
 namespace landfall {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "cli/description_text.h"
 #include "cli/tool.h"
-#include "io/file_description.h"
+#include "files/file_description.h"
 
 namespace landfall {
 namespace {

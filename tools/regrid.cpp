@@ -10,13 +10,13 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/uncertainty_config.h"
-#include "gridding/bin_accumulator.h"
+#include "files/dem_file.h"
+#include "files/scan_file.h"
+#include "files/scan_poses.h"
+#include "files/terrain_file.h"
 #include "gridding/method.h"
 #include "gridding/uncertainty.h"
-#include "io/dem_file.h"
-#include "io/scan_file.h"
-#include "io/scan_poses.h"
-#include "io/terrain_file.h"
+#include "gridding/weighted_mean_accumulator.h"
 #include "ray/windowed_terrain.h"
 
 namespace landfall {
@@ -155,7 +155,7 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
   if (o.uncertainty) open_uncertainty(session, inputs);
   if (o.terrain.empty()) return inputs;
   session.phase("terrain", [&](const ProgressCallback& progress) {
-    if (auto large = open_large_terrain(o.terrain, kMostLoadedNodes, progress)) {
+    if (auto large = open_large_terrain(o.terrain, kMaxLoadedNodes, progress)) {
       inputs.terrain.emplace(
           TerrainInput{nullptr, nullptr, nullptr, large->crs_wkt, large->file_id, large->chain});
       inputs.window = std::make_unique<const WindowedTerrain>(std::move(large->terrain), EngineMaker());
@@ -188,14 +188,14 @@ std::vector<Batch> batches(const Inputs& inputs) {
 /// What is gathered: the map, and for --uncertainty the second moments of its bins.
 struct Sums {
   std::unique_ptr<Accumulator> bins;
-  const BinAccumulator* nearest = nullptr;  ///< the same bins, where the method is bilinear_nearest
+  const WeightedMeanAccumulator* nearest = nullptr;  ///< the same bins, where the method is bilinear_nearest
   std::optional<MomentAccumulator> moments;
 };
 
 Sums make_sums(const RegridConfig& config, const Options& o) {
   Sums sums{make_accumulator(config.method, config.grid), nullptr, {}};
   if (config.method == Method::bilinear_nearest)
-    sums.nearest = dynamic_cast<const BinAccumulator*>(sums.bins.get());
+    sums.nearest = dynamic_cast<const WeightedMeanAccumulator*>(sums.bins.get());
   if (o.uncertainty) sums.moments.emplace(config.grid);
   return sums;
 }

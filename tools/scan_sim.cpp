@@ -13,18 +13,18 @@
 #include "cli/plan_table.h"
 #include "cli/tool.h"
 #include "config/scan_config.h"
-#include "io/number_table.h"
-#include "io/plan_file.h"
-#include "io/range_file.h"
-#include "io/scan_file.h"
-#include "io/terrain_file.h"
+#include "files/number_table.h"
+#include "files/plan_file.h"
+#include "files/range_file.h"
+#include "files/scan_file.h"
+#include "files/terrain_file.h"
 #include "ray/cgal_engine.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
 #include "ray/windowed_terrain.h"
 #include "simulation/scan_pipeline.h"
 #include "simulation/scan_plan.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 namespace {
@@ -182,7 +182,7 @@ std::optional<Window> open_window(cli::Session& session, const Options& o) {
   if (!o.ranges_from.empty()) return std::nullopt;
   std::optional<LargeTerrainInput> large;
   session.phase("open", [&](const ProgressCallback& progress) {
-    large = open_large_terrain(o.terrain, kMostLoadedNodes, progress);
+    large = open_large_terrain(o.terrain, kMaxLoadedNodes, progress);
   });
   if (!large) return std::nullopt;
   TerrainInput input{nullptr, nullptr, nullptr, large->crs_wkt, large->file_id, large->chain};
@@ -278,7 +278,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const Simulation simulation(std::move(model), rays, ground);
   Replay replay;
   if (ranges)
-    replay.ranges = [&](PulseRange pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
+    replay.ranges = [&](PulseSpan pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
   const bool same_rows = ranges && ranges->has_rows_of(session.config(), o.keep_misses);
   if (same_rows && writer.copy_truth(ranges->points())) replay.content = PointContent::estimate;

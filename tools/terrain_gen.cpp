@@ -9,14 +9,14 @@
 #include "cli/tool.h"
 #include "config/import_config.h"
 #include "config/terrain_config.h"
-#include "io/mesh_file.h"
-#include "io/mesh_terrain_file.h"
-#include "io/raster_screening.h"
-#include "io/terrain_export.h"
-#include "io/terrain_file.h"
-#include "terrain/gdal_loader.h"
-#include "terrain/terrain_generator.h"
-#include "terrain/terrain_strips.h"
+#include "exports/terrain_export.h"
+#include "files/mesh_terrain_file.h"
+#include "files/raster_screening.h"
+#include "files/terrain_file.h"
+#include "meshio/mesh_file.h"
+#include "terrain/gdal/gdal_loader.h"
+#include "terrain/relief/terrain_generator.h"
+#include "terrain/relief/terrain_strips.h"
 
 namespace landfall {
 namespace {

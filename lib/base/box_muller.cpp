@@ -22,7 +22,7 @@ using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 using Bits = hn::RebindToUnsigned<D>;
 
-constexpr std::size_t kMostLanes = 8;
+constexpr std::size_t kMaxLanes = 8;
 
 HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
 
@@ -123,11 +123,11 @@ void Transform(std::span<const double> u, std::span<const double> v, std::span<d
   for (std::size_t i = 0; i < whole; i += hn::Lanes(D()))
     TransformLanes(u.data() + i, v.data() + i, out.data() + i);
   if (whole == out.size()) return;
-  std::array<double, kMostLanes> rest_u{};
-  std::array<double, kMostLanes> rest_v{};
+  std::array<double, kMaxLanes> rest_u{};
+  std::array<double, kMaxLanes> rest_v{};
   std::ranges::copy(u.subspan(whole), rest_u.begin());
   std::ranges::copy(v.subspan(whole), rest_v.begin());
-  std::array<double, kMostLanes> rest;
+  std::array<double, kMaxLanes> rest;
   TransformLanes(rest_u.data(), rest_v.data(), rest.data());
   std::copy_n(rest.begin(), out.size() - whole, out.begin() + static_cast<std::ptrdiff_t>(whole));
 }

@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kHugePage = std::size_t{1} << 21U;
-constexpr std::size_t kMostKept = std::size_t{128} << 20U;
+constexpr std::size_t kMaxKept = std::size_t{128} << 20U;
 
 std::size_t whole_pages(std::size_t byte_count) {
   return (byte_count + kHugePage - 1) / kHugePage * kHugePage;
@@ -48,7 +48,7 @@ class Shelf {
   /// False where there is no room.
   bool keep(void* memory, std::size_t byte_count) noexcept {
     const std::lock_guard lock(mutex_);
-    if (byte_count > kMostKept - kept_) return false;
+    if (byte_count > kMaxKept - kept_) return false;
     blocks_.push_back({memory, byte_count});  // within what is reserved
     kept_ += byte_count;
     return true;
@@ -62,7 +62,7 @@ class Shelf {
 
   static std::vector<Block> room_for_all() {
     std::vector<Block> blocks;
-    blocks.reserve(kMostKept / kHugePage);
+    blocks.reserve(kMaxKept / kHugePage);
     return blocks;
   }
 

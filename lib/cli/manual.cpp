@@ -9,7 +9,7 @@
 #include "cli/tool.h"
 #include "config/schema.h"
 #include "config/schema_keys.h"
-#include "io/provenance.h"
+#include "files/provenance.h"
 
 namespace landfall::cli {
 namespace {

@@ -13,10 +13,10 @@
 #include <memory>
 #include <new>
 
+#include "base/abbreviated.h"
 #include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
-#include "base/shown_text.h"
 #include "base/thread_refusal.h"
 #include "base/utf8.h"
 #include "cli/command_line.h"
@@ -29,8 +29,8 @@
 #include "config/json_source.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
-#include "io/temporary_files.h"
-#include "io/terrain_export.h"
+#include "exports/terrain_export.h"
+#include "output/temporary_files.h"
 
 namespace landfall::cli {
 namespace {
@@ -192,8 +192,8 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   }
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
-  // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more. Volatile, so
-  // that the pointer is kept, by which leak checks see that this is no leak.
+  // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more.
+  // Volatile, so that the pointer is kept, by which leak checks see that this is no leak.
   static const ThreadLimit* volatile const limit = new ThreadLimit(options.threads);
   static_cast<void>(limit);
   install_signal_cleanup(tool.name);

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "config/json_source.h"
-#include "io/landfall_file.h"
+#include "files/landfall_file.h"
 
 namespace CLI {
 class App;

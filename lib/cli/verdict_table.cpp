@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "evaluation/requirement_words.h"
+#include "evaluation/requirement_info.h"
 
 namespace landfall::cli {
 namespace {
@@ -23,12 +23,12 @@ long long integer(const Json& value) { return static_cast<long long>(value.get<s
 std::string number(const Json& value) { return value.is_null() ? "-" : print("%.6g", value.get<double>()); }
 
 /// JSON has no infinity, which the distance is where no bin is valid.
-std::string value_of(const RequirementWords& words, const Json& value) {
+std::string value_of(const RequirementInfo& words, const Json& value) {
   const bool is_distance = words.requirement == &RequirementMetrics::hole_distance;
   return value.is_null() && is_distance ? "inf" : number(value);
 }
 
-std::string measured(const RequirementWords& words) {
+std::string measured(const RequirementInfo& words) {
   const std::string text = words.measured;
   if (words.unit == RequirementUnit::fraction) return text + ", fraction";
   return words.unit == RequirementUnit::bins ? text + ", bins" : text;
@@ -84,7 +84,7 @@ std::string region_text(const Json& region) {
 std::string requirement_lines(const Json& metrics) {
   std::string text =
       print("%-20s %-44s %12s %10s  %s\n", "requirement", "measured as", "value", "limit", "verdict");
-  for (const RequirementWords& words : kRequirementWords) {
+  for (const RequirementInfo& words : kRequirementInfo) {
     const Json& r = metrics.at("requirements").at(words.name);
     text += print("%-20s %-44s %12s %10s  %s\n", words.name, measured(words).c_str(),
                   value_of(words, r.at("value")).c_str(), number(r.at("limit")).c_str(),
@@ -110,7 +110,7 @@ std::string verdict_table(const Json& metrics, const EvaluationLimits& limits) {
 
 std::vector<std::string> missed_requirements(const Json& metrics) {
   std::vector<std::string> names;
-  for (const RequirementWords& words : kRequirementWords) {
+  for (const RequirementInfo& words : kRequirementInfo) {
     const Json& pass = metrics.at("requirements").at(words.name).at("pass");
     if (pass.is_null() || !pass.get<bool>()) names.emplace_back(words.name);
   }

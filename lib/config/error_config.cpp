@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
-#include "errors/random_navigation_error.h"
+#include "error_models/random_navigation_error.h"
 #include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
 #include "trajectory/trajectory_columns.h"

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
+#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/shown_text.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
-#include "terrain/mesh_name.h"
+#include "terrain/mesh/mesh_name.h"
 
 namespace landfall {
 namespace {
@@ -23,14 +23,14 @@ Json number_of(const std::string& text, const char* option) {
   double number = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(number))
-    throw UsageError(std::string(option) + ": '" + shown_text(text) + "' is not a number");
+    throw UsageError(std::string(option) + ": '" + abbreviated(text) + "' is not a number");
   return number;
 }
 
 Json pair_of(const std::string& text, const char* option) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw UsageError(std::string(option) + ": '" + shown_text(text) +
+    throw UsageError(std::string(option) + ": '" + abbreviated(text) +
                      "' is not two numbers with a comma between them");
   return {number_of(text.substr(0, comma), option), number_of(text.substr(comma + 1), option)};
 }

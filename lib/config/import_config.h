@@ -5,7 +5,7 @@
 #include <string>
 
 #include "config/json_source.h"
-#include "terrain/site_fit.h"
+#include "terrain/relief/site_fit.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -27,12 +27,13 @@ struct ImportOptions {
   friend bool operator==(const ImportOptions&, const ImportOptions&) = default;
 };
 
-/// Writes the options, UTF-8, into a configuration as a file would have them, so that the same run has the same
-/// resolved configuration either way. Throws UsageError naming the option where a text is no number or no
-/// pair of numbers, and naming both where the configuration has a base of its own.
+/// Writes the options, UTF-8, into a configuration as a file would have them, so that the same run has the
+/// same resolved configuration either way. Throws UsageError naming the option where a text is no number or
+/// no pair of numbers, and naming both where the configuration has a base of its own.
 void apply_import(JsonSource& source, const ImportOptions& options);
 
-/// What a raster gives for the parts of a site's grid that are open: fit_dem_site() of terrain/gdal_loader.h.
+/// What a raster gives for the parts of a site's grid that are open: fit_dem_site() of
+/// terrain/gdal/gdal_loader.h.
 using SiteFitter = std::function<SiteSize(const DemBase& dem, const SiteRequest& request)>;
 
 /// Fills in half width and resolution from the raster of --from where the configuration, with its

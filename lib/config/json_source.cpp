@@ -13,9 +13,9 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/json_levels.h"
-#include "base/shown_text.h"
 
 namespace landfall {
 namespace {
@@ -43,14 +43,14 @@ std::string read_text(const std::string& path) {
 }
 
 /// Deeper than any schema; what walks a configuration may call itself.
-constexpr int kMostLevels = 64;
+constexpr int kMaxLevels = 64;
 
 /// Refuses what is JSON and no configuration; what is no JSON is told by parse(). nlohmann keeps the last of
 /// two equal keys; a configuration that says two things says neither. A pass of its own: the parser's
 /// callbacks take time in the square of a list.
 class StrictnessCheck final : public JsonLevels {
  public:
-  explicit StrictnessCheck(std::string name) : JsonLevels(kMostLevels), name_(std::move(name)) {}
+  explicit StrictnessCheck(std::string name) : JsonLevels(kMaxLevels), name_(std::move(name)) {}
 
   bool start_object(std::size_t size) override {
     keys_.emplace_back();
@@ -58,7 +58,7 @@ class StrictnessCheck final : public JsonLevels {
   }
   bool key(std::string& text) override {
     if (!keys_.back().insert(text).second)
-      throw UsageError(name_ + ": key \"" + shown_text(text) + "\" stands twice in one object");
+      throw UsageError(name_ + ": key \"" + abbreviated(text) + "\" stands twice in one object");
     return true;
   }
   bool end_object() override {
@@ -68,7 +68,7 @@ class StrictnessCheck final : public JsonLevels {
 
  private:
   bool too_deep() override {
-    throw UsageError(name_ + ": is nested deeper than " + std::to_string(kMostLevels) + " levels");
+    throw UsageError(name_ + ": is nested deeper than " + std::to_string(kMaxLevels) + " levels");
   }
 
   std::string name_;
@@ -79,14 +79,14 @@ class StrictnessCheck final : public JsonLevels {
 /// which the last ones tell most.
 std::string plain_message(const std::string& message) {
   constexpr std::string_view kQuote = "last read: '";
-  constexpr std::size_t kMost = 60;
+  constexpr std::size_t kMax = 60;
   const std::size_t prefix = message.find("] ");
   std::string text = plain_ascii(prefix == std::string::npos ? message : message.substr(prefix + 2));
   const std::size_t quote = text.find(kQuote);
   if (quote == std::string::npos) return text;
   const std::size_t begin = quote + kQuote.size();
   const std::size_t end = std::min(text.rfind("'; expected "), text.size() - 1);
-  if (end > begin + kMost) text.replace(begin, end - begin - (kMost - 3), "...");
+  if (end > begin + kMax) text.replace(begin, end - begin - (kMax - 3), "...");
   return text;
 }
 
@@ -116,7 +116,7 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   std::size_t index = 0;
   const auto [stop, error] = std::from_chars(key.data(), key.data() + key.size(), index);
   if (error != std::errc() || stop != key.data() + key.size() || index >= array.size())
-    throw UsageError("--set " + shown_text(assignment) + ": '" + shown_text(key) +
+    throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
                      "' is no index of an array of " + std::to_string(array.size()));
   return array[index];
 }
@@ -124,22 +124,22 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
 void assign(Json& root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw UsageError("--set " + shown_text(assignment) + ": wanted KEY=JSON");
+    throw UsageError("--set " + abbreviated(assignment) + ": wanted KEY=JSON");
   const std::string text = assignment.substr(equals + 1);
   if (!Json::accept(text))
-    throw UsageError("--set " + shown_text(assignment) + ": '" + shown_text(text) +
-                     "' is not JSON (a text needs quotes: '\"" + shown_text(text) + "\"')");
-  const Json value = parse(text, "--set " + shown_text(assignment));
+    throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(text) +
+                     "' is not JSON (a text needs quotes: '\"" + abbreviated(text) + "\"')");
+  const Json value = parse(text, "--set " + abbreviated(assignment));
   Json* target = &root;
   const std::vector<std::string> keys = split(assignment.substr(0, equals));
-  if (keys.size() > std::size_t{kMostLevels})
+  if (keys.size() > std::size_t{kMaxLevels})
     throw UsageError("--set: a key of " + std::to_string(keys.size()) + " parts, more than " +
-                     std::to_string(kMostLevels));
+                     std::to_string(kMaxLevels));
   for (const std::string& key : keys) {
-    if (key.empty()) throw UsageError("--set " + shown_text(assignment) + ": an empty key");
+    if (key.empty()) throw UsageError("--set " + abbreviated(assignment) + ": an empty key");
     if (target->is_null()) *target = Json::object();
     if (!target->is_structured())
-      throw UsageError("--set " + shown_text(assignment) + ": '" + shown_text(key) +
+      throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
                        "' lies inside a plain value");
     target = target->is_array() ? &element(*target, key, assignment) : &(*target)[key];
   }

@@ -9,9 +9,9 @@
 
 #include "base/number_table.h"
 #include "detector/detector.h"
-#include "errors/navigation_error.h"
-#include "errors/pointing_error.h"
-#include "errors/range_errors.h"
+#include "error_models/navigation_error.h"
+#include "error_models/pointing_error.h"
+#include "error_models/range_errors.h"
 #include "scanner/pattern.h"
 #include "scanner/scanner.h"
 #include "trajectory/trajectory.h"

@@ -13,8 +13,8 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "base/abbreviated.h"
 #include "base/error.h"
-#include "base/shown_text.h"
 #include "config/embedded_schemas.h"
 
 namespace landfall {
@@ -40,7 +40,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 /// What an over-long value looks like in a message.
-std::string shown(const Json& value) { return shown_text(value.dump()); }
+std::string shown(const Json& value) { return abbreviated(value.dump()); }
 
 std::string listed(const Json& values) {
   std::string text;
@@ -250,7 +250,7 @@ class Resolver {
     std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
     if (near.empty())
       for (std::size_t i = 0; i < known.size(); ++i) hint += (i == 0 ? "" : ", ") + known[i];
-    fail(pointer + "/" + shown_text(key), "unknown key" + hint);
+    fail(pointer + "/" + abbreviated(key), "unknown key" + hint);
   }
 
   std::string name_;

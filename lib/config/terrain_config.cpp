@@ -9,7 +9,7 @@
 #include "config/feature_config.h"
 #include "config/json_values.h"
 #include "config/schema.h"
-#include "terrain/terrain_generator.h"
+#include "terrain/relief/terrain_generator.h"
 
 namespace landfall {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "config/json_source.h"
 #include "raster/grid_spec.h"
-#include "terrain/polygon_soup.h"
+#include "terrain/mesh/polygon_soup.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {

@@ -6,9 +6,9 @@
 #include <charconv>
 #include <optional>
 
+#include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/shown_text.h"
 #include "config/json_values.h"
 
 namespace landfall {
@@ -23,7 +23,7 @@ double sigma_of(const std::string& text, const std::string& assignment) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
-    throw UsageError("--navigation-sigma " + shown_text(assignment) + ": '" + shown_text(text) +
+    throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": '" + abbreviated(text) +
                      "' is not a number; wanted KEY=SIGMA or KEY=X,Y,Z");
   return value;
 }
@@ -38,7 +38,7 @@ std::vector<double> sigmas_of(const std::string& text, const std::string& assign
   }
   if (sigmas.size() == 1) sigmas.assign(3, sigmas.front());
   if (sigmas.size() != 3)
-    throw UsageError("--navigation-sigma " + shown_text(assignment) + ": " + std::to_string(sigmas.size()) +
+    throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": " + std::to_string(sigmas.size()) +
                      " numbers; wanted 1 or 3");
   return sigmas;
 }
@@ -126,7 +126,7 @@ void add_navigation_sigma(Json& config, const std::string& assignment) {
   if (equals == std::string::npos ||
       std::find(kNavigationKeys.begin(), kNavigationKeys.end(), key) == kNavigationKeys.end())
     throw UsageError(
-        "--navigation-sigma " + shown_text(assignment) +
+        "--navigation-sigma " + abbreviated(assignment) +
         ": wanted KEY=SIGMA or KEY=X,Y,Z; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps");
   Json& sigmas = config["uncertainty"]["navigation_sigma"];
   for (const char* const other : kNavigationKeys)

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/output_path.h"
+#include "output/output_path.h"
 
 namespace landfall {
 

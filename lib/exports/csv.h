@@ -12,7 +12,7 @@
 #include "exports/byte_sink.h"
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
-#include "io/contents.h"
+#include "files/contents.h"
 
 namespace landfall {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "io/contents.h"
+#include "files/contents.h"
 #include "raster/grid.h"
 
 namespace landfall {

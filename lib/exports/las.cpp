@@ -12,8 +12,8 @@
 namespace landfall {
 namespace {
 
-constexpr double kMostSteps = 0x1p31 - 1024;  // room for the rounding of the centre
-constexpr std::size_t kMostPoints = 0xffffffffU;
+constexpr double kMaxSteps = 0x1p31 - 1024;  // room for the rounding of the centre
+constexpr std::size_t kMaxPoints = 0xffffffffU;
 constexpr std::size_t kRecordHeaderBytes = 54;
 
 /// A text field of fixed length, filled with zeros.
@@ -72,10 +72,10 @@ LasGrid LasGrid::fitting(const PointBox& box, const std::string& file) {
   }
   for (const double scale : {1e-6, 1e-5, 1e-4}) {
     grid.scale_m = scale;
-    if (half <= scale * kMostSteps) return grid;
+    if (half <= scale * kMaxSteps) return grid;
   }
   throw FormatError(file + ": points reach " + number_text(half) + " m from their centre; LAS holds " +
-                    number_text(std::floor(1e-4 * kMostSteps)) +
+                    number_text(std::floor(1e-4 * kMaxSteps)) +
                     " m at 0.1 mm. Export .ply, or leave the outliers out");
 }
 
@@ -121,7 +121,7 @@ void write_points_las(const PointReader& points, const std::string& position, st
   PointReader::Pass pass{{"x_" + position, "y_" + position, "z_" + position}, {true, every}, 3};
   const Extent extent = extent_of(points, pass, [&](double f) { report(progress, f / 4); });
   if (extent.count == 0) points.file().fail("holds no return");
-  if (extent.count > kMostPoints)
+  if (extent.count > kMaxPoints)
     points.file().fail("has " + std::to_string(extent.count) +
                        " points; LAS 1.2 holds 4294967295: use --every, or export .ply");
   const LasContent content{LasGrid::fitting(extent.box, points.file().name()), extent.box, extent.count,

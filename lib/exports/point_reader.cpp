@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
-#include "io/column_reader.h"
+#include "hdf5/column_reader.h"
 #include "simulation/pulse_batch.h"
 
 namespace landfall {

@@ -12,7 +12,7 @@
 
 #include "base/progress.h"
 #include "exports/byte_sink.h"
-#include "io/contents.h"
+#include "files/contents.h"
 
 namespace landfall {
 

@@ -10,13 +10,13 @@
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
-#include "io/terrain_file.h"
+#include "files/terrain_file.h"
 #include "simulation/pulse_batch.h"
 
 namespace landfall {
 namespace {
 
-constexpr std::int64_t kMostPixels = 1100;
+constexpr std::int64_t kMaxPixels = 1100;
 constexpr std::int64_t kMeshPixels = 500;  ///< each is a search in the mesh
 
 bool is_among(std::string_view name, std::initializer_list<std::string_view> names) {
@@ -29,7 +29,7 @@ bool keeps_greatest(const ContentInfo& content) {
 
 RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const ProgressCallback& progress) {
   const Reduction reduction = keeps_greatest(layer) ? Reduction::greatest : Reduction::mean;
-  LayerReducer reducer(grid.spec(), reduction, kMostPixels);
+  LayerReducer reducer(grid.spec(), reduction, kMaxPixels);
   grid.read_strips(
       layer,
       [&reducer](const AnyGrid& strip) {
@@ -76,7 +76,7 @@ RgbImage scan_picture(const PointReader& points, const std::string& layer, const
   const Extent extent = extent_of(points, [&](double f) { report(progress, f / 3); });
   const bool counts = layer == "count";
   const bool flags = !counts && keeps_greatest(points.column(layer));
-  PointMap map(extent.box, extent.count, kMostPixels, flags ? Reduction::greatest : Reduction::mean);
+  PointMap map(extent.box, extent.count, kMaxPixels, flags ? Reduction::greatest : Reduction::mean);
   PointReader::Pass pass{{"x_est", "y_est"}, {true, 1}, 2};
   if (!counts) pass.columns.push_back(layer);
   points.read(

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/progress.h"
-#include "io/contents.h"
+#include "files/contents.h"
 #include "picture/map_picture.h"
 
 namespace landfall {

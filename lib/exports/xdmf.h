@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "exports/point_reader.h"
-#include "io/contents.h"
-#include "io/point_places.h"
+#include "files/contents.h"
+#include "files/point_places.h"
 
 namespace landfall {
 
@@ -16,7 +16,7 @@ namespace landfall {
 [[nodiscard]] std::string xdmf_reference(const std::filesystem::path& data,
                                          const std::filesystem::path& xdmf);
 
-/// The file of the points' places (io/point_places.h) that belongs to an .xmf: its name and .h5.
+/// The file of the points' places (files/point_places.h) that belongs to an .xmf: its name and .h5.
 [[nodiscard]] std::filesystem::path xdmf_places(const std::filesystem::path& xdmf);
 
 /// The places of a scan's points: its columns x, y and z of `position` ("est" or "true"), float64 unless all

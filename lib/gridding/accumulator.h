@@ -55,7 +55,7 @@ class Accumulator {
   /// the last pass.
   virtual void values(BinIndex first, std::span<BinValues> out) const = 0;
 
-  static constexpr std::int64_t kMostReturns = std::numeric_limits<std::int32_t>::max();
+  static constexpr std::int64_t kMaxReturns = std::numeric_limits<std::int32_t>::max();
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// Returns that reached a bin, and returns that reached none.
@@ -68,8 +68,8 @@ class Accumulator {
   void count_points(std::size_t all, std::size_t outside) {
     inside_count_ += static_cast<std::int64_t>(all - outside);
     outside_count_ += static_cast<std::int64_t>(outside);
-    if (inside_count_ > kMostReturns)
-      throw FormatError("more than " + std::to_string(kMostReturns) +
+    if (inside_count_ > kMaxReturns)
+      throw FormatError("more than " + std::to_string(kMaxReturns) +
                         " returns lie in the grid, the most that one DEM can count; give fewer scans");
   }
 

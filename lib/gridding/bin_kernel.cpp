@@ -28,8 +28,8 @@ using Half = hn::CappedTag<double, 4>;
 /// Returns taken at a time, so that what is made of them, their bins and the
 /// next ones stay in the first cache.
 constexpr std::size_t kBlock = 32;
-constexpr std::size_t kMostLanes = 8;
-static_assert(kBlock % kMostLanes == 0);
+constexpr std::size_t kMaxLanes = 8;
+static_assert(kBlock % kMaxLanes == 0);
 
 HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
 
@@ -179,7 +179,7 @@ AddedReturns AddReturns(const GridPoints& points, const GridSpec& spec, BinWeigh
   AddReadable(points, whole, grid, weights, bins, added);
   const GridPoints rest = points.subset(whole, points.size() - whole);
   if (rest.size() == 0) return added;
-  std::array<std::array<double, kMostLanes>, 7> padded{};
+  std::array<std::array<double, kMaxLanes>, 7> padded{};
   const std::array<std::span<const double>, 7> columns = {rest.x_est,  rest.y_est,  rest.z_est, rest.x_true,
                                                           rest.y_true, rest.z_true, rest.t};
   for (std::size_t c = 0; c < columns.size(); ++c) std::ranges::copy(columns[c], padded[c].begin());

@@ -19,8 +19,8 @@ struct AddedReturns {
 };
 
 /// Adds the returns, in their order, to the bins in which they lie (row-major, those of `spec`, at most
-/// 2^31 - 1), as add_return() with the weight of BinAccumulator: the same bits. In SIMD lanes by run-time
-/// dispatch. The grid's first row and column lie within +-2^52.
+/// 2^31 - 1), as add_return() with the weight of WeightedMeanAccumulator: the same bits. In SIMD lanes by
+/// run-time dispatch. The grid's first row and column lie within +-2^52.
 AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
                          std::span<BinSums> bins);
 

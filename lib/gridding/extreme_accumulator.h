@@ -10,7 +10,7 @@ namespace landfall {
 
 /// The lowest or the highest return of each bin (`min`, `max`): all values are those of that one return, the
 /// first where several are equal; count and z_spread are of all returns of the bin. A return belongs to the
-/// bin whose centre is nearest. 80 bytes per bin; otherwise as BinAccumulator.
+/// bin whose centre is nearest. 80 bytes per bin; otherwise as WeightedMeanAccumulator.
 class ExtremeAccumulator final : public Accumulator {
  public:
   enum class Which { lowest, highest };

@@ -3,10 +3,10 @@
 
 #include <stdexcept>
 
-#include "gridding/bin_accumulator.h"
+#include "gridding/bilinear_accumulator.h"
 #include "gridding/extreme_accumulator.h"
 #include "gridding/median_accumulator.h"
-#include "gridding/splat_accumulator.h"
+#include "gridding/weighted_mean_accumulator.h"
 
 namespace landfall {
 
@@ -14,11 +14,11 @@ std::unique_ptr<Accumulator> make_accumulator(Method method, const GridSpec& spe
   using enum Method;
   switch (method) {
     case bilinear_nearest:
-      return std::make_unique<BinAccumulator>(spec, BinAccumulator::Weights::bilinear);
+      return std::make_unique<WeightedMeanAccumulator>(spec, WeightedMeanAccumulator::Weights::bilinear);
     case bilinear4:
-      return std::make_unique<SplatAccumulator>(spec);
+      return std::make_unique<BilinearAccumulator>(spec);
     case mean:
-      return std::make_unique<BinAccumulator>(spec, BinAccumulator::Weights::equal);
+      return std::make_unique<WeightedMeanAccumulator>(spec, WeightedMeanAccumulator::Weights::equal);
     case min:
       return std::make_unique<ExtremeAccumulator>(spec, ExtremeAccumulator::Which::lowest);
     case max:

@@ -9,9 +9,9 @@ namespace landfall {
 
 /// How returns make a map; docs/regrid.md says what each layer then means.
 enum class Method {
-  bilinear_nearest,  ///< weighted mean of the returns in a bin: the paper's (BinAccumulator)
-  bilinear4,         ///< each return at the four centres around it (SplatAccumulator)
-  mean,              ///< plain mean (BinAccumulator)
+  bilinear_nearest,  ///< weighted mean of the returns in a bin: the paper's (WeightedMeanAccumulator)
+  bilinear4,         ///< each return at the four centres around it (BilinearAccumulator)
+  mean,              ///< plain mean (WeightedMeanAccumulator)
   min,               ///< the lowest return (ExtremeAccumulator)
   max,               ///< the highest return (ExtremeAccumulator)
   median,            ///< the median return (MedianAccumulator)

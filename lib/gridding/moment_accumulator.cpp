@@ -25,7 +25,7 @@ void add_return(double dx, double dy, double dz, double w, BinMoments& bin) {
 MomentAccumulator::MomentAccumulator(const GridSpec& spec)
     : spec_(spec), moments_(spec.size()), nearest_(spec) {}
 
-void MomentAccumulator::add(const GridPoints& points, const BinAccumulator& bins) {
+void MomentAccumulator::add(const GridPoints& points, const WeightedMeanAccumulator& bins) {
   assert(bins.spec() == spec_);
   const std::span<BinMoments> moments = moments_.values();
   const std::span<const BinSums> sums = bins.bins();

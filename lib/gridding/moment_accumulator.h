@@ -4,8 +4,8 @@
 #include <span>
 
 #include "base/zeroed_memory.h"
-#include "gridding/bin_accumulator.h"
 #include "gridding/nearest_bins.h"
+#include "gridding/weighted_mean_accumulator.h"
 
 namespace landfall {
 
@@ -21,15 +21,16 @@ struct BinMoments {
   float w_dy_dz;
 };
 
-/// Second moments per bin, beside a BinAccumulator of the same grid and with its weights. In the same order
-/// at any number of threads: the same bits. 24 bytes per bin, untouched until a return falls on it.
+/// Second moments per bin, beside a WeightedMeanAccumulator of the same grid and with its weights. In the
+/// same order at any number of threads: the same bits. 24 bytes per bin, untouched until a return falls on
+/// it.
 class MomentAccumulator {
  public:
   explicit MomentAccumulator(const GridSpec& spec);
 
   /// Adds returns that `bins` already holds: call it with each batch after bins.add(), which refuses what is
   /// not finite and fixes z_first.
-  void add(const GridPoints& points, const BinAccumulator& bins);
+  void add(const GridPoints& points, const WeightedMeanAccumulator& bins);
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   /// Row-major, y ascending.

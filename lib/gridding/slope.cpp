@@ -34,7 +34,7 @@ struct PlaneSums {
   }
 };
 
-PlaneSums window_sums(const BinAccumulator& bins, BinIndex middle, std::int64_t radius) {
+PlaneSums window_sums(const WeightedMeanAccumulator& bins, BinIndex middle, std::int64_t radius) {
   const GridSpec& spec = bins.spec();
   const BinSums& origin = bins.bins()[spec.index(middle)];
   const double z_origin = origin.z_first + origin.w_dz / origin.weight;
@@ -70,7 +70,7 @@ PlaneFit fit(const PlaneSums& s) {
           (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy)};
 }
 
-Slope slope_at(const BinAccumulator& bins, BinIndex bin) {
+Slope slope_at(const WeightedMeanAccumulator& bins, BinIndex bin) {
   for (std::int64_t radius = 1; radius <= kLargestRadius; ++radius) {
     const PlaneSums sums = window_sums(bins, bin, radius);
     if (sums.bins < (radius == kLargestRadius ? kFewestBins : kEnoughBins)) continue;
@@ -84,7 +84,8 @@ Slope slope_at(const BinAccumulator& bins, BinIndex bin) {
 
 /// set(bin, sums) for each bin that holds a return.
 template <class Set>
-void for_each_filled_bin(const BinAccumulator& bins, Set set, const ProgressCallback& progress = {}) {
+void for_each_filled_bin(const WeightedMeanAccumulator& bins, Set set,
+                         const ProgressCallback& progress = {}) {
   const GridSpec& spec = bins.spec();
   const auto visit = [&](std::size_t begin, std::size_t end) {
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
@@ -98,7 +99,7 @@ void for_each_filled_bin(const BinAccumulator& bins, Set set, const ProgressCall
 
 }  // namespace
 
-Grid<Slope> slope_layer(const BinAccumulator& bins, const ProgressCallback& progress) {
+Grid<Slope> slope_layer(const WeightedMeanAccumulator& bins, const ProgressCallback& progress) {
   Grid<Slope> slopes(bins.spec());
   for_each_filled_bin(
       bins, [&](BinIndex bin, const BinSums&) { slopes.at(bin) = slope_at(bins, bin); }, progress);

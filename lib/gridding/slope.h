@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/progress.h"
-#include "gridding/bin_accumulator.h"
+#include "gridding/weighted_mean_accumulator.h"
 #include "raster/grid.h"
 
 namespace landfall {
@@ -23,7 +23,8 @@ struct Slope {
 /// it is below 0.1 s^2 (s the bin's edge; 2/3 s^2 for 3 x 3 full bins), 5 x 5 bins are taken, then 7 x 7. NaN
 /// where even these have fewer than 3 bins or lie on a line, and in empty bins. Range noise sigma_z of a bin
 /// gives the slope the noise sigma_z / (s sqrt(6)) on each axis.
-[[nodiscard]] Grid<Slope> slope_layer(const BinAccumulator& bins, const ProgressCallback& progress = {});
+[[nodiscard]] Grid<Slope> slope_layer(const WeightedMeanAccumulator& bins,
+                                      const ProgressCallback& progress = {});
 
 /// z_est - g . D: z_est carried along the slope g from the centroid of the bin's returns to the bin's centre;
 /// D = (mean x_est - X, mean y_est - Y). On a plane it removes the error of quantisation (Eq. 13) altogether.

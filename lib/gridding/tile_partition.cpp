@@ -10,21 +10,21 @@
 namespace landfall {
 namespace {
 
-constexpr int kMostPartBits = 6;
+constexpr int kMaxPartBits = 6;
 constexpr std::size_t kPointsPerPiece = std::size_t{1} << 14U;
 static_assert(kPointsPerPiece % kPointsPerWord == 0);
 
 /// So many tiles for each part along a row of the grid, unless tiles become too small: more even
 /// out the work of parts, but the points of a scanner's image then lie in more of them.
 constexpr std::uint64_t kTilesPerPart = 1;
-constexpr int kLeastTileBits = 5;
+constexpr int kMinTileBits = 5;
 
 int bits_of(std::uint64_t number) { return static_cast<int>(std::bit_width(number)) - 1; }
 
 Tiling tiling_of(const GridSpec& spec, std::size_t least_parts) {
-  const int part_bits = std::min(kMostPartBits, bits_of(std::bit_ceil(least_parts)));
+  const int part_bits = std::min(kMaxPartBits, bits_of(std::bit_ceil(least_parts)));
   const auto tile = static_cast<std::uint64_t>(spec.cols) / (kTilesPerPart << part_bits);
-  return {.tile_bits = std::max(kLeastTileBits, bits_of(tile)), .part_bits = part_bits};
+  return {.tile_bits = std::max(kMinTileBits, bits_of(tile)), .part_bits = part_bits};
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ void check_sigmas(const std::string& key, const Eigen::Vector3d& sigmas) {
 
 /// value(bin) of every bin that holds a return, NaN of the others.
 template <class Value>
-Grid<float> filled_bins(const BinAccumulator& bins, Value value, const ProgressCallback& progress = {}) {
+Grid<float> filled_bins(const WeightedMeanAccumulator& bins, Value value,
+                        const ProgressCallback& progress = {}) {
   const GridSpec& spec = bins.spec();
   Grid<float> layer(spec, std::numeric_limits<float>::quiet_NaN());
   const auto fill = [&](std::size_t begin, std::size_t end) {
@@ -79,7 +80,7 @@ struct UncertaintyMap::Sight {
   TimedPose pose;
 };
 
-UncertaintyMap::UncertaintyMap(const BinAccumulator& bins, const MomentAccumulator& moments,
+UncertaintyMap::UncertaintyMap(const WeightedMeanAccumulator& bins, const MomentAccumulator& moments,
                                const Grid<Slope>& slopes, const PoseTrack& poses,
                                const UncertaintyParameters& parameters, const ProgressCallback& progress)
     : bins_(bins), moments_(moments), slopes_(slopes), poses_(poses), parameters_(parameters) {

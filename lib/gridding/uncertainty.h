@@ -61,8 +61,8 @@ class UncertaintyMap {
  public:
   /// All four are of one grid and one set of returns, and outlive the map. 4 bytes per bin, 12 while it is
   /// made.
-  UncertaintyMap(const BinAccumulator& bins, const MomentAccumulator& moments, const Grid<Slope>& slopes,
-                 const PoseTrack& poses, const UncertaintyParameters& parameters,
+  UncertaintyMap(const WeightedMeanAccumulator& bins, const MomentAccumulator& moments,
+                 const Grid<Slope>& slopes, const PoseTrack& poses, const UncertaintyParameters& parameters,
                  const ProgressCallback& progress = {});
 
   /// The bin must hold a return.
@@ -91,7 +91,7 @@ class UncertaintyMap {
   [[nodiscard]] Grid<float> roughness(const ProgressCallback& progress) const;
   [[nodiscard]] bool is_empty(BinIndex bin) const;
 
-  const BinAccumulator& bins_;
+  const WeightedMeanAccumulator& bins_;
   const MomentAccumulator& moments_;
   const Grid<Slope>& slopes_;
   const PoseTrack& poses_;

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "picture/bitmap_font.h"
-#include "picture/relief.h"
+#include "picture/hillshade.h"
 
 namespace landfall {
 namespace {
@@ -14,9 +14,9 @@ namespace {
 constexpr Rgb kPaper = {255, 255, 255};
 constexpr Rgb kInk = {30, 30, 30};
 constexpr std::int64_t kEnlargeTo = 600;
-constexpr std::int64_t kLeastSide = 240;  ///< of the frame, so that labels have room
-constexpr double kOutliers = 0.005;       ///< on either side
-constexpr double kLeastRange = 1e-9;      ///< less is rounding
+constexpr std::int64_t kMinSide = 240;  ///< of the frame, so that labels have room
+constexpr double kOutliers = 0.005;     ///< on either side
+constexpr double kMinRange = 1e-9;      ///< less is rounding
 constexpr std::int64_t kTick = 6;
 constexpr std::int64_t kGap = 8;
 constexpr std::int64_t kBarWidth = 22;
@@ -61,8 +61,8 @@ Layout layout_of(const PixelMap& map) {
   layout.top = 3 * kTextHeight + 5 * kGap;
   layout.map_width = map.cols * layout.zoom;
   layout.map_height = map.rows * layout.zoom;
-  layout.frame_width = std::max(layout.map_width, kLeastSide);
-  layout.frame_height = std::max(layout.map_height, kLeastSide);
+  layout.frame_width = std::max(layout.map_width, kMinSide);
+  layout.frame_height = std::max(layout.map_height, kMinSide);
   return layout;
 }
 
@@ -96,7 +96,7 @@ Rgb shaded(Rgb color, double shade) {
 
 void draw_map(RgbImage& image, const PixelMap& map, const MapStyle& style, const Layout& layout,
               const std::array<double, 2>& range) {
-  const std::vector<double> shades = style.relief ? relief(map) : std::vector<double>();
+  const std::vector<double> shades = style.relief ? hillshade(map) : std::vector<double>();
   for (std::int64_t row = 0; row < map.rows; ++row)
     for (std::int64_t col = 0; col < map.cols; ++col) {
       const double value = map.at(row, col);
@@ -191,7 +191,7 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
     high = std::max(std::abs(low), std::abs(high));
     low = -high;
   }
-  if (high - low > std::max(kLeastRange, 1e-12 * std::max(std::abs(low), std::abs(high)))) return {low, high};
+  if (high - low > std::max(kMinRange, 1e-12 * std::max(std::abs(low), std::abs(high)))) return {low, high};
   const double half = low == 0 ? 0.5 : std::abs(low) / 2;
   return {low - half, low + half};
 }

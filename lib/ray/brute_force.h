@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "ray/engine.h"
-#include "terrain/triangle_mesh.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/mesh/triangle_mesh.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 

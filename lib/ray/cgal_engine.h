@@ -5,8 +5,8 @@
 
 #include "base/progress.h"
 #include "ray/engine.h"
-#include "terrain/triangle_mesh.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/mesh/triangle_mesh.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 

@@ -6,7 +6,7 @@
 
 #include "raster/grid_spec.h"
 #include "ray/engine.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "ray/descent.h"
 #include "ray/packet_walk.h"
+#include "ray/pyramid_traversal.h"
 
 namespace landfall {
 namespace {
@@ -27,7 +27,7 @@ class HeightfieldEngine final : public RayEngine {
   [[nodiscard]] double first_hit(const Ray& ray) const {
     if (!ray.origin.v.allFinite() || !ray.direction.v.allFinite())
       return std::numeric_limits<double>::quiet_NaN();
-    return Descent(field_, ray).first_hit();
+    return PyramidTraversal(field_, ray).first_hit();
   }
 
   std::shared_ptr<const TriangulatedGrid> terrain_;

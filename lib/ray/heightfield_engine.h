@@ -5,7 +5,7 @@
 
 #include "base/progress.h"
 #include "ray/engine.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 

@@ -93,7 +93,7 @@ class LaneWalk {
 
   static HWY_INLINE V looked_up(const double* table, VI rung) {
     const D d;
-    if constexpr (hn::MaxLanes(d) == WalkGround::kMostRungs)
+    if constexpr (hn::MaxLanes(d) == WalkGround::kMaxRungs)
       return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, rung));
     else
       return hn::GatherIndex(d, table, rung);

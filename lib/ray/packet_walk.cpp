@@ -22,13 +22,13 @@ namespace landfall::HWY_NAMESPACE {
 /// Walks that take their steps in turn: one waits for memory while the other computes.
 constexpr std::size_t kWalks = 2;
 
-/// Of blocks, until the lanes that still walk are left to Descent.
-constexpr int kMostSteps = 4096;
+/// Of blocks, until the lanes that still walk are left to PyramidTraversal.
+constexpr int kMaxSteps = 4096;
 
 HWY_INLINE void WalkTogether(const WalkGround& ground, LaneWalk (&walks)[kWalks], bool searching) {
   bool active = true;
-  for (int steps = 0; active && steps < kMostSteps;) {
-    for (; searching && steps < kMostSteps; ++steps) {
+  for (int steps = 0; active && steps < kMaxSteps;) {
+    for (; searching && steps < kMaxSteps; ++steps) {
       searching = false;
       for (LaneWalk& walk : walks) searching |= walk.step(ground);
     }

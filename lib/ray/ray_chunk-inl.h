@@ -152,7 +152,7 @@ HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
 /// does not hold.
 HWY_INLINE void fetch_ground(const WalkGround& ground, const RayChunk& chunk, std::size_t end,
                              const HeightSlab& slab) {
-  constexpr double kMostCells = 8192;  // 64 kB of nodes: they must stay cached until their turn
+  constexpr double kMaxCells = 8192;  // 64 kB of nodes: they must stay cached until their turn
   CrossedBox crossed;
   for (std::size_t i = 0; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
   const CellBox box = crossed.box();
@@ -161,7 +161,7 @@ HWY_INLINE void fetch_ground(const WalkGround& ground, const RayChunk& chunk, st
   const double high_x = std::min(box.high_x + 1, ground.cols);
   const double high_y = std::min(box.high_y + 1, ground.rows);
   const bool some = low_x <= high_x && low_y <= high_y;
-  if (!some || !((high_x - low_x + 1) * (high_y - low_y + 1) < kMostCells)) return;
+  if (!some || !((high_x - low_x + 1) * (high_y - low_y + 1) < kMaxCells)) return;
   const auto west = static_cast<std::int64_t>(low_x);
   const auto east = static_cast<std::int64_t>(high_x);
   const auto north = static_cast<std::int64_t>(high_y);

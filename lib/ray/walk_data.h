@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "ray/descent.h"
+#include "ray/pyramid_traversal.h"
 
 namespace landfall {
 
@@ -34,7 +34,7 @@ struct HeightSlab {
 /// What lanes walk over: rungs of square blocks, 4^rung cells wide, up to one block for the grid or the last
 /// rung that there is room for.
 struct WalkGround {
-  static constexpr int kMostRungs = 8;
+  static constexpr int kMaxRungs = 8;
 
   const float* highs;  ///< ElevationPyramid::highs, lows
   double to_lows;      ///< blocks from highs to lows
@@ -43,10 +43,10 @@ struct WalkGround {
   double rows, cols;  ///< cells
   double lowest, highest;
   int top_rung = 0;
-  alignas(64) double size[kMostRungs];        ///< of a block, cells
-  alignas(64) double per_size[kMostRungs];    ///< its inverse
-  alignas(64) double first[kMostRungs];       ///< block of each rung, in `highs`
-  alignas(64) double block_cols[kMostRungs];  ///< of each rung
+  alignas(64) double size[kMaxRungs];        ///< of a block, cells
+  alignas(64) double per_size[kMaxRungs];    ///< its inverse
+  alignas(64) double first[kMaxRungs];       ///< block of each rung, in `highs`
+  alignas(64) double block_cols[kMaxRungs];  ///< of each rung
 
   explicit WalkGround(const Heightfield& field)
       : highs(field.pyramid.highs().data()),
@@ -57,7 +57,7 @@ struct WalkGround {
         cols(static_cast<double>(field.spec().cols - 1)),
         lowest(field.pyramid.lowest()),
         highest(field.pyramid.highest()) {
-    for (int rung = 0; rung < kMostRungs; ++rung) {
+    for (int rung = 0; rung < kMaxRungs; ++rung) {
       const int level = rung == 0 ? 0 : 2 * rung - 1;
       if (level < field.pyramid.level_count()) top_rung = rung;
       const ElevationPyramid::Level& blocks = field.pyramid.level(top_rung == 0 ? 0 : 2 * top_rung - 1);

@@ -10,9 +10,9 @@
 
 #include "raster/grid_spec.h"
 #include "ray/engine.h"
-#include "terrain/large_terrain.h"
+#include "terrain/relief/large_terrain.h"
+#include "terrain/relief/triangulated_grid.h"
 #include "terrain/surface.h"
-#include "terrain/triangulated_grid.h"
 
 namespace landfall {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "io/chunk_codec.h"
+#include "hdf5/chunk_codec.h"
 #include "report/escape.h"
 
 namespace landfall::html_report {

@@ -9,7 +9,7 @@
 namespace landfall::html_report {
 
 inline constexpr std::uint16_t kNoValueCode = 65535;
-inline constexpr int kMostSteps = 65000;
+inline constexpr int kMaxSteps = 65000;
 inline constexpr int kErrorSteps = 500;
 
 /// Numbers as 16-bit codes: value = offset + code * step, within half a step (a whole one beside the greatest
@@ -22,7 +22,7 @@ struct Quantised {
   std::vector<std::uint16_t> codes;
 };
 
-/// The step is the least of 1, 2 or 5 times a power of ten of which at most `most_steps` (1..kMostSteps) span
+/// The step is the least of 1, 2 or 5 times a power of ten of which at most `most_steps` (1..kMaxSteps) span
 /// the values, and a value that is a multiple of it is kept exactly (to the rounding of double). A step of 0
 /// stands for a single value. Values that are not finite have kNoValueCode.
 [[nodiscard]] Quantised quantise(std::span<const double> values, int most_steps);

@@ -7,15 +7,15 @@
 #include <span>
 
 #include "base/parallel.h"
-#include "io/metrics_json.h"
+#include "files/metrics_json.h"
 
 namespace landfall::html_report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kMostCropCells = 512;
-constexpr std::size_t kMostHoles = 10;
+constexpr std::int64_t kMaxCropCells = 512;
+constexpr std::size_t kMaxHoles = 10;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -85,7 +85,7 @@ Json footprint_json(const EvaluationParameters& parameters, double resolution_m)
 /// The largest first; of equal ones the first.
 Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
   std::ranges::stable_sort(holes, [](const Hole& a, const Hole& b) { return a.size_bins > b.size_bins; });
-  holes.resize(std::min(holes.size(), kMostHoles));
+  holes.resize(std::min(holes.size(), kMaxHoles));
   Json list = Json::array();
   for (const Hole& hole : holes)
     list.push_back(
@@ -135,12 +135,12 @@ class Packer {
 };
 
 Json crop_json(const WorstFootprint& f, const std::string& id, Packer& packer) {
-  const std::int64_t factor = reduction_factor(f.window, kMostCropCells);
+  const std::int64_t factor = reduction_factor(f.window, kMaxCropCells);
   const std::string axis(1, f.axis);
   const bool horizontal = f.axis == 'h';
   ReportLayer elevation{"z_est",    "Estimated elevation",
                         "m",        Style::elevation,
-                        Rule::mean, quantise(reduce(f.z_est, factor, Rule::mean).cells, kMostSteps)};
+                        Rule::mean, quantise(reduce(f.z_est, factor, Rule::mean).cells, kMaxSteps)};
   ReportLayer error{horizontal ? "e_xy" : "e_" + axis,
                     horizontal ? "Horizontal error" : "Error in " + axis,
                     "m",

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "evaluation/requirement_words.h"
+#include "evaluation/requirement_info.h"
 
 namespace landfall::html_report {
 namespace {
@@ -42,7 +42,7 @@ const char* verdict_word(const std::optional<bool>& pass) {
 
 std::string cell(const std::string& text) { return "<td class=\"number\">" + text + "</td>"; }
 
-std::string row_html(const RequirementWords& words, const Requirement& r) {
+std::string row_html(const RequirementInfo& words, const Requirement& r) {
   return std::string("<tr data-requirement=\"") + words.name + "\"><th scope=\"row\">" + words.name +
          "</th><td>" + words.measured + "</td>" + cell(shown(r.value, words.unit)) +
          cell((words.at_least ? "at least " : "at most ") + shown(r.limit, words.unit)) +
@@ -56,7 +56,7 @@ std::string verdict_table_html(const Metrics& metrics) {
   std::string text =
       "<table id=\"verdicts\"><thead><tr><th>requirement</th><th>measured</th><th class=\"number\">value</th>"
       "<th class=\"number\">limit</th><th class=\"number\">margin</th><th>verdict</th></tr></thead><tbody>\n";
-  for (const RequirementWords& words : kRequirementWords)
+  for (const RequirementInfo& words : kRequirementInfo)
     text += row_html(words, metrics.requirements.*words.requirement);
   return text + "</tbody></table>";
 }
@@ -65,7 +65,7 @@ std::string verdict_banner_html(const Metrics& metrics) {
   std::string text;
   int missed = 0;
   int unjudged = 0;
-  for (const RequirementWords& words : kRequirementWords) {
+  for (const RequirementInfo& words : kRequirementInfo) {
     const Requirement& requirement = metrics.requirements.*words.requirement;
     if (!requirement.pass) ++unjudged;
     if (requirement.pass == false) ++missed;

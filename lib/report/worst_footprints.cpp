@@ -125,12 +125,12 @@ WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const Evalua
 
 std::vector<WorstFootprint> worst_footprints(const Grid<float>& shares,
                                              const EvaluationParameters& parameters, const DemWindow& read) {
-  constexpr std::size_t kMost = 10;
+  constexpr std::size_t kMax = 10;
   std::vector<WorstFootprint> result;
   if (shares.values().empty()) return result;
   const GridSpec& dem = shares.spec();
   const std::int64_t half = footprint_of(parameters, dem.resolution_m).half_bins();
-  for (const BinIndex bin : largest_apart(shares, half, kMost))
+  for (const BinIndex bin : largest_apart(shares, half, kMax))
     result.push_back(measure_footprint(bin, dem, parameters, read));
   return result;
 }

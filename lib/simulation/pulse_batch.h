@@ -15,7 +15,7 @@ enum class PointStatus : std::int8_t {
   dropout = 2,
   dead = 3,
   blanked = 4,
-  total_reflection = 5,
+  lost_in_optics = 5,
   false_return = 6,
 };
 inline constexpr std::size_t kPointStatusCount = 7;

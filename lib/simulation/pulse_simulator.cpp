@@ -213,7 +213,7 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   const auto i = static_cast<std::size_t>(where.pixel);
   if (dead_map_[i] != 0) return PointStatus::dead;
   if (workspace.state.blanked) return PointStatus::blanked;
-  if (workspace.beams[i].lost) return PointStatus::total_reflection;
+  if (workspace.beams[i].lost) return PointStatus::lost_in_optics;
   if (std::isnan(workspace.ranges_m[i])) return PointStatus::miss;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "detector/detector.h"
-#include "errors/pointing_error.h"
-#include "errors/range_errors.h"
+#include "error_models/pointing_error.h"
+#include "error_models/range_errors.h"
 #include "geometry/rotation.h"
 #include "ray/engine.h"
 #include "scanner/pattern.h"

@@ -18,11 +18,11 @@ using BatchPtr = std::unique_ptr<PulseBatch>;
 
 /// A batch of pulses on its way through the stages.
 struct Passage {
-  PulseRange pulses;
+  PulseSpan pulses;
   std::vector<double> ranges_true_m;  ///< empty: trace
   BatchPtr batch;
-  /// Why there is no batch. Thrown only in its turn, so that the first pulse that fails is the one named, on any number
-  /// of threads.
+  /// Why there is no batch. Thrown only in its turn, so that the first pulse that fails is the one named, on
+  /// any number of threads.
   std::exception_ptr failure;
   SinkWork work;
 };
@@ -48,8 +48,8 @@ class BatchPool {
   std::vector<BatchPtr> free_;
 };
 
-/// The stages, and what they share. They hand on pointers: what a run that fails leaves between two stages, oneTBB never
-/// destroys.
+/// The stages, and what they share. They hand on pointers: what a run that fails leaves between two stages,
+/// oneTBB never destroys.
 class ScanPipeline {
  public:
   /// At most so many batches are on their way at once.

@@ -11,7 +11,7 @@
 namespace landfall {
 
 /// The true ranges of consecutive pulses, one per pixel and pulse, NaN for a miss.
-using RangeSource = std::function<std::vector<double>(PulseRange pulses)>;
+using RangeSource = std::function<std::vector<double>(PulseSpan pulses)>;
 
 /// An earlier run to take the true ranges from.
 struct Replay {

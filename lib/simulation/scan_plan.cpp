@@ -76,9 +76,9 @@ BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::i
     return value;
   };
   const std::int64_t at_most_one = bins_of[0] + (bins_of.size() > 1 ? bins_of[1] : 0);
-  constexpr double kLeast = 1e-300;  // the first bin
+  constexpr double kMin = 1e-300;  // the first bin
   return {.mean = sum / static_cast<double>(bins),
-          .min = quantile(kLeast),
+          .min = quantile(kMin),
           .p05 = quantile(0.05),
           .median = quantile(0.5),
           .p95 = quantile(0.95),

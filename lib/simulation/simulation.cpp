@@ -73,7 +73,7 @@ PulseInput Simulation::pulse(std::int64_t k) const {
   return input;
 }
 
-void Simulation::simulate(PulseRange pulses, PulseBatch& batch) const {
+void Simulation::simulate(PulseSpan pulses, PulseBatch& batch) const {
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   batch.resize(static_cast<std::size_t>(pulses.count), pixel_count());
   PulseWorkspace workspace;
@@ -81,13 +81,13 @@ void Simulation::simulate(PulseRange pulses, PulseBatch& batch) const {
     simulator_.simulate(pulse(pulses.first + i), static_cast<std::size_t>(i), batch, workspace);
 }
 
-PulseBatch Simulation::simulate(PulseRange pulses) const {
+PulseBatch Simulation::simulate(PulseSpan pulses) const {
   PulseBatch batch;
   simulate(pulses, batch);
   return batch;
 }
 
-void Simulation::replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
+void Simulation::replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
                         PointContent content) const {
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   const std::size_t pixels = pixel_count();

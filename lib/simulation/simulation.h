@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "errors/navigation_error.h"
+#include "error_models/navigation_error.h"
 #include "simulation/pulse_simulator.h"
 #include "trajectory/trajectory.h"
 
@@ -31,7 +31,7 @@ struct ScanModel {
 /// they give no pulse or 2^31 and more.
 [[nodiscard]] std::int64_t pulse_count(const ScanModel& model);
 
-struct PulseRange {
+struct PulseSpan {
   std::int64_t first = 0;
   std::int64_t count = 0;
 };
@@ -61,12 +61,12 @@ class Simulation {
 
   /// Fills `batch` with all pixels of the pulses, which must lie in 0 .. pulse_count() - 1. Throws
   /// FormatError, naming the pulse, as PulseSimulator does.
-  void simulate(PulseRange pulses, PulseBatch& batch) const;
-  [[nodiscard]] PulseBatch simulate(PulseRange pulses) const;
+  void simulate(PulseSpan pulses, PulseBatch& batch) const;
+  [[nodiscard]] PulseBatch simulate(PulseSpan pulses) const;
 
   /// The same with the true ranges of an earlier run, one per pixel and pulse, NaN for a miss, instead of
   /// tracing: only the errors are drawn anew. Throws FormatError where their number does not fit.
-  void replay(PulseRange pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
+  void replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
               PointContent content = PointContent::all) const;
 
  private:

@@ -19,7 +19,7 @@
 #include "fuzz_target.h"
 #include "ray/flat_ground.h"
 #include "simulation/simulation.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall::fuzz {
 namespace {

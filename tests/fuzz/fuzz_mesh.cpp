@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "fuzz_target.h"
-#include "io/mesh_file.h"
-#include "terrain/triangle_mesh.h"
+#include "meshio/mesh_file.h"
+#include "terrain/mesh/triangle_mesh.h"
 
 namespace landfall::fuzz {
 namespace {

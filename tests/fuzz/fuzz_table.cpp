@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "detector/perspective.h"
+#include "files/number_table.h"
 #include "fuzz_target.h"
-#include "io/number_table.h"
 #include "memory_file.h"
 #include "scanner/table_pattern.h"
 #include "scanner/table_scanner.h"

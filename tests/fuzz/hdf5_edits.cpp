@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "hdf5/h5.h"
 #include "hdf5_values.h"
-#include "io/h5.h"
 
 namespace landfall::fuzz {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::json;
 using h5::Handle;
 
-constexpr int kMostEdits = 8;
+constexpr int kMaxEdits = 8;
 
 /// What an edit works on.
 struct Scene {
@@ -287,7 +287,7 @@ constexpr std::array kEdits = {remove_object,
 }  // namespace
 
 void edit(hid_t file, const LandfallFile& original, InputBytes& input) {
-  for (int i = 0; i < kMostEdits && !input.at_end(); ++i)
+  for (int i = 0; i < kMaxEdits && !input.at_end(); ++i)
     kEdits[input.below(kEdits.size())](Scene{file, original, input});
 }
 

@@ -17,10 +17,10 @@ Handle simple_space(const std::vector<hsize_t>& extent, bool growing) {
 }
 
 std::size_t count_of(const std::vector<hsize_t>& extent) {
-  constexpr hsize_t kMost = hsize_t{1} << 20U;
+  constexpr hsize_t kMax = hsize_t{1} << 20U;
   hsize_t count = 1;
-  for (const hsize_t size : extent) count = size > kMost || count > kMost ? kMost + 1 : count * size;
-  return count > kMost ? 0 : count;
+  for (const hsize_t size : extent) count = size > kMax || count > kMax ? kMax + 1 : count * size;
+  return count > kMax ? 0 : count;
 }
 
 Handle text_type(std::size_t size) {

@@ -17,16 +17,16 @@
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
+#include "files/dem_file.h"
+#include "files/evaluation_file.h"
+#include "files/mesh_terrain_file.h"
+#include "files/plan_file.h"
+#include "files/scan_file.h"
+#include "files/scan_poses.h"
+#include "files/terrain_file.h"
 #include "gridding/method.h"
 #include "gridding/uncertainty.h"
-#include "io/dem_file.h"
-#include "io/evaluation_file.h"
-#include "io/mesh_terrain_file.h"
-#include "io/plan_file.h"
-#include "io/scan_file.h"
-#include "io/scan_poses.h"
-#include "io/table.h"
-#include "io/terrain_file.h"
+#include "hdf5/table.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
 #include "simulation/scan_pipeline.h"
@@ -125,7 +125,7 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   ScanPoints p;
   scan.read(0, scan.row_count(), p);
   const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
-  BinAccumulator bins(grid);
+  WeightedMeanAccumulator bins(grid);
   MomentAccumulator moments(grid);
   bins.add(points, 0);
   moments.add(points, bins);

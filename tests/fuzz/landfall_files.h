@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/provenance.h"
+#include "files/provenance.h"
 
 namespace landfall::fuzz {
 

@@ -53,8 +53,8 @@ void install(const std::string& target) {
   std::copy_n(name.begin(), std::min(name.size(), finding_name.size() - 1), finding_name.begin());
   for (const int number : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGABRT}) std::signal(number, on_signal);
 #if !defined(LANDFALL_SANITIZED)  // a sanitizer reserves far more than it uses
-  constexpr rlim_t kMostMemory_bytes = rlim_t{2} << 30U;
-  const rlimit limit{kMostMemory_bytes, kMostMemory_bytes};
+  constexpr rlim_t kMaxMemory_bytes = rlim_t{2} << 30U;
+  const rlimit limit{kMaxMemory_bytes, kMaxMemory_bytes};
   ::setrlimit(RLIMIT_DATA, &limit);
 #endif
 }

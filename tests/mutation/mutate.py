@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mutation testing of lib/gridding, lib/evaluation, lib/errors and lib/geometry.
+"""Mutation testing of lib/gridding, lib/evaluation, lib/error_models and lib/geometry.
 
     mutate.py write | build | trace | run | chain | page     one after the other; each goes on where it was stopped
 
@@ -27,8 +27,8 @@ LIBRARIES = ["geometry", "errors", "gridding", "evaluation"]
 # Headers of lib/geometry are read everywhere: their mutants are built apart, with few tests, so that the rest of the
 # project need not be built anew.
 TREES = {"sources": lambda file: not re.match(r"lib/geometry/.*\.h", file), "headers": lambda file: re.match(r"lib/geometry/.*\.h", file)}
-TESTS = {"sources": ["geometry_test", "errors_test", "gridding_test", "evaluation_test", "simulation_test", "config_test"],
-         "headers": ["geometry_test", "errors_test"]}
+TESTS = {"sources": ["geometry_test", "error_models_test", "gridding_test", "evaluation_test", "simulation_test", "config_test"],
+         "headers": ["geometry_test", "error_models_test"]}
 SEED = 20261121
 SLOWEST_S = 20  # tests that take longer are left out: thousands of mutants would each wait for them
 IMPOSSIBLE, UNCOMPILABLE = "not possible with these types", "does not compile"

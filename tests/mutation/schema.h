@@ -41,23 +41,24 @@
 #include <type_traits>
 #include <utility>
 
-/// Mutant schemata: schema.py writes each mutation point of the libraries as a call of one of these, so that one
-/// build holds all mutants and the environment chooses one at the start of a program:
+/// Mutant schemata: schema.py writes each mutation point of the libraries as a call of one of these, so that
+/// one build holds all mutants and the environment chooses one at the start of a program:
 ///   LANDFALL_MUTANT=n         mutant n is on
-///   LANDFALL_MUTANT_TRACE=f   none is on; the mutants that were reached are appended to the file f, one per line
-/// In constant expressions no mutant is ever on. Where the types do not allow a mutant, the compiler says that
-/// `impossible<n>` is deprecated.
+///   LANDFALL_MUTANT_TRACE=f   none is on; the mutants that were reached are appended to the file f, one per
+///   line
+/// In constant expressions no mutant is ever on. Where the types do not allow a mutant, the compiler says
+/// that `impossible<n>` is deprecated.
 namespace landfall_mutant {
 
-constexpr std::size_t kMost = 1U << 15U;
+constexpr std::size_t kMax = 1U << 15U;
 enum Flag : unsigned char { kOff = 0, kOn = 1, kTraced = 2, kReached = 3 };
 
-inline unsigned char flags[kMost] = {};
+inline unsigned char flags[kMax] = {};
 
 inline void write_trace() {
   std::FILE* const file = std::fopen(std::getenv("LANDFALL_MUTANT_TRACE"), "a");
   if (file == nullptr) return;
-  for (std::size_t id = 0; id < kMost; ++id)
+  for (std::size_t id = 0; id < kMax; ++id)
     if (flags[id] == kReached) std::fprintf(file, "%zu\n", id);
   std::fclose(file);
 }
@@ -67,7 +68,7 @@ inline const bool started = [] {
     for (unsigned char& flag : flags) flag = kTraced;
     std::atexit(write_trace);
   } else if (const char* const id = std::getenv("LANDFALL_MUTANT")) {
-    flags[std::strtoul(id, nullptr, 10) % kMost] = kOn;
+    flags[std::strtoul(id, nullptr, 10) % kMax] = kOn;
   }
   return true;
 }();
@@ -88,7 +89,9 @@ template <int id>
 [[deprecated]] constexpr void impossible() {}
 
 template <class T>
-concept Eigenlike = requires { typename std::remove_cvref_t<T>::PlainObject; };
+concept Eigenlike = requires {
+  typename std::remove_cvref_t<T>::PlainObject;
+};
 
 /// What an expression's value is held in: an expression template is evaluated.
 template <class T>
@@ -102,16 +105,16 @@ struct Held<T> {
 template <class T>
 using Holder = typename Held<T>::type;
 
-#define LANDFALL_MUTANT_BINARY(name, usual, mutated)                                  \
-  template <int id, class A, class B>                                                 \
-  constexpr auto name(A&& a, B&& b) {                                                 \
-    using Result = Holder<decltype(a usual b)>;                                       \
-    if constexpr (requires { static_cast<Result>(a mutated b); }) {                   \
-      if (on<id>()) return static_cast<Result>(a mutated b);                          \
-    } else {                                                                          \
-      impossible<id>();                                                               \
-    }                                                                                 \
-    return static_cast<Result>(a usual b);                                            \
+#define LANDFALL_MUTANT_BINARY(name, usual, mutated)                \
+  template <int id, class A, class B>                               \
+  constexpr auto name(A&& a, B&& b) {                               \
+    using Result = Holder<decltype(a usual b)>;                     \
+    if constexpr (requires { static_cast<Result>(a mutated b); }) { \
+      if (on<id>()) return static_cast<Result>(a mutated b);        \
+    } else {                                                        \
+      impossible<id>();                                             \
+    }                                                               \
+    return static_cast<Result>(a usual b);                          \
   }
 LANDFALL_MUTANT_BINARY(add, +, -)
 LANDFALL_MUTANT_BINARY(subtract, -, +)
@@ -176,7 +179,8 @@ LANDFALL_MUTANT_ASSIGNMENT(and_into, &=, |=)
 LANDFALL_MUTANT_ASSIGNMENT(or_into, |=, &=)
 LANDFALL_MUTANT_ASSIGNMENT(xor_into, ^=, |=)
 
-/// a && b is gate(a) ? b : on(); a || b is gate(a) ? on() || ... : see schema.py. The other operator where on.
+/// a && b is gate(a) ? b : on(); a || b is gate(a) ? on() || ... : see schema.py. The other operator where
+/// on.
 template <int id, class A>
 constexpr bool gate(A&& a) {
   return static_cast<bool>(a) != on<id>();
@@ -204,7 +208,8 @@ constexpr T other_value(T value) {
     return value == 0 ? T{1} : -value;
 }
 
-/// A literal or a named constant. 0 becomes 1 and 1 becomes 0; other whole numbers grow by 1, others change sign.
+/// A literal or a named constant. 0 becomes 1 and 1 becomes 0; other whole numbers grow by 1, others change
+/// sign.
 template <int id, class T>
 constexpr T value(T constant) {
   return on<id>() ? other_value(constant) : constant;
@@ -234,21 +239,21 @@ constexpr T returned(T value) {
   return value;
 }
 
-#define LANDFALL_MUTANT_EXTREME(name, other, order)                    \
-  template <int id, class T>                                           \
-  constexpr T name##_as(const T& a, const T& b) {                      \
-    return (b order a) != on<id>() ? b : a;                            \
-  }                                                                    \
-  template <int id, class T>                                           \
-  constexpr T name(const T& a, const T& b) {                           \
-    return (b order a) != on<id>() ? b : a;                            \
-  }                                                                    \
-  template <int id, class T>                                           \
-  constexpr T name(std::initializer_list<T> values) {                  \
-    T found = *values.begin();                                         \
-    for (const T& value : values)                                      \
+#define LANDFALL_MUTANT_EXTREME(name, other, order)                        \
+  template <int id, class T>                                               \
+  constexpr T name##_as(const T& a, const T& b) {                          \
+    return (b order a) != on<id>() ? b : a;                                \
+  }                                                                        \
+  template <int id, class T>                                               \
+  constexpr T name(const T& a, const T& b) {                               \
+    return (b order a) != on<id>() ? b : a;                                \
+  }                                                                        \
+  template <int id, class T>                                               \
+  constexpr T name(std::initializer_list<T> values) {                      \
+    T found = *values.begin();                                             \
+    for (const T& value : values)                                          \
       if (on<id>() ? found order value : value order found) found = value; \
-    return found;                                                      \
+    return found;                                                          \
   }
 LANDFALL_MUTANT_EXTREME(min, max, <)
 LANDFALL_MUTANT_EXTREME(max, min, >)

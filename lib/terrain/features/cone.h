@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
-#include "terrain/features/relief.h"
+#include "terrain/features/feature_role.h"
 
 namespace landfall {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "terrain/features/relief.h"
+#include "terrain/features/feature_role.h"
 
 namespace landfall {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "terrain/features/relief.h"
+#include "terrain/features/feature_role.h"
 
 namespace landfall {
 

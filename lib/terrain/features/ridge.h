@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/parameter_check.h"
-#include "terrain/features/relief.h"
+#include "terrain/features/feature_role.h"
 #include "terrain/features/taper.h"
 #include "terrain/features/turned_axes.h"
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "terrain/raster_links.h"
+#include "terrain/gdal/raster_links.h"
 
 namespace landfall {
 

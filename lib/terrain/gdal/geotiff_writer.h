@@ -2,11 +2,11 @@
 #pragma once
 
 #include "base/progress.h"
-#include "terrain/geotiff.h"
+#include "terrain/gdal/geotiff.h"
 
 namespace landfall {
 
-/// GDAL's side of save_geotiff() (lib/terrain/gdal_loader.h).
+/// GDAL's side of save_geotiff() (lib/terrain/gdal/gdal_loader.h).
 void write_cloud_optimized_geotiff(const std::string& path, const GeotiffContent& content,
                                    const GeotiffOptions& options, const ProgressCallback& progress);
 

@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "base/regular_file.h"
 #include "terrain/gdal/raster_files.h"
-#include "terrain/mesh_name.h"
+#include "terrain/mesh/mesh_name.h"
 
 namespace landfall {
 namespace {

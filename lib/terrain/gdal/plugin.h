@@ -7,10 +7,10 @@
 #include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "raster/rgb_image.h"
-#include "terrain/dem_raster.h"
-#include "terrain/geotiff.h"
-#include "terrain/raster_links.h"
-#include "terrain/site_fit.h"
+#include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/raster_links.h"
+#include "terrain/relief/dem_raster.h"
+#include "terrain/relief/site_fit.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// GDAL's side of encode_png() (lib/terrain/gdal_loader.h).
+/// GDAL's side of encode_png() (lib/terrain/gdal/gdal_loader.h).
 [[nodiscard]] std::string png_bytes(const RgbImage& image);
 
 }  // namespace landfall

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSeparators = ":\"'?";
-constexpr std::size_t kMostSeparators = 16;  // of a name that is cut into parts; more make no file's name
-constexpr std::uintmax_t kMostVrtBytes = std::uintmax_t{64} << 20U;
+constexpr std::size_t kMaxSeparators = 16;  // of a name that is cut into parts; more make no file's name
+constexpr std::uintmax_t kMaxVrtBytes = std::uintmax_t{64} << 20U;
 
 bool is_there(const std::string& path) {
   std::error_code unreachable;
@@ -35,7 +35,7 @@ std::vector<std::string> parts_of(const std::string& name) {
   for (std::size_t at = name.find_first_of(kSeparators); at != std::string::npos;
        at = name.find_first_of(kSeparators, at + 1))
     ends.push_back(at);
-  if (ends.size() > kMostSeparators) return {};
+  if (ends.size() > kMaxSeparators) return {};
   ends.push_back(name.size());
   std::vector<std::string> parts;
   for (std::size_t first = 0; first <= ends.size() - 1; ++first) {
@@ -70,7 +70,7 @@ std::string head_of(const std::string& path) {
 
 bool is_vrt(const std::string& path) {
   std::error_code unreachable;
-  return fs::is_regular_file(path, unreachable) && fs::file_size(path, unreachable) <= kMostVrtBytes &&
+  return fs::is_regular_file(path, unreachable) && fs::file_size(path, unreachable) <= kMaxVrtBytes &&
          head_of(path).find("<VRTDataset") != std::string::npos;
 }
 

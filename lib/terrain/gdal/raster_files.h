@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "terrain/raster_links.h"
+#include "terrain/gdal/raster_links.h"
 #include "terrain/terrain_model.h"
 
 namespace landfall {
@@ -20,7 +20,7 @@ namespace landfall {
 /// True where one of the files begins as HDF5 and netCDF files do.
 [[nodiscard]] bool any_hdf5_or_netcdf(const std::vector<std::string>& files);
 
-/// GDAL's side of dem_files() (lib/terrain/gdal_loader.h).
+/// GDAL's side of dem_files() (lib/terrain/gdal/gdal_loader.h).
 [[nodiscard]] std::vector<std::string> all_dem_files(const DemBase& dem, RasterLinks links);
 
 }  // namespace landfall

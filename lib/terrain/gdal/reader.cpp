@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// GDAL's side of load_dem() (lib/terrain/gdal_loader.h), and the plugin's table.
+// GDAL's side of load_dem() (lib/terrain/gdal/gdal_loader.h), and the plugin's table.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "terrain/dem_raster.h"
-#include "terrain/site_mapping.h"
+#include "terrain/relief/dem_raster.h"
+#include "terrain/relief/site_mapping.h"
 #include "terrain/terrain_model.h"
 
 class OGRSpatialReference;
@@ -29,7 +29,7 @@ struct SiteFrame {
   double posting_m = 0;
 };
 
-/// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal_loader.h) says.
+/// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal/gdal_loader.h) says.
 [[nodiscard]] SiteFrame site_frame(const Georeference& georeference, const DemBase& dem);
 
 }  // namespace landfall

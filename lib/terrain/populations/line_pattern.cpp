@@ -51,10 +51,10 @@ void LinePattern::validate(const std::string& owner) const {
 
 void LinePattern::require_bounded(const PatternSite& site) const {
   const double expected = density_per_m2 * centres(*this, site).area_m2();
-  if (expected <= kMostLines) return;
+  if (expected <= kMaxLines) return;
   throw UsageError("patterns/" + std::to_string(site.pattern) + ": about " +
                    number_text(std::round(expected)) + " lines would be drawn, more than " +
-                   number_text(kMostLines) + "; take a lower density");
+                   number_text(kMaxLines) + "; take a lower density");
 }
 
 std::vector<Feature> LinePattern::features(const PatternSite& site) const {

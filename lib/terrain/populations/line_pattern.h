@@ -28,12 +28,12 @@ struct LinePattern {
   /// Draws are functions of the site's seed and of this; empty: of the pattern's number.
   std::optional<std::uint64_t> seed = std::nullopt;
 
-  static constexpr double kMostLines = 1e6;
+  static constexpr double kMaxLines = 1e6;
 
   /// Throws UsageError unless the shape makes sense, also at its shortest, the density is finite and
   /// positive, 0 < shortest_m <= the shape's length, the spread is in [0, pi / 2] and the seed is below 2^32.
   void validate(const std::string& owner) const;
-  /// Throws UsageError where more than kMostLines are expected.
+  /// Throws UsageError where more than kMaxLines are expected.
   void require_bounded(const PatternSite& site) const;
   /// In the order of their numbers; line i is a function of (seed, i). Throws as require_bounded() does.
   [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;
 constexpr double kAxisRatio = 0.8;
-constexpr double kMostHeightRatio = 0.75;
+constexpr double kMaxHeightRatio = 0.75;
 
 // Further draws of an object. Part of the files' reproducibility: never renumber.
 constexpr std::uint64_t kYawDraw = 0;
@@ -22,8 +22,8 @@ constexpr std::uint64_t kTiltDraw = 3;
 
 /// About the middle of a block's bottom, at the greatest tilt and height (IceBlock::reach_m).
 double ice_block_reach() {
-  const double tilt = IceBlockPattern::kMostTilt_rad;
-  return std::hypot(0.5, kAxisRatio / 2 * std::cos(tilt) + kMostHeightRatio * std::sin(tilt));
+  const double tilt = IceBlockPattern::kMaxTilt_rad;
+  return std::hypot(0.5, kAxisRatio / 2 * std::cos(tilt) + kMaxHeightRatio * std::sin(tilt));
 }
 
 PopulationKind rocks() { return {"rock", RandomStream::rock_population, 0.5, false}; }
@@ -50,7 +50,7 @@ double yaw_rad(const PopulationSampler& sampler, const ScatteredObject& object) 
 
 double height_m(const PopulationSampler& sampler, const ScatteredObject& object) {
   const double ratio = 0.5 + 0.1 * sampler.normal(object, kHeightDraw);
-  return object.diameter_m * std::clamp(ratio, 0.25, kMostHeightRatio);
+  return object.diameter_m * std::clamp(ratio, 0.25, kMaxHeightRatio);
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ std::vector<Feature> RockPattern::features(const PatternSite& site) const {
 
 void IceBlockPattern::validate(const std::string& owner) const {
   population.validate(owner);
-  require(max_tilt_rad >= 0 && max_tilt_rad <= kMostTilt_rad, {owner, "max_tilt_rad"}, max_tilt_rad,
+  require(max_tilt_rad >= 0 && max_tilt_rad <= kMaxTilt_rad, {owner, "max_tilt_rad"}, max_tilt_rad,
           "in [0, 0.2618] (15 deg)");
 }
 

@@ -33,12 +33,12 @@ struct IceBlockPattern {
   static constexpr bool kByChance = true;
 
   /// Up to which the length stays the longest side of every block's footprint.
-  static constexpr double kMostTilt_rad = 15 * std::numbers::pi / 180;
+  static constexpr double kMaxTilt_rad = 15 * std::numbers::pi / 180;
 
   Population population;
   double max_tilt_rad = 10 * std::numbers::pi / 180;
 
-  /// The tilt must lie in [0, kMostTilt_rad].
+  /// The tilt must lie in [0, kMaxTilt_rad].
   void validate(const std::string& owner) const;
   void require_bounded(const PatternSite& site) const;
   [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;

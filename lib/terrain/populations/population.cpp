@@ -85,10 +85,10 @@ void PopulationSampler::require_bounded() const {
   for (const Octave& o : list)
     expected += o.box.area_m2() * (density_per_m2(population_.law, o.diameters.min_m) -
                                    density_per_m2(population_.law, o.diameters.max_m));
-  if (expected <= kMostObjects) return;
+  if (expected <= kMaxObjects) return;
   if (std::isnan(expected)) expected = std::numeric_limits<double>::infinity();  // infinite ones subtracted
   throw UsageError(name() + ": about " + number_text(std::round(expected)) + " " + kind_.name +
-                   "s would be drawn, more than " + number_text(kMostObjects) + "; raise min_diameter_m");
+                   "s would be drawn, more than " + number_text(kMaxObjects) + "; raise min_diameter_m");
 }
 
 double PopulationSampler::uniform(const ScatteredObject& object, std::uint64_t draw) const {

@@ -55,10 +55,10 @@ struct ScatteredObject {
 class PopulationSampler {
  public:
   /// The population must be valid. Throws UsageError, naming pattern and number, where the region does not
-  /// meet the site or more than kMostObjects are expected in the rectangles that hold it.
+  /// meet the site or more than kMaxObjects are expected in the rectangles that hold it.
   PopulationSampler(const Population& population, const PopulationKind& kind, const PatternSite& site);
 
-  static constexpr double kMostObjects = 1e7;
+  static constexpr double kMaxObjects = 1e7;
 
   /// All objects, in descending order of diameter. The result does not depend on the number of threads.
   /// Throws UsageError where an object finds no free place.

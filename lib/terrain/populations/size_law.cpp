@@ -83,9 +83,9 @@ double GolombekLaw::density_per_m2(double diameter_m) const {
 }
 
 double GolombekLaw::diameter_m(double density_per_m2, const DiameterRange& range) const {
-  constexpr double kLeast = 1e-300;  // where N(>D) underflows
+  constexpr double kMin = 1e-300;  // where N(>D) underflows
   const auto excess = [&](double diameter_m) {
-    return std::log(std::max(this->density_per_m2(diameter_m), kLeast) / density_per_m2);
+    return std::log(std::max(this->density_per_m2(diameter_m), kMin) / density_per_m2);
   };
   // A root that rounding has put outside the range is at its end.
   const double at_min = std::max(excess(range.min_m), 0.0);

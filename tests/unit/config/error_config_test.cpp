@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
-#include "errors/random_navigation_error.h"
+#include "error_models/random_navigation_error.h"
 
 namespace landfall {
 namespace {

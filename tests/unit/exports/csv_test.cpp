@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "io/temporary_folder.h"
 #include "memory_sink.h"
 #include "refusal.h"
 #include "small_scan.h"
+#include "temporary_folder.h"
 
 namespace landfall {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "io/temporary_folder.h"
 #include "memory_sink.h"
 #include "small_scan.h"
+#include "temporary_folder.h"
 
 namespace landfall {
 namespace {

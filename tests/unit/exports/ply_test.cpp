@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/temporary_folder.h"
 #include "memory_sink.h"
 #include "small_scan.h"
+#include "temporary_folder.h"
 
 namespace landfall {
 namespace {

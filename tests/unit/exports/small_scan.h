@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "io/landfall_file.h"
-#include "io/table.h"
+#include "files/landfall_file.h"
+#include "hdf5/table.h"
 
 namespace landfall {
 

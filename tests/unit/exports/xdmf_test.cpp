@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/temporary_folder.h"
 #include "small_scan.h"
+#include "temporary_folder.h"
 
 namespace landfall {
 namespace {

@@ -21,7 +21,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The weight of BinAccumulator, by std::floor.
+/// The weight of WeightedMeanAccumulator, by std::floor.
 double bilinear_weight(const GridSpec& spec, double x, double y) {
   const double u = x / spec.resolution_m;
   const double v = y / spec.resolution_m;
@@ -123,7 +123,7 @@ TEST(BinKernel, AccumulatorHasTheSameBitsWithThreads) {
   const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const ThreadLimit limit(threads);
-    BinAccumulator bins(spec);
+    WeightedMeanAccumulator bins(spec);
     bins.add(columns.view(), 0);
     expect_same_bits(bins.bins(), expected.bins);
     EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);
@@ -144,7 +144,7 @@ TEST(BinKernel, ScansHaveTheSameBitsWithThreads) {
   const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
   for (const std::size_t threads : {1U, 2U, 5U}) {
     const ThreadLimit limit(threads);
-    BinAccumulator bins(spec);
+    WeightedMeanAccumulator bins(spec);
     bins.add(columns.view().subset(0, 70'001), 0);
     bins.add(columns.view().subset(70'001, 29'999), 70'001);
     expect_same_bits(bins.bins(), expected.bins);
@@ -168,7 +168,7 @@ TEST(BinKernel, RunsOfWordsKeepTheirOrder) {
     for (int i = 0; i < 6 * 64; ++i) add(i % 64 == 0 ? other : 3);
     for (int i = 0; i < 5 * 64; ++i) add(other);
     const Expected expected = one_by_one(columns.view(), spec, BinWeights::bilinear);
-    BinAccumulator bins(spec);
+    WeightedMeanAccumulator bins(spec);
     bins.add(columns.view(), 0);
     expect_same_bits(bins.bins(), expected.bins);
   }
@@ -181,7 +181,7 @@ TEST(BinKernel, ScatteredReturnsHaveTheSameBitsWithThreads) {
   const Expected expected = one_by_one(columns.view(), spec, BinWeights::equal);
   for (const std::size_t threads : {1U, 2U, 3U}) {
     const ThreadLimit limit(threads);
-    BinAccumulator bins(spec, BinWeights::equal);
+    WeightedMeanAccumulator bins(spec, BinWeights::equal);
     bins.add(columns.view(), 0);
     expect_same_bits(bins.bins(), expected.bins);
     EXPECT_EQ(static_cast<std::size_t>(bins.outside_count()), expected.outside);

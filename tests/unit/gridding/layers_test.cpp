@@ -9,7 +9,7 @@
 
 #include "map_layers.h"
 #include "point_columns.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 namespace {
@@ -19,7 +19,7 @@ GridSpec three_by_three() { return GridSpec::centered(1, 1); }
 
 TEST(Layers, MeansByHand) {
   // Bin (0, 0): weights 1 and 0.5.
-  const BinAccumulator bins = accumulated(
+  const WeightedMeanAccumulator bins = accumulated(
       three_by_three(), {{.z_est = 10, .x_true = 0.5, .y_true = 0.25, .t = 2},
                          {.x_est = 0.5 - 0x1p-20, .z_est = 13, .x_true = 2, .y_true = -2, .t = 5}});
   const double w = 0.5 + 0x1p-20;
@@ -34,7 +34,7 @@ TEST(Layers, MeansByHand) {
 }
 
 TEST(Layers, EmptyBinsAreNanWithCountZero) {
-  const BinAccumulator bins = accumulated(three_by_three(), {{}});
+  const WeightedMeanAccumulator bins = accumulated(three_by_three(), {{}});
   const BinIndex empty{0, 2};
   const auto zero = [](double, double) { return 0.0; };
   for (const auto& layer :
@@ -53,7 +53,7 @@ TEST(Layers, EmptyBinsAreNanWithCountZero) {
 
 // H(x, y) = 100 x + y tells where it was asked.
 TEST(Layers, TruthUnderTheBinsTruePlaceOrAtTheCentroid) {
-  const BinAccumulator bins =
+  const WeightedMeanAccumulator bins =
       accumulated(three_by_three(), {{.x_est = 1.25, .y_est = -0.75, .x_true = 1.375, .y_true = -0.5}});
   const auto where = [](double x, double y) { return 100 * x + y; };
   const BinIndex bin{0, 2};  // centre (1, -1)
@@ -63,7 +63,7 @@ TEST(Layers, TruthUnderTheBinsTruePlaceOrAtTheCentroid) {
 
 TEST(Layers, TruthOffTheTerrainIsNan) {
   const TriangulatedGrid terrain{Grid<double>(GridSpec::centered(1, 1))};
-  const BinAccumulator bins =
+  const WeightedMeanAccumulator bins =
       accumulated(three_by_three(), {{.x_est = 1, .x_true = 1.25}, {.x_est = -1, .x_true = -1}});
   const auto z_true = z_true_layer(
       bins, [&](double x, double y) { return terrain.elevation(x, y); }, TruthAt::bin_center);
@@ -81,7 +81,7 @@ TEST(Layers, TiltedPlaneErrorInClosedForm) {
   for (double x = -1.4; x < 1.4; x += 0.17)
     for (double y = -1.4; y < 1.4; y += 0.23)
       points.push_back({.x_est = x, .y_est = y, .z_est = plane(x, y), .x_true = x, .y_true = y});
-  const BinAccumulator bins = accumulated(three_by_three(), points);
+  const WeightedMeanAccumulator bins = accumulated(three_by_three(), points);
   const auto z_est = z_est_layer(bins);
   const auto x_mean = x_true_layer(bins);
   const auto y_mean = y_true_layer(bins);
@@ -106,7 +106,7 @@ TEST(Layers, TruthFollowsAConstantPositionError) {
   std::vector<ReturnPoint> points;
   for (double x = -0.4; x < 0.45; x += 0.1)
     points.push_back({.x_est = x, .z_est = plane(x + 3, 0), .x_true = x + 3});
-  const BinAccumulator bins = accumulated(three_by_three(), points);
+  const WeightedMeanAccumulator bins = accumulated(three_by_three(), points);
   EXPECT_NEAR(z_true_layer(bins, plane, TruthAt::bin_center).at({1, 1}), 1.5, 1e-14);
   EXPECT_NEAR(z_est_layer(bins).at({1, 1}), 1.5, 1e-14);  // the points lie symmetrically
 }
@@ -114,14 +114,15 @@ TEST(Layers, TruthFollowsAConstantPositionError) {
 TEST(Layers, SpreadByHand) {
   // Equal weights: 1, 3 -> mean 2, deviation 1. Weights 1 and 0.75: variance w1 w2 / (w1 + w2)^2 d^2.
   EXPECT_EQ(z_spread_layer(accumulated(three_by_three(), {{.z_est = 1}, {.z_est = 3}})).at({1, 1}), 1);
-  const BinAccumulator unequal = accumulated(three_by_three(), {{.z_est = 1}, {.x_est = 0.25, .z_est = 3}});
+  const WeightedMeanAccumulator unequal =
+      accumulated(three_by_three(), {{.z_est = 1}, {.x_est = 0.25, .z_est = 3}});
   EXPECT_FLOAT_EQ(z_spread_layer(unequal).at({1, 1}), static_cast<float>(2 * std::sqrt(0.75) / 1.75));
   EXPECT_EQ(z_spread_layer(accumulated(three_by_three(), {{.z_est = 5}})).at({1, 1}), 0);
 }
 
 // Millimetres on top of a million metres: sums of squares of z itself would lose them.
 TEST(Layers, SpreadSurvivesALargeOffset) {
-  const BinAccumulator bins = accumulated(
+  const WeightedMeanAccumulator bins = accumulated(
       three_by_three(), {{.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}, {.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}});
   EXPECT_EQ(z_spread_layer(bins).at({1, 1}), 0x1p-10F);
   EXPECT_EQ(z_est_layer(bins).at({1, 1}), 1e6 + 0x1p-10);
@@ -129,7 +130,7 @@ TEST(Layers, SpreadSurvivesALargeOffset) {
 
 TEST(Layers, EqualElevationsAreExact) {
   const double z = 0.1;
-  const BinAccumulator bins =
+  const WeightedMeanAccumulator bins =
       accumulated(three_by_three(),
                   {{.x_est = 0.1, .z_est = z}, {.x_est = 0.3, .z_est = z}, {.y_est = -0.4, .z_est = z}});
   EXPECT_EQ(z_est_layer(bins).at({1, 1}), z);

@@ -293,7 +293,7 @@ TEST(MakeAccumulator, KnowsNoOtherMethod) {
                std::logic_error);
 }
 
-TEST(SplatAccumulator, WeightsByHand) {
+TEST(BilinearAccumulator, WeightsByHand) {
   // A quarter of the way from centre (0, 0) to (1, 0), half of the way to (0, 1).
   const PointColumns columns({{.x_est = 0.25, .y_est = 0.5, .z_est = 3}});
   const auto map = gathered(make_accumulator(Method::bilinear4, GridSpec::centered(1, 1)), columns.view(), 1);
@@ -306,7 +306,7 @@ TEST(SplatAccumulator, WeightsByHand) {
   EXPECT_EQ(v[8].z_est, 3);
 }
 
-TEST(SplatAccumulator, AReturnOnACentreCountsThereOnly) {
+TEST(BilinearAccumulator, AReturnOnACentreCountsThereOnly) {
   const PointColumns columns({{.x_est = 1, .y_est = -1}});
   const auto map = gathered(make_accumulator(Method::bilinear4, GridSpec::centered(1, 1)), columns.view(), 1);
   const std::vector<BinValues> v = all_values(*map);

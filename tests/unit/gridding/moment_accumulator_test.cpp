@@ -15,7 +15,7 @@ namespace {
 
 MomentAccumulator moments_of(const GridSpec& spec, const std::vector<ReturnPoint>& points,
                              std::size_t batch = SIZE_MAX) {
-  BinAccumulator bins(spec);
+  WeightedMeanAccumulator bins(spec);
   MomentAccumulator moments(spec);
   const PointColumns columns(points);
   for (std::size_t begin = 0; begin < points.size(); begin += std::min(batch, points.size())) {

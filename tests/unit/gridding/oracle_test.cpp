@@ -72,10 +72,10 @@ std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Weighted>> binned(
   return bins;
 }
 
-TEST(BinAccumulator, AgreesWithTheSlowOne) {
+TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
   const GridSpec spec = GridSpec::centered(3, 0.25);
   const std::vector<ReturnPoint> points = random_points(spec, 2000);  // about 3 per bin, some empty
-  const BinAccumulator bins = accumulated(spec, points);
+  const WeightedMeanAccumulator bins = accumulated(spec, points);
   const auto expected = binned(spec, points);
   const auto z_est = z_est_layer(bins);
   const auto x_true = x_true_layer(bins);
@@ -116,41 +116,41 @@ TEST(BinAccumulator, AgreesWithTheSlowOne) {
   EXPECT_EQ(bins.outside_count(), static_cast<std::int64_t>(points.size()) - inside);
 }
 
-BinAccumulator in_batches(const GridSpec& spec, const GridPoints& points, std::size_t batch) {
-  BinAccumulator bins(spec);
+WeightedMeanAccumulator in_batches(const GridSpec& spec, const GridPoints& points, std::size_t batch) {
+  WeightedMeanAccumulator bins(spec);
   for (std::size_t first = 0; first < points.size(); first += batch)
     bins.add(points.subset(first, std::min(batch, points.size() - first)), static_cast<std::int64_t>(first));
   return bins;
 }
 
-bool same_bits(const BinAccumulator& a, const BinAccumulator& b) {
+bool same_bits(const WeightedMeanAccumulator& a, const WeightedMeanAccumulator& b) {
   return std::memcmp(a.bins().data(), b.bins().data(), a.bins().size_bytes()) == 0 &&
          a.outside_count() == b.outside_count() && a.inside_count() == b.inside_count();
 }
 
-TEST(BinAccumulator, SameBitsAtAnyThreadCountAndBatchSize) {
+TEST(WeightedMeanAccumulator, SameBitsAtAnyThreadCountAndBatchSize) {
   const GridSpec spec = GridSpec::centered(10, 0.25);
   const PointColumns columns(random_points(spec, 200'000));
   const GridPoints points = columns.view();
-  const BinAccumulator reference = in_batches(spec, points, points.size());
+  const WeightedMeanAccumulator reference = in_batches(spec, points, points.size());
   for (const std::size_t threads : {1U, 2U, 3U}) {
     const ThreadLimit limit(threads);
     EXPECT_TRUE(same_bits(in_batches(spec, points, points.size()), reference)) << threads << " threads";
     EXPECT_TRUE(same_bits(in_batches(spec, points, 70'001), reference)) << threads << " threads";
   }
   const GridPoints few = points.subset(0, 5000);
-  const BinAccumulator reference_of_few = in_batches(spec, few, few.size());
+  const WeightedMeanAccumulator reference_of_few = in_batches(spec, few, few.size());
   EXPECT_TRUE(same_bits(in_batches(spec, few, 1), reference_of_few));
   EXPECT_TRUE(same_bits(in_batches(spec, few, 7), reference_of_few));
   EXPECT_FALSE(same_bits(reference, reference_of_few));
 }
 
 // A coarse wide bin filled over four million returns: a batch longer than one pass of the accumulator.
-TEST(BinAccumulator, LongBatchesAreCutWithoutLoss) {
+TEST(WeightedMeanAccumulator, LongBatchesAreCutWithoutLoss) {
   constexpr std::size_t kPoints = (std::size_t{1} << 22U) + 12'345;
   const std::vector<double> zeros(kPoints, 0.0);
   const std::vector<double> ones(kPoints, 1.0);
-  BinAccumulator bins(GridSpec::centered(1, 1));
+  WeightedMeanAccumulator bins(GridSpec::centered(1, 1));
   bins.add({zeros, zeros, ones, zeros, zeros, zeros, zeros}, 0);
   EXPECT_EQ(bins.inside_count(), static_cast<std::int64_t>(kPoints));
   EXPECT_EQ(bins.bins()[4].count, static_cast<std::int32_t>(kPoints));

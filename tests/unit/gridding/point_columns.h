@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gridding/bin_accumulator.h"
+#include "gridding/weighted_mean_accumulator.h"
 
 namespace landfall {
 
@@ -39,8 +39,8 @@ struct PointColumns {
   [[nodiscard]] GridPoints view() const { return {x_est, y_est, z_est, x_true, y_true, z_true, t}; }
 };
 
-inline BinAccumulator accumulated(const GridSpec& spec, const std::vector<ReturnPoint>& points) {
-  BinAccumulator bins(spec);
+inline WeightedMeanAccumulator accumulated(const GridSpec& spec, const std::vector<ReturnPoint>& points) {
+  WeightedMeanAccumulator bins(spec);
   const PointColumns columns(points);
   bins.add(columns.view(), 0);
   return bins;

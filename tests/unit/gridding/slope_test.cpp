@@ -21,7 +21,7 @@ ReturnPoint on_plane(double x, double y) { return {.x_est = x, .y_est = y, .z_es
 
 // One return somewhere in each bin for which `keep` holds.
 template <class Keep>
-BinAccumulator scattered(const GridSpec& spec, Keep keep) {
+WeightedMeanAccumulator scattered(const GridSpec& spec, Keep keep) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> offset(-0.49, 0.49);
   std::vector<ReturnPoint> points;
@@ -163,7 +163,7 @@ TEST(Slope, NoiseOfTheSlope) {
   EXPECT_NEAR(std::sqrt(sum / count) / (kSigma / (0.05 * std::sqrt(6.0))), 1, 0.06);
 }
 
-Grid<double> corrected_layer(const BinAccumulator& bins) {
+Grid<double> corrected_layer(const WeightedMeanAccumulator& bins) {
   const Grid<Slope> slopes = slope_layer(bins);
   const std::vector<BinValues> values = all_values(bins);
   const GridSpec& spec = bins.spec();
@@ -177,7 +177,8 @@ Grid<double> corrected_layer(const BinAccumulator& bins) {
 
 TEST(Corrected, OnAPlaneItIsThePlaneAtTheBinsCentre) {
   const GridSpec spec = GridSpec::centered(0.25, 0.05);
-  const BinAccumulator bins = scattered(spec, [](auto row, auto col) { return row != 3 || col != 4; });
+  const WeightedMeanAccumulator bins =
+      scattered(spec, [](auto row, auto col) { return row != 3 || col != 4; });
   const Grid<double> corrected = corrected_layer(bins);
   for (std::int64_t row = 0; row < spec.rows; ++row)
     for (std::int64_t col = 0; col < spec.cols; ++col) {
@@ -189,7 +190,7 @@ TEST(Corrected, OnAPlaneItIsThePlaneAtTheBinsCentre) {
 }
 
 TEST(Corrected, NanWithoutASlope) {
-  const BinAccumulator bins = accumulated(GridSpec::centered(1, 1), {{.x_est = 0.25, .z_est = 4}});
+  const WeightedMeanAccumulator bins = accumulated(GridSpec::centered(1, 1), {{.x_est = 0.25, .z_est = 4}});
   EXPECT_TRUE(std::isnan(corrected_layer(bins).at({1, 1})));
 }
 

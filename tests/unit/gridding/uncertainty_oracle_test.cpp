@@ -141,7 +141,7 @@ class UncertaintyOracle : public testing::Test {
     return freedom > 0 ? std::max(0.0, excess / freedom) : 0;
   }
 
-  BinAccumulator bins_ = accumulated(kSpec, returns());
+  WeightedMeanAccumulator bins_ = accumulated(kSpec, returns());
   MomentAccumulator moments_{kSpec};
   Grid<Slope> slopes_ = slopes();
   PoseTrack poses_ = Flight().track();

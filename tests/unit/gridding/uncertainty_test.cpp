@@ -11,7 +11,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "errors/navigation_error.h"
+#include "error_models/navigation_error.h"
 #include "point_columns.h"
 
 namespace landfall {
@@ -38,7 +38,7 @@ struct Scene {
   }
 
   GridSpec spec = GridSpec::centered(0.25, kStep);
-  BinAccumulator bins;
+  WeightedMeanAccumulator bins;
   MomentAccumulator moments;
   Grid<Slope> slopes;
   PoseTrack poses;

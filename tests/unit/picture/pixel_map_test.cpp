@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "picture/relief.h"
+#include "picture/hillshade.h"
 
 namespace landfall {
 namespace {
@@ -102,19 +102,19 @@ PixelMap plane(double east, double north) {
 }
 
 TEST(Relief, IsOneOnLevelGroundAndDarkAwayFromTheLight) {
-  for (const double shade : relief(plane(0, 0))) EXPECT_EQ(shade, 1);
+  for (const double shade : hillshade(plane(0, 0))) EXPECT_EQ(shade, 1);
   // A slope of 0.4 up to the east faces west, to the light; the closed form with the normal (-0.4, 0, 1).
   const double lit = (0.4 + std::sqrt(2.0)) / std::sqrt(2.0 * 1.16);
-  for (const double shade : relief(plane(0.4, 0))) EXPECT_NEAR(shade, lit, 1e-12);
+  for (const double shade : hillshade(plane(0.4, 0))) EXPECT_NEAR(shade, lit, 1e-12);
   const double dark = (-0.4 + std::sqrt(2.0)) / std::sqrt(2.0 * 1.16);
-  for (const double shade : relief(plane(0, 0.4))) EXPECT_NEAR(shade, dark, 1e-12);
+  for (const double shade : hillshade(plane(0, 0.4))) EXPECT_NEAR(shade, dark, 1e-12);
 }
 
 TEST(Relief, LeavesOutWhatHasNoValue) {
   PixelMap map = plane(0.4, 0);
   map.values[12] = kNan;
   const double lit = (0.4 + std::sqrt(2.0)) / std::sqrt(2.0 * 1.16);
-  const std::vector<double> shades = relief(map);
+  const std::vector<double> shades = hillshade(map);
   for (std::size_t i = 0; i < 25; ++i) EXPECT_NEAR(shades[i], i == 12 ? 1 : lit, 1e-12);
 }
 

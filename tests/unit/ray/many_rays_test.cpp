@@ -14,9 +14,9 @@
 #include "ray/packet_walk.h"
 #include "scenes.h"
 #include "shared_data.h"
-#include "terrain/fractal.h"
-#include "terrain/gdal_loader.h"
-#include "terrain/terrain_generator.h"
+#include "terrain/gdal/gdal_loader.h"
+#include "terrain/relief/fractal.h"
+#include "terrain/relief/terrain_generator.h"
 
 namespace landfall {
 namespace {

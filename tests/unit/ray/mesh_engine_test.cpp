@@ -9,7 +9,7 @@
 #include "../terrain/mesh_shapes.h"
 #include "ray/brute_force.h"
 #include "scenes.h"
-#include "terrain/triangle_mesh.h"
+#include "terrain/mesh/triangle_mesh.h"
 
 namespace landfall {
 namespace {

@@ -16,7 +16,7 @@
 #include "ray/cgal_engine.h"
 #include "ray/engine.h"
 #include "ray/heightfield_engine.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 #include "test_seed.h"
 
 namespace landfall {

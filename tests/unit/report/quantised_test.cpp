@@ -57,7 +57,7 @@ TEST(Quantise, KeepsValuesWithinHalfARoundStep) {
   std::uniform_real_distribution<double> uniform(-7.3, 4.1);
   std::vector<double> values(5000);
   for (double& value : values) value = uniform(generator);
-  for (const int steps : {10, 1000, kMostSteps}) {
+  for (const int steps : {10, 1000, kMaxSteps}) {
     const Quantised q = quantise(values, steps);
     EXPECT_LE((q.high - q.low) / q.step, steps);
     EXPECT_GT((q.high - q.low) / q.step, steps / 2.6);

@@ -11,7 +11,7 @@
 #include "detector/perspective.h"
 #include "scanner/flash.h"
 #include "simulation/simulation.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 #include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
 

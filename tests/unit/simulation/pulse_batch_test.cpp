@@ -79,7 +79,7 @@ TEST(PulseBatch, KeepsReturnsInOrder) {
 }
 
 TEST(PulseBatch, KeepingReturnsTwiceIsKeepingThemOnce) {
-  PulseBatch batch = numbered({returned, returned, blanked, total_reflection, miss, returned});
+  PulseBatch batch = numbered({returned, returned, blanked, lost_in_optics, miss, returned});
   batch.keep_returns();
   const PointColumns once = batch.points;
   batch.keep_returns();
@@ -94,7 +94,7 @@ TEST(PointStatus, ValuesAreTheFiles) {
   EXPECT_EQ(static_cast<int>(dropout), 2);
   EXPECT_EQ(static_cast<int>(dead), 3);
   EXPECT_EQ(static_cast<int>(blanked), 4);
-  EXPECT_EQ(static_cast<int>(total_reflection), 5);
+  EXPECT_EQ(static_cast<int>(lost_in_optics), 5);
   EXPECT_EQ(static_cast<int>(false_return), 6);
 }
 

@@ -13,7 +13,7 @@
 #include "detector/perspective.h"
 #include "scanner/flash.h"
 #include "scanner/fsm.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 namespace {
@@ -193,9 +193,9 @@ TEST(PulseSimulator, FirstStatusThatAppliesWins) {
   const PlaneEngine sky({.z0_m = 1000});
   const RangeErrorParameters drop_all{.dropout_frac = 1};
   const RangeErrorParameters all_dead{.dead_pixel_frac = 1, .dropout_frac = 1};
-  EXPECT_THAT(statuses({}, ground, 0), ElementsAre(returned, total_reflection, returned));
-  EXPECT_THAT(statuses(drop_all, ground, 0), ElementsAre(dropout, total_reflection, dropout));
-  EXPECT_THAT(statuses(drop_all, sky, 0), ElementsAre(miss, total_reflection, miss));
+  EXPECT_THAT(statuses({}, ground, 0), ElementsAre(returned, lost_in_optics, returned));
+  EXPECT_THAT(statuses(drop_all, ground, 0), ElementsAre(dropout, lost_in_optics, dropout));
+  EXPECT_THAT(statuses(drop_all, sky, 0), ElementsAre(miss, lost_in_optics, miss));
   EXPECT_THAT(statuses(drop_all, ground, 1), ElementsAre(blanked, blanked, blanked));
   EXPECT_THAT(statuses(all_dead, ground, 1), ElementsAre(dead, dead, dead));
   EXPECT_THAT(statuses(all_dead, sky, 0), ElementsAre(dead, dead, dead));
@@ -297,7 +297,7 @@ TEST(PulseSimulator, LostSubpixelIsAMissLostCentreIsTheEnd) {
                                           std::make_unique<OddScanner>()),
                                  engine, {});
   const PulseBatch batch = simulate(simulator, at(kAt500m));
-  EXPECT_THAT(batch.points.status, ElementsAre(returned, total_reflection));
+  EXPECT_THAT(batch.points.status, ElementsAre(returned, lost_in_optics));
   EXPECT_NEAR(batch.points.range_true[0], 500, 1e-5);
   EXPECT_TRUE(std::isnan(batch.points.range_true[1]));
 }
@@ -472,7 +472,7 @@ TEST(PulseSimulator, TheEstimateUsesTheBelievedState) {
 TEST(PulseSimulator, ABeamThatIsLostToTheLanderIsLost) {
   const PlaneEngine engine;
   const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.75)), engine, {});
-  EXPECT_EQ(simulate(simulator, at(kAt500m)).points.status[0], total_reflection);
+  EXPECT_EQ(simulate(simulator, at(kAt500m)).points.status[0], lost_in_optics);
 }
 
 }  // namespace

@@ -55,7 +55,8 @@ TEST_F(ScanPipeline, GivesBatchesAndTheirWorkInOrder) {
   EXPECT_EQ(progress, 1);
 }
 
-// The first batch fails when later ones wait for it before the last stage, where oneTBB itself destroys nothing.
+// The first batch fails when later ones wait for it before the last stage, where oneTBB itself destroys
+// nothing.
 TEST_F(ScanPipeline, KeepsNothingOfARunThatFails) {
   const auto held = std::make_shared<int>();
   std::atomic<bool> others_wait = false;
@@ -75,7 +76,7 @@ TEST_F(ScanPipeline, KeepsNothingOfARunThatFails) {
 
 TEST_F(ScanPipeline, ThrowsWhatTheSourceThrows) {
   Replay replay;
-  replay.ranges = [](PulseRange pulses) -> std::vector<double> {
+  replay.ranges = [](PulseSpan pulses) -> std::vector<double> {
     if (pulses.first >= 20) throw std::runtime_error("no more");
     return std::vector<double>(static_cast<std::size_t>(pulses.count), 500.0);
   };

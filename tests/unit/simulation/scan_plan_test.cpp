@@ -56,13 +56,13 @@ TEST(ScanPlan, CountsReturnsImagesAndFirstSights) {
 
 TEST(ScanPlan, EveryPulseIsOfOneKind) {
   ScanPlan plan = middle_row();
-  plan.add(batch_of(0, {{{0, 0}, {1, 0}},                                // in
-                        {{0, 0}, {0, 1}},                                // partly
-                        {{0, 1}, {7, 7}},                                // off
-                        {{0, 0, miss}, {0, 0, dropout}},                 // off: fired, and nothing came back
-                        {{0, 0, blanked}, {0, 0, dead}},                 // blanked
-                        {{0, 0, dead}, {0, 0}},                          // in
-                        {{0, 0, total_reflection}, {0, 0, blanked}}}));  // off: it was fired
+  plan.add(batch_of(0, {{{0, 0}, {1, 0}},                              // in
+                        {{0, 0}, {0, 1}},                              // partly
+                        {{0, 1}, {7, 7}},                              // off
+                        {{0, 0, miss}, {0, 0, dropout}},               // off: fired, and nothing came back
+                        {{0, 0, blanked}, {0, 0, dead}},               // blanked
+                        {{0, 0, dead}, {0, 0}},                        // in
+                        {{0, 0, lost_in_optics}, {0, 0, blanked}}}));  // off: it was fired
   EXPECT_EQ(plan.pulses(), (PulseBudget{2, 1, 3, 1}));
 }
 

@@ -15,7 +15,7 @@
 #include "scanner/flash.h"
 #include "scanner/fsm.h"
 #include "scanner/line_search.h"
-#include "terrain/triangulated_grid.h"
+#include "terrain/relief/triangulated_grid.h"
 #include "trajectory/constant_velocity.h"
 #include "trajectory/table_trajectory.h"
 

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "populations/drawn.h"
 #include "populations/expect_even.h"
-#include "terrain/feature_field.h"
+#include "terrain/relief/feature_field.h"
 
 namespace landfall {
 namespace {

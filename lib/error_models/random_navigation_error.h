@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "error_models/navigation_error.h"
+#include "error_models/sampled_path.h"
+
+namespace landfall {
+
+/// Densities q of random walks: the sigma after one second. All zero: none.
+struct RandomWalkParameters {
+  Vector<DemFrame> position_m_per_sqrt_s{};
+  Vector<DemFrame> velocity_mps_per_sqrt_s{};
+  RollPitchYaw rpy_rad_per_sqrt_s{};
+
+  friend bool operator==(const RandomWalkParameters&, const RandomWalkParameters&) = default;
+};
+
+/// First-order Gauss-Markov errors: stationary sigmas and correlation times. All sigmas zero: none.
+struct GaussMarkovParameters {
+  Vector<DemFrame> position_sigma_m{};
+  double position_time_s = 1;
+  Vector<DemFrame> velocity_sigma_mps{};
+  double velocity_time_s = 1;
+  RollPitchYaw rpy_sigma_rad{};
+  double rpy_time_s = 1;
+
+  [[nodiscard]] bool is_none() const;
+};
+
+struct RandomNavigationParameters {
+  RandomWalkParameters random_walk{};
+  GaussMarkovParameters gauss_markov{};
+  double interval_s = 0.01;  ///< of the grid of times on which both are drawn
+};
+
+/// A linear error (Eq. 6) with random ones added, as the paper's alternative to Eq. 6:
+///   p_err = linear + walk + Gauss-Markov, each of the latter two its position process plus the integral of
+///   its velocity process;
+///   R_err = R_linear R_walk R_gauss_markov, each by its roll, pitch and yaw at that time.
+/// The processes are drawn on a grid of times (sampled_path.h), once, when this is made: 48 bytes per step
+/// and process that is on. What a process draws depends on (seed, process, step, axis) only.
+class RandomNavigationError : public NavigationError {
+ public:
+  struct Draw {
+    std::uint64_t seed = 1;
+    double duration_s = 2;  ///< later errors stay what they were then
+  };
+
+  /// Throws UsageError, naming the key, where a sigma is negative, a time not positive, a number not finite,
+  /// or the grid too fine.
+  RandomNavigationError(const NavigationErrorParameters& linear, const RandomNavigationParameters& random,
+                        const Draw& draw);
+
+  /// Throws what the constructor would, but draws nothing.
+  static void require_valid(const RandomNavigationParameters& random, double duration_s);
+
+  [[nodiscard]] Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& truth,
+                                                         double since_start_s) const override;
+  [[nodiscard]] PoseError error(double since_start_s) const;
+
+ private:
+  struct Process {
+    SampledPath position_m;
+    SampledPath rpy_rad;
+  };
+  [[nodiscard]] static Process walk(const RandomWalkParameters& p, const TimeGrid& grid, std::uint64_t seed);
+  [[nodiscard]] static Process markov(const GaussMarkovParameters& p, const TimeGrid& grid,
+                                      std::uint64_t seed);
+  static void add(const Process& process, double since_start_s, PoseError& error);
+
+  LinearNavigationError linear_;
+  std::optional<Process> walk_;
+  std::optional<Process> markov_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "files/grid_file.h"
+#include "files/landfall_file.h"
+#include "hdf5/table.h"
+
+namespace landfall {
+
+/// What a layer or a column says about itself.
+struct ContentInfo {
+  std::string name;
+  h5::Type type;  ///< the smallest of ours that holds every stored value
+  std::string units;
+  std::string long_name;
+};
+
+/// The name and, where it has one that is a word and the name does not end so already, the unit, as this
+/// project writes units in names: x_est_m, t_s, count.
+[[nodiscard]] std::string name_with_unit(const ContentInfo& content);
+
+/// The kind of a landfall file: terrain, scan, dem, evaluation or plan.
+[[nodiscard]] std::string kind_of(const LandfallFileReader& file);
+
+/// True where the file has a grid: coordinates /x and /y.
+[[nodiscard]] bool has_grid(const LandfallFileReader& file);
+
+/// The layers of a grid: the numeric datasets at the root of the shape (y, x), in the order in which the
+/// tools write them, then those that no tool knows by name. Names of other than letters, digits and _ are
+/// left out; control characters in texts become spaces.
+[[nodiscard]] std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpec& spec);
+
+/// The columns of a table: its one-dimensional numeric datasets, in the same order.
+[[nodiscard]] std::vector<ContentInfo> columns_of(const TableReader& table);
+
+}  // namespace landfall

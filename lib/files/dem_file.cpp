@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/dem_file.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "base/error.h"
+#include "files/grid_file.h"
+
+namespace landfall {
+namespace {
+
+/// Part of a row of the map, and the place of its values in a tile.
+struct Strip {
+  const GridSpec& spec;
+  const DemRequest& request;
+  BinIndex first;
+  std::span<const BinValues> bins;
+  std::size_t offset;
+};
+
+/// Which options a layer needs and the request lacks; empty where it has them.
+using Missing = std::string (*)(const DemRequest&);
+
+std::string nothing_missing(const DemRequest& /*request*/) { return ""; }
+std::string terrain_missing(const DemRequest& request) { return request.truth == nullptr ? "--terrain" : ""; }
+std::string uncertainty_missing(const DemRequest& request) {
+  return request.uncertainty ? "" : "--uncertainty";
+}
+std::string map_truth_missing(const DemRequest& request) {
+  return request.uncertainty ? terrain_missing(request) : "--uncertainty";
+}
+std::string correction_missing(const DemRequest& request) { return request.corrected ? "" : "--corrected"; }
+std::string corrected_sigma_missing(const DemRequest& request) {
+  return request.uncertainty ? correction_missing(request) : "--uncertainty";
+}
+
+struct Layer {
+  std::string name;
+  h5::Type type;
+  GridLayerWriter::LayerText text;
+  std::function<void(const Strip&, GridLayerWriter::TileValues&)> put;
+  Missing missing = nothing_missing;
+};
+
+BinIndex bin_of(const Strip& strip, std::size_t i) {
+  return {strip.first.row, strip.first.col + static_cast<std::int64_t>(i)};
+}
+
+template <class T, class Value>
+void put(const Strip& strip, GridLayerWriter::TileValues& tile, Value value) {
+  T* const out = std::get<std::vector<T>>(tile).data() + strip.offset;
+  for (std::size_t i = 0; i < strip.bins.size(); ++i) out[i] = static_cast<T>(value(i));
+}
+
+template <class T, class Member>
+Layer simple(const std::string& name, Member BinValues::*member, const char* units, const char* long_name) {
+  return {name,
+          h5::TypeOf<T>::value,
+          {units, long_name},
+          [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
+            put<T>(strip, tile, [&](std::size_t i) { return strip.bins[i].*member; });
+          }};
+}
+
+void put_z_true(const Strip& strip, GridLayerWriter::TileValues& tile) {
+  const DemRequest& request = strip.request;
+  const auto elevation = [&](double x_m, double y_m) { return request.truth->elevation(x_m, y_m); };
+  put<double>(strip, tile, [&](std::size_t i) {
+    return true_elevation(strip.bins[i], strip.spec, bin_of(strip, i), elevation, request.truth_at);
+  });
+}
+
+Layer z_true(TruthAt truth_at) {
+  return {"z_true",
+          h5::Type::float64,
+          {"m", truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true place"
+                                                : "true elevation at the mean true position"},
+          put_z_true,
+          terrain_missing};
+}
+
+/// value(bin) of each bin that holds a return, NaN of the others.
+template <class Value>
+Layer of_filled_bins(const std::string& name, const std::string& long_name, Missing missing, Value value) {
+  const auto put_values = [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
+    put<float>(strip, tile, [&](std::size_t i) {
+      return strip.bins[i].count > 0 ? static_cast<double>(value(strip, i))
+                                     : std::numeric_limits<double>::quiet_NaN();
+    });
+  };
+  return {name, h5::Type::float32, {"m", long_name}, put_values, missing};
+}
+
+double true_elevation_of_map(const Strip& strip, std::size_t i) {
+  const BinIndex bin = bin_of(strip, i);
+  return strip.request.truth->elevation(strip.spec.x(bin.col), strip.spec.y(bin.row));
+}
+
+double corrected(const Strip& strip, std::size_t i) {
+  const BinIndex bin = bin_of(strip, i);
+  return corrected_elevation(strip.bins[i], strip.spec, bin, strip.request.slopes->at(bin));
+}
+
+Layer sigma(const std::string& name, double (UncertaintyMap::*value)(BinIndex) const, const std::string& of,
+            Missing missing) {
+  return of_filled_bins(name, "one sigma of " + of, missing, [=](const Strip& strip, std::size_t i) {
+    return (strip.request.uncertainty_map->*value)(bin_of(strip, i));
+  });
+}
+
+std::vector<Layer> all_layers(TruthAt truth_at) {
+  return {simple<double>("z_est", &BinValues::z_est, "m", "estimated elevation"),
+          simple<std::int32_t>("count", &BinValues::count, "1", "returns in the bin"),
+          simple<double>("weight_sum", &BinValues::weight_sum, "1", "sum of the returns' weights"),
+          simple<double>("x_true", &BinValues::x_true, "m", "mean true x of the bin's returns"),
+          simple<double>("y_true", &BinValues::y_true, "m", "mean true y of the bin's returns"),
+          z_true(truth_at),
+          simple<float>("x_est_mean", &BinValues::x_est, "m", "mean estimated x of the bin's returns"),
+          simple<float>("y_est_mean", &BinValues::y_est, "m", "mean estimated y of the bin's returns"),
+          simple<float>("t_mean", &BinValues::t, "s", "mean time of the bin's returns"),
+          simple<float>("z_spread", &BinValues::z_spread, "m",
+                        "weighted standard deviation of the estimated elevations"),
+          of_filled_bins("z_corrected", "estimated elevation, carried along the slope to the bin centre",
+                         correction_missing, corrected),
+          of_filled_bins("z_true_map", "true elevation under the bin centre", map_truth_missing,
+                         true_elevation_of_map),
+          sigma("z_sigma_abs", &UncertaintyMap::z_sigma_abs, "z_true_map - z_est", uncertainty_missing),
+          sigma("z_sigma_rel", &UncertaintyMap::z_sigma_rel, "z_true_map - z_est without navigation errors",
+                uncertainty_missing),
+          sigma("z_corrected_sigma_abs", &UncertaintyMap::z_corrected_sigma_abs, "z_true_map - z_corrected",
+                corrected_sigma_missing),
+          sigma("z_corrected_sigma_rel", &UncertaintyMap::z_corrected_sigma_rel,
+                "z_true_map - z_corrected without navigation errors", corrected_sigma_missing),
+          sigma("xy_sigma", &UncertaintyMap::xy_sigma, "the horizontal error along one axis",
+                uncertainty_missing)};
+}
+
+bool wanted(const DemRequest& request, const Layer& layer) {
+  if (request.layers.empty()) return layer.missing(request).empty();
+  return std::find(request.layers.begin(), request.layers.end(), layer.name) != request.layers.end();
+}
+
+}  // namespace
+
+const std::vector<std::string>& dem_layer_names() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const Layer& layer : all_layers(TruthAt::bin_center)) names.push_back(layer.name);
+    return names;
+  }();
+  return kNames;
+}
+
+void check_layers(const DemRequest& request) {
+  const std::vector<Layer> layers = all_layers(request.truth_at);
+  for (const std::string& name : request.layers) {
+    const auto layer =
+        std::find_if(layers.begin(), layers.end(), [&](const Layer& known) { return known.name == name; });
+    if (layer == layers.end()) {
+      std::string list;
+      for (const std::string& known : dem_layer_names()) list += (list.empty() ? "" : ", ") + known;
+      throw UsageError("--layers: '" + name + "' is no layer; known: " + list);
+    }
+    const std::string option = layer->missing(request);
+    if (!option.empty()) throw UsageError("--layers: " + name + " needs " + option);
+  }
+}
+
+void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemRequest& request,
+               const std::string& crs_wkt, const ProgressCallback& progress) {
+  GridLayerWriter out(file, bins.spec(), crs_wkt);
+  std::vector<Layer> layers = all_layers(request.truth_at);
+  std::erase_if(layers, [&](const Layer& layer) { return !wanted(request, layer); });
+  std::vector<GridLayerWriter::TiledLayer> tiled;
+  tiled.reserve(layers.size());
+  for (const Layer& layer : layers) tiled.push_back({layer.name, layer.type, layer.text});
+  const auto fill = [&](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
+    std::vector<BinValues> row(static_cast<std::size_t>(tile.cols));
+    for (std::int64_t r = 0; r < tile.rows; ++r) {
+      const BinIndex first{tile.first.row + r, tile.first.col};
+      bins.values(first, row);
+      const Strip strip{bins.spec(), request, first, row, static_cast<std::size_t>(r * tile.stride)};
+      for (std::size_t l = 0; l < layers.size(); ++l) layers[l].put(strip, values[l]);
+    }
+  };
+  out.write_tiled(tiled, fill, progress);
+  file.commit();
+}
+
+}  // namespace landfall

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "files/landfall_file.h"
+#include "gridding/accumulator.h"
+#include "gridding/layers.h"
+#include "gridding/uncertainty.h"
+#include "terrain/surface.h"
+
+namespace landfall {
+
+/// Which layers of a DEM to write, and from what.
+struct DemRequest {
+  std::vector<std::string> layers;        ///< names; empty: all that can be made
+  const TerrainSurface* truth = nullptr;  ///< the terrain; without it z_true, z_true_map are left out
+  TruthAt truth_at = TruthAt::bin_center;
+  bool uncertainty = false;  ///< also z_true_map and the sigmas
+  bool corrected = false;    ///< also z_corrected
+  // What these are made from; needed by write_dem only.
+  const Grid<Slope>* slopes = nullptr;
+  const UncertaintyMap* uncertainty_map = nullptr;
+};
+
+/// The names that a DEM may have, in the order of the file.
+[[nodiscard]] const std::vector<std::string>& dem_layer_names();
+
+/// Throws UsageError for a name that is no layer, or for one that the request cannot make: truth without a
+/// terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
+void check_layers(const DemRequest& request);
+
+/// Writes dem.h5 (SPEC sections 5 and 8), tile by tile, and commits.
+void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemRequest& request,
+               const std::string& crs_wkt, const ProgressCallback& progress = {});
+
+}  // namespace landfall

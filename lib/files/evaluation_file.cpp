@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/evaluation_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "files/metrics_json.h"
+#include "hdf5/table.h"
+
+namespace landfall {
+namespace {
+
+const char* name_of(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
+
+void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std::vector<Hole>& holes) {
+  std::vector<std::int32_t> id;
+  std::vector<std::int64_t> size;
+  std::vector<std::int64_t> row;
+  std::vector<std::int64_t> col;
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> first_x;
+  std::vector<double> first_y;
+  std::vector<double> distance;
+  for (const Hole& hole : holes) {
+    id.push_back(hole.id);
+    size.push_back(hole.size_bins);
+    row.push_back(hole.first.row);
+    col.push_back(hole.first.col);
+    first_x.push_back(spec.x(hole.first.col));
+    first_y.push_back(spec.y(hole.first.row));
+    x.push_back(hole.centroid_x_m);
+    y.push_back(hole.centroid_y_m);
+    distance.push_back(hole.largest_distance_bins);
+  }
+  const std::array<ColumnRows, 9> rows = {
+      std::span<const std::int32_t>(id),  std::span<const std::int64_t>(size),
+      std::span<const std::int64_t>(row), std::span<const std::int64_t>(col),
+      std::span<const double>(first_x),   std::span<const double>(first_y),
+      std::span<const double>(x),         std::span<const double>(y),
+      std::span<const double>(distance)};
+  write_table(file.root(), "holes",
+              {{"id", h5::Type::int32, "1", "number of the hole, by first bin in row-major order"},
+               {"size_bins", h5::Type::int64, "1", "bins of the hole"},
+               {"row", h5::Type::int64, "1", "row of the first bin"},
+               {"column", h5::Type::int64, "1", "column of the first bin"},
+               {"first_x", h5::Type::float64, "m", "x of the first bin's centre"},
+               {"first_y", h5::Type::float64, "m", "y of the first bin's centre"},
+               {"x", h5::Type::float64, "m", "x of the centroid"},
+               {"y", h5::Type::float64, "m", "y of the centroid"},
+               {"max_distance_bins", h5::Type::float64, "1", "largest distance to a valid bin, in bins"}},
+              rows, file.compression());
+}
+
+/// Throws FormatError unless the file's coordinates of this name, if it has any, are those expected.
+void check_axis(hid_t file, const std::string& path, const std::string& name,
+                const std::vector<double>& expected, double resolution_m) {
+  if (!h5::exists(file, name)) return;
+  const h5::Handle dataset = h5::open_dataset(file, name);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  std::vector<double> found(expected.size());
+  const bool same_size = H5Sget_simple_extent_npoints(space.get()) == static_cast<hssize_t>(expected.size());
+  const auto near = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * resolution_m; };
+  if (same_size && !h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, found.data()))
+    h5::fail_reading(file, name);
+  if (!same_size || !std::ranges::equal(found, expected, near))
+    throw FormatError(path + ": /" + name + " differs from the DEM's");
+}
+
+void check_axes(hid_t file, const std::string& path, const GridSpec& spec) {
+  std::vector<double> x(static_cast<std::size_t>(spec.cols));
+  std::vector<double> y(static_cast<std::size_t>(spec.rows));
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = spec.x(static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = spec.y(static_cast<std::int64_t>(i));
+  check_axis(file, path, "x", x, spec.resolution_m);
+  check_axis(file, path, "y", y, spec.resolution_m);
+}
+
+}  // namespace
+
+RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
+                            const GridSpec& spec) {
+  h5::initialise();
+  const h5::Handle file = h5::open_file(path);
+  check_axes(file.get(), path.string(), spec);
+  const h5::Handle dataset = h5::open_dataset(file.get(), layer);
+  if (!dataset) throw FormatError(path.string() + ": no layer /" + layer);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  hsize_t size[2] = {0, 0};
+  if (H5Sget_simple_extent_ndims(space.get()) != 2 ||
+      H5Sget_simple_extent_dims(space.get(), size, nullptr) < 0 ||
+      size[0] != static_cast<hsize_t>(spec.rows) || size[1] != static_cast<hsize_t>(spec.cols))
+    throw FormatError(path.string() + ": layer /" + layer + " is not of the DEM's shape (" +
+                      std::to_string(spec.rows) + ", " + std::to_string(spec.cols) + ")");
+  Grid<double> values(spec);
+  if (!h5::read_values(dataset.get(), H5T_NATIVE_DOUBLE, values.values().data()))
+    throw FormatError(path.string() + ": reading layer /" + layer + " failed: " + h5::reading_failure());
+  RegionMask result{BinMask(spec), h5::read_text_attribute(file.get(), "file_id").value_or("")};
+  if (result.file_id.empty()) result.file_id = content_id(path);
+  std::ranges::transform(values.values(), result.mask.values().begin(),
+                         [](double v) -> std::int8_t { return v != 0 && !std::isnan(v) ? 1 : 0; });
+  return result;
+}
+
+std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"dem"});
+  const GridLayerReader layers(file);
+  for (const char* const name : {"z_true_map", "z_sigma_abs", "z_sigma_rel"})
+    if (!layers.has(name)) return std::nullopt;
+  UncertaintyLayers result{error_of(Axis::z, layers.read<double>("z_true_map"), layers.read<double>("z_est")),
+                           layers.read<float>("z_sigma_abs"), layers.read<float>("z_sigma_rel"),
+                           std::nullopt};
+  if (layers.has("count")) result.count = layers.read<std::int32_t>("count");
+  return result;
+}
+
+DemInput read_dem(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"dem"});
+  const GridLayerReader layers(file);
+  DemInput dem{{.z_est = layers.read<double>("z_est"), .truth = std::nullopt},
+               layers.crs_wkt(),
+               file.file_id(),
+               file.chain()};
+  if (!layers.has("x_true") || !layers.has("y_true") || !layers.has("z_true")) return dem;
+  dem.layers.truth =
+      TrueLayers{layers.read<double>("x_true"), layers.read<double>("y_true"), layers.read<double>("z_true")};
+  if (layers.has("z_corrected")) dem.layers.z_corrected = layers.read<double>("z_corrected");
+  return dem;
+}
+
+DemWindowReader::DemWindowReader(const std::filesystem::path& path) : file_(path, {"dem"}), layers_(file_) {}
+
+Grid<double> DemWindowReader::read(const std::string& name, const GridSpec& window) const {
+  const GridSpec& dem = layers_.spec();
+  // Whole tiles are read, as a part of one takes as long.
+  const BinIndex before{(window.first_row - dem.first_row) % layers_.tile().row,
+                        (window.first_col - dem.first_col) % layers_.tile().col};
+  const GridSpec wider{window.resolution_m, window.first_row - before.row, window.first_col - before.col,
+                       window.rows + before.row, window.cols + before.col};
+  const Grid<double> values = layers_.read_window<double>(name, wider);
+  auto part = Grid<double>::unset(window);
+  for (std::int64_t row = 0; row < window.rows; ++row)
+    std::ranges::copy(values.row(row + before.row).subspan(static_cast<std::size_t>(before.col)),
+                      part.row(row).begin());
+  return part;
+}
+
+DemLayers DemWindowReader::read(const GridSpec& window) const {
+  DemLayers result{.z_est = read("z_est", window), .truth = std::nullopt};
+  if (layers_.has("x_true") && layers_.has("y_true") && layers_.has("z_true"))
+    result.truth = TrueLayers{read("x_true", window), read("y_true", window), read("z_true", window)};
+  return result;
+}
+
+std::optional<Grid<std::int32_t>> DemWindowReader::count() const {
+  if (!layers_.has("count")) return std::nullopt;
+  return layers_.read<std::int32_t>("count");
+}
+
+EvaluationWriter::EvaluationWriter(LandfallFileWriter& file, const GridSpec& spec, std::string crs_wkt)
+    : file_(file), spec_(spec), crs_wkt_(std::move(crs_wkt)) {}
+
+GridLayerWriter& EvaluationWriter::grid() {
+  if (!grid_) grid_.emplace(file_, spec_, crs_wkt_);
+  return *grid_;
+}
+
+void EvaluationWriter::take(const CoverageLayers& layers) {
+  grid().write("in_region", layers.in_region,
+               {"1", "bin lies in the judged region", {0, 1}, "outside inside"});
+  grid().write("invalid", layers.invalid,
+               {"1", "bin of the region without an elevation", {0, 1}, "valid invalid"});
+  grid().write("hole_id", layers.hole_id, {"1", "number of the 8-connected hole, 0 for none"});
+  grid().write("distance_to_valid", layers.distance_to_valid,
+               {"1", "distance to the nearest valid bin, in bins"});
+}
+
+void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
+  const std::string name = name_of(axis);
+  grid().write("e_" + name, layers.error, {"m", "true minus estimated " + name});
+  grid().write("abs_" + name, layers.absolute, {"m", "mean of e_" + name + " over the footprint"});
+  grid().write("rel_" + name, layers.relative,
+               {"m", "quantile of the deviation of e_" + name + " from its mean over the footprint"});
+}
+
+void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
+  GridLayerWriter::LayerText text{"1", "missed requirements of the bin or of the footprint centred on it"};
+  text.flag_masks = {fail_relative_x,          fail_relative_y, fail_relative_z,
+                     fail_absolute_horizontal, fail_hole_size,  fail_distance};
+  text.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
+  grid().write("fail", fail, text);
+}
+
+void EvaluationWriter::finish(const Evaluation& evaluation) {
+  write_holes(file_, spec_, evaluation.holes);
+  h5::write_text(file_.root(), {"metrics_json", "metrics and verdicts"},
+                 metrics_json(evaluation.metrics).dump(2));
+  grid_.reset();
+  file_.commit();
+}
+
+}  // namespace landfall

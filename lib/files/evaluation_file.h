@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "evaluation/evaluate.h"
+#include "evaluation/uncertainty.h"
+#include "files/grid_file.h"
+#include "files/landfall_file.h"
+
+namespace landfall {
+
+/// A DEM as dem-eval judges it.
+struct DemInput {
+  DemLayers layers;
+  std::string crs_wkt;
+  std::string file_id;
+  nlohmann::json chain;
+};
+
+/// Reads z_est of a dem.h5 and, where all three are there, x_true, y_true and z_true, then also z_corrected
+/// if there is one. Throws FormatError.
+[[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
+
+/// Parts of a DEM, read one at a time.
+class DemWindowReader {
+ public:
+  /// Throws FormatError.
+  explicit DemWindowReader(const std::filesystem::path& path);
+
+  /// z_est and, where the DEM has it, truth of bins that lie within its grid. Throws FormatError.
+  [[nodiscard]] DemLayers read(const GridSpec& window) const;
+  /// The returns of every bin; nothing where the DEM has no such layer. Throws FormatError.
+  [[nodiscard]] std::optional<Grid<std::int32_t>> count() const;
+
+ private:
+  [[nodiscard]] Grid<double> read(const std::string& name, const GridSpec& window) const;
+
+  LandfallFileReader file_;
+  GridLayerReader layers_;
+};
+
+/// The bins of a grid whose value in a layer of an HDF5 file is neither 0 nor NaN. The file may be any that
+/// has the layer in the shape (y, x); coordinates /x and /y, where it has them, must be the grid's. Throws
+/// FormatError.
+struct RegionMask {
+  BinMask mask;
+  std::string file_id;
+};
+[[nodiscard]] RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
+                                          const GridSpec& spec);
+
+/// z_true_map - z_est, z_sigma_abs, z_sigma_rel and, if there is one, count of a dem.h5; nothing where it
+/// lacks one of the first three. Throws FormatError.
+[[nodiscard]] std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path);
+
+/// Writes eval.h5 (SPEC section 8): each layer as the evaluation gives it, /holes and /metrics_json at the
+/// end.
+class EvaluationWriter : public LayerSink {
+ public:
+  /// Without a layer the file has no grid either.
+  EvaluationWriter(LandfallFileWriter& file, const GridSpec& spec, std::string crs_wkt);
+
+  void take(const CoverageLayers& layers) override;
+  void take(Axis axis, const AxisLayers& layers) override;
+  void take(const Grid<std::int8_t>& fail) override;
+
+  /// Writes holes and metrics, and commits the file.
+  void finish(const Evaluation& evaluation);
+
+ private:
+  GridLayerWriter& grid();
+
+  LandfallFileWriter& file_;
+  GridSpec spec_;
+  std::string crs_wkt_;
+  std::optional<GridLayerWriter> grid_;  ///< made for the first layer
+};
+
+}  // namespace landfall

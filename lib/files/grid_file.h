@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/progress.h"
+#include "files/landfall_file.h"
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// The grid part of a file: coordinates /x and /y, /crs, and layers at the root (SPEC section 8's measured
+/// rules), so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
+class GridLayerWriter {
+ public:
+  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `place` says what the coordinates are of.
+  GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
+                  const std::string& place = "bin centre");
+
+  struct LayerText {
+    std::string units;
+    std::string long_name;
+    std::vector<std::int8_t> flag_values = {};
+    std::string flag_meanings = {};
+    std::vector<std::int8_t> flag_masks = {};                ///< bits that may be set together
+    std::optional<std::array<double, 2>> actual_range = {};  ///< see write_range()
+  };
+  /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
+  template <class T>
+  void write(const std::string& name, const Grid<T>& layer, const LayerText& text);
+
+  /// A layer of T that is then written in strips of rows, which only part of is in memory at a time.
+  template <class T>
+  [[nodiscard]] h5::Handle begin(const std::string& name, const LayerText& text) const;
+  /// Whole rows of the grid: the first a multiple of 256 from the grid's, and so the end unless it is the
+  /// grid's. Throws IoError.
+  template <class T>
+  void write_rows(const h5::Handle& layer, const std::string& name, const Grid<T>& rows) const;
+  /// The least and the greatest value of a layer, as the CF conventions have it.
+  static void write_range(const h5::Handle& layer, const std::array<double, 2>& range);
+
+  /// A layer of several that are computed tile by tile.
+  struct TiledLayer {
+    std::string name;
+    h5::Type type;  ///< float64, float32 or int32
+    LayerText text;
+  };
+  /// The part of the grid that a tile covers, fewer rows and columns at the grid's border; the values of its
+  /// rows begin `stride` apart.
+  struct Tile {
+    BinIndex first;
+    std::int64_t rows;
+    std::int64_t cols;
+    std::int64_t stride;
+  };
+  using TileValues = std::variant<std::vector<double>, std::vector<float>, std::vector<std::int32_t>>;
+  /// Writes a tile's values of every layer, in the order of the layers. Called for several tiles at once.
+  using FillTile = std::function<void(const Tile& tile, std::span<TileValues> layers)>;
+  /// Writes layers that are never in memory as a whole: tiles are computed and compressed on all threads,
+  /// while those before are written. Throws IoError.
+  void write_tiled(const std::vector<TiledLayer>& layers, const FillTile& fill,
+                   const ProgressCallback& progress = {});
+
+ private:
+  [[nodiscard]] h5::Handle create(const std::string& name, h5::Type type, const LayerText& text) const;
+  [[nodiscard]] std::vector<Tile> tiles() const;
+  void write_tile(hid_t dataset, const std::string& name, BinIndex first,
+                  std::span<const std::byte> bytes) const;
+  void attach_scales(hid_t dataset) const;
+
+  hid_t root_;
+  int compression_;
+  GridSpec spec_;
+  h5::Handle x_;
+  h5::Handle y_;
+};
+
+/// Reads such a file's grid.
+class GridLayerReader {
+ public:
+  /// Throws FormatError unless /x and /y are ascending, evenly spaced integer multiples of one resolution
+  /// (within 1e-6 of a step).
+  explicit GridLayerReader(const LandfallFileReader& file);
+
+  [[nodiscard]] const GridSpec& spec() const { return spec_; }
+  [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
+  [[nodiscard]] bool has(const std::string& name) const;
+  /// Throws FormatError where the layer is missing, has another shape than (y, x), or cannot be read.
+  template <class T>
+  [[nodiscard]] Grid<T> read(const std::string& name, const ProgressCallback& progress = {}) const;
+
+  /// Bins of the layer's chunks, or what stands for them in a layer that is stored otherwise.
+  [[nodiscard]] BinIndex tile() const;
+  /// A part of a layer: bins of the grid, its first row and column multiples of tile() from the grid's.
+  /// Holds h5::library_lock(), and runs nothing else on the threads that it waits with.
+  template <class T>
+  [[nodiscard]] Grid<T> read_window(const std::string& name, const GridSpec& window,
+                                    const ProgressCallback& progress = {}) const;
+  /// What write_range() wrote; nothing where a layer has none.
+  [[nodiscard]] std::optional<std::array<double, 2>> range(const std::string& name) const;
+
+ private:
+  [[nodiscard]] h5::Handle open(const std::string& name) const;
+
+  const LandfallFileReader& file_;
+  GridSpec spec_;
+  std::string crs_wkt_;
+};
+
+}  // namespace landfall

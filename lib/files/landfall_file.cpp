@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/landfall_file.h"
+
+#include <algorithm>
+
+#include "base/abbreviated.h"
+#include "base/error.h"
+#include "files/stored_json.h"
+#include "hdf5/h5_close.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kFormatVersion = "1.0";
+
+std::string title_of(const std::string& kind) {
+  if (kind == "terrain") return "True terrain of a landing site";
+  if (kind == "scan") return "Simulated scanning-lidar returns";
+  if (kind == "dem") return "Digital elevation model gridded from lidar returns";
+  if (kind == "plan") return "Ground coverage that a scan would have on flat ground";
+  return "Evaluation of a digital elevation model against landing requirements";
+}
+
+h5::Handle create_quietly(const std::filesystem::path& path) {
+  h5::initialise();
+  return h5::create_file(path);
+}
+
+h5::Handle open_quietly(const std::string& path) {
+  h5::initialise();
+  return h5::open_file(path);
+}
+
+using Json = nlohmann::json;
+
+bool has_text(const Json& object, const char* key) {
+  return object.is_object() && object.contains(key) && object[key].is_string();
+}
+
+bool is_input_list(const Json& inputs) {
+  return inputs.is_array() && std::all_of(inputs.begin(), inputs.end(), [](const Json& input) {
+           return has_text(input, "role") && has_text(input, "file_id");
+         });
+}
+
+/// Null where there is no such dataset or it is no JSON; throws FormatError where it is there but is no text.
+Json json_of(const std::string& file, hid_t provenance, const std::string& name) {
+  const std::optional<std::string> text = h5::read_text(provenance, name);
+  if (!text && h5::exists(provenance, name))
+    throw FormatError(file + ": /provenance/" + name + " is no text");
+  return stored_json<Json>(text);
+}
+
+/// A foreign file's history counts only where all of it can be understood.
+bool is_history(const Json& chain) {
+  const auto is_step = [](const Json& step) {
+    return has_text(step, "tool") && has_text(step, "file_id") &&
+           (!step.contains("version") || step["version"].is_string()) &&
+           (!step.contains("inputs") || step["inputs"].is_null() || is_input_list(step["inputs"]));
+  };
+  return chain.is_array() && std::all_of(chain.begin(), chain.end(), is_step);
+}
+
+}  // namespace
+
+LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
+                                       const Provenance& provenance)
+    : output_(options.path, options.overwrite),
+      compression_(options.compression),
+      file_(create_quietly(output_.temporary())) {
+  h5::write_attribute(root(), "Conventions", std::string("CF-1.8"));
+  h5::write_attribute(root(), "title", title_of(kind));
+  h5::write_attribute(root(), "source", source_line(provenance.tool));
+  h5::write_attribute(root(), "format_name", "landfall." + kind);
+  h5::write_attribute(root(), "format_version", std::string(kFormatVersion));
+  h5::write_attribute(root(), "file_id", provenance.file_id());
+  const h5::Handle group = h5::create_group(root(), "provenance");
+  h5::write_attribute(group.get(), "tool", provenance.tool);
+  h5::write_attribute(group.get(), "version", program_version());
+  h5::write_text(group.get(), {"config_json", "resolved configuration"}, provenance.config.dump(2));
+  if (!provenance.options.is_null())
+    h5::write_text(group.get(), {"options_json", "options that change the content"},
+                   provenance.options.dump(2));
+  h5::write_text(group.get(), {"inputs_json", "files that were read, and their ids"},
+                 provenance.as_step().at("inputs").dump(2));
+  h5::write_text(group.get(), {"chain_json", "upstream steps, oldest first"}, provenance.chain.dump(2));
+  if (!provenance.environment.is_null())
+    h5::write_text(group.get(), {"environment_json", "host, time and folder of the run"},
+                   provenance.environment.dump(2));
+}
+
+void LandfallFileWriter::commit() {
+  h5::write_attribute(root(), "complete", std::int64_t{1});
+  if (const std::optional<std::string> failure = h5::close_file(file_))
+    throw IoError("output " + output_.path().string() + ": closing failed: " + *failure);
+  output_.commit();
+}
+
+LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
+                                       std::initializer_list<const char*> kinds)
+    : name_(path.string()), file_(open_quietly(name_)) {
+  const auto format = h5::read_text_attribute(root(), "format_name");
+  std::string wanted;
+  for (const char* const kind : kinds)
+    wanted += (wanted.empty() ? "landfall." : " or landfall.") + std::string(kind);
+  if (!format) fail("is no landfall file (it has no attribute format_name); wanted " + wanted);
+  const auto matches = [&](const char* kind) { return *format == "landfall." + std::string(kind); };
+  if (std::none_of(kinds.begin(), kinds.end(), matches))
+    fail("is a " + shown_word(*format) + " file; wanted " + wanted);
+  const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");
+  if (version.substr(0, 2) != "1.")
+    fail("format_version '" + shown_word(version) + "' is not 1.x, which this version reads");
+  if (h5::read_number_attribute(root(), "complete").value_or(0) != 1)
+    fail("is incomplete (attribute complete is not 1)");
+  read_provenance();
+}
+
+void LandfallFileReader::read_provenance() {
+  file_id_ = h5::read_text_attribute(root(), "file_id").value_or("");
+  if (file_id_.empty()) file_id_ = content_id(name_);
+  const h5::Handle group = h5::open_group(root(), "provenance");
+  if (!group) return;
+  Json config = json_of(name_, group.get(), "config_json");
+  if (config.is_object()) config_ = std::move(config);
+  Json upstream = json_of(name_, group.get(), "chain_json");
+  if (is_history(upstream)) chain_ = std::move(upstream);
+  Json inputs = json_of(name_, group.get(), "inputs_json");
+  if (!is_input_list(inputs)) inputs = nullptr;
+  Json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
+               {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
+               {"file_id", file_id_},
+               {"config", config_},
+               {"inputs", std::move(inputs)}};
+  const Json options = json_of(name_, group.get(), "options_json");
+  if (!options.is_null()) step["options"] = options;
+  chain_.push_back(step);
+}
+
+void LandfallFileReader::fail(const std::string& what) const { throw FormatError(name_ + ": " + what); }
+
+}  // namespace landfall

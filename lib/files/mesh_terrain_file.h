@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "files/landfall_file.h"
+#include "terrain/mesh/triangle_mesh.h"
+
+namespace landfall {
+
+/// Writes terrain.h5 of a mesh: /mesh/vertices (V, 3) float64 and /mesh/triangles (F, 3) int32, in a local
+/// site frame.
+void write_mesh_terrain(LandfallFileWriter& file, const IndexedTriangles& mesh);
+
+/// Throws FormatError where /mesh is not that, holds fewer bytes than it claims, or the mesh is not sound.
+[[nodiscard]] std::shared_ptr<const TriangleMesh> read_mesh_terrain(const LandfallFileReader& file);
+
+}  // namespace landfall

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/provenance.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/regular_file.h"
+#include "files/version.h"
+
+namespace landfall {
+namespace {
+
+nlohmann::json inputs_json(const std::vector<InputRecord>& inputs) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const InputRecord& input : inputs) list.push_back({{"role", input.role}, {"file_id", input.file_id}});
+  return list;
+}
+
+}  // namespace
+
+std::string program_version() { return LANDFALL_VERSION; }
+
+std::string source_line(const std::string& tool) {
+  return "landfall " + tool + " " LANDFALL_VERSION " (git " LANDFALL_GIT ")";
+}
+
+std::string Provenance::file_id() const {
+  Hash hash;
+  hash.update(program_version()).update(tool).update(config.dump());
+  if (!options.is_null()) hash.update("options").update(options.dump());
+  for (const InputRecord& input : inputs) hash.update(input.role).update(input.file_id);
+  return hash.hex();
+}
+
+nlohmann::json Provenance::as_step() const {
+  nlohmann::json step = {{"tool", tool},
+                         {"version", program_version()},
+                         {"file_id", file_id()},
+                         {"config", config},
+                         {"inputs", inputs_json(inputs)}};
+  if (!options.is_null()) step["options"] = options;
+  return step;
+}
+
+void Provenance::add_input(const std::string& role, const std::string& id,
+                           const nlohmann::json& upstream_chain) {
+  inputs.push_back({role, id});
+  for (const nlohmann::json& step : upstream_chain)
+    if (std::find(chain.begin(), chain.end(), step) == chain.end()) chain.push_back(step);
+}
+
+std::string content_id(const std::filesystem::path& path) {
+  require_regular_file(path);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw FormatError(path.string() + ": cannot be read");
+  Hash hash;
+  std::vector<char> buffer(std::size_t{1} << 20U);
+  while (stream) {
+    stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    hash.update(std::as_bytes(std::span(buffer.data(), static_cast<std::size_t>(stream.gcount()))));
+  }
+  if (stream.bad()) throw FormatError(path.string() + ": reading failed");
+  return hash.hex();
+}
+
+}  // namespace landfall

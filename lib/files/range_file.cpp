@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/range_file.h"
+
+#include <array>
+#include <limits>
+
+#include "base/error.h"
+#include "files/crs.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+/// The value at a path such as /noise/dropout_frac, null where there is none: a foreign file's configuration
+/// may have any shape.
+Json value_at(const Json& config, const std::string& path) {
+  const Json::json_pointer where(path);
+  return config.contains(where) ? config.at(where) : Json();
+}
+
+/// The path of the first difference, "/detector/rows"; empty where there is none.
+std::string first_difference(const Json& a, const Json& b, const std::string& pointer) {
+  if (a == b) return {};
+  if (!a.is_object() || !b.is_object()) return pointer;
+  for (const auto& [key, value] : a.items()) {
+    if (!b.contains(key)) return pointer + "/" + key;
+    std::string inner = first_difference(value, b.at(key), pointer + "/" + key);
+    if (!inner.empty()) return inner;
+  }
+  for (const auto& [key, value] : b.items())
+    if (!a.contains(key)) return pointer + "/" + key;
+  return pointer;
+}
+
+/// True where the configuration drops no pixel that hit.
+bool loses_nothing(const Json& config) {
+  const Json noise = config.value("noise", Json::object());
+  const auto is_zero = [&](const char* key) {
+    return noise.is_object() && noise.contains(key) && noise[key] == 0;
+  };
+  return is_zero("dropout_frac") && is_zero("dead_pixel_frac");
+}
+
+bool has_false_returns(const Json& config) {
+  const Json share = value_at(config, "/noise/false_return_frac");
+  return !share.is_null() && share != 0;
+}
+
+/// The key, not zero, by which the seed moves the true beams; empty where it does not.
+std::string seed_moves_beams_by(const Json& config) {
+  const Json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
+  const Json sigma = config.value(jitter, Json(0));
+  if (sigma != 0 && sigma != Json({0, 0})) return jitter.to_string();
+  // The encoder of an fsm misleads only the lander; prisms themselves are off.
+  const Json::json_pointer encoder("/scanner/encoder_sigma_rad");
+  if (config.value(Json::json_pointer("/scanner/type"), "") == "risley" && config.value(encoder, 0.0) != 0)
+    return encoder.to_string();
+  return {};
+}
+
+/// Why the lidars' true pointing differs; empty where it does not.
+std::string turned_beams_differ(const Json& theirs, const Json& ours) {
+  for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
+    const std::string where = "/pointing_error/" + std::string(key);
+    if (value_at(theirs, where) != value_at(ours, where)) return where + " differs from this configuration's";
+  }
+  const std::string key = seed_moves_beams_by(ours);
+  if (!key.empty() && theirs.value("seed", Json()) != ours.value("seed", Json()))
+    return "/seed differs from this configuration's, and the true beams follow it by " + key;
+  return {};
+}
+
+/// The files that true ranges depend on.
+Json inputs_of_truth(const Json& inputs) {
+  Json kept = Json::array();
+  for (const Json& input : inputs)
+    if (input.value("role", "") != "navigation") kept.push_back(input);
+  return kept;
+}
+
+}  // namespace
+
+RangeFile::RangeFile(const std::filesystem::path& path)
+    : file_(path, {"scan"}),
+      points_(file_.root(), "points", file_.name()),
+      pulses_(file_.root(), "pulses", file_.name()),
+      range_and_pixel_(points_, {"range_true", "pixel"}),
+      begin_and_count_(pulses_, {"point_begin", "point_count"}),
+      pulse_count_(pulses_.row_count("point_begin")) {
+  if (pulse_count_ != pulses_.row_count("point_count"))
+    file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
+  if (points_.row_count("range_true") != points_.row_count("pixel"))
+    file_.fail("/points/range_true and /points/pixel differ in length");
+}
+
+void RangeFile::require_match(const Provenance& provenance) const {
+  const auto refuse = [&](const std::string& what) {
+    throw UsageError("--ranges-from " + file_.name() + ": " + what);
+  };
+  const Json& theirs = file_.config();
+  if (!theirs.is_object() || file_.chain().empty()) refuse("does not say how it was made");
+  const Json& step = file_.chain().back();
+  if (step.value("version", "") != program_version())
+    refuse("made by version " + step.value("version", "?") + ", this is " + program_version());
+  for (const char* const key : {"detector", "laser", "scanner", "mount", "trajectory"}) {
+    const std::string where = first_difference(theirs.value(key, Json()),
+                                               provenance.config.value(key, Json()), std::string("/") + key);
+    if (!where.empty()) refuse(where + " differs from this configuration's");
+  }
+  const std::string turned = turned_beams_differ(theirs, provenance.config);
+  if (!turned.empty()) refuse(turned);
+  if (inputs_of_truth(step.value("inputs", Json())) != inputs_of_truth(provenance.as_step().at("inputs")))
+    refuse("its terrain or a table (trajectory, pixels, ...) is another file than this run's");
+  require_complete_ranges();
+}
+
+void RangeFile::require_complete_ranges() const {
+  if (!loses_nothing(file_.config()) && !misses_kept())
+    throw UsageError(
+        "--ranges-from " + file_.name() +
+        ": the ranges of its dropped and dead pixels are missing; make it with --keep-misses, or with "
+        "/noise/dropout_frac and /noise/dead_pixel_frac 0");
+  if (points_.element_size("range_true") != sizeof(double))
+    throw UsageError("--ranges-from " + file_.name() + ": its ranges are in single precision (--float32)");
+}
+
+bool RangeFile::misses_kept() const {
+  return h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
+}
+
+bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
+  if (keep_misses != misses_kept()) return false;
+  if (has_false_returns(config) || has_false_returns(file_.config())) return false;
+  return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
+}
+
+TerrainInput RangeFile::terrain() const {
+  TerrainInput terrain{nullptr, nullptr, nullptr, read_crs(file_.root()), "", Json::array()};
+  if (file_.chain().empty()) return terrain;
+  for (const Json& input : file_.chain().back().value("inputs", Json::array()))
+    if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");
+  terrain.chain = file_.chain();
+  terrain.chain.erase(terrain.chain.size() - 1);
+  return terrain;
+}
+
+RangeFile::PulseRows RangeFile::rows_of(PulseSpan pulses, std::int64_t most) {
+  const auto first = static_cast<std::size_t>(pulses.first);
+  const auto count = static_cast<std::size_t>(pulses.count);
+  if (first + count > pulse_count_)
+    file_.fail("has " + std::to_string(pulse_count_) + " pulses, this scan more");
+  PulseRows rows{std::vector<std::int64_t>(count), std::vector<std::int32_t>(count)};
+  const std::array<ColumnTarget, 2> targets = {std::span(rows.begin), std::span(rows.count)};
+  begin_and_count_.read(first, targets);
+  rows.total = rows.begin.back() + rows.count.back() - rows.begin.front();
+  if (rows.begin.front() < 0 || rows.total < 0 || rows.total > most)
+    file_.fail("/pulses/point_begin does not fit /points");
+  return rows;
+}
+
+bool RangeFile::PulseRows::hold_every_pixel(std::span<const std::int32_t> pixel,
+                                            std::size_t pixel_count) const {
+  const auto per_pulse = static_cast<std::int64_t>(pixel_count);
+  for (std::size_t pulse = 0; pulse < count.size(); ++pulse)
+    if (count[pulse] != per_pulse ||
+        begin[pulse] != begin.front() + static_cast<std::int64_t>(pulse) * per_pulse)
+      return false;
+  bool in_order = true;  // no early exit: the loop then runs as fast as memory
+  for (std::size_t first = 0; first < pixel.size(); first += pixel_count)
+    for (std::size_t i = 0; i < pixel_count; ++i)
+      in_order &= pixel[first + i] == static_cast<std::int32_t>(i);
+  return in_order;
+}
+
+std::vector<double> RangeFile::ranges_m(PulseSpan pulses, std::size_t pixel_count) {
+  const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
+  const PulseRows rows = rows_of(pulses, most);
+  std::vector<double> range(static_cast<std::size_t>(rows.total));
+  std::vector<std::int32_t> pixel(range.size());
+  const std::array<ColumnTarget, 2> targets = {std::span(range), std::span(pixel)};
+  range_and_pixel_.read(static_cast<std::size_t>(rows.begin.front()), targets);
+  if (rows.hold_every_pixel(pixel, pixel_count)) return range;
+  return by_pixel(rows, range, pixel, pixel_count);
+}
+
+std::vector<double> RangeFile::by_pixel(const PulseRows& rows, std::span<const double> range_m,
+                                        std::span<const std::int32_t> pixel, std::size_t pixel_count) const {
+  const std::int64_t first_row = rows.begin.front();
+  std::vector<double> result(rows.count.size() * pixel_count, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t pulse = 0; pulse < rows.count.size(); ++pulse)
+    for (std::int64_t i = 0; i < rows.count[pulse]; ++i) {
+      const std::int64_t row = rows.begin[pulse] + i - first_row;
+      if (row < 0 || row >= rows.total) file_.fail("/pulses/point_begin does not fit /points");
+      const std::int32_t where = pixel[static_cast<std::size_t>(row)];
+      if (where < 0 || static_cast<std::size_t>(where) >= pixel_count)
+        file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is no pixel of the detector");
+      result[pulse * pixel_count + static_cast<std::size_t>(where)] = range_m[static_cast<std::size_t>(row)];
+    }
+  return result;
+}
+
+}  // namespace landfall

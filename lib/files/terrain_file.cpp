@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/terrain_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/hash.h"
+#include "files/crs.h"
+#include "files/feature_file.h"
+#include "files/grid_file.h"
+#include "files/mesh_terrain_file.h"
+
+namespace landfall {
+
+namespace {
+
+GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
+
+/// Of the finite values; low > high where there are none.
+struct ElevationRange {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void add(double z) {  // NaN changes nothing
+    if (z < low) low = z;
+    if (z > high) high = z;
+  }
+  [[nodiscard]] std::optional<std::array<double, 2>> pair() const {
+    if (low > high) return std::nullopt;
+    return std::array{low, high};
+  }
+};
+
+}  // namespace
+
+void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
+  GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
+  ElevationRange range;
+  for (const double z : terrain.nodes.values()) range.add(z);
+  auto text = elevation_text();
+  text.actual_range = range.pair();
+  layers.write("z", terrain.nodes, text);
+  write_features(file, terrain.features);
+  file.commit();
+}
+
+WrittenNodes write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
+                           const ProgressCallback& progress) {
+  const GridLayerWriter layers(file, strips.spec(), strips.crs_wkt(), "grid node");
+  const h5::Handle z_layer = layers.begin<double>("z", elevation_text());
+  ElevationRange range;
+  WrittenNodes written;
+  const auto write = [&](const Grid<double>& strip) {
+    for (const double z : strip.values()) {
+      range.add(z);
+      written.holes += std::isnan(z) ? 1 : 0;
+    }
+    written.count += static_cast<std::int64_t>(strip.spec().size());
+    layers.write_rows(z_layer, "z", strip);
+  };
+  strips.make(write, progress);
+  if (const auto pair = range.pair()) GridLayerWriter::write_range(z_layer, *pair);
+  write_features(file, strips.features());
+  file.commit();
+  return written;
+}
+
+std::string raster_id(const DemRaster& raster) {
+  Hash hash;
+  hash.update(raster.crs_wkt).update(std::as_bytes(std::span(raster.samples.values)));
+  std::vector<double> place = {static_cast<double>(raster.samples.size.cols)};
+  for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{1, 0}, SitePoint{0, 1}}) {
+    const PixelPosition pixel = raster.mapping.pixel(point);
+    place.insert(place.end(), {pixel.col, pixel.row});
+  }
+  return hash.update(std::as_bytes(std::span(place))).hex();
+}
+
+TerrainInput read_terrain(const std::filesystem::path& path, const ProgressCallback& progress) {
+  const LandfallFileReader file(path, {"terrain"});
+  if (!h5::exists(file.root(), "z") && h5::exists(file.root(), "mesh")) {
+    auto mesh = read_mesh_terrain(file);
+    report(progress, 1);
+    return {mesh, nullptr, mesh, read_crs(file.root()), file.file_id(), file.chain()};
+  }
+  const GridLayerReader layers(file);
+  Grid<double> nodes = layers.read<double>("z", progress);
+  const auto values = nodes.values();
+  if (std::any_of(values.begin(), values.end(), [](double z) { return std::isinf(z); }))
+    file.fail("/z holds an infinite elevation");
+  if (std::none_of(values.begin(), values.end(), [](double z) { return std::isfinite(z); }))
+    file.fail("/z has no finite node");
+  auto grid = std::make_shared<const TriangulatedGrid>(std::move(nodes));
+  return {grid, grid, nullptr, layers.crs_wkt(), file.file_id(), file.chain()};
+}
+
+}  // namespace landfall

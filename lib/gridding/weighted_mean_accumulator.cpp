@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/weighted_mean_accumulator.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "gridding/finite_points.h"
+
+namespace landfall {
+namespace {
+
+/// So many points at a time: the partition's own memory stays below 8 MB however large the batch.
+constexpr std::size_t kPointsPerPass = std::size_t{1} << 20U;
+
+/// Parts for each thread: more even out the work, but the points of each then lie more scattered.
+constexpr std::size_t kPartsPerThread = 2;
+
+/// Shorter runs of points are copied together with others.
+constexpr std::size_t kLongRun = 256;
+
+/// Points from here and there, one behind the other.
+class GatheredPoints {
+ public:
+  [[nodiscard]] bool is_empty() const { return count_ == 0; }
+  /// True if the points of one more word may not fit.
+  [[nodiscard]] bool is_full() const { return count_ + kPointsPerWord > kRoom; }
+  /// Notes the points from `begin` on whose bits are set.
+  void append(std::size_t begin, std::uint64_t bits) {
+    for (; bits != 0; bits &= bits - 1)
+      numbers_[count_++] =
+          static_cast<std::uint32_t>(begin) + static_cast<std::uint32_t>(std::countr_zero(bits));
+  }
+  /// Copies and forgets the points noted; what is returned is valid until the next call.
+  GridPoints take(const GridPoints& p) {
+    const std::array<std::span<const double>, 7> from = {p.x_est,  p.y_est,  p.z_est, p.x_true,
+                                                         p.y_true, p.z_true, p.t};
+    for (std::size_t c = 0; c < from.size(); ++c)
+      for (std::size_t i = 0; i < count_; ++i) columns_[c][i] = from[c][numbers_[i]];
+    const auto& c = columns_;
+    return GridPoints{c[0], c[1], c[2], c[3], c[4], c[5], c[6]}.subset(0, std::exchange(count_, 0));
+  }
+
+ private:
+  static constexpr std::size_t kRoom = 256;
+  std::array<std::uint32_t, kRoom> numbers_;
+  std::array<std::array<double, kRoom>, 7> columns_;
+  std::size_t count_ = 0;
+};
+
+/// How many points in a row, from word `first` on, all belong to the part, in whole words.
+std::size_t run_length(std::span<const std::uint64_t> part, std::size_t first) {
+  std::size_t end = first;
+  while (end < part.size() && part[end] == ~std::uint64_t{0}) ++end;
+  return (end - first) * kPointsPerWord;
+}
+
+void merge(const AddedReturns& more, AddedReturns& all) {
+  all.outside += more.outside;
+  all.finite &= more.finite;
+}
+
+}  // namespace
+
+WeightedMeanAccumulator::WeightedMeanAccumulator(const GridSpec& spec, Weights weights)
+    : Accumulator(spec), weights_(weights), bins_(spec.size()) {}
+
+void WeightedMeanAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
+  std::size_t outside = 0;
+  for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPass) {
+    const GridPoints piece = points.subset(begin, std::min(kPointsPerPass, points.size() - begin));
+    const AddedReturns added =
+        thread_count() == 1 ? add_returns(piece, spec(), weights_, bins_.values()) : add_piece(piece);
+    if (!added.finite) throw_first_not_finite(piece, first_row_number + static_cast<std::int64_t>(begin));
+    outside += added.outside;
+  }
+  count_points(points.size(), outside);
+}
+
+AddedReturns WeightedMeanAccumulator::add_piece(const GridPoints& points) {
+  if (!partition_) partition_.emplace(spec(), kPartsPerThread * thread_count());
+  partition_->assign(points.x_est, points.y_est);
+  std::vector<AddedReturns> added(partition_->part_count());
+  parallel_for(added.size(), 1, [&](std::size_t part, std::size_t) {
+    added[part] = add_part(points, partition_->points_of_part(part));
+  });
+  AddedReturns all;
+  for (const AddedReturns& of_part : added) merge(of_part, all);
+  return all;
+}
+
+AddedReturns WeightedMeanAccumulator::add_part(const GridPoints& points,
+                                               std::span<const std::uint64_t> part) {
+  AddedReturns all;
+  GatheredPoints gathered;
+  const auto add = [&](const GridPoints& some) {
+    merge(add_returns(some, spec(), weights_, bins_.values()), all);
+  };
+  for (std::size_t word = 0; word < part.size();) {
+    if (part[word] == 0) {
+      ++word;
+      continue;
+    }
+    const std::size_t begin = word * kPointsPerWord;
+    const std::size_t run = run_length(part, word);
+    const bool is_long = run >= kLongRun;
+    if (!gathered.is_empty() && (is_long || gathered.is_full())) add(gathered.take(points));
+    if (is_long) {
+      add(points.subset(begin, run));
+      word += run / kPointsPerWord;
+    } else {
+      gathered.append(begin, part[word++]);
+    }
+  }
+  add(gathered.take(points));
+  return all;
+}
+
+void WeightedMeanAccumulator::values(BinIndex first, std::span<BinValues> out) const {
+  const std::span<const BinSums> sums = bins().subspan(spec().index(first), out.size());
+  std::ranges::transform(sums, out.begin(), values_of);
+}
+
+}  // namespace landfall

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "base/progress.h"
+#include "hdf5/h5.h"
+#include "raster/grid.h"
+
+namespace landfall {
+
+/// A layer's chunks: 256 x 256 bins, fewer in a smaller grid.
+[[nodiscard]] BinIndex tile_of(const GridSpec& spec);
+
+/// Where a grid lies in the layer that it is part of.
+struct LayerPart {
+  BinIndex tile;   ///< the layer's chunks
+  BinIndex first;  ///< bin of the layer: multiples of `tile`
+};
+
+/// What stands where a layer has no value: NaN, or 0 in integers.
+template <class T>
+constexpr T fill_of() {
+  if constexpr (std::numeric_limits<T>::has_quiet_NaN) return std::numeric_limits<T>::quiet_NaN();
+  return T{0};
+}
+
+/// Writes all tiles of a part of a layer to its dataset, which has chunks of part.tile with shuffle and
+/// deflate at the level `compression`, or without filters at 0. They are compressed on all threads and
+/// written in row-major order. The part must end with a tile or with the layer. Throws IoError naming the
+/// layer.
+template <class T>
+void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, int compression,
+                 const std::string& name);
+
+/// Reads all tiles of such a part of a layer of that kind, decoding them on all threads. False, with `layer`
+/// unspecified, for any other dataset of this shape and where a tile is missing or damaged: h5::read_values()
+/// knows what to do. The progress tells the part of the rows that were loaded before; it stays below 1.
+template <class T>
+[[nodiscard]] bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part,
+                              const ProgressCallback& progress = {});
+
+}  // namespace landfall

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hdf5/table.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "hdf5/chunk_source.h"
+#include "hdf5/column_reader.h"
+
+namespace landfall {
+namespace {
+
+std::size_t length(const ColumnRows& rows) {
+  return std::visit([](auto span) { return span.size(); }, rows);
+}
+
+template <class T>
+void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
+  if constexpr (std::is_same_v<T, double>) {
+    if (to_type == h5::Type::float32) {
+      for (std::size_t i = 0; i < from.size(); ++i) {
+        const auto value = static_cast<float>(from[i]);
+        std::memcpy(to + i * sizeof value, &value, sizeof value);
+      }
+      return;
+    }
+  }
+  if (h5::TypeOf<T>::value != to_type) throw std::logic_error("a column's rows are not of its type");
+  std::memcpy(to, from.data(), from.size_bytes());
+}
+
+/// The level of a dataset whose chunks are as TableWriter's: 0 for plain ones.
+std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chunks) {
+  if (!chunks.format.filtered) return 0;
+  const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  unsigned level = 0;
+  unsigned flags = 0;
+  std::size_t value_count = 1;
+  if (H5Pget_filter_by_id2(properties.get(), H5Z_FILTER_DEFLATE, &flags, &value_count, &level, 0, nullptr,
+                           nullptr) < 0)
+    return std::nullopt;
+  return level;
+}
+
+/// True where two datasets store equal values as equal chunks.
+bool stored_alike(hid_t a, hid_t b) {
+  constexpr std::array<hsize_t, 1> kChunk = {kTableChunkRows};
+  const std::optional<DecodableChunks> in_a = decodable_chunks(a, kChunk);
+  const std::optional<DecodableChunks> in_b = decodable_chunks(b, kChunk);
+  return in_a && in_b && in_a->type == in_b->type && deflate_level(a, *in_a) == deflate_level(b, *in_b);
+}
+
+void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<const std::byte> bytes,
+                 const std::string& name) {
+  const hsize_t size = end;
+  const std::array<hsize_t, 1> offset = {begin};
+  if (H5Dset_extent(dataset, &size) < 0 || !h5::write_chunk(dataset, offset, bytes))
+    throw IoError("writing column " + name + " failed: " + h5::failure_reason());
+}
+
+void describe(hid_t dataset, const ColumnSpec& spec) {
+  h5::write_attribute(dataset, "units", spec.units);
+  h5::write_attribute(dataset, "long_name", spec.long_name);
+  if (spec.flag_values.empty()) return;
+  h5::write_attribute(dataset, "flag_values", spec.flag_values);
+  h5::write_attribute(dataset, "flag_meanings", spec.flag_meanings);
+}
+
+}  // namespace
+
+TableWriter::TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
+                         int compression)
+    : compression_(compression),
+      group_(h5::create_group(parent, group)),
+      descriptor_(h5::descriptor(parent)) {
+  for (ColumnSpec& spec : columns) {
+    h5::Handle dataset =
+        h5::create_dataset(group_.get(), spec.name, spec.type,
+                           {.size = {0}, .chunk = {kTableChunkRows}, .growing = true, .level = compression_});
+    describe(dataset.get(), spec);
+    columns_.push_back({std::move(spec), std::move(dataset)});
+  }
+}
+
+bool TableWriter::copy_columns(const TableReader& source, std::span<const char* const> names) {
+  source_ = &source;
+  source_file_.emplace(source.group());
+  bool all = true;
+  for (Column& column : columns_) {
+    if (std::find(names.begin(), names.end(), column.spec.name) == names.end()) continue;
+    h5::Handle theirs = source.open(column.spec.name);
+    if (stored_alike(theirs.get(), column.dataset.get())) {
+      column.copied_from = std::move(theirs);
+      column.source_rows = source.row_count(column.spec.name);
+    } else {
+      all = false;
+    }
+  }
+  return all;
+}
+
+TableWriter::ChunkPtr TableWriter::empty_chunk() {
+  {
+    const std::lock_guard lock(free_mutex_);
+    if (!free_.empty()) {
+      ChunkPtr chunk = std::move(free_.back());
+      free_.pop_back();
+      return chunk;
+    }
+  }
+  auto chunk = std::make_shared<TableChunk>();
+  for (const Column& column : columns_) {
+    const std::size_t size = h5::size_of(column.spec.type);
+    const std::size_t rows = column.copied_from ? 0 : kTableChunkRows;
+    chunk->parts.push_back({std::vector<std::byte>(rows * size), ChunkEncoder(size, compression_), {}, {}});
+  }
+  return chunk;
+}
+
+std::vector<TableWriter::ChunkPtr> TableWriter::take(std::span<const ColumnRows> rows) {
+  if (rows.size() != columns_.size()) throw std::logic_error("a table row needs every column");
+  std::vector<ChunkPtr> full;
+  const std::size_t count = length(rows.front());
+  for (std::size_t begin = 0; begin < count;) {
+    if (!filling_) {
+      filling_ = empty_chunk();
+      filling_->first_row = row_count_;
+      filling_->row_count = 0;
+    }
+    const std::size_t size = std::min(count - begin, kTableChunkRows - filling_->row_count);
+    add_rows(rows, begin, size);
+    begin += size;
+    if (filling_->row_count == kTableChunkRows) full.push_back(std::exchange(filling_, nullptr));
+  }
+  return full;
+}
+
+void TableWriter::add_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count) {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].copied_from) continue;
+    const h5::Type type = columns_[c].spec.type;
+    std::byte* const target = filling_->parts[c].rows.data() + filling_->row_count * h5::size_of(type);
+    std::visit([&](auto span) { copy_rows(span.subspan(begin, count), type, target); }, rows[c]);
+  }
+  filling_->row_count += count;
+  row_count_ += count;
+}
+
+void TableWriter::encode(TableChunk& chunk) const {
+  parallel_for(columns_.size(), 1, [&](std::size_t c, std::size_t) {
+    TableChunk::Part& part = chunk.parts[c];
+    if (columns_[c].copied_from) {
+      load_copy(columns_[c], chunk, part.copy);
+      part.stored = part.copy.bytes;
+    } else {
+      part.stored = part.encoder.encode(part.rows);
+    }
+  });
+}
+
+void TableWriter::write(ChunkPtr chunk) {
+  {
+    const std::lock_guard lock(h5::library_lock());
+    for (std::size_t c = 0; c < columns_.size(); ++c)
+      write_chunk(columns_[c].dataset.get(), chunk->first_row, chunk->first_row + chunk->row_count,
+                  chunk->parts[c].stored, columns_[c].spec.name);
+  }
+  if (descriptor_) h5::start_writeback(*descriptor_);
+  const std::lock_guard lock(free_mutex_);
+  free_.push_back(std::move(chunk));
+}
+
+void TableWriter::append(std::span<const ColumnRows> rows) {
+  for (ChunkPtr& chunk : take(rows)) {
+    encode(*chunk);
+    write(std::move(chunk));
+  }
+}
+
+void TableWriter::load_copy(const Column& column, const TableChunk& chunk, StoredChunk& copy) const {
+  const std::array<hsize_t, 1> offset = {chunk.first_row};
+  const bool exists = chunk.first_row < column.source_rows;
+  if (exists && source_file_->load(column.copied_from.get(), offset, copy) && copy.filter_mask == 0) return;
+  const std::lock_guard lock(h5::library_lock());
+  if (exists) source_->fail_reading(column.spec.name);
+  source_->fail_reading(column.spec.name, "it ends after " + std::to_string(chunk.first_row) + " rows");
+}
+
+void TableWriter::require_whole_copies() const {
+  for (const Column& column : columns_) {
+    if (!column.copied_from || column.source_rows == row_count_) continue;
+    source_->fail_reading(column.spec.name, "it has " + std::to_string(column.source_rows) + " rows where " +
+                                                std::to_string(row_count_) + " are needed");
+  }
+}
+
+void TableWriter::finish() {
+  require_whole_copies();
+  if (!filling_) return;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {  // the unused end: zeros, never old rows
+    std::vector<std::byte>& rows = filling_->parts[c].rows;
+    const std::size_t used = filling_->row_count * h5::size_of(columns_[c].spec.type);
+    if (used < rows.size())
+      std::fill(rows.begin() + static_cast<std::ptrdiff_t>(used), rows.end(), std::byte{0});
+  }
+  encode(*filling_);
+  write(std::exchange(filling_, nullptr));
+}
+
+void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
+                 std::span<const ColumnRows> rows, int compression) {
+  TableWriter table(parent, group, std::move(columns), compression);
+  table.append(rows);
+  table.finish();
+}
+
+TableReader::TableReader(hid_t parent, const std::string& group, std::string file)
+    : file_(std::move(file)), name_(group == "/" ? "" : "/" + group), group_(h5::open_group(parent, group)) {
+  if (!group_) throw FormatError(file_ + ": no group " + (name_.empty() ? "/" : name_));
+}
+
+bool TableReader::has(const std::string& column) const { return h5::exists(group_.get(), column); }
+
+h5::Handle TableReader::open(const std::string& column) const {
+  h5::Handle dataset = h5::open_dataset(group_.get(), column);
+  if (!dataset) throw FormatError(file_ + ": no column " + path_of(column));
+  return dataset;
+}
+
+std::size_t TableReader::row_count(const std::string& column) const {
+  const h5::Handle dataset = open(column);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  if (H5Sget_simple_extent_ndims(space.get()) != 1)
+    throw FormatError(file_ + ": column " + path_of(column) + " is not one-dimensional");
+  return static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get()));
+}
+
+std::size_t TableReader::element_size(const std::string& column) const {
+  const h5::Handle dataset = open(column);
+  const h5::Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  return H5Tget_size(type.get());
+}
+
+template <class T>
+void TableReader::read(const std::string& column, std::size_t begin, std::span<T> out) const {
+  const std::array<ColumnTarget, 1> target = {out};
+  ColumnReader(*this, {column}).read(begin, target);
+}
+
+void TableReader::fail_reading(const std::string& column, std::string why) const {
+  if (why.empty()) why = h5::reading_failure();
+  throw FormatError(file_ + ": reading " + path_of(column) + " failed" + (why.empty() ? "" : ": " + why));
+}
+
+template void TableReader::read(const std::string&, std::size_t, std::span<double>) const;
+template void TableReader::read(const std::string&, std::size_t, std::span<std::int64_t>) const;
+template void TableReader::read(const std::string&, std::size_t, std::span<std::int32_t>) const;
+template void TableReader::read(const std::string&, std::size_t, std::span<std::int8_t>) const;
+
+}  // namespace landfall

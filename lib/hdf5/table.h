@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "hdf5/chunk_codec.h"
+#include "hdf5/chunk_source.h"
+#include "hdf5/h5.h"
+
+namespace landfall {
+
+/// Rows of a chunk of a table column.
+inline constexpr std::size_t kTableChunkRows = 65536;
+
+struct ColumnSpec {
+  std::string name;
+  h5::Type type;
+  std::string units;
+  std::string long_name;
+  std::vector<std::int8_t> flag_values = {};  ///< with flag_meanings: a CF flag variable
+  std::string flag_meanings = {};
+};
+
+/// One column's new rows. Doubles may go into a float32 column; other types must match.
+using ColumnRows = std::variant<std::span<const double>, std::span<const std::int64_t>,
+                                std::span<const std::int32_t>, std::span<const std::int8_t>>;
+
+class TableReader;
+
+/// Rows that make one chunk of every column, on their way into the file.
+struct TableChunk {
+  /// One column's part.
+  struct Part {
+    std::vector<std::byte> rows;
+    ChunkEncoder encoder;
+    StoredChunk copy;                   ///< of a copied column
+    std::span<const std::byte> stored;  ///< what the file gets, once encoded
+  };
+  std::size_t first_row = 0;
+  std::size_t row_count = 0;
+  std::vector<Part> parts;
+};
+
+/// A group of 1-D columns of equal length that grows row by row in bounded memory; the bytes do not depend on
+/// how the rows were batched.
+///
+/// A pipeline takes rows, encodes the chunks that they fill and writes those: take() and write() by one
+/// thread at a time each and in order, encode() by any thread, all three at the same time. append() does all
+/// of it. HDF5 is used under h5::library_lock().
+class TableWriter {
+ public:
+  using ChunkPtr = std::shared_ptr<TableChunk>;
+
+  TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
+
+  /// From now on the columns named are copied chunk by chunk, as `source` stores them, and their rows are
+  /// left aside, which may then be none: for columns that are known to come out the same as in an earlier
+  /// file. Call before the first rows; `source` must live until finish(), which throws FormatError unless it
+  /// has as many rows. A column that is stored otherwise there, in type, chunks or filters, is written as
+  /// before; false where there is such a column.
+  bool copy_columns(const TableReader& source, std::span<const char* const> names);
+
+  /// Adds rows; `rows` in the order of the columns, all of one length. Returns the chunks that became full,
+  /// to be encoded and written.
+  [[nodiscard]] std::vector<ChunkPtr> take(std::span<const ColumnRows> rows);
+  /// Compresses on all threads. Throws FormatError where a column to copy cannot be read.
+  void encode(TableChunk& chunk) const;
+  /// Throws IoError when the disk refuses.
+  void write(ChunkPtr chunk);
+  /// take(), encode() and write().
+  void append(std::span<const ColumnRows> rows);
+  /// Writes what is left. Call once, after everything else.
+  void finish();
+
+  /// Rows taken.
+  [[nodiscard]] std::size_t row_count() const { return row_count_; }
+  [[nodiscard]] hid_t group() const { return group_.get(); }
+
+ private:
+  struct Column {
+    ColumnSpec spec;
+    h5::Handle dataset;
+    h5::Handle copied_from{};  ///< the dataset whose chunks this column takes
+    std::size_t source_rows = 0;
+  };
+  [[nodiscard]] ChunkPtr empty_chunk();
+  void add_rows(std::span<const ColumnRows> rows, std::size_t begin, std::size_t count);
+  void load_copy(const Column& column, const TableChunk& chunk, StoredChunk& copy) const;
+  void require_whole_copies() const;
+
+  int compression_;
+  h5::Handle group_;
+  std::optional<int> descriptor_;
+  std::vector<Column> columns_;
+  const TableReader* source_ = nullptr;  ///< of copied columns
+  std::optional<ChunkFile> source_file_;
+  ChunkPtr filling_;
+  std::size_t row_count_ = 0;
+  std::mutex free_mutex_;
+  std::vector<ChunkPtr> free_;  ///< written; their memory is used again
+};
+
+/// Writes whole columns at once.
+void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
+                 std::span<const ColumnRows> rows, int compression);
+
+/// Reads 1-D columns of equal length, in pieces of rows.
+class TableReader {
+ public:
+  /// Throws FormatError (naming `file`) where the group is missing.
+  TableReader(hid_t parent, const std::string& group, std::string file);
+
+  [[nodiscard]] bool has(const std::string& column) const;
+  /// The rows of a column; every column read must have the same number. Throws FormatError where it is
+  /// missing or is not 1-D.
+  [[nodiscard]] std::size_t row_count(const std::string& column) const;
+  /// Bytes of one value as stored.
+  [[nodiscard]] std::size_t element_size(const std::string& column) const;
+  /// Reads rows [begin, begin + out.size()) converted to T, as ColumnReader does; for many pieces of a column
+  /// use that one.
+  template <class T>
+  void read(const std::string& column, std::size_t begin, std::span<T> out) const;
+  /// The column's dataset. Throws FormatError where it is missing.
+  [[nodiscard]] h5::Handle open(const std::string& column) const;
+  [[nodiscard]] hid_t group() const { return group_.get(); }
+  [[nodiscard]] const std::string& file() const { return file_; }
+  /// "/group/column", for messages.
+  [[nodiscard]] std::string path_of(const std::string& column) const { return name_ + "/" + column; }
+  /// "file: reading /group/column failed: why"; by default why is HDF5's own reason.
+  [[noreturn]] void fail_reading(const std::string& column, std::string why = {}) const;
+
+ private:
+  std::string file_;
+  std::string name_;
+  h5::Handle group_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "output/output_path.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "output/temporary_files.h"
+
+namespace landfall {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string system_message(int error_number) { return std::generic_category().message(error_number); }
+
+/// Where a process number means something: this machine, or the container on it. Eight hexadecimal digits.
+std::string place() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  std::error_code unknown;
+  const fs::path numbers = fs::read_symlink("/proc/self/ns/pid", unknown);
+  return Hash().update(std::string_view(host.data())).update(numbers.string()).hex().substr(0, 8);
+}
+
+/// ".NAME.PLACE-", what the temporary files of this place begin with.
+std::string part_prefix(const std::string& output_name) {
+  static const std::string here = place();
+  return "." + output_name + "." + here + "-";
+}
+
+/// The process number in ".NAME.PLACE-PID.part", 0 where it is not such a name.
+int owner_of_part(const std::string& file, const std::string& prefix) {
+  const std::string suffix = ".part";
+  if (file.size() <= prefix.size() + suffix.size() || file.compare(0, prefix.size(), prefix) != 0) return 0;
+  int pid = 0;
+  const char* const begin = file.data() + prefix.size();
+  const char* const end = file.data() + file.size() - suffix.size();
+  const auto [stop, error] = std::from_chars(begin, end, pid);
+  return error == std::errc() && stop == end && file.compare(file.size() - suffix.size(), 5, suffix) == 0
+             ? pid
+             : 0;
+}
+
+void remove_abandoned_parts(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::string prefix = part_prefix(path.filename().string());
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const int pid = owner_of_part(entry.path().filename().string(), prefix);
+    if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
+  }
+}
+
+void flush_to_disk(const fs::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) throw IoError(file.string() + ": " + system_message(errno));
+  const int result = ::fsync(descriptor);
+  const int error_number = errno;
+  ::close(descriptor);
+  if (result != 0)
+    throw IoError(file.string() + ": flushing to disk failed: " + system_message(error_number));
+}
+
+}  // namespace
+
+void require_usable_output(const fs::path& path, bool overwrite) {
+  std::error_code ignored;
+  if (path.empty() || path.filename().empty())
+    throw UsageError("output '" + path.string() + "' names no file");
+  if (fs::is_directory(path, ignored)) throw UsageError("output " + path.string() + " is a directory");
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored))
+    throw UsageError("output " + path.string() + ": folder " + folder.string() + " does not exist");
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
+    throw UsageError("output " + path.string() + " is no regular file");
+  if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
+    throw UsageError("output " + path.string() + " exists; use -O to overwrite it");
+}
+
+OutputPath::OutputPath(fs::path path, bool overwrite) : path_(std::move(path)), overwrite_(overwrite) {
+  require_usable_output(path_, overwrite_);
+  remove_abandoned_parts(path_);
+  temporary_ = path_;
+  temporary_.replace_filename(part_prefix(path_.filename().string()) + std::to_string(::getpid()) + ".part");
+  register_temporary_file(temporary_.string());
+}
+
+OutputPath::~OutputPath() {
+  if (!committed_) ::unlink(temporary_.c_str());
+  forget_temporary_file(temporary_.string());
+}
+
+void OutputPath::flush() {
+  flush_to_disk(temporary_);
+  flushed_ = true;
+}
+
+void OutputPath::commit() {
+  if (!flushed_) flush();
+  ignore_interrupts();
+  if (overwrite_) {
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0)
+      throw IoError("output " + path_.string() + ": renaming failed: " + system_message(errno));
+  } else if (::link(temporary_.c_str(), path_.c_str()) == 0) {  // unlike rename, refuses an existing name
+    ::unlink(temporary_.c_str());
+  } else if (errno == EEXIST) {
+    throw UsageError("output " + path_.string() + " appeared while this ran; use -O to overwrite it");
+  } else if (::rename(temporary_.c_str(), path_.c_str()) != 0) {  // file systems without hard links
+    throw IoError("output " + path_.string() + ": renaming failed: " + system_message(errno));
+  }
+  committed_ = true;
+}
+
+void write_text(OutputPath& output, const std::string& text) {
+  std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  if (!stream)
+    throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
+  output.flush();
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  // Of a file that is not there yet, "x" and "./x" would differ.
+  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+         fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+}  // namespace landfall

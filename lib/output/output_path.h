@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace landfall {
+
+/// How files are written; part of no file_id.
+struct OutputOptions {
+  std::filesystem::path path;
+  bool overwrite = false;
+  int compression = 1;  ///< deflate level 0..9
+};
+
+/// An output that appears whole under its name or not at all.
+///
+/// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
+/// it. Until then whatever stood under the name stays untouched; a run that fails, or is ended by SIGINT or
+/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.PLACE-PID.part` file may remain; the next run
+/// for that name removes it if its process is gone. PLACE stands for the machine or container, for process
+/// numbers come again elsewhere: what others left in a shared folder may still be written to, and is not
+/// touched.
+class OutputPath {
+ public:
+  /// Throws UsageError where `path` exists and `overwrite` is false, is there but no regular file (a
+  /// directory, a pipe, a device), or has no folder to stand in. A symbolic link is replaced, not followed.
+  OutputPath(std::filesystem::path path, bool overwrite);
+  ~OutputPath();
+  OutputPath(const OutputPath&) = delete;
+  OutputPath& operator=(const OutputPath&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
+  /// Puts the temporary file, which must be closed, on the disk. A run of several outputs does so with all of
+  /// them before the first gets its name. Throws IoError when the disk refuses.
+  void flush();
+  /// Flushes where that was not done, and gives the output its name. Throws IoError when the disk refuses,
+  /// UsageError when another process made the output meanwhile and `overwrite` is false.
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  bool overwrite_;
+  bool flushed_ = false;
+  bool committed_ = false;
+};
+
+/// Whether two names lead to one file, which need not exist.
+[[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// What OutputPath refuses, without claiming the name: for a refusal before the inputs are read. Throws
+/// UsageError.
+void require_usable_output(const std::filesystem::path& path, bool overwrite);
+
+/// Writes these bytes as the whole of the temporary file and flushes it; the caller commits. Throws IoError
+/// when the disk refuses.
+void write_text(OutputPath& output, const std::string& text);
+
+}  // namespace landfall

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "output/temporary_files.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <string_view>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::array kInterrupts = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+
+/// Decided once: an interrupt ends the run, or its outputs get their names.
+enum class Fate : int { open, interrupted, naming };
+std::atomic<Fate> fate{Fate::open};  // NOLINT(*-avoid-non-const-global-variables)
+static_assert(std::atomic<Fate>::is_always_lock_free);
+
+/// Whether this call decided it.
+bool decide(Fate wanted) {
+  Fate undecided = Fate::open;
+  return fate.compare_exchange_strong(undecided, wanted);
+}
+
+struct Slot {
+  std::array<char, 4096> path{};
+  std::atomic<bool> used{false};
+};
+
+// File-scope so that a signal handler, which may not allocate or lock, can read it.
+std::array<Slot, 8> slots;  // NOLINT(*-avoid-non-const-global-variables)
+std::mutex slots_mutex;
+std::array<char, 256> farewell{};   // NOLINT(*-avoid-non-const-global-variables)
+std::array<char, 256> no_memory{};  // NOLINT(*-avoid-non-const-global-variables)
+
+/// A line on stderr; on a terminal it begins below the progress bar.
+void set_line(std::array<char, 256>& line, const std::string& text) {
+  const std::string whole = (::isatty(STDERR_FILENO) != 0 ? "\n" : "") + text + "\n";
+  std::memcpy(line.data(), whole.c_str(), std::min(whole.size() + 1, line.size() - 1));
+}
+
+void write_stderr(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+void remove_temporaries() {
+  for (Slot& slot : slots)
+    if (slot.used.load(std::memory_order_acquire)) ::unlink(slot.path.data());
+}
+
+void die_of(int signal_number) {
+  std::signal(signal_number, SIG_DFL);
+  std::raise(signal_number);
+}
+
+extern "C" void interrupt(int signal_number) {
+  if (!decide(Fate::interrupted)) return;
+  remove_temporaries();
+  write_stderr(farewell.data());
+  die_of(signal_number);
+}
+
+/// Whoever closed the pipe knows that it is over.
+extern "C" void end_silently(int signal_number) {
+  remove_temporaries();
+  die_of(signal_number);
+}
+
+/// Allocates nothing, and ends the process where it stands: no way back needs memory, or is not for
+/// exceptions.
+[[noreturn]] void end_without_memory() {
+  static std::atomic<bool> ending{false};
+  while (ending.exchange(true)) ::pause();  // another thread is at it
+  remove_temporaries();
+  write_stderr(no_memory.data());
+  ::_exit(static_cast<int>(ExitCode::data_failed));
+}
+
+std::terminate_handler abnormal_end_before = nullptr;  // NOLINT(*-avoid-non-const-global-variables)
+
+[[noreturn]] void end_abnormally() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    end_without_memory();
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the handler before this one says what it was
+  }
+  remove_temporaries();
+  if (abnormal_end_before != nullptr) abnormal_end_before();
+  std::abort();
+}
+
+/// What the parent chose to ignore (nohup) stays ignored.
+void handle(int signal_number, void (*handler)(int)) {
+  if (std::signal(signal_number, handler) == SIG_IGN) std::signal(signal_number, SIG_IGN);
+}
+
+}  // namespace
+
+void register_temporary_file(const std::string& path) {
+  const std::lock_guard lock(slots_mutex);
+  for (Slot& slot : slots) {
+    if (slot.used.load(std::memory_order_relaxed) || path.size() >= slot.path.size()) continue;
+    std::memcpy(slot.path.data(), path.c_str(), path.size() + 1);
+    slot.used.store(true, std::memory_order_release);
+    return;
+  }
+}
+
+void forget_temporary_file(const std::string& path) {
+  const std::lock_guard lock(slots_mutex);
+  for (Slot& slot : slots)
+    if (slot.used.load(std::memory_order_relaxed) && path == slot.path.data())
+      slot.used.store(false, std::memory_order_release);
+}
+
+void install_signal_cleanup(const std::string& program) {
+  set_line(farewell, program + ": interrupted, no output was written");
+  for (const int signal_number : kInterrupts) handle(signal_number, interrupt);
+  handle(SIGPIPE, end_silently);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void install_memory_cleanup(const std::string& program) {
+  set_line(no_memory, program + ": not enough memory for this run");
+  std::set_new_handler(end_without_memory);
+  abnormal_end_before = std::set_terminate(end_abnormally);
+}
+
+void ignore_interrupts() {
+  if (decide(Fate::naming) || fate == Fate::naming) return;
+  for (;;) ::pause();  // a handler on another thread ends the process
+}
+
+}  // namespace landfall

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/gdal/gdal_loader.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/headroom.h"
+#include "terrain/gdal/plugin.h"
+
+namespace landfall {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> plugin_folders() {
+  std::vector<fs::path> folders;
+  // Nothing here changes the environment.
+  if (const char* chosen = std::getenv("LANDFALL_PLUGIN_DIR");  // NOLINT(concurrency-mt-unsafe)
+      chosen != nullptr && *chosen != '\0')
+    folders.emplace_back(chosen);
+  std::error_code unreadable;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
+  if (!unreadable) {
+    const fs::path prefix = program.parent_path().parent_path();
+    folders.push_back(prefix / "lib" / "landfall");
+    folders.push_back(prefix / LANDFALL_LIBDIR / "landfall");
+  }
+  folders.emplace_back(LANDFALL_PLUGIN_INSTALL_DIR);
+  return folders;
+}
+
+/// GDAL, its hundred libraries and their start; with less some of them crash.
+constexpr std::size_t kHeadroomOfGdal = std::size_t{192} << 20U;
+
+std::string last_dl_error() {
+  const char* reason = dlerror();  // NOLINT(concurrency-mt-unsafe): glibc has one for each thread
+  return reason != nullptr ? reason : "unknown reason";
+}
+
+const GdalPlugin& plugin_at(const fs::path& file) {
+  require_headroom(kHeadroomOfGdal);
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) throw IoError("cannot load the GDAL plugin: " + last_dl_error());
+  const auto* plugin = static_cast<const GdalPlugin*>(dlsym(library, kGdalPluginSymbol));
+  if (plugin == nullptr) throw IoError("cannot use the GDAL plugin: " + last_dl_error());
+  if (std::string(plugin->version) != LANDFALL_VERSION)
+    throw IoError(file.string() + ": is of version " + plugin->version +
+                  ", this program of " LANDFALL_VERSION);
+  return *plugin;
+}
+
+const GdalPlugin& find_plugin() {
+  std::string tried;
+  for (const fs::path& folder : plugin_folders()) {
+    const fs::path file = folder / "landfall-gdal.so";
+    std::error_code missing;
+    if (fs::exists(file, missing)) return plugin_at(file);
+    tried += (tried.empty() ? "" : ", ") + file.string();
+  }
+  throw IoError("the GDAL plugin, landfall-gdal.so, is not there; tried " + tried +
+                "; LANDFALL_PLUGIN_DIR can name its folder");
+}
+
+/// Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.
+const GdalPlugin& plugin() {
+  static const GdalPlugin& found = find_plugin();
+  return found;
+}
+
+/// Without it the raster cannot be read, and an output that the run would have written is not to blame.
+const GdalPlugin& plugin_for(const DemBase& dem) {
+  try {
+    return plugin();
+  } catch (const IoError& error) {
+    throw FormatError(dem.path + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+DemRaster load_dem(const DemBase& dem, const GridSpec& site) {
+  return plugin_for(dem).read_dem(dem, site, RasterLinks::refused);
+}
+
+DemLoader dem_loader(RasterLinks links) {
+  return [links](const DemBase& dem, const GridSpec& site) {
+    return plugin_for(dem).read_dem(dem, site, links);
+  };
+}
+
+SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLinks links) {
+  return plugin_for(dem).fit_dem_site(dem, request, links);
+}
+
+std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links) {
+  return plugin_for(dem).named_files(dem.path, links);
+}
+
+std::vector<std::string> dem_files(const DemBase& dem, RasterLinks links) {
+  return plugin_for(dem).dem_files(dem, links);
+}
+
+void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
+                  const ProgressCallback& progress) {
+  plugin().write_geotiff(path, content, options, progress);
+}
+
+std::string encode_png(const RgbImage& image) { return plugin().png_bytes(image); }
+
+}  // namespace landfall

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "raster/grid_spec.h"
+#include "raster/rgb_image.h"
+#include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/raster_links.h"
+#include "terrain/relief/dem_raster.h"
+#include "terrain/relief/site_fit.h"
+#include "terrain/terrain_model.h"
+
+namespace landfall {
+
+/// The DemLoader that opens files: any raster of the formats that docs/terrain-gen.md lists, by GDAL. GDAL
+/// brings about a hundred shared libraries along, so it lives in a plugin, landfall-gdal.so, which the first
+/// call loads. Looked for in $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and
+/// ../<libdir>/landfall), then where it was installed to.
+///
+/// Holes are NaN: what the band's nodata value, its mask or alpha band, or NaN says. Scale and offset are
+/// applied. Rasters up to 64 Mpx (2^26) are read whole, of larger ones the window that the site needs, at
+/// most 256 Mpx. The site's frame is
+/// - for a projected or local CRS: its own axes, shifted to the centre, in metres;
+/// - for a geographic CRS: the orthographic frame of its body around the centre;
+/// - without a CRS: the raster's axes times horizontal_scale_m; a raster without georeference counts columns
+///   from its left and rows from its bottom edge.
+///
+/// Opens no file that is not part of the raster (raster_links.h), no other machine, and runs nothing that a
+/// file holds.
+///
+/// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
+/// both kinds of centre at once; FormatError where the raster cannot be opened or read, needs a file that is
+/// no part of it, is complex-valued, is smaller than 2 x 2, has no usable georeference, or does not hold all
+/// of the site, and without the plugin, naming the raster and the places tried. From any thread, one call at
+/// a time: GDAL has one list of drivers, and reading a raster changes it.
+[[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
+
+/// load_dem(), or one that opens all local files that a raster names.
+[[nodiscard]] DemLoader dem_loader(RasterLinks links);
+
+/// The size of a site that leaves its half width or resolution to the raster (site_fit.h). Reads the header;
+/// throws as load_dem() and fit_site() do.
+[[nodiscard]] SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request,
+                                    RasterLinks links = RasterLinks::refused);
+
+/// The files that a raster's name leads to before GDAL opens any: itself, those inside a name such as
+/// NETCDF:"f.h5":z, and with RasterLinks::followed those that VRTs among them name. FormatError without the
+/// plugin.
+[[nodiscard]] std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links);
+
+/// The files that load_dem() may read: also what lies beside a raster and belongs to it. Opens the raster,
+/// but does not throw where that fails; FormatError without the plugin.
+[[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem,
+                                                 RasterLinks links = RasterLinks::refused);
+
+/// Writes grids as the bands of a cloud-optimized GeoTIFF: deflate with a predictor, tiles of 512 x 512, each
+/// node the centre of its pixel, row 0 the northern. Bands of a TIFF have one type: float64 if a band is or
+/// if there are float32 and int32, else float32, int32, or int16 for int8. Floating-point files have nodata
+/// NaN, integer ones none. Overviews hold the mean of the nodes that are no holes, those of integers, which
+/// may be flags, their middle node. The grids are not copied: tiles and GDAL's block cache (64 MiB) are all
+/// that it needs besides. `path` is written in place and holds nothing useful after a failure.
+///
+/// Throws IoError with GDAL's reason, or without the plugin.
+void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
+                  const ProgressCallback& progress = {});
+
+/// The bytes of a PNG file. Throws IoError with GDAL's reason, or without the plugin.
+[[nodiscard]] std::string encode_png(const RgbImage& image);
+
+}  // namespace landfall

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "terrain/mesh/indexed_triangles.h"
+#include "terrain/mesh/triangle_tree.h"
+#include "terrain/surface.h"
+
+namespace landfall {
+
+/// The true surface of a mesh terrain: any set of triangles. They need not close a body, may overhang, stand
+/// upright and cross each other; which way their corners turn does not matter.
+class TriangleMesh final : public TerrainSurface {
+ public:
+  /// Throws FormatError, beginning with `name`, where require_sound() does. O(n log n); the tree takes some
+  /// 16 bytes per triangle.
+  explicit TriangleMesh(IndexedTriangles mesh, const std::string& name = "mesh");
+
+  [[nodiscard]] const IndexedTriangles& data() const { return mesh_; }
+  [[nodiscard]] std::size_t triangle_count() const { return mesh_.triangles.size(); }
+  [[nodiscard]] std::array<Eigen::Vector3d, 3> triangle(std::size_t id) const { return mesh_.corners(id); }
+
+  /// The highest point of all triangles on the vertical, metres; NaN off the mesh. Triangles are closed and
+  /// which of them a vertical meets is decided without rounding, so that none slips between neighbours; an
+  /// upright triangle counts with its highest point there. Rounding of z: a few units of 2^-63 of the
+  /// triangle's height times its steepness, and never beyond its corners. O(log n).
+  [[nodiscard]] double elevation(double x_m, double y_m) const override;
+
+  /// Of the triangle nearest to the place, the first of equally near ones. Its sense is that of the corners'
+  /// order: a body whose corners turn counter-clockwise as seen from outside has it outwards. NaN for a place
+  /// that is not finite. O(log n) near the surface.
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& place) const override;
+
+  /// A mesh may overhang, and a cave's floor lies below its roof.
+  [[nodiscard]] bool is_ground_below() const override { return false; }
+
+ private:
+  IndexedTriangles mesh_;
+  TriangleTree tree_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "raster/grid_spec.h"
+#include "terrain/relief/site_mapping.h"
+#include "terrain/terrain_model.h"
+
+namespace landfall {
+
+/// The site frame of a terrain that no CRS ties to a body: metres, x east, y north. WKT2.
+inline constexpr const char* kLocalSiteCrsWkt =
+    R"wkt(ENGCRS["landfall site frame",EDATUM["landing site"],CS[Cartesian,2],)wkt"
+    R"wkt(AXIS["easting (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
+    R"wkt(AXIS["northing (N)",north,ORDER[2],LENGTHUNIT["metre",1]]])wkt";
+
+struct RasterSize {
+  std::int64_t rows = 0;
+  std::int64_t cols = 0;
+  friend bool operator==(const RasterSize&, const RasterSize&) = default;
+};
+
+/// Raster samples, row-major, row 0 the file's first; holes are NaN.
+struct DemSamples {
+  RasterSize size;
+  std::vector<double> values;
+  [[nodiscard]] double at(std::int64_t row, std::int64_t col) const {
+    return values[static_cast<std::size_t>(row * size.cols + col)];
+  }
+};
+
+/// What was read, for provenance.
+struct DemSource {
+  std::string path;
+  std::string driver;  ///< GDAL's short name
+  RasterSize size;     ///< of the whole raster, not of the window that was read
+  int band = 1;
+  friend bool operator==(const DemSource&, const DemSource&) = default;
+};
+
+/// An imported raster: elevations in metres before vertical_scale and datum, and where the site lies in them.
+struct DemRaster {
+  DemSamples samples;   ///< the raster, or a window of it that holds the site
+  SiteMapping mapping;  ///< to pixels of `samples`
+  std::string crs_wkt;  ///< of the site frame
+  DemSource source;
+};
+
+/// Reads the raster of a DemBase for a site: lib/terrain/gdal/gdal_loader.h has the one that opens files.
+using DemLoader = std::function<DemRaster(const DemBase& dem, const GridSpec& site)>;
+
+/// The elevation at `pixel`; NaN in holes and outside the samples. Inside means within the hull of the pixel
+/// centres, for `nearest` within the pixels' outer edges; 1e-6 pixel beyond counts as on the border.
+///
+/// - nearest: the pixel that holds the place, the greater one on an edge.
+/// - bilinear: reproduces a + b x + c y + d x y. NaN where a sample of non-zero weight is NaN.
+/// - bicubic: Keys (1981), a = -1/2, on 4 x 4 samples: reproduces products of quadratics in x and in y, but
+///   within one pixel of the border, where the missing ring repeats the border. Where a sample of non-zero
+///   weight is NaN it is bilinear, so that holes do not grow.
+[[nodiscard]] double interpolate(const DemSamples& samples, Interpolation method, const PixelPosition& pixel);
+
+/// True where interpolate() has samples to work on.
+[[nodiscard]] bool inside(const RasterSize& size, Interpolation method, const PixelPosition& pixel);
+
+/// A box of continuous pixel coordinates, inclusive.
+struct PixelBox {
+  PixelPosition low;
+  PixelPosition high;
+};
+
+/// The pixels that the nodes of a site lie on, from the nodes of its border; NaN where one has no place in
+/// the raster's coordinates.
+[[nodiscard]] PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site);
+
+/// The largest half width around the site's centre, in nodes of `resolution_m` and up to `limit`, whose
+/// square lies inside a raster of this size; -1 where the centre does not.
+[[nodiscard]] std::int64_t largest_half(const SiteMapping& mapping, const RasterSize& size,
+                                        Interpolation method, double resolution_m, std::int64_t limit);
+
+/// Throws FormatError unless all of the site lies inside a raster of this size; the message begins with
+/// `what` and names the size and the largest half width (a multiple of the resolution) that fits around the
+/// same centre.
+void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Interpolation method,
+                         const GridSpec& site, const std::string& what);
+
+}  // namespace landfall

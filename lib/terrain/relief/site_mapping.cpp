@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/relief/site_mapping.h"
+
+#include <cmath>
+
+namespace landfall {
+
+GeoTransform::GeoTransform(const std::array<double, 6>& c) : origin_(c[0], c[3]) {
+  cell_ << c[1], c[2], c[4], c[5];
+}
+
+bool GeoTransform::invertible() const {
+  return origin_.allFinite() && cell_.allFinite() && cell_.determinant() != 0 && cell_.inverse().allFinite();
+}
+
+MapPoint GeoTransform::map_point(const PixelPosition& pixel) const {
+  const Eigen::Vector2d point = origin_ + cell_ * Eigen::Vector2d(pixel.col + 0.5, pixel.row + 0.5);
+  return {point.x(), point.y()};
+}
+
+PixelPosition GeoTransform::pixel(const MapPoint& point) const {
+  const Eigen::Vector2d corner = cell_.inverse() * (Eigen::Vector2d(point.x, point.y) - origin_);
+  return {corner.x() - 0.5, corner.y() - 0.5};
+}
+
+OrthographicFrame::OrthographicFrame(const Ellipsoid& body, const LonLat& center)
+    : body_(body), center_(center) {
+  const double s = std::sin(center.lat_rad);
+  const double c = std::cos(center.lat_rad);
+  const double e2 = body.flattening * (2 - body.flattening);
+  const double normal_m = body.semi_major_m / std::sqrt(1 - e2 * s * s);
+  origin_m_ = {normal_m * c, 0, normal_m * (1 - e2) * s};
+  R_body_plane_ << 0, -s, c,  //
+      1, 0, 0,                //
+      0, c, s;
+}
+
+LonLat OrthographicFrame::difference(const SitePoint& point) const {
+  // The normal through the point meets the ellipsoid x^2 + y^2 + z^2 / (1-f)^2 = a^2 at the height h that
+  // solves h^2 A + 2 h B + C = 0; the root near the plane is the near side of the body.
+  const Eigen::Vector3d up = R_body_plane_.col(2);
+  const Eigen::Vector3d p = origin_m_ + point.x_m * R_body_plane_.col(0) + point.y_m * R_body_plane_.col(1);
+  const double axis_ratio = 1 - body_.flattening;
+  const Eigen::Vector3d stretch(1, 1, 1 / (axis_ratio * axis_ratio));
+  const double A = up.dot(stretch.cwiseProduct(up));
+  const double B = p.dot(stretch.cwiseProduct(up));
+  // The centre lies on the ellipsoid, so that its own terms cancel.
+  const Eigen::Vector3d step = p - origin_m_;
+  const double C = step.dot(stretch.cwiseProduct(p + origin_m_));
+  const double h_m = -C / (B + std::sqrt(B * B - A * C));
+  const Eigen::Vector3d q = p + h_m * up;
+  const double lat_rad = std::atan2(stretch.z() * q.z(), std::hypot(q.x(), q.y()));
+  return {std::atan2(q.y(), q.x()), lat_rad - center_.lat_rad};
+}
+
+SiteMapping::SiteMapping(const GeoTransform& georeference, const PixelPosition& center,
+                         double metres_per_unit)
+    : center_(center), pixels_per_step_(georeference.pixels_per_unit() / metres_per_unit) {}
+
+SiteMapping::SiteMapping(const GeoTransform& georeference, const PixelPosition& center,
+                         const OrthographicFrame& frame, double radians_per_unit)
+    : center_(center), pixels_per_step_(georeference.pixels_per_unit() / radians_per_unit), frame_(frame) {}
+
+PixelPosition SiteMapping::pixel(const SitePoint& point) const {
+  Eigen::Vector2d step(point.x_m, point.y_m);
+  if (frame_) {
+    const LonLat difference = frame_->difference(point);
+    step = {difference.lon_rad, difference.lat_rad};
+  }
+  const Eigen::Vector2d pixels = pixels_per_step_ * step;
+  return {center_.col + pixels.x(), center_.row + pixels.y()};
+}
+
+double SiteMapping::posting_m() const {
+  constexpr double kStep_m = 1;
+  const PixelPosition east = pixel({kStep_m, 0});
+  const PixelPosition west = pixel({-kStep_m, 0});
+  const PixelPosition north = pixel({0, kStep_m});
+  const PixelPosition south = pixel({0, -kStep_m});
+  Eigen::Matrix2d pixels_per_m;
+  pixels_per_m << east.col - west.col, north.col - south.col, east.row - west.row, north.row - south.row;
+  const Eigen::Matrix2d m_per_pixel = (pixels_per_m / (2 * kStep_m)).inverse();
+  return m_per_pixel.colwise().norm().minCoeff();
+}
+
+SiteMapping SiteMapping::in_window(const PixelPosition& first) const {
+  SiteMapping mapping = *this;
+  mapping.center_ = {center_.col - first.col, center_.row - first.row};
+  return mapping;
+}
+
+}  // namespace landfall

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/relief/terrain_generator.h"
+
+#include <utility>
+
+#include "terrain/relief/terrain_strips.h"
+
+namespace landfall {
+
+GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec, const DemLoader& load_dem,
+                                  const ProgressCallback& progress) {
+  StripSize size;
+  size.rows = spec.rows;  // never more than one
+  TerrainStrips strips(model, spec, load_dem, size,
+                       [&](double fraction) { report(progress, 0.1 * fraction); });
+  GeneratedTerrain terrain{{}, strips.crs_wkt(), strips.dem_sources(), {}};
+  strips.make([&](Grid<double> nodes) { terrain.nodes = std::move(nodes); },
+              [&](double fraction) { report(progress, 0.1 + 0.9 * fraction); });
+  terrain.features = strips.features();
+  return terrain;
+}
+
+}  // namespace landfall

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "raster/grid.h"
+#include "terrain/relief/dem_raster.h"
+#include "terrain/relief/feature_field.h"
+#include "terrain/relief/large_fractal.h"
+#include "terrain/relief/triangulated_grid.h"
+#include "terrain/terrain_model.h"
+
+namespace landfall {
+
+/// How a terrain is cut.
+struct StripSize {
+  std::int64_t most_nodes = std::int64_t{1} << 26U;  ///< of a terrain that is made in one piece
+  std::int64_t rows = 768;  ///< of a strip of others, >= 4; chunks of a file have 256, fractals' patches 384
+};
+
+/// Makes a terrain (generate_terrain()) in strips of rows, from the south up, that are given away as they are
+/// ready. A terrain of up to StripSize::most_nodes is one strip. Larger ones take LargeFractal for their
+/// fractals; the nodes do not depend on the strips' height.
+///
+/// Memory, besides the DEMs' and the fractals': two strips, and those that wait for the ground under the
+/// centre of a standing feature that reaches into them from farther north.
+class TerrainStrips {
+ public:
+  /// Loads the DEMs, synthesises long waves and places the features. Throws as generate_terrain().
+  TerrainStrips(TerrainModel model, const GridSpec& spec, const DemLoader& load_dem,
+                const StripSize& size = {}, const ProgressCallback& progress = {});
+
+  [[nodiscard]] const GridSpec& spec() const { return spec_; }
+  /// See GeneratedTerrain.
+  [[nodiscard]] std::string crs_wkt() const;
+  [[nodiscard]] std::vector<DemSource> dem_sources() const;
+  /// Seated once all strips have been made.
+  [[nodiscard]] const std::vector<PlacedFeature>& features() const { return field_.features(); }
+
+  using Sink = std::function<void(Grid<double> strip)>;
+  /// Gives all strips to `sink`; once. Throws as generate_terrain(), also after strips were given.
+  void make(const Sink& sink, const ProgressCallback& progress = {});
+
+ private:
+  /// Of a DemBase.
+  struct DemLayer {
+    DemRaster raster;
+    double datum_m = 0;
+    bool any_finite = false;
+  };
+
+  void make_fractals(const ProgressCallback& progress);
+  [[nodiscard]] double waves_without_raster_m() const;
+  [[nodiscard]] bool is_whole() const { return spec_.rows * spec_.cols <= size_.most_nodes; }
+  [[nodiscard]] std::vector<GridSpec> cut() const;
+  [[nodiscard]] Grid<double> ground(const GridSpec& strip, const ProgressCallback& progress);
+  void require_elevations(const Grid<double>& z) const;
+  void require_relief() const;
+  void seat(Grid<double>& strip);
+  void give_ready(const Sink& sink, const ProgressCallback& progress);
+
+  TerrainModel model_;
+  GridSpec spec_;
+  StripSize size_;
+  FeatureField field_;
+  std::vector<DemLayer> dems_;                          ///< of the DemBases, in their order
+  std::map<std::size_t, LargeFractal> large_fractals_;  ///< by number of the base; none in one piece
+  std::optional<Grid<double>> border_;  ///< the last two rows of the strip before, ground only
+  std::deque<Grid<double>> waiting_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/landfall_file.h"
+
+#include <gtest/gtest.h>
+
+#include "files/stored_json.h"
+#include "temporary_folder.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A file whose provenance has these texts in the place of its own.
+LandfallFileReader with_provenance(const std::filesystem::path& path,
+                                   const std::vector<std::pair<std::string, std::string>>& texts) {
+  {
+    LandfallFileWriter file({path, true}, "terrain", {.tool = "terrain-gen", .config = {{"a", 1}}});
+    const h5::Handle group(H5Gopen2(file.root(), "provenance", H5P_DEFAULT), H5Gclose);
+    for (const auto& [name, text] : texts) {
+      H5Ldelete(group.get(), name.c_str(), H5P_DEFAULT);
+      h5::write_text(group.get(), {name, "a text"}, text);
+    }
+    file.commit();
+  }
+  return {path, {"terrain"}};
+}
+
+// Whoever reads a configuration asks it for keys.
+TEST(LandfallFile, AConfigurationIsAnObjectOrNone) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(with_provenance(folder / "a.h5", {}).config(), Json({{"a", 1}}));
+  for (const char* const text : {"[1]", "5", "\"text\"", "{", ""})
+    EXPECT_TRUE(with_provenance(folder / "a.h5", {{"config_json", text}}).config().is_null()) << text;
+}
+
+TEST(LandfallFile, InputsHaveARoleAndAnId) {
+  const TemporaryFolder folder;
+  const auto inputs = [&](const char* text) {
+    return with_provenance(folder / "a.h5", {{"inputs_json", text}}).chain().back().at("inputs");
+  };
+  EXPECT_EQ(inputs(R"([{"role": "terrain", "file_id": "f"}])").size(), 1U);
+  for (const char* const text :
+       {"5", "{}", "[5]", R"([{"role": 5, "file_id": "f"}])", R"([{"role": "terrain"}])"})
+    EXPECT_TRUE(inputs(text).is_null()) << text;
+}
+
+TEST(LandfallFile, AHistoryThatIsNotUnderstoodIsLeftOut) {
+  const TemporaryFolder folder;
+  const auto steps = [&](const std::string& text) {
+    return with_provenance(folder / "a.h5", {{"chain_json", text}}).chain().size();
+  };
+  const std::string step = R"({"tool": "scan-sim", "file_id": "f")";
+  EXPECT_EQ(steps("[" + step + "}]"), 2U);
+  EXPECT_EQ(steps("[" + step + R"(, "version": "0.1", "inputs": []}])"), 2U);
+  EXPECT_EQ(steps("[" + step + R"(, "version": 1}])"), 1U);
+  EXPECT_EQ(steps("[" + step + R"(, "inputs": [{"role": 1, "file_id": "f"}]}])"), 1U);
+}
+
+// What walks JSON calls itself: 10^5 levels would end the program.
+TEST(StoredJson, DeepTextsAreNone) {
+  const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  EXPECT_TRUE(is_storable_json(nested(kMaxStoredLevels)));
+  EXPECT_FALSE(is_storable_json(nested(kMaxStoredLevels + 1)));
+  EXPECT_FALSE(is_storable_json(std::string(1'000'000, '[')));
+  std::string spaced = "[[],[],[]]";
+  spaced.insert(1, 1000, ' ');
+  EXPECT_TRUE(is_storable_json(spaced));
+  EXPECT_TRUE(stored_json<Json>(nested(1'000'000)).is_null());
+  EXPECT_TRUE(stored_json<Json>(std::nullopt).is_null());
+  EXPECT_EQ(stored_json<Json>("{\"a\": 1}"), Json({{"a", 1}}));
+}
+
+}  // namespace
+}  // namespace landfall

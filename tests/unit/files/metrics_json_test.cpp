@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/metrics_json.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace landfall {
+namespace {
+
+TEST(MetricsJson, WithoutTruthTheStructureStaysAndItsNumbersAreNull) {
+  const auto json = metrics_json(Metrics{});
+  EXPECT_TRUE(json.at("pass").is_null());
+  const auto& accuracy = json.at("accuracy");
+  EXPECT_TRUE(accuracy.at("footprint_bins").is_null());
+  EXPECT_TRUE(accuracy.at("absolute").at("y").at("mean_m").is_null());
+  EXPECT_TRUE(accuracy.at("absolute").at("horizontal").at("within_limit_frac").is_null());
+  EXPECT_TRUE(accuracy.at("relative").at("z").at("violation_count").is_null());
+  EXPECT_TRUE(json.at("requirements").at("coverage").at("value").is_null());
+  EXPECT_TRUE(json.at("statistics").at("z").at("count").is_null());
+  EXPECT_TRUE(json.at("statistics").at("horizontal").at("ce90_m").is_null());
+}
+
+TEST(MetricsJson, StatisticsAndTheCorrectedElevation) {
+  Metrics metrics;
+  EXPECT_FALSE(metrics_json(metrics).at("statistics").contains("z_corrected"));
+  metrics.accuracy.emplace();
+  metrics.statistics.z_corrected = ErrorStatistics{2, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
+  metrics.accuracy->absolute.z_corrected = AbsoluteMetrics{1.0, 2.0, 3.0};
+  metrics.accuracy->relative.z_corrected = RelativeMetrics{4.0, 5.0, 6};
+  const auto json = metrics_json(metrics);
+  EXPECT_EQ(
+      json.at("statistics").at("z_corrected").dump(),
+      R"({"count":2,"mean_m":0.1,"std_m":0.2,"rmse_m":0.3,"median_m":0.4,"nmad_m":0.5,"le90_m":0.6,"p95_m":0.7})");
+  EXPECT_EQ(json.at("accuracy").at("absolute").at("z_corrected").at("max_m"), 3.0);
+  EXPECT_EQ(json.at("accuracy").at("relative").at("z_corrected").at("violation_count"), 6);
+}
+
+TEST(MetricsJson, WhatIsNotFiniteIsNull) {
+  Metrics metrics;
+  metrics.coverage.max_distance_bins = std::numeric_limits<double>::infinity();
+  metrics.coverage.invalid_frac = std::numeric_limits<double>::quiet_NaN();
+  metrics.requirements.hole_distance = {std::numeric_limits<double>::infinity(), 1, false};
+  const auto json = metrics_json(metrics);
+  EXPECT_TRUE(json.at("coverage").at("max_distance_bins").is_null());
+  EXPECT_TRUE(json.at("coverage").at("invalid_frac").is_null());
+  EXPECT_TRUE(json.at("requirements").at("hole_distance").at("value").is_null());
+  EXPECT_EQ(json.at("requirements").at("hole_distance").at("pass"), false);
+}
+
+TEST(MetricsJson, NumbersKeepTheirPlaceAndOrder) {
+  Metrics metrics;
+  metrics.pass = true;
+  metrics.coverage.hole_size_histogram = {{1, 4}, {7, 2}};
+  metrics.accuracy.emplace();
+  metrics.accuracy->footprint_bins = 35;
+  metrics.accuracy->quantile = 0.95;
+  metrics.accuracy->absolute.x = {0.1, -0.2, 0.3};
+  metrics.accuracy->relative.z = {0.4, 0.5, 6};
+  metrics.requirements.absolute_horizontal = {0.97, 0.95, true};
+  const auto json = metrics_json(metrics);
+  EXPECT_EQ(json.at("coverage").at("hole_size_histogram").dump(), R"({"size_bins":[1,4],"count":[7,2]})");
+  EXPECT_EQ(json.at("accuracy").at("absolute").at("x").dump(), R"({"p95_m":0.1,"mean_m":-0.2,"max_m":0.3})");
+  EXPECT_EQ(json.at("accuracy").at("relative").at("z").dump(),
+            R"({"p95_m":0.4,"max_m":0.5,"violation_count":6})");
+  EXPECT_EQ(json.at("requirements").at("absolute_horizontal").dump(),
+            R"({"value":0.97,"limit":0.95,"pass":true})");
+  EXPECT_EQ(json.dump().substr(0, 56), R"({"format":"landfall.metrics","version":1,"pass":true,"re)");
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gridding/weighted_mean_accumulator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "gridding/finite_points.h"
+#include "point_columns.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// 5 x 5 bins of 0.5 m, centres -1 .. 1 m.
+GridSpec five_by_five() { return GridSpec::centered(1, 0.5); }
+
+const BinSums& at(const WeightedMeanAccumulator& bins, BinIndex bin) {
+  return bins.bins()[bins.spec().index(bin)];
+}
+
+double weight_of(double x_m, double y_m) {
+  const WeightedMeanAccumulator bins = accumulated(five_by_five(), {{.x_est = x_m, .y_est = y_m}});
+  double sum = 0;
+  for (const BinSums& bin : bins.bins()) sum += bin.weight;
+  return sum;
+}
+
+TEST(WeightedMeanAccumulator, WeightsByHand) {
+  EXPECT_EQ(weight_of(0.5, -0.5), 1);             // on a centre
+  EXPECT_EQ(weight_of(0.625, -0.5), 0.75);        // p = 1/4
+  EXPECT_EQ(weight_of(0.625, -0.4375), 0.65625);  // p = 1/4, q = 1/8
+  EXPECT_EQ(weight_of(0.375, -0.5625), 0.65625);  // the same on the other sides
+  EXPECT_EQ(weight_of(0.25, 0.25), 0.25);         // a corner of the bin: the least weight
+  EXPECT_EQ(weight_of(-0.75, 0), 0.5);            // the middle of an edge
+}
+
+TEST(WeightedMeanAccumulator, BinsAtNegativeCoordinatesAndOnEdges) {
+  const WeightedMeanAccumulator bins =
+      accumulated(five_by_five(), {{.x_est = -0.3, .y_est = -0.9},      // bin (-0.5, -1)
+                                   {.x_est = -0.2, .y_est = 0.2},       // bin (0, 0)
+                                   {.x_est = -0.25, .y_est = 0.25},     // edge: greater bin
+                                   {.x_est = -0.75, .y_est = -0.75}});  // likewise
+  EXPECT_EQ(at(bins, {0, 1}).count, 1);
+  EXPECT_EQ(at(bins, {2, 2}).count, 1);
+  EXPECT_EQ(at(bins, {3, 2}).count, 1);
+  EXPECT_EQ(at(bins, {1, 1}).count, 1);
+  EXPECT_EQ(bins.inside_count(), 4);
+}
+
+TEST(WeightedMeanAccumulator, CountsWhatLiesOutside) {
+  const WeightedMeanAccumulator bins =
+      accumulated(five_by_five(), {{.x_est = -1.25},  // border: the first bin's edge
+                                   {.x_est = 1.25},   // belongs to the bin beyond
+                                   {.y_est = -1.2501},
+                                   {.y_est = 1e300},
+                                   {.x_est = 1.2499, .y_est = 1.2499}});
+  EXPECT_EQ(bins.inside_count(), 2);
+  EXPECT_EQ(bins.outside_count(), 3);
+  EXPECT_EQ(at(bins, {2, 0}).count, 1);
+  EXPECT_EQ(at(bins, {4, 4}).count, 1);
+}
+
+TEST(WeightedMeanAccumulator, SumsByHand) {
+  // Weights 1 and 0.75 in the bin at (0.5, 0).
+  const WeightedMeanAccumulator bins = accumulated(
+      five_by_five(), {{.x_est = 0.5, .z_est = 3, .x_true = 0.25, .y_true = 1, .z_true = 9, .t = 8},
+                       {.x_est = 0.625, .z_est = 7, .x_true = 0.5, .y_true = -1, .z_true = 9, .t = 4}});
+  const BinSums& bin = at(bins, {2, 3});
+  EXPECT_EQ(bin.count, 2);
+  EXPECT_EQ(bin.weight, 1.75);
+  EXPECT_EQ(bin.z_first, 3);
+  EXPECT_EQ(bin.w_dz, 3);
+  EXPECT_EQ(bin.w_dz_dz, 12);
+  EXPECT_EQ(bin.w_x_true, 0.625);
+  EXPECT_EQ(bin.w_y_true, 0.25);
+  EXPECT_EQ(bin.w_x_est, 0.96875);
+  EXPECT_EQ(bin.w_y_est, 0);
+  EXPECT_EQ(bin.w_t, 11);
+}
+
+TEST(WeightedMeanAccumulator, NothingAddedIsEmpty) {
+  WeightedMeanAccumulator bins(five_by_five());
+  bins.add({}, 0);
+  EXPECT_EQ(bins.inside_count(), 0);
+  EXPECT_EQ(at(bins, {2, 2}).count, 0);
+  EXPECT_EQ(at(bins, {2, 2}).weight, 0);
+}
+
+TEST(WeightedMeanAccumulator, RefusesAnImpossibleGrid) {
+  EXPECT_THROW(WeightedMeanAccumulator(GridSpec{0, 0, 0, 5, 5}), UsageError);
+  EXPECT_THROW(WeightedMeanAccumulator(GridSpec{kNan, 0, 0, 5, 5}), UsageError);
+  EXPECT_THROW(WeightedMeanAccumulator(GridSpec{kInfinity, 0, 0, 5, 5}), UsageError);
+  EXPECT_THROW(WeightedMeanAccumulator(GridSpec{1, 0, 0, 0, 5}), UsageError);
+  EXPECT_THROW(WeightedMeanAccumulator(GridSpec{1, 0, 0, 5, -1}), UsageError);
+  EXPECT_THROW(WeightedMeanAccumulator(GridSpec{1, 0, 0, 5, 0}), UsageError);
+  EXPECT_NO_THROW(WeightedMeanAccumulator(GridSpec{1, 0, 0, 1, 1}));
+}
+
+std::string refusal(const std::vector<ReturnPoint>& points, std::int64_t first_row_number) {
+  try {
+    WeightedMeanAccumulator bins(five_by_five());
+    const PointColumns columns(points);
+    bins.add(columns.view(), first_row_number);
+  } catch (const FormatError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(WeightedMeanAccumulator, NamesTheRowAndColumnThatIsNotFinite) {
+  using testing::StartsWith;
+  EXPECT_THAT(refusal({{}, {}, {.x_est = kNan}}, 0), StartsWith("row 2: x_est is nan"));
+  EXPECT_THAT(refusal({{.y_est = kInfinity}}, 1000), StartsWith("row 1000: y_est is inf"));
+  EXPECT_THAT(refusal({{}, {.z_est = -kInfinity}}, 1000), StartsWith("row 1001: z_est is -inf"));
+  EXPECT_THAT(refusal({{.x_true = kNan}}, 0), StartsWith("row 0: x_true"));
+  EXPECT_THAT(refusal({{.y_true = kNan}}, 0), StartsWith("row 0: y_true"));
+  EXPECT_THAT(refusal({{.z_true = kNan}}, 0), StartsWith("row 0: z_true"));
+  EXPECT_THAT(refusal({{.t = kNan}}, 0), StartsWith("row 0: t is"));
+  EXPECT_THAT(refusal({{}, {.t = kNan}, {.x_est = kNan}}, 0), StartsWith("row 1: t"));  // the first of them
+  EXPECT_THAT(refusal({{.x_est = 99, .z_est = kNan}}, 0), StartsWith("row 0: z_est"));  // outside, too
+}
+
+TEST(WeightedMeanAccumulator, ThrowsOnlyWhereSomethingIsNotFinite) {
+  const PointColumns columns(std::vector<ReturnPoint>(3));
+  EXPECT_THROW(throw_first_not_finite(columns.view(), 0), std::logic_error);
+}
+
+TEST(WeightedMeanAccumulator, OnePassIsAllOfTheProgress) {
+  WeightedMeanAccumulator bins(five_by_five());
+  EXPECT_EQ(bins.progress(0.25), 0.25);
+  EXPECT_FALSE(bins.end_pass());
+}
+
+// In a batch of several pieces, and past the first pass.
+TEST(WeightedMeanAccumulator, NamesTheRowInALargeBatch) {
+  std::vector<ReturnPoint> points(200'000);
+  points[150'001].z_est = kNan;
+  points[199'999].x_est = kNan;
+  EXPECT_THAT(refusal(points, 5'000'000'000), testing::StartsWith("row 5000150001: z_est is nan"));
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hdf5/chunk_decoder.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "encoded_chunk.h"
+#include "hdf5/byte_shuffle.h"
+
+namespace landfall {
+namespace {
+
+std::vector<std::byte> some_bytes(std::size_t count) {
+  std::vector<std::byte> bytes(count);
+  std::uint32_t state = 1;
+  for (std::byte& b : bytes) b = static_cast<std::byte>((state = state * 1664525U + 1013904223U) >> 28U);
+  return bytes;
+}
+
+// The definition: byte b of element i stands at b * count + i.
+TEST(ByteShuffle, MatchesItsDefinitionForEverySize) {
+  for (const std::size_t size : {1U, 2U, 3U, 4U, 5U, 8U, 16U})
+    for (const std::size_t count : {0U, 1U, 15U, 16U, 17U, 31U, 64U, 257U}) {
+      const std::vector<std::byte> elements = some_bytes(size * count);
+      std::vector<std::byte> planes(elements.size());
+      shuffle_bytes(elements, size, planes);
+      for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t b = 0; b < size; ++b)
+          ASSERT_EQ(planes[b * count + i], elements[i * size + b]) << size << " bytes, " << count;
+    }
+}
+
+TEST(ByteShuffle, AnyPartComesBack) {
+  for (const std::size_t size : {1U, 2U, 4U, 8U}) {
+    const std::vector<std::byte> elements = some_bytes(size * 100);
+    std::vector<std::byte> planes(elements.size());
+    shuffle_bytes(elements, size, planes);
+    for (const std::size_t first : {0U, 1U, 16U, 33U, 99U, 100U})
+      for (std::size_t count = 0; first + count <= 100; count += 7) {
+        std::vector<std::byte> part(size * count);
+        unshuffle_bytes(planes, size, first, part);
+        ASSERT_TRUE(std::equal(part.begin(), part.end(), elements.begin() + static_cast<long>(first * size)))
+            << size << " bytes, [" << first << ", +" << count << ")";
+      }
+  }
+}
+
+class ChunkDecoder : public testing::Test {
+ protected:
+  const ChunkFormat format_{8, 1000, true};
+  const std::vector<std::byte> elements_ = some_bytes(8000);
+  const std::vector<std::byte> stored_ = encode_chunk(elements_, 8, 1);
+};
+
+TEST_F(ChunkDecoder, GivesBackAnyPart) {
+  for (const std::size_t first : {0U, 3U, 999U}) {
+    std::vector<std::byte> part(8 * std::min<std::size_t>(1000 - first, 501));
+    ASSERT_TRUE(decode_chunk(stored_, 0, format_, first, part));
+    EXPECT_TRUE(std::equal(part.begin(), part.end(), elements_.begin() + static_cast<long>(8 * first)));
+  }
+}
+
+TEST_F(ChunkDecoder, HonoursTheFilterMask) {
+  std::vector<std::byte> planes(8000);
+  shuffle_bytes(elements_, 8, planes);
+  const std::vector<std::byte> only_deflated = encode_chunk(elements_, 1, 1);  // one plane: no shuffle
+  std::vector<std::byte> out(8000);
+  ASSERT_TRUE(decode_chunk(only_deflated, 1, format_, 0, out));
+  EXPECT_EQ(out, elements_);
+  ASSERT_TRUE(decode_chunk(planes, 2, format_, 0, out));
+  EXPECT_EQ(out, elements_);
+  ASSERT_TRUE(decode_chunk(elements_, 3, format_, 0, out));
+  EXPECT_EQ(out, elements_);
+  ASSERT_TRUE(decode_chunk(elements_, 0, {8, 1000, false}, 0, out));
+  EXPECT_EQ(out, elements_);
+}
+
+TEST_F(ChunkDecoder, RefusesWhatIsCorruptOrOfAnotherSize) {
+  std::vector<std::byte> out(8);
+  EXPECT_FALSE(decode_chunk(stored_, 0, {8, 999, true}, 0, out));
+  EXPECT_FALSE(decode_chunk(stored_, 0, {8, 1001, true}, 0, out));
+  EXPECT_FALSE(decode_chunk(elements_, 3, {8, 999, true}, 0, out));
+  EXPECT_FALSE(decode_chunk(elements_, 0, {8, 1001, false}, 0, out));
+  EXPECT_FALSE(decode_chunk({}, 0, format_, 0, out));
+  EXPECT_FALSE(decode_chunk(std::span(stored_).first(stored_.size() - 1), 0, format_, 0, out));
+  for (std::size_t i = 0; i < stored_.size(); i += 97) {
+    std::vector<std::byte> damaged = stored_;
+    damaged[i] ^= std::byte{0x10};
+    EXPECT_FALSE(decode_chunk(damaged, 0, format_, 0, out)) << "byte " << i;
+  }
+}
+
+}  // namespace
+}  // namespace landfall

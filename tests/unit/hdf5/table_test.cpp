@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hdf5/table.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "files/landfall_file.h"
+#include "temporary_folder.h"
+
+namespace landfall {
+namespace {
+
+struct Rows {
+  std::vector<double> x;
+  std::vector<std::int32_t> n;
+  std::vector<std::int8_t> f;
+};
+
+Rows make_rows(std::size_t count) {
+  Rows rows;
+  for (std::size_t i = 0; i < count; ++i) {
+    rows.x.push_back(0.1 * static_cast<double>(i));
+    rows.n.push_back(static_cast<std::int32_t>(i));
+    rows.f.push_back(static_cast<std::int8_t>(i % 5));
+  }
+  return rows;
+}
+
+std::vector<ColumnSpec> columns() {
+  return {{"x", h5::Type::float64, "m", "x"},
+          {"x32", h5::Type::float32, "m", "x in single precision"},
+          {"n", h5::Type::int32, "1", "n"},
+          {"f", h5::Type::int8, "1", "f", {0, 1}, "zero one"}};
+}
+
+void write(const std::filesystem::path& path, const Rows& rows, std::size_t batch, int level) {
+  LandfallFileWriter file({path, true, level}, "scan", {.tool = "test"});
+  TableWriter table(file.root(), "points", columns(), level);
+  for (std::size_t begin = 0; begin < rows.x.size(); begin += batch) {
+    const std::size_t count = std::min(batch, rows.x.size() - begin);
+    const std::span<const double> x = std::span(rows.x).subspan(begin, count);
+    const std::array<ColumnRows, 4> piece = {x, x, std::span(rows.n).subspan(begin, count),
+                                             std::span(rows.f).subspan(begin, count)};
+    table.append(piece);
+  }
+  EXPECT_EQ(table.row_count(), rows.x.size());
+  table.finish();
+  file.commit();
+}
+
+// HDF5's own filters read what we compressed ourselves; several chunks and a part of one.
+TEST(Table, RoundTripAtEveryLevel) {
+  const TemporaryFolder folder;
+  const Rows rows = make_rows(2 * kTableChunkRows + 17);
+  for (const int level : {0, 1, 9}) {
+    write(folder / "a.h5", rows, 1000, level);
+    const LandfallFileReader file(folder / "a.h5", {"scan"});
+    const TableReader table(file.root(), "points", file.name());
+    ASSERT_EQ(table.row_count("x"), rows.x.size());
+    std::vector<double> x(rows.x.size());
+    std::vector<double> x32(1);
+    std::vector<std::int32_t> n(5);
+    std::vector<std::int8_t> f(rows.f.size());
+    table.read("x", 0, std::span(x));
+    table.read("x32", 12345, std::span(x32));
+    table.read("n", kTableChunkRows - 2, std::span(n));
+    table.read("f", 0, std::span(f));
+    EXPECT_EQ(x, rows.x);
+    EXPECT_EQ(x32[0], static_cast<double>(static_cast<float>(1234.5)));
+    EXPECT_EQ(n.front(), static_cast<std::int32_t>(kTableChunkRows - 2));
+    EXPECT_EQ(f, rows.f);
+  }
+}
+
+TEST(Table, BytesDependOnNeitherBatchesNorThreads) {
+  const TemporaryFolder folder;
+  const Rows rows = make_rows(kTableChunkRows + 5);
+  write(folder / "a.h5", rows, 1, 1);
+  const ThreadLimit limit(1);
+  write(folder / "b.h5", rows, rows.x.size(), 1);
+  EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
+}
+
+/// Writes `rows` with the columns x and n as `source` stores them; n has no rows of its own.
+bool copy(const std::filesystem::path& path, const TableReader& source, const Rows& rows, int level) {
+  LandfallFileWriter file({path, true, level}, "scan", {.tool = "test"});
+  TableWriter table(file.root(), "points", columns(), level);
+  constexpr std::array kCopied = {"x", "n"};
+  if (!table.copy_columns(source, kCopied)) return false;
+  std::vector<std::vector<TableWriter::ChunkPtr>> taken;
+  for (const auto& [begin, count] : {std::pair<std::size_t, std::size_t>{0, 2 * kTableChunkRows + 1},
+                                     {2 * kTableChunkRows + 1, rows.x.size() - 2 * kTableChunkRows - 1}}) {
+    const std::array<ColumnRows, 4> piece = {
+        std::span(rows.x).subspan(begin, count), std::span(rows.x).subspan(begin, count),
+        std::span<const std::int32_t>(), std::span(rows.f).subspan(begin, count)};
+    taken.push_back(table.take(piece));
+  }
+  for (const auto& chunks : taken)  // all taken before the first is encoded
+    for (const TableWriter::ChunkPtr& chunk : chunks) table.encode(*chunk);
+  for (const auto& chunks : taken)
+    for (const TableWriter::ChunkPtr& chunk : chunks) table.write(chunk);
+  table.finish();
+  file.commit();
+  return true;
+}
+
+TEST(Table, CopiedColumnsGiveTheSameFile) {
+  const TemporaryFolder folder;
+  const Rows rows = make_rows(3 * kTableChunkRows + 17);
+  write(folder / "a.h5", rows, 1000, 1);
+  const LandfallFileReader file(folder / "a.h5", {"scan"});
+  const TableReader source(file.root(), "points", file.name());
+  EXPECT_TRUE(copy(folder / "b.h5", source, rows, 1));
+  EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
+  EXPECT_FALSE(copy(folder / "c.h5", source, rows, 2));
+  EXPECT_THROW(copy(folder / "c.h5", source, make_rows(3 * kTableChunkRows), 1), FormatError);
+}
+
+TEST(Table, NamesWhatIsMissing) {
+  const TemporaryFolder folder;
+  write(folder / "a.h5", make_rows(3), 3, 1);
+  const LandfallFileReader file(folder / "a.h5", {"scan"});
+  EXPECT_THROW(TableReader(file.root(), "pulses", file.name()), FormatError);
+  const TableReader table(file.root(), "points", file.name());
+  EXPECT_THROW(static_cast<void>(table.row_count("y")), FormatError);
+  std::vector<double> x(4);
+  EXPECT_THROW(table.read("x", 0, std::span(x)), FormatError);  // beyond the end
+}
+
+}  // namespace
+}  // namespace landfall

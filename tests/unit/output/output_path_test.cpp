@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "output/output_path.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "temporary_folder.h"
+
+namespace landfall {
+namespace {
+
+TEST(OutputPath, AppearsOnCommitOnly) {
+  const TemporaryFolder folder;
+  {
+    OutputPath output(folder / "a.h5", false);
+    std::ofstream(output.temporary()) << "new";
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.h5"));
+    output.commit();
+  }
+  EXPECT_EQ(read_file(folder / "a.h5"), "new");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(OutputPath, AFailureLeavesTheOldOutput) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.h5") << "old";
+  {
+    const OutputPath output(folder / "a.h5", true);
+    std::ofstream(output.temporary()) << "new";
+  }
+  EXPECT_EQ(read_file(folder / "a.h5"), "old");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(OutputPath, RefusesAnExistingOutput) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.h5") << "old";
+  EXPECT_THROW(OutputPath(folder / "a.h5", false), UsageError);
+  EXPECT_THROW(OutputPath(folder / "none/a.h5", false), UsageError);
+  EXPECT_THROW(OutputPath(std::filesystem::temp_directory_path(), true), UsageError);
+  EXPECT_THROW(OutputPath("", true), UsageError);
+}
+
+TEST(OutputPath, RefusesAnOutputThatAppearedMeanwhile) {
+  const TemporaryFolder folder;
+  OutputPath output(folder / "a.h5", false);
+  std::ofstream(output.temporary()) << "new";
+  std::ofstream(folder / "a.h5") << "other";
+  EXPECT_THROW(output.commit(), UsageError);
+  EXPECT_EQ(read_file(folder / "a.h5"), "other");
+}
+
+TEST(OutputPath, OverwritesWhenAsked) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.h5") << "old";
+  OutputPath output(folder / "a.h5", true);
+  std::ofstream(output.temporary()) << "new";
+  output.commit();
+  EXPECT_EQ(read_file(folder / "a.h5"), "new");
+}
+
+/// ".a.h5.PLACE-" of this machine.
+std::string part_prefix(const TemporaryFolder& folder) {
+  const std::string name = OutputPath(folder / "a.h5", false).temporary().filename().string();
+  return name.substr(0, name.size() - (std::to_string(::getpid()) + ".part").size());
+}
+
+TEST(OutputPath, RemovesWhatAKilledRunLeft) {
+  const TemporaryFolder folder;
+  const std::string prefix = part_prefix(folder);
+  std::ofstream(folder / (prefix + "2147483647.part")) << "abandoned";  // beyond any process number
+  std::ofstream(folder / (prefix + std::to_string(::getpid()) + "1x.part")) << "not ours";
+  const OutputPath output(folder / "a.h5", false);
+  EXPECT_FALSE(std::filesystem::exists(folder / (prefix + "2147483647.part")));
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(OutputPath, LeavesWhatAnotherMachineMayBeWriting) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / ".a.h5.00000000-2147483647.part") << "another machine's";
+  const OutputPath output(folder / "a.h5", false);
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(WriteText, WritesWhole) {
+  const TemporaryFolder folder;
+  OutputPath output(folder / "m.json", false);
+  write_text(output, "{}\n");
+  output.commit();
+  EXPECT_EQ(read_file(folder / "m.json"), "{}\n");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+}  // namespace
+}  // namespace landfall

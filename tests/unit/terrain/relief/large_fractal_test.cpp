@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "terrain/relief/large_fractal.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "band_law.h"
+#include "base/parallel.h"
+
+namespace landfall {
+namespace {
+
+constexpr GridSpec kGrid{0.5, -500, -450, 1001, 901};
+
+Grid<double> whole(const FractalBase& law, const FractalDraw& draw, const GridSpec& spec = kGrid) {
+  Grid<double> z(spec);
+  LargeFractal(law, draw, spec).add_to(z);
+  return z;
+}
+
+Grid<double> in_strips(const FractalBase& law, std::int64_t height) {
+  Grid<double> z(kGrid);
+  LargeFractal fractal(law, {3, 1}, kGrid);
+  for (std::int64_t row = 0; row < kGrid.rows; row += height) {
+    GridSpec spec = kGrid;
+    spec.first_row += row;
+    spec.rows = std::min(height, kGrid.rows - row);
+    Grid<double> strip(spec);
+    fractal.add_to(strip);
+    std::ranges::copy(strip.values(), z.row(row).begin());
+  }
+  return z;
+}
+
+bool same(const Grid<double>& a, const Grid<double>& b) { return std::ranges::equal(a.values(), b.values()); }
+
+TEST(LargeFractal, StripsChangeNothing) {
+  const FractalBase law{0.7, 0.3, 5};
+  const Grid<double> all = whole(law, {3, 1});
+  for (const std::int64_t height : {64, 100, 384, 768}) EXPECT_TRUE(same(all, in_strips(law, height)));
+}
+
+TEST(LargeFractal, AnyThreadCountGivesTheSame) {
+  const FractalBase law{0.7, 0.3, 5};
+  const Grid<double> all = whole(law, {7, 0});
+  const ThreadLimit one(1);
+  EXPECT_TRUE(same(all, whole(law, {7, 0})));
+  EXPECT_FALSE(same(all, whole(law, {8, 0})));
+  EXPECT_FALSE(same(all, whole(law, {7, 1})));
+}
+
+/// Mean squared differences of nodes `lag` apart along x, by the column of the first node modulo the patches'
+/// step; and all of them along both axes.
+struct Differences {
+  std::vector<double> by_column = std::vector<double>(384);
+  double all = 0;
+};
+
+Differences squared_differences(const FractalBase& law, std::int64_t lag, int seeds) {
+  Differences sums;
+  std::vector<double> counts(384);
+  double count = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const Grid<double> z = whole(law, {static_cast<std::uint64_t>(seed), 0});
+    for (std::int64_t r = 0; r < kGrid.rows; ++r)
+      for (std::int64_t c = 0; c < kGrid.cols; ++c) {
+        if (c + lag < kGrid.cols) {
+          const double square = std::pow(z.at({r, c + lag}) - z.at({r, c}), 2);
+          sums.by_column[static_cast<std::size_t>(c % 384)] += square;
+          counts[static_cast<std::size_t>(c % 384)] += 1;
+          sums.all += square;
+          count += 1;
+        }
+        if (r + lag < kGrid.rows) {
+          sums.all += std::pow(z.at({r + lag, c}) - z.at({r, c}), 2);
+          count += 1;
+        }
+      }
+  }
+  for (std::size_t i = 0; i < 384; ++i) sums.by_column[i] /= counts[i];
+  sums.all /= count;
+  return sums;
+}
+
+class LargeStructureFunction : public ::testing::TestWithParam<double> {};
+
+// Waves up to 200 nodes: both bands, cut at 64 nodes. Lags from a few nodes to beyond the cut.
+TEST_P(LargeStructureFunction, FollowsTheLawInABand) {
+  const FractalBase law{GetParam(), 0.3, 5, 100};
+  for (const std::int64_t lag : {6, 12, 24, 48, 96}) {
+    const double deviation_m = std::sqrt(squared_differences(law, lag, 3).all);
+    const double expected_m = band_deviation_m(law, 100, static_cast<double>(lag) * kGrid.resolution_m);
+    EXPECT_NEAR(deviation_m / expected_m, 1, 0.05) << "lag " << lag;
+  }
+}
+
+TEST_P(LargeStructureFunction, FollowsTheLaw) {
+  const FractalBase law{GetParam(), 0.3, 5};
+  for (const std::int64_t lag : {6, 10, 20}) {  // the longest waves are missing
+    const double deviation_m = std::sqrt(squared_differences(law, lag, 3).all);
+    const double expected_m = 0.3 * std::pow(static_cast<double>(lag) * kGrid.resolution_m / 5, GetParam());
+    EXPECT_NEAR(deviation_m / expected_m, 1, 0.05) << "lag " << lag;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Hurst, LargeStructureFunction, ::testing::Values(0.5, 0.8));
+
+// Shorter waves alone, by the place on a patch: columns 0 to 255 are one patch's own, the others are mixed.
+TEST(LargeFractal, NoSeamShows) {
+  const FractalBase law{0.7, 0.3, 5, 32};
+  for (const std::int64_t lag : {1, 8, 24}) {
+    const Differences differences = squared_differences(law, lag, 5);
+    const auto mean = [&](std::size_t first, std::size_t last) {
+      double sum = 0;
+      for (std::size_t i = first; i < last; ++i) sum += differences.by_column[i];
+      return sum / static_cast<double>(last - first);
+    };
+    const double own = mean(0, 256 - 24);
+    for (const std::size_t first : {256U, 288U, 320U, 352U})
+      EXPECT_NEAR(std::sqrt(mean(first, first + 32 - 24 * (first == 352U ? 1 : 0)) / own), 1, 0.05)
+          << lag << ' ' << first;
+  }
+}
+
+TEST(LargeFractal, NoReliefIsFlat) {
+  const Grid<double> z = whole({0.7, 0, 5}, {1, 0});
+  EXPECT_TRUE(std::ranges::all_of(z.values(), [](double value) { return value == 0; }));
+}
+
+}  // namespace
+}  // namespace landfall
