@@ -9,7 +9,7 @@ import page as pages
 
 ROOT = pages.ROOT
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
-                     r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/)\w)")
+                     r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/|python/commands/|studies/runners/)\w)")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
 
 
