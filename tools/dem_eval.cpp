@@ -162,17 +162,15 @@ void print_result(const cli::Session& session, const Options& o, const Evaluatio
     std::cout << metrics_json(evaluation.metrics).dump(2) << '\n';
   } else if (o.table ||
              (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary)) {
-    std::cout << cli::verdict_table(metrics_json(evaluation.metrics), parameters.limits);
+    std::cout << cli::verdict_table(evaluation.metrics, parameters.limits);
   }
 }
 
 ExitCode verdict(const cli::Session& session, const Options& o, const Metrics& metrics) {
   if (!o.require_pass || metrics.pass.value_or(false)) return ExitCode::done;
-  std::string names;
-  for (const std::string& name : cli::missed_requirements(metrics_json(metrics)))
-    names += (names.empty() ? "" : ", ") + name;
   if (!session.options().quiet)
-    std::cerr << session.tool() << ": " << o.dem << ": missed or not judged: " << names << '\n';
+    std::cerr << session.tool() << ": " << o.dem
+              << ": missed or not judged: " << cli::missed_requirements(metrics) << '\n';
   return ExitCode::requirement_missed;
 }
 

@@ -160,7 +160,7 @@ void make_plan(const fs::path& path) {
   });
   const Coverage coverage = assess_coverage(Grid<double>(plan.region().spec()), plan.region(), {});
   LandfallFileWriter file({path}, "plan", provenance);
-  write_plan(file, plan, coverage.hole_id, plan_json(plan, coverage.metrics, kRadius_m, 10));
+  write_plan(file, plan, coverage.hole_id, plan_metrics(plan, coverage.metrics, kRadius_m, 10));
 }
 
 /// A table without an attitude is none, so there is a quaternion.
