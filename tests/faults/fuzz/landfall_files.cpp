@@ -143,9 +143,8 @@ void make_evaluation(const fs::path& path, const fs::path& dem_path) {
   Provenance provenance = provenance_of("dem-eval", "eval", {{"region_radius_m", 2}, {"footprint_m", 3}});
   add_input(provenance, "dem", dem_path, "dem");
   DemInput dem = read_dem(dem_path);
-  LandfallFileWriter file({path}, "evaluation", provenance);
-  EvaluationWriter writer(file, dem.layers.z_est.spec(), dem.crs_wkt);
-  writer.finish(evaluate(std::move(dem.layers), evaluation_config(provenance.config, "config"), &writer));
+  EvaluationWriter writer({path}, provenance, dem.layers.z_est.spec(), dem.crs_wkt);
+  writer.finish(evaluate(std::move(dem.layers), evaluation_config(provenance.config, "config"), {&writer}));
 }
 
 void make_plan(const fs::path& path) {
@@ -160,7 +159,7 @@ void make_plan(const fs::path& path) {
   });
   const Coverage coverage = assess_coverage(Grid<double>(plan.region().spec()), plan.region(), {});
   LandfallFileWriter file({path}, "plan", provenance);
-  write_plan(file, plan, coverage.hole_id, plan_json(plan, coverage.metrics, kRadius_m, 10));
+  write_plan(file, plan, coverage.hole_id, plan_metrics(plan, coverage.metrics, kRadius_m, 10));
 }
 
 /// A table without an attitude is none, so there is a quaternion.
