@@ -14,6 +14,7 @@
 #include "exports/quick_look.h"
 #include "exports/terrain_export.h"
 #include "exports/xdmf.h"
+#include "picture/png.h"
 
 namespace landfall {
 namespace {

@@ -26,18 +26,6 @@ void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
   output.commit();
 }
 
-void write_png(const OutputOptions& options, const RgbImage& image) {
-  OutputPath output(options.path, options.overwrite);
-  std::string bytes;
-  try {
-    bytes = encode_png(image);
-  } catch (const IoError& error) {
-    throw IoError("output " + options.path.string() + ": " + error.what());
-  }
-  write_text(output, bytes);
-  output.commit();
-}
-
 bool is_landfall_file(const std::filesystem::path& path) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(path, unreadable)) return false;

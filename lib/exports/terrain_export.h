@@ -5,7 +5,6 @@
 
 #include "base/progress.h"
 #include "files/landfall_file.h"
-#include "raster/rgb_image.h"
 #include "terrain/gdal/geotiff.h"
 
 namespace landfall {
@@ -22,9 +21,6 @@ enum class TerrainFormat { landfall, geotiff, mesh };
 /// written.
 void write_geotiff(const OutputOptions& output, const GeotiffContent& content,
                    const ProgressCallback& progress = {});
-
-/// Writes a picture as PNG that appears whole or not at all; throws as write_geotiff() does.
-void write_png(const OutputOptions& output, const RgbImage& image);
 
 /// True where `path` names an HDF5 file that some landfall tool has begun: not necessarily a terrain, nor
 /// complete.
