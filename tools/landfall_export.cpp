@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/tool.h"
-#include "exports/byte_sink.h"
 #include "exports/file_export.h"
+#include "output/byte_sink.h"
 
 namespace landfall {
 namespace {

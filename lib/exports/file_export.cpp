@@ -2,7 +2,6 @@
 #include "exports/file_export.h"
 
 #include <algorithm>
-#include <memory>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -156,11 +155,6 @@ void export_picture(const ExportOptions& o, const OutputOptions& output, const P
   write_png(output, quick_look(o.input, names, progress));
 }
 
-std::unique_ptr<ByteSink> open_sink(const OutputOptions& output) {
-  if (output.path == "-") return std::make_unique<StandardOutputSink>();
-  return std::make_unique<FileSink>(output.path, output.overwrite);
-}
-
 }  // namespace
 
 FileExport::FileExport(ExportOptions options, const std::string& output)
@@ -181,12 +175,16 @@ void FileExport::write(const OutputOptions& output, const std::string& tool,
                        const ProgressCallback& progress) const {
   if (options_.format == "tif") return export_geotiff(options_, output, tool, progress);
   if (options_.format == "png") return export_picture(options_, output, progress);
-  const std::unique_ptr<ByteSink> sink = open_sink(output);
-  if (kind_ == "scan")
-    export_scan(options_, output, tool, *sink, progress);
-  else
-    export_grid(options_, output, *sink, progress);
-  sink->finish();
+  const auto write_to = [&](ByteSink&& sink) {
+    if (kind_ == "scan")
+      export_scan(options_, output, tool, sink, progress);
+    else
+      export_grid(options_, output, sink, progress);
+    sink.finish();
+  };
+  if (output_ == "-") return write_to(StandardOutputSink());
+  OutputPath path(output.path, output.overwrite);
+  write_to(FileSink(path));
 }
 
 }  // namespace landfall

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "exports/byte_sink.h"
 #include "files/contents.h"
+#include "output/byte_sink.h"
 
 namespace landfall {
 
