@@ -29,8 +29,8 @@
 #include "config/json_source.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
-#include "exports/terrain_export.h"
 #include "output/temporary_files.h"
+#include "picture/png.h"
 
 namespace landfall::cli {
 namespace {

@@ -478,6 +478,28 @@ class ViewTest(ExportTest):
             self.assertEqual(read_bytes(output), read_bytes(CHAIN.output(name)))
             self.assertEqual(read_bytes(view), read_bytes(self.export(output, name + "-again.png")))
 
+    def test_a_picture_needs_no_gdal(self):
+        """With a plugin that cannot be loaded, pictures are written, and only a GeoTIFF fails."""
+        plugins = self.path("plugins")
+        os.mkdir(plugins)
+        with open(os.path.join(plugins, "landfall-gdal.so"), "w", encoding="ascii") as file:
+            file.write("no library")
+
+        def run_without_gdal(name, *arguments):
+            result = subprocess.run([tool(name), *map(str, arguments)], capture_output=True, text=True, check=False,
+                                    env={**os.environ, "LD_DEBUG": "files", "LANDFALL_PLUGIN_DIR": plugins})
+            self.assertIn("libpng", result.stderr, "LD_DEBUG tells nothing here")
+            self.assertNotIn("libgdal", result.stderr)
+            return result
+
+        dem, view, again = self.path("dem.h5"), self.path("dem.png"), self.path("again.png")
+        self.assertEqual(run_without_gdal("regrid", *CHAIN.inputs("regrid"), "-o", dem, "--view", view).returncode, 0)
+        self.assertEqual(run_without_gdal("landfall-export", dem, "-o", again).returncode, 0)
+        self.assertEqual(read_bytes(view), read_bytes(again))
+        geotiff = run_without_gdal("landfall-export", dem, "-o", self.path("dem.tif"))
+        self.assertEqual(geotiff.returncode, 1)
+        self.assertIn("cannot load the GDAL plugin", geotiff.stderr)
+
     def test_refusals_come_before_the_work(self):
         output = self.path("dem.h5")
         taken = self.path("taken.png")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "exports/byte_sink.h"
+#include "output/byte_sink.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -26,8 +26,8 @@ int write_all(int descriptor, std::string_view bytes) {
 
 }  // namespace
 
-FileSink::FileSink(const std::filesystem::path& path, bool overwrite)
-    : output_(path, overwrite),
+FileSink::FileSink(OutputPath& output)
+    : output_(output),
       descriptor_(::open(output_.temporary().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC,
                          S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)) {
   if (descriptor_ < 0) fail("cannot be made");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -33,11 +32,11 @@ class ByteSink {
   virtual void finish() = 0;
 };
 
-/// A file that appears whole under its name or not at all (output_path.h).
+/// The temporary file of an output, which finish() gives its name (output_path.h).
 class FileSink final : public ByteSink {
  public:
-  /// Throws UsageError as OutputPath does, IoError where the file cannot be made.
-  FileSink(const std::filesystem::path& path, bool overwrite);
+  /// Throws IoError where the file cannot be made.
+  explicit FileSink(OutputPath& output);
   ~FileSink() override;
   void write(std::string_view bytes) override;
   void flush() override;
@@ -46,7 +45,7 @@ class FileSink final : public ByteSink {
  private:
   [[noreturn]] void fail(const char* what) const;
 
-  OutputPath output_;
+  OutputPath& output_;
   int descriptor_;
 };
 
