@@ -112,7 +112,8 @@ void count_work(cli::Session& session, const Simulation& simulation, const ScanW
   session.count("pulse_count", simulation.pulse_count());
   session.count("ray_count", simulation.ray_count());
   session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
-  for (const auto& [name, number] : writer.counts()) session.count(name, number);
+  for (const PointStatusInfo& info : kPointStatuses)
+    if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
 }
 
 /// The smallest grid of bins about the origin that holds the region.

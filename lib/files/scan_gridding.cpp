@@ -50,9 +50,8 @@ void grid_pass(const std::vector<Batch>& todo, GriddedScans& gridded, const Prog
       todo.size(), slots.size(),
       [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
       [&](std::size_t i, std::size_t slot) {
-        const ScanPoints& p = slots[slot];
-        const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
-        gridded.bins->add(points, static_cast<std::int64_t>(todo[i].begin));
+        const GridPoints points = slots[slot].view();
+        gridded.bins->add(points);
         if (gridded.moments) gridded.moments->add(points, *gridded.nearest);
         report(progress,
                gridded.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
