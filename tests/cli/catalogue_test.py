@@ -4,7 +4,7 @@
 
 usage: catalogue_test.py [--write]
 
---write takes the messages as they are now into the catalogue, and writes docs/errors.md: look at the difference.
+--write takes the messages as they are now into the catalogue, and writes docs/user/errors.md: look at the difference.
 
 A case has the command (`run`), the `text` on stderr, and what it needs besides: `files` (name and content), `stdin`,
 `stdout`, `env`, `limit` (of the process: file_bytes, memory_bytes). It runs in a folder with the files of
@@ -34,7 +34,7 @@ from tools import SANITIZED, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
-PAGE = os.path.join(ROOT, "docs", "errors.md")
+PAGE = os.path.join(ROOT, "docs", "user", "errors.md")
 LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
 # Words of libraries and of our own code, which say nothing to a user.
 JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", "internal error", "0x", "bad_alloc",

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which lines, branches and error paths of lib/ and tools/ the tests run (docs/coverage.md), by clang's own counters.
+"""Which lines, branches and error paths of lib/ and tools/ the tests run (docs/quality/coverage.md), by clang's own counters.
 
     coverage.py build | run | page     one after the other; all that is made lies in build/coverage
     coverage.py lines lib/io           lines of these files that no test runs
-    coverage.py fuzz                   what the fuzz targets reach: the table of docs/fuzzing.md
+    coverage.py fuzz                   what the fuzz targets reach: the table of docs/quality/fuzzing.md
 
 `page` writes the tables, and fails where an error path that no test runs is not in uncovered.json.
 """

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/coverage.md, from llvm-cov's records and from uncovered.json: {key of an error path: why no test runs it};
-and that of docs/fuzzing.md."""
+"""The tables of docs/quality/coverage.md, from llvm-cov's records and from uncovered.json: {key of an error path: why no test runs it};
+and that of docs/quality/fuzzing.md."""
 import bisect
 import collections
 import json
@@ -72,7 +72,7 @@ def write(root, records):
         reasons = json.load(file)
     missed, total = uncovered_paths(root, records)
     known = {f"{path}: {key}" for path, _, key in missed}
-    rewrite(os.path.join(root, "docs", "coverage.md"),
+    rewrite(os.path.join(root, "docs", "quality", "coverage.md"),
             {"Results": table(records, missed, total), "Error paths that no test runs": paths_table(missed, reasons)})
     unknown = [(path, line, key) for path, line, key in missed if f"{path}: {key}" not in reasons]
     gone = sorted(set(reasons) - known)
@@ -90,7 +90,7 @@ def write_fuzz(root, records_by_target):
     for name in sorted({name for of_target in sums.values() for name in of_target} - {"all"}):
         cells = [f"{share(s[name], 'lines')} of {s[name]['lines']:,}" if s[name]["lines"] else "" for s in sums.values()]
         lines.append(f"| {name} | {' | '.join(cells)} |")
-    rewrite(os.path.join(root, "docs", "fuzzing.md"), {"What it reaches": lines})
+    rewrite(os.path.join(root, "docs", "quality", "fuzzing.md"), {"What it reaches": lines})
 
 
 def sums_by_library(records):

@@ -37,9 +37,9 @@ class Coverage(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = folder.name
         os.makedirs(os.path.join(self.root, "lib", "io"))
-        os.makedirs(os.path.join(self.root, "docs"))
+        os.makedirs(os.path.join(self.root, "docs", "quality"))
         self.put("lib/io/f.cpp", SOURCE)
-        self.put("docs/coverage.md", "# Page\n\n## Results\n\nold\n\n## Error paths that no test runs\n\nold\n\n## After\n\nkept\n")
+        self.put("docs/quality/coverage.md", "# Page\n\n## Results\n\nold\n\n## Error paths that no test runs\n\nold\n\n## After\n\nkept\n")
 
     def put(self, name, text):
         with open(os.path.join(self.root, name), "w", encoding="utf-8") as file:
@@ -64,7 +64,7 @@ class Coverage(unittest.TestCase):
             with mock.patch.object(page, "REASONS", reasons), contextlib.redirect_stdout(io.StringIO()) as out:
                 return page.write(self.root, {"lib/io/f.cpp": RECORD}), out.getvalue()
         self.assertEqual(write(KEYS), (0, ""))
-        with open(os.path.join(self.root, "docs", "coverage.md"), encoding="utf-8") as file:
+        with open(os.path.join(self.root, "docs", "quality", "coverage.md"), encoding="utf-8") as file:
             text = file.read()
         self.assertIn("| lib/io | 10 | 60.0 % | 10 | 60.0 % | 10 | 60.0 % | 4 | 0.0 % |\n", text)
         self.assertIn(f"| `{KEYS[1]}` | a reason |\n", text)
@@ -74,9 +74,9 @@ class Coverage(unittest.TestCase):
         self.assertEqual(write([*KEYS, "gone"]), (1, "runs, or is no more: lib/io/f.cpp: gone\n"))
 
     def test_what_fuzz_targets_reach_by_library(self):
-        self.put("docs/fuzzing.md", "# Page\n\n## What it reaches\n\nold\n\n## After\n")
+        self.put("docs/quality/fuzzing.md", "# Page\n\n## What it reaches\n\nold\n\n## After\n")
         page.write_fuzz(self.root, {"config": {"lib/io/f.cpp": RECORD, "lib/io/g.h": RECORD}, "mesh": {"lib/ray/h.cpp": RECORD}})
-        with open(os.path.join(self.root, "docs", "fuzzing.md"), encoding="utf-8") as file:
+        with open(os.path.join(self.root, "docs", "quality", "fuzzing.md"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "# Page\n\n## What it reaches\n\n| | `fuzz_config` | `fuzz_mesh` |\n|---|---|---|\n"
                              "| lib/io | 60.0 % of 20 |  |\n| lib/ray |  | 60.0 % of 10 |\n\n## After\n")
 

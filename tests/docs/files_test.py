@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pages of docs/files against real files: every dataset and key is described with its type and unit, and nothing else is."""
+"""The pages of docs/user/files against real files: every dataset and key is described with its type and unit, and nothing else is."""
 import itertools
 import json
 import os
@@ -34,7 +34,7 @@ BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}
 
 def rows(name):
     """The table rows of a page: its cells, without those of the head."""
-    text = pages.Page(os.path.join("docs", "files", name)).prose.values()
+    text = pages.Page(os.path.join("docs", "user", "files", name)).prose.values()
     return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in text if line.startswith("| `")]
 
 
@@ -103,7 +103,7 @@ class Files(unittest.TestCase):
                 self.assertEqual(sorted(set(described(page)) - there), [])
 
     def test_root_attributes(self):
-        text = "\n".join(pages.Page("docs/files/README.md").prose.values())
+        text = "\n".join(pages.Page("docs/user/files/README.md").prose.values())
         for name, (page, _) in RUNS.items():
             if page:
                 with h5py.File(self.path(name)) as file:
@@ -111,7 +111,7 @@ class Files(unittest.TestCase):
                     self.assertIn(f"`{file.attrs['format_name'].removeprefix('landfall')}`", text.replace("`landfall.", "`."))
 
     def test_attributes_of_points(self):
-        text = "\n".join(pages.Page("docs/files/scan.md").prose.values())
+        text = "\n".join(pages.Page("docs/user/files/scan.md").prose.values())
         with h5py.File(self.path("scan.h5")) as file:
             self.assertEqual([key for key in file["points"].attrs if f"`{key}`" not in text], [])
             for value, meaning in enumerate(file["points/status"].attrs["flag_meanings"].split()):

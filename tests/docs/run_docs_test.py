@@ -3,7 +3,7 @@
 """Runs every command of the documentation: the blocks of each page, in order, in one new folder.
 
     run_docs_test.py GROUP            the pages of a group, as ctest does
-    run_docs_test.py PAGE ...         README.md, docs/cli.md, ...
+    run_docs_test.py PAGE ...         README.md, docs/user/cli.md, ...
     run_docs_test.py --write PAGE ... also writes what the commands print into the blocks that show it
     LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also the blocks that take minutes, with the time that each took
 
@@ -26,8 +26,9 @@ ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Pages of a group run one after the other, groups beside each other; the last group has all pages that no other has.
-GROUPS = {"readme": r"README", "lidar": r"docs/lidar/", "terrain": r"docs/terrain/", "files": r"docs/files/", "studies": r"docs/studies/",
-          "guides": r"docs/(tutorial|usability|gallery)", "tools": r""}
+GROUPS = {"readme": r"(docs/)?\w+\.md$", "lidar": r"docs/user/lidar/", "terrain": r"docs/user/terrain/", "files": r"docs/user/files/",
+          "studies": r"docs/user/studies/", "guides": r"docs/user/(tutorial|usability|gallery)", "tools": r"docs/user/",
+          "quality": r"docs/(reference|quality)/"}
 PAGE_TIMEOUT_S = 7200 if pages.LONG else 300
 # Replays what earlier blocks of the page define, without what they print.
 REPLAY = "import contextlib, os\nwith open(os.devnull, 'w') as _null, contextlib.redirect_stdout(_null):\n    exec({!r})\n"

@@ -41,7 +41,7 @@ class Structure(unittest.TestCase):
         with open(os.path.join(ROOT, "scripts", "test-deb"), encoding="utf-8") as file:
             run_in_bare = re.findall(r'^page \w+ "(.*)"$', file.read(), re.MULTILINE)
         self.assertEqual(sorted(block.notes["bare"] for _, block in self.blocks_with("bare")), sorted(run_in_bare))
-        self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/install.md"})
+        self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/user/install.md"})
 
     def test_ci_runs_what_runs_all_tests(self):
         [(_, block)] = self.blocks_with("all tests")

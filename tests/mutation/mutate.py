@@ -4,7 +4,7 @@
 
     mutate.py write | build | trace | run | chain | page     one after the other; each goes on where it was stopped
 
-All that is made lies in build/mutation. docs/mutation.md says what is done and what came out.
+All that is made lies in build/mutation. docs/quality/mutation.md says what is done and what came out.
 """
 import argparse
 import collections
@@ -228,7 +228,7 @@ def main():
     elif options.step == "chain":
         chain(options.cases, options.workers)
     else:
-        return page.write(os.path.join(ROOT, "docs", "mutation.md"), live_mutants(), load("results.json"), load("dropped.json", {}))
+        return page.write(os.path.join(ROOT, "docs", "quality", "mutation.md"), live_mutants(), load("results.json"), load("dropped.json", {}))
     return 0
 
 

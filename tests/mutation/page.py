@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/mutation.md, from the results and from survivors.json: {key of a surviving mutant: why it may}."""
+"""The tables of docs/quality/mutation.md, from the results and from survivors.json: {key of a surviving mutant: why it may}."""
 import collections
 import json
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every file of the folder LANDFALL_DATA through terrain-gen: loaded as other readers have it, or refused with a
-reason, quickly and in little memory. docs/terrain-files.md is what comes out.
+reason, quickly and in little memory. docs/user/terrain-files.md is what comes out.
 
 usage: raster_files_test.py [--write]   --write renews the table
 """
@@ -19,7 +19,7 @@ from raster_readers import Cells, Degrees
 
 ROOT = os.environ["LANDFALL_ROOT"]
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data"))
-TABLE = os.path.join(ROOT, "docs", "terrain-files.md")
+TABLE = os.path.join(ROOT, "docs", "user", "terrain-files.md")
 LIMIT_S, LIMIT_MB = (60, 5000) if SANITIZED else (2, 500)
 EXACT = ["--interpolation", "nearest", "--datum", "none"]
 
