@@ -26,7 +26,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-export dem.h5 -o dem.tif --layers z_est,count       GIS
   landfall-export eval.h5 -o eval.csv --layers fail
   landfall-export eval.h5 -o eval.png --layers rel_z           a picture to look at
-docs/landfall-export.md tells what becomes what.)";
+docs/user/landfall-export.md tells what becomes what.)";
 
 struct Options {
   std::string input;

@@ -11,7 +11,7 @@
 namespace landfall {
 
 /// A plan in numbers: {"region", "time", "returns", "coverage", "returns_per_bin", "images_per_bin"}
-/// (docs/scan-sim.md says what each is). `coverage` is that of the plan's bins.
+/// (docs/user/scan-sim.md says what each is). `coverage` is that of the plan's bins.
 [[nodiscard]] nlohmann::ordered_json plan_json(const ScanPlan& plan, const CoverageMetrics& coverage,
                                                double radius_m, double pulse_rate_hz);
 

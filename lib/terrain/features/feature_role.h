@@ -12,7 +12,7 @@ struct Offset {
   double y_m = 0;
 };
 
-/// What a feature does with its relief, the height that it has at a place (docs/decisions.md, D98).
+/// What a feature does with its relief, the height that it has at a place (docs/reference/decisions.md, D98).
 enum class FeatureRole {
   adds,    ///< changes the ground: craters, pits. Where several meet, all add.
   drapes,  ///< lies on the ground, place by place, as long objects do. Where several meet, the highest
