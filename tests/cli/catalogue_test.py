@@ -43,11 +43,13 @@ JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", 
 
 HEAD = """# Error messages
 
-Every error is one line on stderr that begins with the tool's name; there is no output then, and an old one is as it was.
-The exit code tells the kind: 1 the content of a data file is wrong, or reading or writing failed; 2 an option or the
-configuration; 3 `dem-eval --require-pass` and the DEM does not pass ([cli.md](cli.md)).
+Every error message, with its cause and its remedy. To find yours, search this page for a few of its words.
 
-This page is written from tests/cli/catalogue.json, whose test provokes each of these messages.
+An error is one line on stderr that begins with the tool's name. No output is written then, and an existing output is unchanged. The exit code
+gives the kind of error ([cli.md](cli.md)): 1, the content of a data file is wrong, or reading or writing failed; 2, an option or the configuration
+is wrong; 3, `dem-eval --require-pass` was given and the DEM does not pass.
+
+A test writes this page from tests/cli/catalogue.json and provokes each of its messages.
 """
 
 

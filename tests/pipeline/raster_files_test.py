@@ -128,11 +128,11 @@ FILES = {
 WAYS = [f"{site}{scale}{center}" for site in ["", "--half-width 1 --resolution 1", "--half-width 60 --resolution 0.05"]
         for scale in ["", " --horizontal-scale 1", " --horizontal-scale 1000"]
         for center in ["", " --center-pixel 2,2 --datum none --interpolation nearest"]]
-HEAD = """# Which raster files load
+HEAD = """# How raster files load
 
-What `terrain-gen --from FILE` makes of 36 files: real elevation models, unusual and malformed ones from GDAL's own tests. The table is
-produced by `tests/pipeline/raster_files_test.py --write`; the test compares all nodes of what loads with other readers (numpy on the
-bytes, h5py, Pillow) and runs every malformed file in 18 ways. Seconds and MB (peak, at most) are of one run and vary.
+How `terrain-gen --from FILE` loads each of 36 tested files: real elevation models, and unusual and malformed files from GDAL's own tests.
+`tests/pipeline/raster_files_test.py --write` produces the table. The test compares every node of the files that load with other readers (numpy
+on the bytes, h5py, Pillow), and runs every malformed file in 18 ways. Seconds and MB (peak, upper bound) are from one run and vary.
 
 | file | what it is | outcome | how, or why not | s | MB |
 |---|---|---|---|---|---|
