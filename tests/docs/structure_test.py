@@ -10,7 +10,21 @@ import page as pages
 ROOT = pages.ROOT
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
                      r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/)\w)")
+CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
+
+
+def read(name):
+    with open(os.path.join(ROOT, name), encoding="utf-8") as file:
+        return file.read()
+
+
+def source_files():
+    """Sources and pages, relative to the repository."""
+    for top in CITING:
+        for folder, _, files in os.walk(os.path.join(ROOT, top)):
+            yield from (os.path.relpath(os.path.join(folder, name), ROOT) for name in files
+                        if name.endswith((".cpp", ".h", ".md", ".py", ".txt", ".cmake")))
 
 
 class Structure(unittest.TestCase):
@@ -75,6 +89,31 @@ class Structure(unittest.TestCase):
         folder = os.path.join(ROOT, "docs", "images")
         shown = {os.path.basename(target) for page in self.pages.values() for _, target in page.links()}
         self.assertEqual(sorted(set(os.listdir(folder)) - shown), [])
+
+    def test_decisions_are_in_order_below_their_subjects(self):
+        """And the index at the head of the page has each of them, where it stands."""
+        page = self.pages["docs/reference/decisions.md"]
+        numbers, index, subject = {}, {}, None
+        for line in page.prose.values():
+            heading, decision = re.match(r"## (.*)$", line), re.match(r"- \*\*D(\d+) ", line)
+            row = re.match(r"\| \[(.*)\]\(#.*\) \| (.*) \|$", line)
+            subject = heading[1] if heading else subject
+            if decision:
+                numbers.setdefault(subject, []).append(int(decision[1]))
+            if row:
+                ends = [re.findall(r"D(\d+)", part) for part in row[2].split(", ")]
+                index[row[1]] = [number for end in ends for number in range(int(end[0]), int(end[-1]) + 1)]
+        self.assertEqual(index, numbers)
+        self.assertEqual([name for name, group in numbers.items() if group != sorted(group)], [])
+        every = [number for group in numbers.values() for number in group]
+        self.assertEqual(len(every), len(set(every)))
+
+    def test_every_decision_that_is_cited_is_there(self):
+        text = "\n".join(self.pages["docs/reference/decisions.md"].prose.values())
+        there = {f"D{number}" for number in re.findall(r"^- \*\*D(\d+) ", text, re.M)}
+        cited = {(name, number) for name in source_files() for number in re.findall(r"(?<![\w.])D[1-9]\d{0,2}(?![\w.]\w)", read(name))}
+        self.assertGreater(len(cited), 50)
+        self.assertEqual(sorted((name, number) for name, number in cited if number not in there), [])
 
 
 if __name__ == "__main__":
