@@ -120,7 +120,7 @@ class Page:
 
 def names():
     """Every page, relative to the repository."""
-    found = ["README.md"]
+    found = ["CONTRIBUTING.md", "README.md"]
     for folder, _, files in os.walk(os.path.join(ROOT, "docs")):
         found += [os.path.relpath(os.path.join(folder, name), ROOT) for name in files if name.endswith(".md")]
     return sorted(found)

@@ -3,14 +3,24 @@
 """What the pages hold, without running it: no command escapes run_docs_test.py, and every link leads somewhere."""
 import os
 import re
+import sys
 import unittest
 
 import page as pages
 
 ROOT = pages.ROOT
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+# pylint: disable=wrong-import-position
+import check_includes
+
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
                      r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/)\w)")
 CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
+CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|schemas|scripts|studies|testdata|tests|tools)/[\w./-]*\w")
+# They record what ran once, by the names of that time.
+RECORDS = {"docs/quality/coverage.md", "docs/quality/fuzzing.md", "docs/quality/mutation.md"}
+# Below a prefix, or made by a build.
+ELSEWHERE = re.compile(r"lib/(landfall|cmake)$|lib/cmake/|bench/bench_(eval|grid|rays)$")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
 
 
@@ -89,6 +99,18 @@ class Structure(unittest.TestCase):
         folder = os.path.join(ROOT, "docs", "images")
         shown = {os.path.basename(target) for page in self.pages.values() for _, target in page.links()}
         self.assertEqual(sorted(set(os.listdir(folder)) - shown), [])
+
+    def test_files_that_are_cited_are_there(self):
+        """But those whose name a reader is to fill in: lib/scanner/NAME.h."""
+        found = [(page.name, path) for page in self.pages.values() if page.name not in RECORDS for line in page.prose.values()
+                 for path in CITED.findall(pages.LINK.sub("", line)) if "NAME" not in path and not ELSEWHERE.match(path)]
+        self.assertGreater(len(found), 100)
+        self.assertEqual([where for where in found if not os.path.exists(os.path.join(ROOT, where[1]))], [])
+
+    def test_the_layers_are_those_of_the_check_of_includes(self):
+        shown = {folder: int(level) for level, folders in re.findall(r"^ +(\d)((?: +[a-z0-9_]+)+)$", read("docs/architecture.md"), re.M)
+                 for folder in folders.split()}
+        self.assertEqual(shown, check_includes.LEVELS)
 
     def test_decisions_are_in_order_below_their_subjects(self):
         """And the index at the head of the page has each of them, where it stands."""
