@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the pages hold, without running it: no command escapes run_docs_test.py, and every link leads somewhere."""
+"""Checks the pages without running them: run_docs_test.py sees every command, and every link and cited file exists."""
 import os
 import re
 import sys
@@ -17,9 +17,9 @@ COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+
                      r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/)\w)")
 CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
 CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|schemas|scripts|studies|testdata|tests|tools)/[\w./-]*\w")
-# They record what ran once, by the names of that time.
+# Records of past runs, with the names of that time.
 RECORDS = {"docs/quality/coverage.md", "docs/quality/fuzzing.md", "docs/quality/mutation.md"}
-# Below a prefix, or made by a build.
+# Installed below a prefix, or made by a build.
 ELSEWHERE = re.compile(r"lib/(landfall|cmake)$|lib/cmake/|bench/bench_(eval|grid|rays)$")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
 
@@ -47,7 +47,7 @@ class Structure(unittest.TestCase):
                    for block in page.blocks if block.language not in LANGUAGES | {"setup", "long setup"}]
         self.assertEqual(faults, [])
 
-    def test_no_command_stands_outside_of_a_shell_block(self):
+    def test_no_command_is_outside_of_a_shell_block(self):
         found = [f"{page.name}:{number}: {line.strip()}" for page in self.pages.values() for number, line in page.prose.items()
                  if COMMAND.match(line)]
         found += [f"{page.name}:{block.line}: {line}" for page in self.pages.values() for block in page.blocks
@@ -59,7 +59,7 @@ class Structure(unittest.TestCase):
         return [(page, block) for page in self.pages.values() for block in page.blocks if note in block.notes]
 
     def test_every_command_is_run(self):
-        """By run_docs_test.py at each time or when asked, by scripts/test-deb, or, the one of all tests, by CI itself."""
+        """By run_docs_test.py, always or on request, by scripts/test-deb, or, for the one that runs all tests, by CI."""
         for page, block in self.blocks_with("long"):
             self.assertNotEqual(block.notes["long"], "", f"{page.name}:{block.line}: without a reason")
         with open(os.path.join(ROOT, "scripts", "test-deb"), encoding="utf-8") as file:
@@ -100,8 +100,8 @@ class Structure(unittest.TestCase):
         shown = {os.path.basename(target) for page in self.pages.values() for _, target in page.links()}
         self.assertEqual(sorted(set(os.listdir(folder)) - shown), [])
 
-    def test_files_that_are_cited_are_there(self):
-        """But those whose name a reader is to fill in: lib/scanner/NAME.h."""
+    def test_cited_files_exist(self):
+        """Except paths with a NAME for the reader to fill in: lib/scanner/NAME.h."""
         found = [(page.name, path) for page in self.pages.values() if page.name not in RECORDS for line in page.prose.values()
                  for path in CITED.findall(pages.LINK.sub("", line)) if "NAME" not in path and not ELSEWHERE.match(path)]
         self.assertGreater(len(found), 100)
@@ -113,7 +113,7 @@ class Structure(unittest.TestCase):
         self.assertEqual(shown, check_includes.LEVELS)
 
     def test_decisions_are_in_order_below_their_subjects(self):
-        """And the index at the head of the page has each of them, where it stands."""
+        """And the index at the top of the page lists each of them with its subject."""
         page = self.pages["docs/reference/decisions.md"]
         numbers, index, subject = {}, {}, None
         for line in page.prose.values():
@@ -130,7 +130,7 @@ class Structure(unittest.TestCase):
         every = [number for group in numbers.values() for number in group]
         self.assertEqual(len(every), len(set(every)))
 
-    def test_every_decision_that_is_cited_is_there(self):
+    def test_every_cited_decision_exists(self):
         text = "\n".join(self.pages["docs/reference/decisions.md"].prose.values())
         there = {f"D{number}" for number in re.findall(r"^- \*\*D(\d+) ", text, re.M)}
         cited = {(name, number) for name in source_files() for number in re.findall(r"(?<![\w.])D[1-9]\d{0,2}(?![\w.]\w)", read(name))}
