@@ -53,7 +53,7 @@ def main():
         with open(os.path.join(one, "targets.txt"), "w", encoding="utf-8"):
             pass
         made = os.path.join(one, "metrics", "x.json")
-        timed("run-stage around echo", ["scripts/run-stage", "--study", one, "--kind", "metrics", "--id", "x", "--output", made, "--",
+        timed("run-stage around echo", ["studies/runners/run-stage", "--study", one, "--kind", "metrics", "--id", "x", "--output", made, "--",
                                         "bash", "-c", f"echo x > {made}"], cwd=ROOT)
 
 

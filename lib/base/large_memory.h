@@ -41,8 +41,8 @@ class LargeAllocator {
     else
       give_large_block_back(memory, count * sizeof(T));
   }
-  void construct(T* place) { ::new (static_cast<void*>(place)) T; }
-  void construct(T* place, const T& value) { ::new (static_cast<void*>(place)) T(value); }
+  void construct(T* address) { ::new (static_cast<void*>(address)) T; }
+  void construct(T* address, const T& value) { ::new (static_cast<void*>(address)) T(value); }
 
   friend bool operator==(const LargeAllocator& /*a*/, const LargeAllocator& /*b*/) { return true; }
 };

@@ -21,7 +21,7 @@ void RandomField::normals_along_i(std::uint64_t first_i, std::uint64_t j, std::s
   normals({first_i, j}, {1, 0}, out);
 }
 
-void RandomField::normals(Place first, Place step, std::span<double> out) const {
+void RandomField::normals(Counter first, Counter step, std::span<double> out) const {
   constexpr std::size_t kBlock = 256;  // stays in the first cache
   std::array<double, kBlock> u;
   std::array<double, kBlock> v;

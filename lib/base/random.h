@@ -51,10 +51,10 @@ class RandomField {
  private:
   using Generator = r123::Philox4x64;
 
-  struct Place {
+  struct Counter {
     std::uint64_t i, j;
   };
-  void normals(Place first, Place step, std::span<double> out) const;
+  void normals(Counter first, Counter step, std::span<double> out) const;
 
   [[nodiscard]] Generator::ctr_type block(std::uint64_t i, std::uint64_t j) const {
     return Generator{}(Generator::ctr_type{{i, j, 0, 0}}, key_);

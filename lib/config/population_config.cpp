@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
 
-Place center_of(const Json& json) { return {number(json, "x_m"), number(json, "y_m")}; }
+SitePoint center_of(const Json& json) { return {number(json, "x_m"), number(json, "y_m")}; }
 
 Region region_of(const Json& json) {
   const auto type = json.at("type").get<std::string>();

@@ -56,14 +56,14 @@ void check(const PerspectiveParameters& p) {
   require_finite({"detector/distortion", "k2"}, p.distortion.k2);
   require_finite({"detector/distortion", "k3"}, p.distortion.k3);
   const std::size_t pixels = static_cast<std::size_t>(p.rows) * static_cast<std::size_t>(p.columns);
-  require(p.places.empty() || p.places.size() == pixels, {"detector", "places"},
-          static_cast<double>(p.places.size()), "rows x columns");
+  require(p.points.empty() || p.points.size() == pixels, {"detector", "points"},
+          static_cast<double>(p.points.size()), "rows x columns");
 }
 
 /// Offset of item `i` of `count` from their middle, in items.
 double from_middle(int i, int count) { return i - (count - 1) / 2.0; }
 
-/// A place on the image plane, tangent units: as ImagePlace, but downwards as rows count.
+/// A point on the image plane, tangent units: as ImagePoint, but downwards as rows count.
 struct Spot {
   double right;
   double down;
@@ -77,12 +77,12 @@ class PixelGrid {
 
   /// `right` and `down`: from the pixel's centre, in pixels.
   [[nodiscard]] Spot at(PixelIndex pixel, double right, double down) const {
-    if (p_.places.empty())
+    if (p_.points.empty())
       return {(from_middle(pixel.col, p_.columns) + right) * pitch_.x,
               (from_middle(pixel.row, p_.rows) + down) * pitch_.y};
     const std::size_t row = static_cast<std::size_t>(pixel.row) * static_cast<std::size_t>(p_.columns);
-    const ImagePlace& place = p_.places[row + static_cast<std::size_t>(pixel.col)];
-    return {place.u + right * pitch_.x, -place.v + down * pitch_.y};
+    const ImagePoint& point = p_.points[row + static_cast<std::size_t>(pixel.col)];
+    return {point.u + right * pitch_.x, -point.v + down * pitch_.y};
   }
 
   /// Sub-pixel `i` of the pixel, row-major.
@@ -97,7 +97,7 @@ class PixelGrid {
   double filled_;  ///< edge of the area that senses, in pixels
 };
 
-/// Turns a place on the image plane into a direction.
+/// Turns a point on the image plane into a direction.
 class Optics {
  public:
   Optics(const RadialDistortion& distortion, double roll_rad)

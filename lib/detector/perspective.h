@@ -35,16 +35,16 @@ struct PerspectiveParameters {
   /// is one ray, whatever its area.
   double fill_factor = 1;
   /// Where each pixel's centre lies, row-major; empty: evenly, a pitch apart.
-  std::vector<ImagePlace> places{};
+  std::vector<ImagePoint> points{};
   RangeEstimatorParameters estimator{};
 };
 
 /// A pinhole camera. Pixel (row a, column b) lies at u = (b - (columns - 1)/2) pitch_x,
-/// v = ((rows - 1)/2 - a) pitch_y, or where `places` says; its sub-pixels at offsets
-/// ((p - (m - 1)/2)/m) sqrt(fill_factor) pitch, p = 0 .. m - 1, from it. Each place is moved by the
+/// v = ((rows - 1)/2 - a) pitch_y, or where `points` says; its sub-pixels at offsets
+/// ((p - (m - 1)/2)/m) sqrt(fill_factor) pitch, p = 0 .. m - 1, from it. Each point is moved by the
 /// distortion and looks along normalise(u, -v, 1), turned by the roll right-handedly about -z_L.
 ///
-/// Throws UsageError, naming the key and the bound, for a value out of range, for a count of places that is
+/// Throws UsageError, naming the key and the bound, for a value out of range, for a count of points that is
 /// not the pixels', and where the distortion folds the image within a pixel.
 [[nodiscard]] Detector perspective_detector(const PerspectiveParameters& parameters);
 

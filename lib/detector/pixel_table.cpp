@@ -30,21 +30,21 @@ const TableColumns& pixel_table_columns() {
   return columns;
 }
 
-std::vector<ImagePlace> pixel_places(const NumberTable& table, int rows, int columns) {
+std::vector<ImagePoint> pixel_places(const NumberTable& table, int rows, int columns) {
   const auto width = static_cast<std::size_t>(columns);
-  std::vector<ImagePlace> places(static_cast<std::size_t>(rows) * width);
-  std::vector<bool> seen(places.size());
+  std::vector<ImagePoint> points(static_cast<std::size_t>(rows) * width);
+  std::vector<bool> seen(points.size());
   for (std::size_t line = 0; line < table.row_count(); ++line) {
     const std::size_t pixel = whole(table, "row", line, rows) * width + whole(table, "column", line, columns);
-    const ImagePlace place{table.column("u")[line], table.column("v")[line]};
+    const ImagePoint point{table.column("u")[line], table.column("v")[line]};
     if (seen[pixel]) table.fail_at(line, pixel_text(pixel, width) + " has a row already");
-    if (!std::isfinite(place.u) || !std::isfinite(place.v)) table.fail_at(line, "u and v must be finite");
+    if (!std::isfinite(point.u) || !std::isfinite(point.v)) table.fail_at(line, "u and v must be finite");
     seen[pixel] = true;
-    places[pixel] = place;
+    points[pixel] = point;
   }
   for (std::size_t pixel = 0; pixel < seen.size(); ++pixel)
     if (!seen[pixel]) table.fail(pixel_text(pixel, width) + " has no row");
-  return places;
+  return points;
 }
 
 }  // namespace landfall

@@ -33,9 +33,9 @@ SampledPath::SampledPath(const TimeGrid& grid, std::vector<Eigen::Vector3d> valu
 }
 
 Eigen::Vector3d SampledPath::at(double t_s) const {
-  const double place = std::clamp(t_s / grid_.interval_s, 0.0, static_cast<double>(grid_.steps));
-  const std::size_t i = std::min(static_cast<std::size_t>(place), grid_.steps - 1);
-  const double u = place - static_cast<double>(i);
+  const double position = std::clamp(t_s / grid_.interval_s, 0.0, static_cast<double>(grid_.steps));
+  const std::size_t i = std::min(static_cast<std::size_t>(position), grid_.steps - 1);
+  const double u = position - static_cast<double>(i);
   return (1 - u) * values_[i] + u * values_[i + 1];
 }
 

@@ -22,7 +22,7 @@ struct MeshFile {
 /// the name's end (.obj, .ply, .off, .stl, in any case). Normals, colours, texture, groups and materials are
 /// passed over, and a material file is never opened.
 ///
-/// Throws FormatError, naming the file, the line or the place, and what is wrong: no regular file, another
+/// Throws FormatError, naming the file, the line or the offset, and what is wrong: no regular file, another
 /// extension, a format that the extension does not promise, a number or an index that is none, a file that
 /// ends too early. Nothing is allocated by a count that the file claims. What the soup then holds, points
 /// that are not finite and corners that are no points among it, is for clean_mesh() to judge.

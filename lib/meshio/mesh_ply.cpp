@@ -229,9 +229,9 @@ void add_polygon(const std::vector<double>& numbers, const Values& values, Polyg
   soup.polygon_ends.push_back(soup.corners.size());
 }
 
-/// The property's place among those of the element, which must have it, as a list or not.
-std::size_t place_of(const Element& element, std::initializer_list<const char*> names, bool is_list,
-                     const std::string& file) {
+/// The property's index among those of the element, which must have it, as a list or not.
+std::size_t property_index(const Element& element, std::initializer_list<const char*> names, bool is_list,
+                           const std::string& file) {
   for (const char* const name : names)
     for (std::size_t i = 0; i < element.properties.size(); ++i)
       if (element.properties[i].name == name && element.properties[i].length.has_value() == is_list) return i;
@@ -239,24 +239,24 @@ std::size_t place_of(const Element& element, std::initializer_list<const char*> 
 }
 
 void read_vertices(Values& values, const Element& element, const std::string& name, PolygonSoup& soup) {
-  const std::array<std::size_t, 3> places{place_of(element, {"x"}, false, name),
-                                          place_of(element, {"y"}, false, name),
-                                          place_of(element, {"z"}, false, name)};
+  const std::array<std::size_t, 3> indices{property_index(element, {"x"}, false, name),
+                                           property_index(element, {"y"}, false, name),
+                                           property_index(element, {"z"}, false, name)};
   std::vector<double> row(element.properties.size());
   std::vector<double> list;
   for (std::int64_t i = 0; i < element.count; ++i) {
     for (std::size_t p = 0; p < row.size(); ++p) row[p] = read_property(values, element.properties[p], list);
-    soup.points.emplace_back(row[places[0]], row[places[1]], row[places[2]]);
+    soup.points.emplace_back(row[indices[0]], row[indices[1]], row[indices[2]]);
   }
 }
 
 void read_facets(Values& values, const Element& element, const std::string& name, PolygonSoup& soup) {
-  const std::size_t place = place_of(element, {"vertex_indices", "vertex_index"}, true, name);
+  const std::size_t corners = property_index(element, {"vertex_indices", "vertex_index"}, true, name);
   std::vector<double> list;
   for (std::int64_t i = 0; i < element.count; ++i)
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       static_cast<void>(read_property(values, element.properties[p], list));
-      if (p == place) add_polygon(list, values, soup);
+      if (p == corners) add_polygon(list, values, soup);
     }
 }
 

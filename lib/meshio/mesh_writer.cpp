@@ -43,7 +43,7 @@ class MeshSink {
   MeshSink& operator=(const MeshSink&) = delete;
 
   virtual void begin(const MeshSize& size) = 0;
-  virtual void vertex(const Eigen::Vector3d& place) = 0;
+  virtual void vertex(const Eigen::Vector3d& point) = 0;
   virtual void triangle(const TriangleCorners& corners) = 0;
 
   /// False where the disk refused.
@@ -88,9 +88,9 @@ class ObjSink final : public MeshSink {
   void begin(const MeshSize&) override {
     add("# a landfall terrain: metres, x right, y up on the map, z up\n");
   }
-  void vertex(const Eigen::Vector3d& place) override {
+  void vertex(const Eigen::Vector3d& point) override {
     add("v");
-    for (const double coordinate : place) {
+    for (const double coordinate : point) {
       add(" ");
       add_number(coordinate);
     }
@@ -118,8 +118,8 @@ class PlySink final : public MeshSink {
     add_number(size.triangles);
     add("\nproperty list uchar int vertex_indices\nend_header\n");
   }
-  void vertex(const Eigen::Vector3d& place) override {
-    for (const double coordinate : place) add_bytes(coordinate);
+  void vertex(const Eigen::Vector3d& point) override {
+    for (const double coordinate : point) add_bytes(coordinate);
   }
   void triangle(const TriangleCorners& corners) override {
     add_bytes(std::uint8_t{3});

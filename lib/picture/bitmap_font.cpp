@@ -63,14 +63,14 @@ std::int64_t text_width(std::string_view text) {
   return text.empty() ? 0 : static_cast<std::int64_t>(text.size()) * kAdvance - kDot;
 }
 
-void draw_text(RgbImage& image, const TextPlace& place, std::string_view text, Rgb color) {
-  std::int64_t left = place.column;
+void draw_text(RgbImage& image, const TextPosition& position, std::string_view text, Rgb color) {
+  std::int64_t left = position.column;
   for (const char letter : text) {
     const Glyph& glyph = glyph_of(letter);
     for (std::int64_t c = 0; c < 5; ++c)
       for (std::int64_t r = 0; r < 8; ++r)
         if ((glyph[static_cast<std::size_t>(c)] >> r & 1) != 0)
-          draw_dot(image, place.row + r * kDot, left + c * kDot, color);
+          draw_dot(image, position.row + r * kDot, left + c * kDot, color);
     left += kAdvance;
   }
 }

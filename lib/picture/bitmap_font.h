@@ -17,12 +17,12 @@ inline constexpr std::int64_t kTextHeight = 8 * kDot;
 [[nodiscard]] std::int64_t text_width(std::string_view text);
 
 /// Where a text goes: its upper left pixel.
-struct TextPlace {
+struct TextPosition {
   std::int64_t row;
   std::int64_t column;
 };
 
 /// Draws ASCII 32 to 126; anything else as '?'. What lies beyond the picture is cut.
-void draw_text(RgbImage& image, const TextPlace& place, std::string_view text, Rgb color);
+void draw_text(RgbImage& image, const TextPosition& position, std::string_view text, Rgb color);
 
 }  // namespace landfall

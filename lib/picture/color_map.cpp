@@ -47,9 +47,9 @@ std::uint8_t between(std::uint8_t a, std::uint8_t b, double part) {
 Rgb color_of(double fraction, Colors colors) {
   const std::span<const Rgb> anchors =
       colors == Colors::sequential ? std::span<const Rgb>(kCividis) : std::span<const Rgb>(kBlueRed);
-  const double place = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(anchors.size() - 1);
-  const std::size_t below = std::min(static_cast<std::size_t>(place), anchors.size() - 2);
-  const double part = place - static_cast<double>(below);
+  const double position = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(anchors.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(position), anchors.size() - 2);
+  const double part = position - static_cast<double>(below);
   const Rgb& a = anchors[below];
   const Rgb& b = anchors[below + 1];
   return {between(a.r, b.r, part), between(a.g, b.g, part), between(a.b, b.b, part)};

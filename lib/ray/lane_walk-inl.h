@@ -63,11 +63,11 @@ class LaneWalk {
   HWY_INLINE Axis axis(V origin, V speed, double width) const;
 
   /// Where a ray is along one axis: its cell, and whether that is certain.
-  struct Place {
+  struct CellPosition {
     V position, cell;
     M sure;
   };
-  HWY_INLINE Place place(V origin, V speed, V range) const {
+  HWY_INLINE CellPosition position(V origin, V speed, V range) const {
     const V position = hn::MulAdd(speed, range, origin);
     const V cell = hn::Floor(position);
     const V off_middle = hn::Abs(hn::Sub(hn::Sub(position, cell), constant(0.5)));
@@ -76,17 +76,17 @@ class LaneWalk {
   static HWY_INLINE M off(V position, double low, double high) {
     return hn::Or(hn::Lt(position, constant(low)), hn::Gt(position, constant(high)));
   }
-  static HWY_INLINE M in_grid(const WalkGround& ground, const Place& col, const Place& row) {
+  static HWY_INLINE M in_grid(const WalkGround& ground, const CellPosition& col, const CellPosition& row) {
     return hn::Not(hn::Or(off(col.cell, 0, ground.cols - 1), off(row.cell, 0, ground.rows - 1)));
   }
   /// Range at which a ray enters the grid's width, -infinity where steep.
   static HWY_INLINE V entrance(const Axis& along, double width);
-  static HWY_INLINE void put_on_border(const Axis& along, M comes_over, double width, Place& place);
+  static HWY_INLINE void put_on_border(const Axis& along, M comes_over, double width, CellPosition& position);
   /// Takes rays that start beside the grid to where they enter it; which of them certainly miss it.
-  HWY_INLINE M place_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y, Place& col,
-                                 Place& row);
+  HWY_INLINE M position_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y, CellPosition& col,
+                                    CellPosition& row);
   /// Whether a ray certainly ends in the cell where it starts.
-  HWY_INLINE M stays(V origin, V speed, const Place& start) const;
+  HWY_INLINE M stays(V origin, V speed, const CellPosition& start) const;
   /// Begins where a ray nears the heights of the surface, and ends where it has passed them.
   HWY_INLINE void cut_to_heights(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
                                  const HeightSlab& slab);
@@ -142,18 +142,19 @@ HWY_INLINE V LaneWalk::entrance(const Axis& along, double width) {
   return hn::IfThenElse(along.steep, hn::Neg(infinity()), hn::MulAdd(near, along.per_speed, along.offset));
 }
 
-HWY_INLINE void LaneWalk::put_on_border(const Axis& along, M comes_over, double width, Place& place) {
-  place.cell = hn::IfThenElse(comes_over, hn::Mul(along.behind, constant(width - 1)), place.cell);
-  place.sure = hn::Or(place.sure, comes_over);
+HWY_INLINE void LaneWalk::put_on_border(const Axis& along, M comes_over, double width,
+                                        CellPosition& position) {
+  position.cell = hn::IfThenElse(comes_over, hn::Mul(along.behind, constant(width - 1)), position.cell);
+  position.sure = hn::Or(position.sure, comes_over);
 }
 
-HWY_INLINE M LaneWalk::place_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y, Place& col,
-                                         Place& row) {
+HWY_INLINE M LaneWalk::position_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y,
+                                            CellPosition& col, CellPosition& row) {
   const V enters_x = entrance(x, ground.cols);
   const V enters_y = entrance(y, ground.rows);
   at_ = hn::Max(at_, hn::Max(enters_x, enters_y));
-  col = place(rays_.x, rays_.dx, at_);
-  row = place(rays_.y, rays_.dy, at_);
+  col = position(rays_.x, rays_.dx, at_);
+  row = position(rays_.y, rays_.dy, at_);
   const M off_x = hn::AndNot(x.steep, off(col.position, -1, ground.cols + 1));
   const M off_y = hn::AndNot(y.steep, off(row.position, -1, ground.rows + 1));
   const M over_x = hn::Eq(at_, enters_x);
@@ -169,8 +170,8 @@ HWY_INLINE M LaneWalk::place_at_entrance(const WalkGround& ground, const Axis& x
   return hn::Or(beside, hn::AndNot(corner, hn::Or(off_x, off_y)));
 }
 
-HWY_INLINE M LaneWalk::stays(V origin, V speed, const Place& start) const {
-  const Place last = place(origin, speed, end_);
+HWY_INLINE M LaneWalk::stays(V origin, V speed, const CellPosition& start) const {
+  const CellPosition last = position(origin, speed, end_);
   return hn::And(last.sure, hn::Eq(last.cell, start.cell));
 }
 
@@ -201,14 +202,14 @@ HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk,
   cut_to_heights(ground, chunk, begin, slab);
   end_ = hn::Min(end_, hn::Min(x.leaves, y.leaves));
 
-  Place col = place(rays_.x, rays_.dx, at_);
-  Place row = place(rays_.y, rays_.dy, at_);
+  CellPosition col = position(rays_.x, rays_.dx, at_);
+  CellPosition row = position(rays_.y, rays_.dy, at_);
   const M known = hn::And(hn::Lt(rays_.height_error, constant(kSlack_m / 4)), hn::Gt(middle_, constant(0)));
   const M inside =
       hn::And(hn::And(col.sure, row.sure), hn::And(in_grid(ground, col, row), hn::Lt(at_, end_)));
   const M none = hn::And(inside, hn::Not(inside));
   missed_ = none;
-  if (!all(inside)) missed_ = hn::And(known, place_at_entrance(ground, x, y, col, row));
+  if (!all(inside)) missed_ = hn::And(known, position_at_entrance(ground, x, y, col, row));
   M sure = hn::And(hn::And(known, in_grid(ground, col, row)), hn::And(col.sure, row.sure));
   // Too steep to tell when it crosses borders: it must not cross any.
   if (any(hn::Or(x.steep, y.steep))) {
@@ -268,7 +269,7 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
 
   const V origin = hn::IfThenElse(by_x, rays_.y, rays_.x);
   const V speed = hn::IfThenElse(by_x, rays_.dy, rays_.dx);
-  const Place other = place(origin, speed, leave);
+  const CellPosition other = position(origin, speed, leave);
   const M ended = hn::And(go, hn::Ge(leave, end_));
   const M on = hn::AndNot(ended, hn::And(go, other.sure));
   const M on_x = hn::And(on, by_x);

@@ -66,7 +66,7 @@ void FillFeet(double height_m, std::size_t end, RayChunk& chunk) {
     const V foot_x = hn::Sub(load(chunk.x + i), hn::Mul(slope_x, z));
     const V foot_y = hn::Sub(load(chunk.y + i), hn::Mul(slope_y, z));
     const V slope = hn::Add(hn::Abs(slope_x), hn::Abs(slope_y));
-    // Sums below 1e11 keep the rounding of a place far below the margin of ElevationPyramid::over.
+    // Sums below 1e11 keep the rounding of a position far below the margin of ElevationPyramid::over.
     const V reach = hn::Mul(slope, hn::Add(hn::Abs(z), constant(height_m)));
     const V size = hn::Add(reach, hn::Add(hn::Abs(load(chunk.x + i)), hn::Abs(load(chunk.y + i))));
     const M down = hn::And(hn::Lt(climb, constant(0)), hn::Lt(size, constant(1e11)));

@@ -26,12 +26,12 @@ RasterOrder LineSearch::order() const {
 
 std::optional<Point<DemFrame>> LineSearch::ground_aim(const PulseTime& pulse) const {
   const LineSearchParameters& p = parameters_;
-  const auto place = raster_place(order(), pulse.pulse);
-  if (!place) return std::nullopt;
+  const auto position = raster_position(order(), pulse.pulse);
+  if (!position) return std::nullopt;
   const bool steps = !p.ramped || p.rows == 1;
-  const double down = steps ? spread(p.half_width_m, place->row, p.rows)
-                            : spread(p.half_width_m, place->step, raster_steps(order()));
-  return Point<DemFrame>{{spread(p.half_width_m, place->column, p.columns), -down, 0}};
+  const double down = steps ? spread(p.half_width_m, position->row, p.rows)
+                            : spread(p.half_width_m, position->step, raster_steps(order()));
+  return Point<DemFrame>{{spread(p.half_width_m, position->column, p.columns), -down, 0}};
 }
 
 std::optional<PatternJump> LineSearch::last_jump(const PulseTime& pulse) const {

@@ -16,7 +16,7 @@ struct LineSearchParameters {
   bool ramped = false;  ///< y falls evenly from pulse to pulse instead of from line to line
 };
 
-/// A raster over a square. Pulse k is on line l = k div columns, at place c = k mod columns, and aims at
+/// A raster over a square. Pulse k is on line l = k div columns, in column c = k mod columns, and aims at
 /// (-E + 2E c/(columns - 1), E - 2E l/(rows - 1), 0): from the upper left to the lower right corner, line by
 /// line. A single row or column aims at 0 on that axis; boustrophedon runs odd lines backwards. After
 /// N = rows x columns pulses it begins anew, or the scan stops.

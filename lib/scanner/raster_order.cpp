@@ -19,14 +19,14 @@ void check_raster(const RasterOrder& order) {
 
 std::int64_t raster_steps(const RasterOrder& order) { return std::int64_t{order.rows} * order.columns; }
 
-std::optional<RasterPlace> raster_place(const RasterOrder& order, std::int64_t step) {
+std::optional<RasterPosition> raster_position(const RasterOrder& order, std::int64_t step) {
   const std::int64_t count = raster_steps(order);
   if (order.at_end == AtEnd::stop && step >= count) return std::nullopt;
   const std::int64_t in_pass = step % count;
   const std::int64_t row = in_pass / order.columns;
-  const std::int64_t place = in_pass % order.columns;
+  const std::int64_t column = in_pass % order.columns;
   const bool backwards = order.direction == LineDirection::boustrophedon && row % 2 == 1;
-  return RasterPlace{row, backwards ? order.columns - 1 - place : place, in_pass};
+  return RasterPosition{row, backwards ? order.columns - 1 - column : column, in_pass};
 }
 
 std::optional<PatternJump> jump_to_piece(const PulseTime& pulse, std::int64_t length) {

@@ -15,7 +15,7 @@ enum class LineDirection {
 
 enum class AtEnd { wrap, stop };
 
-/// The order in which a raster's places are visited: line by line from the top.
+/// The order in which the positions of a raster are visited: line by line from the top.
 struct RasterOrder {
   int rows = 1;     ///< 1 .. 2^20
   int columns = 1;  ///< 1 .. 2^20
@@ -24,7 +24,7 @@ struct RasterOrder {
 };
 
 /// Where a raster is at one step.
-struct RasterPlace {
+struct RasterPosition {
   std::int64_t row = 0;     ///< counted from the top
   std::int64_t column = 0;  ///< counted from the left
   std::int64_t step = 0;    ///< in this pass over the raster
@@ -33,11 +33,11 @@ struct RasterPlace {
 /// Throws UsageError, naming the pattern's key and the bound, where rows or columns is out of range.
 void check_raster(const RasterOrder& order);
 
-/// Places in one pass.
+/// Positions in one pass.
 [[nodiscard]] std::int64_t raster_steps(const RasterOrder& order);
 
-/// The place at a step >= 0, counted over all passes; none past the end of a raster that stops.
-[[nodiscard]] std::optional<RasterPlace> raster_place(const RasterOrder& order, std::int64_t step);
+/// The position at a step >= 0, counted over all passes; none past the end of a raster that stops.
+[[nodiscard]] std::optional<RasterPosition> raster_position(const RasterOrder& order, std::int64_t step);
 
 /// The last jump of a pattern that jumps after every `length` pulses, to a new line or step; none in the
 /// first of these pieces.

@@ -30,10 +30,10 @@ RasterOrder StepStare::order() const {
 
 std::optional<Point<DemFrame>> StepStare::ground_aim(const PulseTime& pulse) const {
   const StepStareParameters& p = parameters_;
-  const auto place = raster_place(order(), pulse.pulse / p.pulses_per_step);
-  if (!place) return std::nullopt;
-  return Point<DemFrame>{
-      {center(p.half_width_m, place->column, p.columns), -center(p.half_width_m, place->row, p.rows), 0}};
+  const auto position = raster_position(order(), pulse.pulse / p.pulses_per_step);
+  if (!position) return std::nullopt;
+  return Point<DemFrame>{{center(p.half_width_m, position->column, p.columns),
+                          -center(p.half_width_m, position->row, p.rows), 0}};
 }
 
 std::optional<PatternJump> StepStare::last_jump(const PulseTime& pulse) const {

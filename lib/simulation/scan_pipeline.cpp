@@ -61,7 +61,7 @@ class ScanPipeline {
       control.stop();
       return nullptr;
     }
-    // The last stage is in order: who had this place is through.
+    // The last stage is in order: the previous user of this slot is done.
     Passage& passage = passages_[begun_++ % passages_.size()];
     passage.pulses = {next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
     next_pulse_ += passage.pulses.count;

@@ -20,7 +20,7 @@ struct PulseBudget {
 };
 
 /// What a scan would do on known ground: how often it sees each bin, and where its pulses go. Returns are
-/// binned by their true place, so errors in the estimate change nothing.
+/// binned by their true position, so errors in the estimate change nothing.
 class ScanPlan {
  public:
   /// `region`: 1 for each bin that the scan is for.

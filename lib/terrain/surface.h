@@ -18,9 +18,9 @@ class TerrainSurface {
   /// No elevation is greater, metres; infinite where that is not known.
   [[nodiscard]] virtual double highest_m() const { return std::numeric_limits<double>::infinity(); }
 
-  /// A unit normal, of either sense, of the triangle that `place`, a point of the surface, lies on: on an
+  /// A unit normal, of either sense, of the triangle that `point`, a point of the surface, lies on: on an
   /// edge or node of one of those that share it. NaN where there is no triangle.
-  [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& place) const = 0;
+  [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& point) const = 0;
 
   /// Whether all that lies below elevation() is underground: no lidar can be there.
   [[nodiscard]] virtual bool is_ground_below() const { return true; }

@@ -38,7 +38,7 @@ void validate_base(const DemBase& dem, const std::string& owner) {
   if (dem.horizontal_scale_m) require_positive({owner, "horizontal_scale_m"}, *dem.horizontal_scale_m);
 }
 
-std::string place(const char* list, std::size_t index) {
+std::string element_name(const char* list, std::size_t index) {
   return std::string(list) + "/" + std::to_string(index);
 }
 
@@ -46,15 +46,16 @@ std::string place(const char* list, std::size_t index) {
 
 void validate(const TerrainModel& model) {
   for (std::size_t i = 0; i < model.bases.size(); ++i)
-    std::visit([&](const auto& base) { validate_base(base, place("base", i)); }, model.bases[i]);
+    std::visit([&](const auto& base) { validate_base(base, element_name("base", i)); }, model.bases[i]);
   for (std::size_t i = 0; i < model.features.size(); ++i) {
     const Feature& feature = model.features[i];
-    require_finite({place("features", i), "x_m"}, feature.x_m);
-    require_finite({place("features", i), "y_m"}, feature.y_m);
-    validate(feature.shape, place("features", i));
+    require_finite({element_name("features", i), "x_m"}, feature.x_m);
+    require_finite({element_name("features", i), "y_m"}, feature.y_m);
+    validate(feature.shape, element_name("features", i));
   }
   for (std::size_t i = 0; i < model.patterns.size(); ++i)
-    std::visit([&](const auto& pattern) { pattern.validate(place("patterns", i)); }, model.patterns[i]);
+    std::visit([&](const auto& pattern) { pattern.validate(element_name("patterns", i)); },
+               model.patterns[i]);
 }
 
 }  // namespace landfall

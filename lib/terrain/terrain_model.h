@@ -20,7 +20,7 @@ struct PlaneBase {
   friend bool operator==(const PlaneBase&, const PlaneBase&) = default;
 };
 
-/// Self-affine relief: the rms elevation difference of two places L apart is
+/// Self-affine relief: the rms elevation difference of two points L apart is
 /// rms_deviation_m (L / reference_length_m)^hurst_exponent. The defaults are those of Europa's ridged plains
 /// (a slope of 12 deg rms at 10 m; Schenk 2009).
 struct FractalBase {
@@ -65,8 +65,8 @@ struct TerrainModel {
   friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
 };
 
-/// Throws UsageError, naming the place in the model, key, value and bound, on the first parameter that makes
-/// no sense. Opens nothing.
+/// Throws UsageError, naming the position in the model, key, value and bound, on the first parameter that
+/// makes no sense. Opens nothing.
 void validate(const TerrainModel& model);
 
 }  // namespace landfall

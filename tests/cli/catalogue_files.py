@@ -242,6 +242,7 @@ def make_rasters():
                                     f"<SRS>{UTM}</SRS><GeoTransform>0,1,0,0,1,0</GeoTransform>"))
     write("geocentric.vrt", vrt(SOURCE.format("dem.asc"),
                                 f"<SRS>{GEOCENTRIC}</SRS><GeoTransform>0,1,0,0,0,1</GeoTransform>"))
+    shutil.copy(os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "malformed", "netcdf_truncated.nc"), "cut.nc")
     with open("cut.tif", "wb") as file:
         file.write(b"II*\0" + struct.pack("<I", 8) + b"\x05")
 

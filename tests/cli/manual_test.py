@@ -54,6 +54,25 @@ def keys_of(schema):
             yield from keys_of(value)
 
 
+def undescribed(schema, path=""):
+    """Properties without a description; a constant (the name of a component) is described by its component."""
+    for key, value in schema.get("properties", {}).items():
+        if "const" not in value and not value.get("description"):
+            yield f"{path}/{key}"
+        yield from undescribed(value, f"{path}/{key}")
+    for name, definition in schema.get("definitions", {}).items():
+        yield from undescribed(definition, f"{path}#{name}")
+
+
+class Schemas(unittest.TestCase):
+    def test_every_key_has_a_description_that_needs_no_other_key(self):
+        for name in ("terrain", "scan", "regrid", "eval", "study"):
+            with open(os.path.join(ROOT, f"schemas/{name}.schema.json"), encoding="utf-8") as file:
+                schema = json.load(file)
+            self.assertEqual(list(undescribed(schema)), [], name)
+            self.assertNotRegex(json.dumps(schema), r'"description": "(Of|As|The same|At|About|Between) ', name)
+
+
 class Help(ToolTest):
     def test_lines_fit_into_100_columns(self):
         for name in ALL:

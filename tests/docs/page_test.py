@@ -46,7 +46,7 @@ class Reading(unittest.TestCase):
         self.assertEqual(page.links(), [(7, "b.md#c"), (7, "e.png")])
 
     def test_commands_outside_of_blocks_are_seen(self):
-        for line in ("    regrid scan.h5 -o dem.h5", "    make -f Makefile.studies", "    scripts/plot_dem.py dem.h5", "    ./build", "    $ ls -l"):
+        for line in ("    regrid scan.h5 -o dem.h5", "    make -f Makefile.studies", "    python/commands/plot_dem.py dem.h5", "    ./build", "    $ ls -l"):
             self.assertRegex(line, structure_test.COMMAND)
         for line in ("    z = height_m", "regrid makes a map", "    regrids and others"):
             self.assertNotRegex(line, structure_test.COMMAND)

@@ -7,8 +7,8 @@
     run_docs_test.py --write PAGE ... also writes what the commands print into the blocks that show it
     LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also the blocks that take minutes, with the time that each took
 
-Shell blocks run in one `bash -euo pipefail` with the tools and scripts/ on PATH, Python blocks each in a python3 that has run the
-page's earlier ones. What comments say about blocks: page.py.
+Shell blocks run in one `bash -euo pipefail` with the tools and python/commands on PATH, Python blocks each in a python3 that finds
+the package landfall and has run the page's earlier ones. What comments say about blocks: page.py.
 """
 import json
 import os
@@ -94,7 +94,8 @@ class Run:
 
     def _start(self, script, aside, work):
         environment = dict(os.environ, LANDFALL_ROOT=ROOT, LANDFALL_BIN=BIN, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
-                           PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "scripts"), os.environ["PATH"]]))
+                           PYTHONPATH=os.path.join(ROOT, "python"),
+                           PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "python", "commands"), os.environ["PATH"]]))
         # make's own variables, where ctest was started by it, are not those of the page.
         for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
             environment.pop(name, None)

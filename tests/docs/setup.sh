@@ -20,7 +20,7 @@ small_maps() {
 
 # A copy of what make and the scripts see of the repository, with the tools in the place where a build leaves them.
 checkout() {
-  cp -r "$LANDFALL_ROOT"/{Makefile.studies,bench,examples,schemas,scripts,studies} .
+  cp -r "$LANDFALL_ROOT"/{Makefile.studies,bench,examples,python,schemas,scripts,studies} .
   mkdir -p build/release lib/report
   cp -r "$LANDFALL_ROOT/lib/report/assets" lib/report/
   ln -s "$LANDFALL_BIN" build/release/bin

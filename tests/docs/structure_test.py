@@ -14,7 +14,7 @@ sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import check_includes
 
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
-                     r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/)\w)")
+                     r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/|python/commands/|studies/runners/)\w)")
 CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
 CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|schemas|scripts|studies|testdata|tests|tools)/[\w./-]*\w")
 # Records of past runs, with the names of that time.

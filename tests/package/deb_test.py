@@ -68,7 +68,7 @@ class Deb(unittest.TestCase):
     def test_each_holds_what_it_should(self):
         tools, module = self.contents("landfall"), self.contents("landfall-dev")
         for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
-                     "share/landfall/scripts/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
+                     "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
                      "share/doc/landfall/docs/user/lidar/README.md", "share/doc/landfall/changelog.gz"]:
             self.assertIn("./usr/" + file, tools)
         for file in ["include/landfall/lidar.h", "lib/liblandfall-lidar.a", "lib/cmake/landfall/landfallConfig.cmake"]:
@@ -76,7 +76,28 @@ class Deb(unittest.TestCase):
         self.assertFalse({name for name in set(tools) & set(module) if not name.endswith("/")})
         for name, (mode, owner) in (tools | module).items():
             self.assertEqual(owner, "root/root", name)
-            self.assertIn(mode, ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
+            links = {"./usr/lib/python3/dist-packages/landfall": "lrwxrwxrwx"}
+            self.assertIn(mode, [links[name]] if name in links else ["drwxr-xr-x", "-rwxr-xr-x", "-rw-r--r--"], name)
+
+    def test_python_imports_the_package_and_finds_the_tools(self):
+        unpacked = os.path.join(self.folder, "unpacked")
+        subprocess.run(["dpkg", "-x", self.path("landfall"), unpacked], check=True)
+        program = """import landfall
+terrain = landfall.run("terrain-gen", {"grid": {"half_width_m": 1, "resolution_m": 0.5}}, output="t.h5")
+print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.attrs["crs_wkt"][:6])"""
+        result = subprocess.run(["/usr/bin/python3", "-c", program], capture_output=True, text=True, check=False, cwd=self.folder,
+                                env={"PATH": "/usr/bin:/bin", "PYTHONPATH": os.path.join(unpacked, "usr/lib/python3/dist-packages")})
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout.split(maxsplit=1),
+                         [f"{unpacked}/usr/lib/python3/dist-packages/landfall/__init__.py", "(5, 5) m ENGCRS\n"])
+
+    def test_python_is_compiled_and_all_of_it_is_removed(self):
+        scripts = os.path.join(self.folder, "scripts")
+        subprocess.run(["dpkg", "-e", self.path("landfall"), scripts], check=True)
+        for name, words in (("postinst", "py3compile -p landfall /usr/share/landfall/python"), ("prerm", "py3clean -p landfall")):
+            with open(os.path.join(scripts, name), encoding="utf-8") as file:
+                self.assertIn(words, file.read())
+            self.assertEqual(subprocess.run(["sh", "-n", os.path.join(scripts, name)], check=False).returncode, 0)
 
     @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed")
     @unittest.skipUnless(is_release(), "only a release build has the flags of a package")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""cmake --install into a prefix that is then moved: tools, plugin, scripts, studies, schemas and module work from there."""
+"""cmake --install into a prefix that is then moved: tools, plugin, Python package, studies, schemas and module work from there."""
 import json
 import os
 import re
@@ -28,6 +28,7 @@ class Install(unittest.TestCase):
         result = execute("cmake", "--install", BUILD, "--prefix", before)
         if result.returncode:
             raise AssertionError(result.stdout + result.stderr)
+        cls.compiled = [folder for folder, _, _ in os.walk(before) if folder.endswith("__pycache__")]
         os.rename(before, cls.prefix)
         cls.share = os.path.join(cls.prefix, "share", "landfall")
 
@@ -51,7 +52,7 @@ class Install(unittest.TestCase):
                      self.path("d.h5"), "-O", "--set", "half_width_m=6")
         with h5py.File(self.path("d.h5")) as file:
             self.assertGreater((file["count"][()] > 0).mean(), 0.05)
-        self.succeed(os.path.join(self.share, "scripts", "plot_dem.py"), self.path("d.h5"), "-o", self.path("d.png"))
+        self.succeed(os.path.join(self.share, "python", "commands", "plot_dem.py"), self.path("d.h5"), "-o", self.path("d.png"))
         self.assertGreater(os.path.getsize(self.path("d.png")), 1000)
 
     def test_the_plugin_is_found(self):
@@ -69,15 +70,32 @@ class Install(unittest.TestCase):
             self.assertIn(os.path.join(bare, "lib", "landfall", "landfall-gdal.so"), result.stderr)
 
     def test_scripts_find_schemas_and_studies(self):
-        plan = self.succeed(os.path.join(self.share, "scripts", "list_studies.py"), "studies", cwd=self.share)
+        plan = self.succeed(os.path.join(self.share, "python", "commands", "sweep.py"), "studies", "studies", cwd=self.share)
         self.assertIn("noise", plan)
         self.succeed("make", "-C", self.share, "-f", "Makefile.studies", "-n", "example-2",
                      "BIN=" + self.path("nowhere"), "RUNS=" + self.path("runs"))
         for name in os.listdir(os.path.join(ROOT, "schemas")):
             with open(os.path.join(self.share, "schemas", name), encoding="utf-8") as file:
                 self.assertIn("$id", json.load(file))
-        installed = set(os.listdir(os.path.join(self.share, "scripts")))
-        self.assertFalse(installed & {"test", "test-deb", "package", "quickstart", "install-packages", "__pycache__"})
+        self.assertFalse(os.path.exists(os.path.join(self.share, "scripts")))
+        self.assertEqual(self.compiled, [])
+
+    def test_a_study_runs_to_its_report(self):
+        study = {"base": {"terrain": {"grid": {"half_width_m": 4, "resolution_m": 0.1}},
+                          "scan": {"laser": {"scan_time_s": 0.02}, "scanner": {"pattern": {"rows": 20, "columns": 20, "half_width_m": 3}}},
+                          "regrid": {"half_width_m": 2, "resolution_m": 0.1}, "eval": {"region_radius_m": 1.5}},
+                 "axes": [{"key": "scan.noise.range_sigma_m", "list": [0.01, 0.02]}]}
+        with open(self.path("tiny.json"), "w", encoding="utf-8") as file:
+            json.dump(study, file)
+        self.succeed("make", "-C", os.path.relpath(self.share, self.folder), "-f", "Makefile.studies", "study",
+                     "STUDY=" + self.path("tiny.json"), "BIN=../../bin", "RUNS=" + self.path("runs"), cwd=self.folder)
+        self.assertTrue(os.path.exists(self.path("runs/studies/tiny/report.html")))
+
+    def test_python_imports_the_package(self):
+        program = "import landfall; print(landfall.run('landfall-info'))"
+        environment = os.environ | {"PYTHONPATH": os.path.join(self.prefix, "lib", "python3", "dist-packages"), "PATH": "/usr/bin:/bin"}
+        result = execute("/usr/bin/python3", "-c", program, env=environment)
+        self.assertIn("landfall.errors.ToolError: landfall-info: ", result.stderr)
 
     def test_the_pages_links_hold(self):
         doc = os.path.join(self.prefix, "share", "doc", "landfall")

@@ -176,7 +176,11 @@ class Example3(Example):
         self.assertTrue(self.metrics["requirements"]["relative_horizontal"]["pass"])
 
 
-@unittest.skipUnless(EUROPA.exists(), f"{EUROPA} is not here")
+class Example3Raster(Example3):
+    dem = "testdata/rasters/relief_europa_10m.tif"
+
+
+@unittest.skipUnless(EUROPA.exists(), f"no real raster: {EUROPA} (LANDFALL_DATA)")
 class Example3Europa(Example3):
     dem = str(EUROPA)
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every component of a lidar runs in the chain: each tests/pipeline/components/NAME.scan.json on two terrains.
+"""Every component of a lidar runs in the chain: each testdata/lidars/NAME.scan.json on two terrains.
 
 A file beside it, NAME.csv, is a table that the configuration names by its bare name.
 """
@@ -12,7 +12,7 @@ import unittest
 import numpy as np
 from chain import CONFIGS, ChainTest, Surface, read_bytes, returns_of
 
-FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
+FOLDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "lidars")
 NAMES = sorted(os.path.basename(path).removesuffix(".scan.json")
                for path in glob.glob(os.path.join(FOLDER, "*.scan.json")))
 TERRAINS = {"relief": CONFIGS["terrain-gen"],

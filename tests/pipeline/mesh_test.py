@@ -9,9 +9,11 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "tests", "cli"))
+from raster_readers import obj_facets  # noqa: E402
 from tools import EVAL, REGRID, SCAN, ToolTest, read_bytes, with_values  # noqa: E402
 
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
+BOULDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "meshes", "boulder.obj")
 ITOKAWA = os.path.join(DATA, "mesh", "itokawa_49152f.obj")
 
 # A quarter turn of the map, and a step up.
@@ -296,32 +298,37 @@ class MeshTest(ToolTest):
             file["mesh"].create_dataset("vertices", shape=(2 * 10**9, 3), dtype="f8", chunks=(65536, 3))
         self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["claims more"], output=out)
 
-    @unittest.skipUnless(os.path.exists(ITOKAWA), f"no {ITOKAWA}")
-    def test_itokawa(self):
-        config = self.config({"mesh": {"path": ITOKAWA, "scale_m": 1000}}, "terrain.json")
-        terrain = self.path("itokawa.h5")
+    def check_body(self, path, scale, height, pitch):
+        """An OBJ of a whole body: its counts, and a flash from `height` above it against numpy over all facets."""
+        config = self.config({"mesh": {"path": path, "scale_m": scale}}, "terrain.json")
+        terrain = self.path("body.h5")
         summary = json.loads(self.succeed("terrain-gen", "-c", config, "-o", terrain, "--json").stdout)
-        with open(ITOKAWA, encoding="utf-8") as file:
-            lines = [line.split() for line in file if line[:2] in ("v ", "f ")]
-        vertices = 1000 * np.array([line[1:4] for line in lines if line[0] == "v"], dtype=float)
-        faces = np.array([[int(w.split("/")[0]) - 1 for w in line[1:]] for line in lines if line[0] == "f"])
-        self.assertEqual(faces.shape, (49152, 3))
-        distinct = len(np.unique(vertices[np.unique(faces)], axis=0))
-        self.assertEqual(summary["vertex_count"], distinct)
+        corners = scale * obj_facets(path)
+        with open(path, encoding="utf-8") as file:
+            vertex_count = sum(line.startswith("v ") for line in file)
+        self.assertEqual(summary["vertex_count"], len(np.unique(corners.reshape(-1, 3), axis=0)))
         self.assertEqual(summary["vertex_count"] + summary["welded_vertex_count"] + summary["unreferenced_vertex_count"],
-                         25350)
-        self.assertEqual(summary["triangle_count"] + summary["degenerate_facet_count"], 49152)
-        position = list(vertices.mean(axis=0) + [0, 0, 1000])
-        pitch = 0.0066
+                         vertex_count)
+        self.assertEqual(summary["triangle_count"] + summary["degenerate_facet_count"], len(corners))
+        position = list(corners.mean(axis=(0, 1)) + [0, 0, height])
         with self.scan(terrain, flash(100, pitch, position), "scan.h5", "--keep-misses") as scan:
             ranges = scan["points/range_true"][:]
             order = scan["points/pixel"][:]
         np.testing.assert_array_equal(order, np.arange(10000))
-        expected = ranges_from(np.array(position), flash_directions(100, pitch), vertices[faces])
+        expected = ranges_from(np.array(position), flash_directions(100, pitch), corners)
         self.assertGreater(np.isfinite(expected).sum(), 2000)
         self.assertGreater(np.isnan(expected).sum(), 2000)
         np.testing.assert_array_equal(np.isnan(ranges), np.isnan(expected))
         self.assertLess(np.nanmax(np.abs(ranges - expected)), 1e-6)
+
+    def test_boulder(self):
+        self.assertEqual(obj_facets(BOULDER).shape, (320, 3, 3))
+        self.check_body(BOULDER, 1, 100, 0.0035)
+
+    @unittest.skipUnless(os.path.exists(ITOKAWA), f"no real mesh: {ITOKAWA} (LANDFALL_DATA)")
+    def test_itokawa(self):
+        self.assertEqual(obj_facets(ITOKAWA).shape, (49152, 3, 3))
+        self.check_body(ITOKAWA, 1000, 1000, 0.0066)
 
 
 if __name__ == "__main__":

@@ -94,7 +94,7 @@ class Plan(ChainTest):
 
     def test_the_picture(self):
         self.plan("-o", self.path("plan.h5"))
-        script = os.path.join(os.environ["LANDFALL_ROOT"], "scripts", "plot_plan.py")
+        script = os.path.join(os.environ["LANDFALL_ROOT"], "python", "commands", "plot_plan.py")
         subprocess.run(["/usr/bin/python3", script, self.path("plan.h5"), "--dpi", "50"], check=True,
                        capture_output=True)
         with open(self.path("plan-figure.png"), "rb") as file:

@@ -97,6 +97,17 @@ class Cells:
         return self.center[0] + x / self.dx, self.center[1] - y / self.dy
 
 
+class Turned:
+    """Pixels of a rotated raster: metres per column and row, (x, x), (y, y), the site's centre on the pixel `center`."""
+
+    def __init__(self, center, dx, dy):
+        self.center, self.inverse = center, np.linalg.inv([dx, dy])
+
+    def pixels(self, x, y):
+        return (self.center[0] + self.inverse[0][0] * x + self.inverse[0][1] * y,
+                self.center[1] + self.inverse[1][0] * x + self.inverse[1][1] * y)
+
+
 def obj_facets(path):
     """(facets, 3 corners, xyz) of a Wavefront OBJ of triangles."""
     points, facets = [], []
@@ -105,25 +116,44 @@ def obj_facets(path):
             if words and words[0] == "v":
                 points.append([float(word) for word in words[1:4]])
             elif words and words[0] == "f":
-                facets.append([int(word.split("/")[0]) - 1 for word in words[1:]])
+                numbers = [int(word.split("/")[0]) for word in words[1:]]
+                facets.append([number - 1 if number > 0 else len(points) + number for number in numbers])
     return np.array(points)[np.array(facets)]
 
 
-class Degrees:
-    """Pixels of `step` degrees on a sphere, the first pixel's centre at `first`; the site is the orthographic
-    view (Snyder 1987, eq. 20-14, 20-15) from above `center`, all (longitude, latitude)."""
+def dted(path):
+    """The posts of a DTED cell: after 3,428 bytes of headers one record per line of longitude, from the south."""
+    with open(path, "rb") as file:
+        data = file.read()
+    lines, posts = int(data[47:51]), int(data[51:55])
+    records = np.frombuffer(data, np.uint8, offset=3428).reshape(lines, 12 + 2 * posts)
+    raw = np.ascontiguousarray(records[:, 8:-4]).view(">u2").astype(int)
+    heights = np.where(raw & 0x8000, -(raw & 0x7fff), raw).T[::-1].astype(float)
+    return np.where(heights == -32767, np.nan, heights)
 
-    def __init__(self, center, radius, step, first, cols):
+
+class Degrees:
+    """Pixels of `step` degrees, the first pixel's centre at `first`; the site is the orthographic view from above `center`, all
+    (longitude, latitude). On an ellipsoid too: each place is where a straight line along the centre's normal meets it."""
+
+    def __init__(self, center, radius, step, first, cols, flattening=0):
         self.center, self.radius, self.step, self.first, self.cols = center, radius, step, first, cols
+        self.flattening = flattening
 
     def pixels(self, x, y):
         lon0, lat0 = np.radians(self.center)
-        rho = np.hypot(x, y)
-        c = np.arcsin(rho / self.radius)
-        ratio = np.where(rho == 0, 0, y / np.where(rho == 0, 1, rho))
-        lat = np.arcsin(np.cos(c) * np.sin(lat0) + ratio * np.sin(c) * np.cos(lat0))
-        lon = lon0 + np.arctan2(x * np.sin(c), rho * np.cos(lat0) * np.cos(c) - y * np.sin(lat0) * np.sin(c)
-                                + (rho == 0))
+        shape = (1 - self.flattening)**2
+        up = np.array([np.cos(lat0) * np.cos(lon0), np.cos(lat0) * np.sin(lon0), np.sin(lat0)])
+        east = np.array([-np.sin(lon0), np.cos(lon0), 0])
+        north = np.cross(up, east)
+        origin = self.radius * up * [1, 1, shape] / np.sqrt(np.cos(lat0)**2 + shape * np.sin(lat0)**2)
+        flat = origin + x[..., None] * east + y[..., None] * north
+        # |(X, Y, Z / (1 - f))| = radius, for flat + h up.
+        weight = np.array([1, 1, 1 / shape])
+        a, b, c = (up * up * weight).sum(), (flat * up * weight).sum(-1), (flat * flat * weight).sum(-1) - self.radius**2
+        place = flat + ((-b + np.sqrt(b * b - a * c)) / a)[..., None] * up
+        lon = np.arctan2(place[..., 1], place[..., 0])
+        lat = np.arctan2(place[..., 2], shape * np.hypot(place[..., 0], place[..., 1]))
         col = (np.degrees(lon) - self.first[0]) / self.step % self.cols
         return col, (self.first[1] - np.degrees(lat)) / self.step
 

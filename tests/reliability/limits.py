@@ -70,7 +70,7 @@ def prepare(folder):
 
 def program(binaries, tool):
     if tool.endswith(".py"):
-        return ["/usr/bin/python3", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts", tool)]
+        return ["/usr/bin/python3", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "commands", tool)]
     return [os.path.join(binaries, tool)]
 
 

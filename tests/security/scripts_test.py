@@ -48,7 +48,7 @@ def dangerous_calls(text):
 class Programs(unittest.TestCase):
     def test_none_builds_a_shell_command_or_runs_a_text(self):
         found, count = [], 0
-        for path, is_python, is_bash in shipped("scripts", "bench", "examples", "packaging", "cmake"):
+        for path, is_python, is_bash in shipped("python", "scripts", "studies", "bench", "examples", "packaging", "cmake"):
             count += is_python or is_bash
             text = read(path).decode(errors="replace")
             if is_python:
@@ -84,7 +84,7 @@ class Names(StudyTest):
         return result
 
     def test_a_study_is_made_in_a_folder_of_any_name(self):
-        for name in ("scripts", "schemas", "studies", "lib/report/assets"):
+        for name in ("python", "schemas", "studies", "lib/report/assets"):
             shutil.copytree(os.path.join(ROOT, name), os.path.join(self.hostile, name))
         shutil.copy(os.path.join(ROOT, "Makefile.studies"), self.hostile)
         tree = study({**SIGMAS, "list": [0.01, 0.02], "label": MARKUP}, title=MARKUP, description="$(touch hacked) " + MARKUP)
@@ -102,7 +102,7 @@ class Names(StudyTest):
     def test_a_plot_takes_a_file_of_any_name(self):
         terrain, picture = (os.path.join(self.hostile, name) for name in ("-t'\"$(touch hacked).h5", "-p'\"$(touch hacked).png"))
         self.run_in(self.hostile, os.path.join(BIN, "terrain-gen"), "--half-width", "2", "--resolution", "0.5", "-o", terrain)
-        self.run_in(self.hostile, PYTHON, os.path.join(ROOT, "scripts", "plot_terrain.py"), terrain, "-o", picture)
+        self.run_in(self.hostile, PYTHON, os.path.join(ROOT, "python", "commands", "plot_terrain.py"), terrain, "-o", picture)
         self.assertTrue(os.path.exists(picture))
         self.assert_nothing_ran()
 
@@ -147,7 +147,7 @@ class Names(StudyTest):
             cases["cases"][0][-1] = name
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(cases, file)
-            self.assertIn(f"\"{name}\" is no file of the study's folder", self.sweep("collect", folder, code=2).stderr)
+            self.assertIn(f"\"{name}\" is not in the study's folder", self.sweep("collect", folder, code=2).stderr)
 
     def test_a_plot_follows_no_link(self):
         target, terrain = self.path("target.h5"), self.path("terrain.h5")
@@ -157,7 +157,7 @@ class Names(StudyTest):
             with h5py.File(terrain, "a") as file:
                 del file["z"]
                 file["z"] = link
-            result = self.run_in(self.folder, PYTHON, os.path.join(ROOT, "scripts", "plot_terrain.py"), terrain, "-o",
+            result = self.run_in(self.folder, PYTHON, os.path.join(ROOT, "python", "commands", "plot_terrain.py"), terrain, "-o",
                                  self.path("t.png"), code=1)
             self.assertIn("/z is a link, to ", result.stderr)
 

@@ -14,7 +14,7 @@ import unittest
 ROOT = os.environ["LANDFALL_ROOT"]
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 PYTHON = "/usr/bin/python3"
-sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
 
 # 400 pulses of 8 x 8 pixels from 50 m on a 12 m square with a cone.
@@ -78,7 +78,7 @@ class StudyTest(unittest.TestCase):
         return result
 
     def sweep(self, *arguments, code=0):
-        result = subprocess.run([PYTHON, os.path.join(ROOT, "scripts", "sweep.py"), *map(str, arguments)],
+        result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "sweep.py"), *map(str, arguments)],
                                 capture_output=True, text=True, timeout=120, cwd=ROOT, check=False)
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result

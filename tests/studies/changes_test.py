@@ -65,7 +65,7 @@ class Changes(StudyTest):
         self.make("study-results")
         self.write(study({**SIGMAS, "list": []}))
         result = self.make("study-results", code=2)
-        self.assertIn("/axes/0/list: an array of 0 elements; wanted at least 1", result.stderr)
+        self.assertIn("/axes/0/list: an array of 0 elements; expected at least 1", result.stderr)
 
     def test_without_a_study(self):
         result = subprocess.run(["make", "-C", ROOT, "-f", "Makefile.studies", "study"], capture_output=True, text=True,

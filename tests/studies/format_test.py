@@ -10,9 +10,9 @@ import unittest
 from case import BASE, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, study
 
 # pylint: disable=wrong-import-order
-import landfall_schema
-import landfall_study
-import landfall_study_file
+from landfall import schema
+from landfall.errors import UsageError
+from landfall.study import model, reader
 
 
 def axis(**keys):
@@ -21,7 +21,7 @@ def axis(**keys):
 
 class Cases(StudyTest):
     def read(self, tree):
-        return landfall_study_file.read_study(self.write(tree))
+        return reader.read_study(self.write(tree))
 
     def values(self, tree):
         read = self.read(tree)
@@ -29,7 +29,7 @@ class Cases(StudyTest):
 
     def config(self, tree, stage, number=0):
         read = self.read(tree)
-        return landfall_study.configuration(read, stage, list(read.cases())[number])
+        return model.configuration(read, stage, list(read.cases())[number])
 
     def test_axes_are_crossed_and_the_last_runs_fastest(self):
         self.assertEqual(self.values(study(SIGMAS, RESOLUTIONS)),
@@ -146,32 +146,32 @@ BAD = [
     ({"base": {"scan": "nowhere.json"}}, ["/base/scan", "nowhere.json", "No such file"]),
     ({"set": {"lidar.seed": 1}}, ["/set/lidar.seed", "does not match"]),
     ({"set": {"scan.seed.x": 1}, "base": {"scan": {"seed": 4}}}, ["/set/scan.seed.x", '"x" cannot be set in 4']),
-    ({"set": {"scan.a.3": 1}, "base": {"scan": {"a": [1, 2]}}}, ["/set/scan.a.3", '"3" is no index into [1, 2]']),
-    ({"set": {"scan": 3}}, ["/set/scan", "3 is no configuration"]),
+    ({"set": {"scan.a.3": 1}, "base": {"scan": {"a": [1, 2]}}}, ["/set/scan.a.3", '"3" is not an index into [1, 2]']),
+    ({"set": {"scan": 3}}, ["/set/scan", "3 is not a configuration"]),
     ({"axes": [{"key": "scan.seed"}]}, ["/axes/0", "none of list, linspace"]),
     (axis(list=[1], linspace=[0, 1, 2]), ["/axes/0", "list and linspace"]),
-    (axis(list=[]), ["/axes/0/list", "an array of 0 elements; wanted at least 1"]),
+    (axis(list=[]), ["/axes/0/list", "an array of 0 elements; expected at least 1"]),
     (axis(list=[1, 2, 1]), ["axis range_sigma_m", "value 1 twice"]),
     (axis(list=[1], label=3), ["/axes/0/label", "3 is of type integer, not string"]),
     (axis(list=[1], lable="x"), ["/axes/0/lable", "unknown key; known: ", "label"]),
     (axis(list=[1, 2], labels=["a"]), ["/axes/0/list", "2 entries and 1 labels"]),
     (axis(linspace=[0, 1, 2], labels=["a", "b"]), ["/axes/0/labels", "does not go with linspace"]),
-    (axis(linspace=[0, 1]), ["/axes/0/linspace", "an array of 2 elements; wanted 3"]),
-    (axis(linspace=[0, 1, 2.5]), ["/axes/0/linspace/2", "2.5 is no integer in [2, 1000000]"]),
-    (axis(linspace=[0, 1, 1]), ["/axes/0/linspace/2", "1 is no integer in [2, 1000000]"]),
-    (axis(linspace=[0, 1, 1e300]), ["/axes/0/linspace/2", "1e+300 is no integer in"]),
+    (axis(linspace=[0, 1]), ["/axes/0/linspace", "an array of 2 elements; expected 3"]),
+    (axis(linspace=[0, 1, 2.5]), ["/axes/0/linspace/2", "2.5 is not an integer in [2, 1000000]"]),
+    (axis(linspace=[0, 1, 1]), ["/axes/0/linspace/2", "1 is not an integer in [2, 1000000]"]),
+    (axis(linspace=[0, 1, 1e300]), ["/axes/0/linspace/2", "1e+300 is not an integer in"]),
     (axis(linspace=[0, "1", 2]), ["/axes/0/linspace/1", '"1" is of type string, not number']),
     (axis(linspace=[2, 2, 3]), ["axis range_sigma_m", "value 2 twice"]),
     (axis(logspace=[0, 1, 3]), ["/axes/0/logspace", "0 is not above 0"]),
     (axis(list=[{"a": 1}]), ["/axes/0/list/0", "needs a name in \"labels\""]),
-    (axis(list=["a"], scale=2), ["/axes/0/list/0", '"a" is no number to be scaled']),
+    (axis(list=["a"], scale=2), ["/axes/0/list/0", '"a" is not a number and cannot be scaled']),
     (study({"key": "noise.sigma", "list": [1]}), ["/axes/0/key", '"noise.sigma" does not match']),
     (study({"list": [1]}), ["/axes/0", 'needs the key "key"']),
     (study({"variants": {"a": {"scan.seed": 1}}}), ["/axes/0", 'needs the key "name"']),
     (study({"name": "kind", "variants": {}}), ["/axes/0/variants", "is empty"]),
     (study({"name": "kind", "key": "scan.seed", "variants": {"a": {"scan.seed": 1}}}), ["/axes/0/key", "does not go with variants"]),
     (study({"zip": [SIGMAS, RESOLUTIONS]}), ["/axes/0/zip", "different lengths: 3, 2"]),
-    (study({"zip": [SIGMAS]}), ["/axes/0/zip", "an array of 1 elements; wanted at least 2"]),
+    (study({"zip": [SIGMAS]}), ["/axes/0/zip", "an array of 1 elements; expected at least 2"]),
     (study({"name": "z", "zip": [SIGMAS, SIGMAS]}), ["/axes/0/name", "does not go with zip"]),
     (study({"zip": [SIGMAS, {"zip": [SIGMAS, LIMITS]}]}), ["/axes/0/zip/1", "a zip in a zip"]),
     (study(SIGMAS, SIGMAS), ["/axes", "two axes are named range_sigma_m"]),
@@ -180,7 +180,7 @@ BAD = [
      ["axis noise", "scan.noise overwrites scan.noise.range_sigma_m of the axis range_sigma_m"]),
     (study({**SIGMAS, "name": "case"}), ["/axes", "cannot be named case"]),
     (study({**SIGMAS, "name": "repeat"}), ["/axes", "cannot be named repeat"]),
-    (study({"key": "scan.trajectory.position_m.5", "list": [1]}), ["axis position_m", '"5" is no index into [0, 0, 50]']),
+    (study({"key": "scan.trajectory.position_m.5", "list": [1]}), ["axis position_m", '"5" is not an index into [0, 0, 50]']),
     (study(*({"name": f"a{i}", "key": f"scan.a{i}", "linspace": [0, 1, 1000]} for i in range(3))),
      ["/axes", "the number of cases, 1000000000, is not <= 1000000"]),
     (study(repeat={"count": 0}), ["/repeat/count", "0 is not in [1, 1000000]"]),
@@ -192,7 +192,7 @@ BAD = [
     (study(repeat={"count": 2, "draws": {"scan.x": {"normal": -1}}}), ["/repeat/draws/scan.x/normal", "-1 is not >= 0"]),
     (study(repeat={"count": 2, "draws": {"scan.x": {"uniform": [2, 1]}}}), ["/repeat/draws/scan.x/uniform", "[2, 1]"]),
     (study(options={"regrid": ["--fast"]}), ["/options/regrid/0", '"--fast" is not one of', "--corrected"]),
-    (study(plot={"metrics": []}), ["/plot/metrics", "wanted at least 1"]),
+    (study(plot={"metrics": []}), ["/plot/metrics", "expected at least 1"]),
 ]
 # What the tools refuse.
 REFUSED = [
@@ -218,11 +218,11 @@ class BadStudies(StudyTest):
         for tree, words in BAD:
             with self.subTest(words=words):
                 path = self.write(tree)
-                with self.assertRaises(landfall_schema.ConfigError) as context:
-                    read = landfall_study_file.read_study(path)
+                with self.assertRaises(UsageError) as context:
+                    read = reader.read_study(path)
                     for indices in read.cases():
-                        for stage in landfall_study.STAGES:
-                            landfall_study.configuration(read, stage, indices)
+                        for stage in model.STAGES:
+                            model.configuration(read, stage, indices)
                 for word in [path, *words]:
                     self.assertIn(word, str(context.exception))
 
@@ -253,16 +253,16 @@ class BadStudies(StudyTest):
             import jsonschema
         except ImportError:
             self.skipTest("python3-jsonschema is not installed")
-        schema = landfall_schema.read_json(os.path.join(ROOT, "schemas", "study.schema.json"))
-        validator = jsonschema.Draft7Validator(schema)
+        study_schema = schema.read_json(os.path.join(ROOT, "schemas", "study.schema.json"))
+        validator = jsonschema.Draft7Validator(study_schema)
         checked = 0
         for tree, words in BAD:
             if isinstance(tree, str):
                 continue
             try:
-                landfall_schema.check(json.loads(json.dumps(tree)), schema, "x")
+                schema.check(json.loads(json.dumps(tree)), study_schema, "x")
                 ours = True
-            except landfall_schema.ConfigError:
+            except UsageError:
                 ours = False
             self.assertEqual(validator.is_valid(json.loads(json.dumps(tree))), ours, words)
             checked += not ours

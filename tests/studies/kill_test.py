@@ -113,7 +113,7 @@ class Kills(StudyTest):
             with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
                 file.write(text)
         metrics, shared = os.path.join(folder, "metrics", "m.json"), os.path.join(folder, "shared", "a.dem.h5")
-        stage = [os.path.join(ROOT, "scripts", "run-stage"), "--study", folder, "--kind", "metrics", "--id", "m", "--output", metrics,
+        stage = [os.path.join(ROOT, "studies", "runners", "run-stage"), "--study", folder, "--kind", "metrics", "--id", "m", "--output", metrics,
                  "--drop", shared, "--", "sh", "-c", f"sleep 0.5; echo 1 > {shlex.quote(metrics)}"]
         make = subprocess.Popen(["sh", "-c", shlex.join(stage) + " & wait"], stdout=subprocess.DEVNULL)
         if kill:

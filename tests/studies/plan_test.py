@@ -9,18 +9,16 @@ import unittest
 from case import BASE, BIN, LIMITS, RESOLUTIONS, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
-import landfall_fragment
-import landfall_stages
-import landfall_study_file
+from landfall.study import reader, rules, stages
 
 
 class Stages(StudyTest):
     def graph(self, tree):
-        return landfall_stages.build(landfall_study_file.read_study(self.write(tree)))
+        return stages.build(reader.read_study(self.write(tree)))
 
     def counts(self, tree):
         graph = self.graph(tree)
-        return [len(stages) for stages in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval)]
+        return [len(of_kind) for of_kind in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval)]
 
     def test_each_stage_once(self):
         self.assertEqual(self.counts(study(SIGMAS, RESOLUTIONS, LIMITS)), [1, 1, 3, 6, 12])
@@ -138,7 +136,7 @@ class Plans(StudyTest):
                              read(self.out("study.mk")).decode().splitlines()), 3)
 
     def test_many_shared_scans_are_made_one_recipe_each(self):
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, landfall_fragment.MOST_SHARED + 1]}
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
         self.plan(study(many, RESOLUTIONS, LIMITS))
         text = read(self.out("study.mk")).decode()
         self.assertEqual((text.count("$(call stage,metrics,"), text.count("shared/")), (17, 0))
@@ -169,7 +167,7 @@ class Plans(StudyTest):
         self.assertEqual(len(rules), 5002)
         self.assertEqual(len(json.loads(read(self.out("cases.json")))["cases"]), 5000)
         recipes = self.make("-n", "study-results").stdout
-        self.assertEqual(recipes.count("scripts/run-stage"), 5002)
+        self.assertEqual(recipes.count("studies/runners/run-stage"), 5002)
 
     def test_list_and_show(self):
         path = self.write(study(SIGMAS, LIMITS))

@@ -15,16 +15,12 @@ import h5py
 import numpy as np
 
 ROOT = os.environ["LANDFALL_ROOT"]
-sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
 
 # pylint: disable=wrong-import-position
-import landfall_intervals
-import landfall_results
-import landfall_study_figures as figures
-import landfall_study_overview
-import landfall_study_table
-import landfall_study_verdicts
+from landfall.study import figures, table, verdicts
+from landfall.study.results import Table, flatten, write_h5
 
 
 class Wilson(unittest.TestCase):
@@ -32,23 +28,23 @@ class Wilson(unittest.TestCase):
         """Newcombe, Statistics in Medicine 17 (1998) 857-872, table I, method 3."""
         for passed, count, low, high in ((81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0000, 0.1611),
                                          (1, 29, 0.0061, 0.1718)):
-            np.testing.assert_allclose(landfall_intervals.wilson(passed, count), (low, high), atol=5e-5)
+            np.testing.assert_allclose(table.wilson(passed, count), (low, high), atol=5e-5)
 
     def test_it_solves_its_equation(self):
         """The bounds are where |rate - p| = z sqrt(p (1 - p) / n)."""
         for passed, count in ((1, 3), (7, 9), (50, 100)):
-            for bound in landfall_intervals.wilson(passed, count):
+            for bound in table.wilson(passed, count):
                 self.assertAlmostEqual(abs(passed / count - bound),
                                        1.959963984540054 * math.sqrt(bound * (1 - bound) / count), 12)
 
     def test_extremes(self):
-        self.assertEqual(landfall_intervals.wilson(0, 0), (0, 1))
+        self.assertEqual(table.wilson(0, 0), (0, 1))
         z2 = 1.959963984540054 ** 2
         for count in (1, 5, 1000):
-            low, high = landfall_intervals.wilson(0, count)
+            low, high = table.wilson(0, count)
             self.assertEqual(low, 0)
             self.assertAlmostEqual(high, z2 / (count + z2), 12)
-            low, high = landfall_intervals.wilson(count, count)
+            low, high = table.wilson(count, count)
             self.assertEqual(high, 1)
             self.assertAlmostEqual(low, count / (count + z2), 12)
 
@@ -61,26 +57,26 @@ class Bootstrap(unittest.TestCase):
             at_most = [sum(math.comb(count, k) * (i / count) ** k * (1 - i / count) ** (count - k)
                            for k in range(count // 2 + 1, count + 1)) for i in range(1, count + 1)]
             # 4,000 resamples place a probability of 0.025 within 0.01 (4 standard errors).
-            low, high = landfall_intervals.bootstrap(np.random.RandomState(3).permutation(values), 0.5)
+            low, high = table.bootstrap(np.random.RandomState(3).permutation(values), 0.5)
             for bound, probability in ((low, 0.025), (high, 0.975)):
                 self.assertGreater(at_most[round(bound) - 1], probability - 0.01)
                 self.assertLess(at_most[round(bound) - 2], probability + 0.01)
 
     def test_extremes(self):
-        self.assertTrue(all(map(math.isnan, landfall_intervals.bootstrap([3], 0.5))))
-        self.assertEqual(landfall_intervals.bootstrap([3, 3, 3], 0.9), (3, 3))
-        low, high = landfall_intervals.bootstrap([1, 2], 1)  # the largest of two draws is 2 in 3 of 4
+        self.assertTrue(all(map(math.isnan, table.bootstrap([3], 0.5))))
+        self.assertEqual(table.bootstrap([3, 3, 3], 0.9), (3, 3))
+        low, high = table.bootstrap([1, 2], 1)  # the largest of two draws is 2 in 3 of 4
         self.assertEqual((low, high), (1, 2))
 
     def test_the_same_every_time(self):
         values = np.random.RandomState(1).normal(size=30)
-        self.assertEqual(landfall_intervals.bootstrap(values, 0.95), landfall_intervals.bootstrap(values, 0.95))
+        self.assertEqual(table.bootstrap(values, 0.95), table.bootstrap(values, 0.95))
 
     def test_coverage_of_the_true_median(self):
         """1,000 samples of 25 normal numbers: 95 % of the intervals hold 0 (exact coverage of these order statistics: 0.957)."""
         random = np.random.RandomState(7)
         held = sum(low <= 0 <= high for low, high in
-                   (landfall_intervals.bootstrap(random.normal(size=25), 0.5, seed) for seed in range(300)))
+                   (table.bootstrap(random.normal(size=25), 0.5, seed) for seed in range(300)))
         self.assertTrue(0.90 <= held / 300 <= 0.99, held)
 
 
@@ -94,7 +90,7 @@ AXES = [{"name": "sigma_m", "label": "noise", "unit": "m", "log": False, "numeri
 def metrics(sigma, loss, repeat, judged=True):
     """Numbers that an eye can check: rel_z grows with sigma, one more for each repeat."""
     largest = 2 * sigma + 0.001 * repeat + loss
-    requirement = {name: {"value": 0, "limit": 0, "pass": True if judged else None} for name in landfall_study_table.REQUIREMENTS}
+    requirement = {name: {"value": 0, "limit": 0, "pass": True if judged else None} for name in table.REQUIREMENTS}
     requirement["relative_elevation"] = {"value": int(1e5 * max(0, largest - 0.05)), "limit": 0,
                                          "pass": (largest <= 0.05) if judged else None}
     return {"pass": largest <= 0.05 if judged else None, "accuracy": {"relative": {"z": {"max_m": largest}}},
@@ -123,21 +119,21 @@ class Plots(unittest.TestCase):
         for number, point in enumerate(points):
             at = dict(zip([axis["name"] for axis in axes], point))
             tree = metrics(at.get("sigma_m", 0.01), at.get("loss_frac", 0), at.get("repeat", 1), judged)
-            rows.append((number, point, landfall_results.flatten(tree)))
+            rows.append((number, point, flatten(tree)))
         cases = {"title": "T", "plot": plot, "axes": axes, "cases": [],
                  "limits": {"relative_elevation_m": 0.05} if limits is None else limits}
-        landfall_results.write_h5(landfall_results.Table(cases, rows), self.path("results.h5"), "test")
+        write_h5(Table(cases, rows), self.path("results.h5"), "test")
         return self.path("results.h5")
 
     def plot(self, *arguments, code=0):
-        result = subprocess.run([os.path.join(ROOT, "scripts", "plot_study.py"), *arguments], capture_output=True, text=True,
+        result = subprocess.run([os.path.join(ROOT, "python", "commands", "plot_study.py"), *arguments], capture_output=True, text=True,
                                 timeout=120, check=False)
         self.assertEqual(result.returncode, code, result.stderr)
         return result
 
     def results(self, *names, **options):
         with h5py.File(self.table(names, **options)) as file:
-            return landfall_study_table.Results(file)
+            return table.Results(file)
 
     def test_files_and_numbers(self):
         self.plot(self.table(("sigma_m", "loss_frac", "repeat")), "-o", self.path("f"), "--metrics",
@@ -182,7 +178,7 @@ class Plots(unittest.TestCase):
         self.assertAlmostEqual(results.share_of_limit(point, "relative_elevation", 1), 0.043 / 0.05)
         for unknown in ("absolute_horizontal", "coverage"):  # no metric; a limit of 0
             self.assertTrue(math.isnan(results.share_of_limit(point, unknown, 0.5)))
-        texts = [text.get_text() for text in landfall_study_verdicts.shares_figure(results, 0.5).axes[0].texts]
+        texts = [text.get_text() for text in verdicts.shares_figure(results, 0.5).axes[0].texts]
         self.assertIn("84 %", texts)
 
     def test_series_and_kinds(self):
@@ -239,7 +235,7 @@ class Plots(unittest.TestCase):
         metric = "accuracy.relative.z.max_m"
         for value in (0, 0.001, 0.03, 0.05):
             results.columns[metric] = [value] * len(results.columns[metric])
-            figure = landfall_study_overview.overview_figure(results, [metric, "coverage.invalid_frac"], results.axes[0], 0.5)
+            figure = figures.overview_figure(results, [metric, "coverage.invalid_frac"], results.axes[0], 0.5)
             figure.canvas.draw()
             axes = figure.axes[0]
             line, box, legend = axes.get_lines()[0], axes.get_window_extent(), axes.get_legend().get_window_extent()
@@ -286,7 +282,7 @@ class Plots(unittest.TestCase):
     def test_overview(self):
         results = self.results("sigma_m", "loss_frac", "repeat")
         metrics_of_two = ["accuracy.relative.z.max_m", "coverage.invalid_frac", "requirements.relative_elevation.value"]
-        figure = landfall_study_overview.overview_figure(results, metrics_of_two, results.axes[0], 0.5)
+        figure = figures.overview_figure(results, metrics_of_two, results.axes[0], 0.5)
         shown = [axes for axes in figure.axes if axes.get_visible()]
         self.assertEqual(len(shown), 3)
         np.testing.assert_allclose(shown[0].get_lines()[0].get_ydata(), [0.002, 0.022, 0.042])  # m: losses reach 0.5
@@ -294,8 +290,8 @@ class Plots(unittest.TestCase):
         self.assertEqual(names[0], ["losses 0", "losses 0.5", "required: at most 0.05 m"])
         self.assertTrue(all(name.startswith("required") for name in names[1] + names[2]))
         by_kind = self.results("kind", "repeat")
-        self.assertIsNone(landfall_study_overview.overview_figure(by_kind, metrics_of_two, by_kind.axes[0], 0.5))
-        self.assertIsNone(landfall_study_overview.overview_figure(results, metrics_of_two[:1], results.axes[0], 0.5))
+        self.assertIsNone(figures.overview_figure(by_kind, metrics_of_two, by_kind.axes[0], 0.5))
+        self.assertIsNone(figures.overview_figure(results, metrics_of_two[:1], results.axes[0], 0.5))
 
     def test_only_repeats(self):
         self.plot(self.table(("repeat",)), "-o", self.path("f"), "--metrics", "accuracy.relative.z.max_m")
@@ -323,8 +319,8 @@ class Plots(unittest.TestCase):
     def test_refusals(self):
         table = self.table(("sigma_m",))
         for arguments, code, word in (
-                ([table, "--metrics", "nope"], 2, "'nope' is no metric"), ([table, "--metrics", "sigma_m"], 2, "no metric"),
-                ([table, "--x", "nope"], 2, "'nope' is none of sigma_m"), ([table, "--percentile", "101"], 2, "[0, 100]"),
+                ([table, "--metrics", "nope"], 2, "'nope' is not a metric"), ([table, "--metrics", "sigma_m"], 2, "not a metric"),
+                ([table, "--x", "nope"], 2, "'nope' is not one of sigma_m"), ([table, "--percentile", "101"], 2, "[0, 100]"),
                 ([self.path("none.h5")], 1, "no such file")):
             message = self.plot(*arguments, "-o", self.path("f"), code=code).stderr
             self.assertIn(word, message)
@@ -337,7 +333,7 @@ class Plots(unittest.TestCase):
         os.remove(self.path("f", "pass_rates.csv"))
         os.mkfifo(self.path("f", "pass_rates.csv"))
         pipe = self.plot(table, "-o", self.path("f"), "-O", code=2).stderr
-        self.assertIn("output " + self.path("f", "pass_rates.csv") + " is no regular file", pipe)
+        self.assertIn("output " + self.path("f", "pass_rates.csv") + " is not a regular file", pipe)
         with h5py.File(table, "r+") as file:
             file["_study_json"][()] = json.dumps({"title": "T"})
         self.assertIn("no table of a study", self.plot(table, "-o", self.path("g"), code=1).stderr)

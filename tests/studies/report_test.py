@@ -18,11 +18,7 @@ from case import BASE, BIN, PYTHON, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, 
 sys.path.insert(0, os.path.join(ROOT, "tests", "report"))
 # pylint: disable=wrong-import-order
 import browser
-import landfall_study
-import landfall_study_configs
-import landfall_study_file
-import landfall_study_table
-import plot_study
+from landfall.study import configs, model, plot_study, reader, table
 
 HOSTILE = "</script><script>alert(1)</script><b>&\"'"
 REPEATS = {"repeat": {"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}}}
@@ -69,7 +65,7 @@ def values(column, count):
 
 class ReportTest(StudyTest):
     def report(self, *arguments, code=0, folder=None):
-        result = subprocess.run([PYTHON, os.path.join(ROOT, "scripts", "report_study.py"), folder or self.out(), *arguments],
+        result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "report_study.py"), folder or self.out(), *arguments],
                                 capture_output=True, text=True, timeout=120, check=False)
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result
@@ -129,12 +125,12 @@ class Made(ReportTest):
 
     def test_configuration_of_every_case(self):
         tree = self.page().tree
-        planned = landfall_study_file.read_study(self.path("tiny.json"))
+        planned = reader.read_study(self.path("tiny.json"))
         for number, indices in enumerate(planned.cases()):
-            for place, stage in enumerate(landfall_study.STAGES):
+            for place, stage in enumerate(model.STAGES):
                 config = tree["configs"][stage]
-                found = landfall_study_configs.changed(config["base"], config["changes"][tree["caseConfigs"][number][place]])
-                self.assertEqual(found, landfall_study.configuration(planned, stage, indices), (number, stage))
+                found = configs.changed(config["base"], config["changes"][tree["caseConfigs"][number][place]])
+                self.assertEqual(found, model.configuration(planned, stage, indices), (number, stage))
         self.assertEqual(tree["configs"]["scan"]["shared"]["noise"], {"range_sigma_m": "(varies)"})
         self.assertEqual(tree["configs"]["scan"]["shared"]["detector"], BASE["scan"]["detector"])
 
@@ -210,7 +206,7 @@ class Changed(ReportTest):
         folder = fake_study(self, {"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]})
         self.report()
         self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.3, 0.25]}), "--no-check")
-        self.assertRegex(self.report("-O", code=1).stderr, r"results.h5: case 1: resolution_m is not that of cases.json")
+        self.assertRegex(self.report("-O", code=1).stderr, r"results.h5: case 1: resolution_m differs from cases.json")
         with open(os.path.join(folder, "study.mk"), "w", encoding="utf-8") as file:
             file.write("# nothing\n")
         self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]}), "--no-check")
@@ -218,22 +214,22 @@ class Changed(ReportTest):
         self.assertIn("percentiles.csv", self.report("-O", code=1).stderr)
 
     def test_paths_are_cut(self):
-        config = landfall_study_configs.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
+        config = configs.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
         self.assertEqual(config, {"base": {"path": "a.tif"}, "list": [{"path": 'NETCDF:"y.h5":z'}]})
 
     def test_changes_make_the_tree(self):
         base = {"a": 1, "b": {"c": [1, 2, {"d": True}]}, "e": "x"}
         for tree in (base, {"a": 1}, {**base, "a": True}, {**base, "b": {"c": [1, 3, {"d": 1}]}}, {**base, "b": {"c": [1]}, "f": None}):
-            steps = landfall_study_configs.changes(base, tree)
-            self.assertEqual(json.dumps(landfall_study_configs.changed(base, steps), sort_keys=True), json.dumps(tree, sort_keys=True))
-        self.assertEqual(landfall_study_configs.changes(base, base), [])
-        self.assertEqual(landfall_study_configs.shared(base, [landfall_study_configs.changes(base, {**base, "a": 2})]), {**base, "a": "(varies)"})
+            steps = configs.changes(base, tree)
+            self.assertEqual(json.dumps(configs.changed(base, steps), sort_keys=True), json.dumps(tree, sort_keys=True))
+        self.assertEqual(configs.changes(base, base), [])
+        self.assertEqual(configs.shared(base, [configs.changes(base, {**base, "a": 2})]), {**base, "a": "(varies)"})
 
 
 def fake_study(test, *axes, **keys):
     """A study whose metrics were never measured: those of a real case, changed with the case's number. Returns its folder."""
     folder = test.plan(study(*axes, **keys), "--no-check")
-    with open(os.path.join(ROOT, "tests", "studies", "metrics.json"), encoding="utf-8") as file:
+    with open(os.path.join(ROOT, "testdata", "studies", "metrics.json"), encoding="utf-8") as file:
         metrics = json.load(file)
     statistics = metrics["statistics"]
     for number, (*_, name) in enumerate(json.loads(read(os.path.join(folder, "cases.json")))["cases"]):
@@ -255,7 +251,7 @@ def scaled(tree, factor):
 def write_numbers(folder):
     """What plot_study.py writes, without the pictures."""
     with h5py.File(os.path.join(folder, "results.h5")) as file:
-        results = landfall_study_table.Results(file)
+        results = table.Results(file)
     axes, metrics = [axis.name for axis in results.axes], results.plot.get("metrics", ["accuracy.relative.z.max_m", "coverage.invalid_frac"])
     os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
     with contextlib.redirect_stdout(io.StringIO()):
@@ -338,13 +334,13 @@ class InBrowser(ReportTest):
     def test_a_case_as_a_study_file(self):
         self.open(SIGMAS, RESOLUTIONS, repeat={"count": 2, "draws": {"scan.noise.dropout_frac": {"uniform": [0, 0.2]}}},
                   options={"regrid": ["--corrected"]})
-        planned = landfall_study_file.read_study(self.path("tiny.json"))
+        planned = reader.read_study(self.path("tiny.json"))
         for case, indices in ((0, (0, 0, 0)), (7, (1, 1, 1)), (11, (2, 1, 1))):
             saved = self.run_script("return caseStudy(arguments[0])", case)
-            alone = landfall_study_file.read_study(self.write(saved, f"case{case}"))
+            alone = reader.read_study(self.write(saved, f"case{case}"))
             self.assertEqual(alone.options, planned.options)
-            for stage in landfall_study.STAGES:
-                self.assertEqual(landfall_study.configuration(alone, stage, ()), landfall_study.configuration(planned, stage, indices))
+            for stage in model.STAGES:
+                self.assertEqual(model.configuration(alone, stage, ()), model.configuration(planned, stage, indices))
 
     def test_a_failed_case_and_the_address_of_a_case(self):
         self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))

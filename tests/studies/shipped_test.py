@@ -8,10 +8,10 @@ import struct
 import subprocess
 import unittest
 
-from case import BIN, PYTHON, ROOT, StudyTest, read
+from case import BIN, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-import list_studies
+from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
 # Measures the tools, not a lidar: docs/quality/performance.md.
@@ -22,7 +22,7 @@ MOST_BYTES = 200_000
 
 def shipped():
     """{name: number of cases}."""
-    return {name: count for name, count, _ in list_studies.studies(os.path.join(ROOT, "studies"))}
+    return {study.name: study.case_count() for study in sweep.studies_of(os.path.join(ROOT, "studies"))}
 
 
 def names():
@@ -52,10 +52,9 @@ class Shipped(StudyTest):
 
     def test_a_list_says_what_is_wrong(self):
         self.write({"base": {}, "axis": []}, "bad")
-        result = subprocess.run([PYTHON, os.path.join(ROOT, "scripts", "list_studies.py"), self.folder], capture_output=True, text=True,
-                                timeout=60, check=False)
-        self.assertEqual((result.returncode, result.stdout), (2, ""))
-        self.assertRegex(result.stderr, "^list_studies.py: .*bad.json.*axis")
+        result = self.sweep("studies", self.folder, code=2)
+        self.assertEqual(result.stdout, "")
+        self.assertRegex(result.stderr, "^sweep.py: .*bad.json.*axis")
 
     def test_each_page_says_how_many_cases_it_ran(self):
         """The number of the study that ships, so that no page outlives a changed study unseen."""

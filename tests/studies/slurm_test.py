@@ -12,7 +12,7 @@ from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
 HAS_SLURM = all(shutil.which(name, path=PATH) for name in ("slurmctld", "slurmd", "munged", "sbatch"))
-SLURM_LOCAL = os.path.join(ROOT, "scripts", "slurm-local")
+SLURM_LOCAL = os.path.join(ROOT, "studies", "runners", "slurm-local")
 
 
 def slurm_local(*arguments, **options):
@@ -61,7 +61,7 @@ class OnSlurm(StudyTest):
         self.check_same("batch")
 
     def lose_a_node(self):
-        command = self.make_command("study-results", "-j4", "RUNNER=scripts/slurm-batch", runs="batch")
+        command = self.make_command("study-results", "-j4", "RUNNER=studies/runners/slurm-batch", runs="batch")
         with open(self.path("batch.log"), "w", encoding="utf-8") as log:
             make = subprocess.Popen(command, stdout=log, stderr=log, env=self.environment())
         end = time.monotonic() + 60
@@ -84,7 +84,7 @@ class OnSlurm(StudyTest):
                               env=self.environment(), check=False).stdout.strip()
 
     def test_ending_the_batch_runner_cancels_its_job(self):
-        process = subprocess.Popen([os.path.join(ROOT, "scripts", "slurm-batch"), "sleep", "300"], cwd=self.folder,
+        process = subprocess.Popen([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "sleep", "300"], cwd=self.folder,
                                    env=self.environment())
         while not self.batch_jobs():
             time.sleep(0.1)
@@ -103,11 +103,11 @@ class OnSlurm(StudyTest):
                               text=True, env=self.environment(), check=False).stdout.strip()
 
     def test_the_batch_runner_hands_back_code_and_messages(self):
-        result = subprocess.run([os.path.join(ROOT, "scripts", "slurm-batch"), "bash", "-c", "echo 'out  put'; echo oops >&2; exit 3"],
+        result = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "bash", "-c", "echo 'out  put'; echo oops >&2; exit 3"],
                                 capture_output=True, text=True, cwd=self.folder, env=self.environment(), timeout=60, check=False)
         self.assertEqual((result.returncode, result.stdout, result.stderr), (3, "out  put\n", "oops\n"))
         self.assertEqual(os.listdir(self.folder), [])
-        refused = subprocess.run([os.path.join(ROOT, "scripts", "slurm-batch"), "true"], capture_output=True, text=True, timeout=60,
+        refused = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "true"], capture_output=True, text=True, timeout=60,
                                  cwd=self.folder, env={**self.environment(), "SLURM_BATCH_OPTIONS": "-p nowhere"}, check=False)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("invalid partition", refused.stderr)
@@ -116,7 +116,7 @@ class OnSlurm(StudyTest):
 
 class SlurmLocal(StudyTest):
     def test_wrong_arguments(self):
-        for arguments, word in ((["frob"], "start"), (["start", "-N", "0"], "-N: 0 is no integer in [1, 256]"),
+        for arguments, word in ((["frob"], "start"), (["start", "-N", "0"], "-N: 0 is not an integer in [1, 256]"),
                                 (["start", "-N"], "-N needs a value"), (["start", "--nodes", "3"], "unknown option --nodes"),
                                 (["lose"], "lose needs a node"), (["start", "--dir", self.path("a b")], "a name of letters, digits")):
             result = slurm_local(*arguments)

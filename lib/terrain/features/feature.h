@@ -21,9 +21,9 @@ namespace landfall {
 
 /// Each shape says what it is called (kName, the word of configurations and object lists), what it does with
 /// its relief (kRole), how far it reaches from its centre (reach_m: half the width of a box that holds its
-/// footprint), how high it is at a place (relief_m: kNoRelief outside the footprint), its size for a list of
+/// footprint), how high it is at a point (relief_m: kNoRelief outside the footprint), its size for a list of
 /// objects, and whether its parameters make sense (validate). One that has a yaw_rad also gives own_relief_m,
-/// the relief at a place in its own axes (turned_axes.h), so that the turn is found once for all nodes. A new
+/// the relief at a point in its own axes (turned_axes.h), so that the turn is found once for all nodes. A new
 /// shape is a file here and a name in this list.
 using FeatureShape =
     std::variant<Cone, Hemisphere, Pyramid, Rock, Crater, IceBlock, Ridge, Fracture, Pit, PenitenteField>;
@@ -31,7 +31,7 @@ using FeatureShape =
 /// The kNames, in the order of FeatureShape's alternatives.
 [[nodiscard]] const std::vector<std::string>& feature_kinds();
 
-/// A shape at a place, metres, frame D.
+/// A shape at a point, metres, frame D.
 struct Feature {
   double x_m = 0;
   double y_m = 0;

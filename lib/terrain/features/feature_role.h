@@ -6,16 +6,16 @@
 
 namespace landfall {
 
-/// A place relative to a feature's centre, metres, axes of frame D.
+/// A point relative to a feature's centre, metres, axes of frame D.
 struct Offset {
   double x_m = 0;
   double y_m = 0;
 };
 
-/// What a feature does with its relief, the height that it has at a place (docs/reference/decisions.md, D98).
+/// What a feature does with its relief, the height that it has at a point (docs/reference/decisions.md, D98).
 enum class FeatureRole {
   adds,    ///< changes the ground: craters, pits. Where several meet, all add.
-  drapes,  ///< lies on the ground, place by place, as long objects do. Where several meet, the highest
+  drapes,  ///< lies on the ground point by point, as long objects do. Where several meet, the highest
            ///< counts.
   stands,  ///< stands on the ground under its own centre, and shows where it is higher than all else.
 };

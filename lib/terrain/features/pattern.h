@@ -12,7 +12,7 @@
 namespace landfall {
 
 /// A pattern stands for many features: features() lists them in a fixed order, a pure function of pattern and
-/// site. kByChance tells whether their places are drawn. A new pattern is a file and a name in this list.
+/// site. kByChance tells whether their positions are drawn. A new pattern is a file and a name in this list.
 using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern, LinePattern>;
 
 /// The site that a pattern fills on a grid.

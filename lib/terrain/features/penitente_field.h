@@ -15,7 +15,7 @@ namespace landfall {
 ///
 /// frac is the part after the whole number; 1 is a triangle, less is blunter with sharper troughs. n in
 /// [-1, 1] is smooth noise: uniform values on a square lattice of wobble_length_m, functions of `seed` and
-/// the lattice place only, blended by t^2 (3 - 2 t) along u and v. The field is a rectangle, length_m along u
+/// the lattice point only, blended by t^2 (3 - 2 t) along u and v. The field is a rectangle, length_m along u
 /// and width_m along v, or a disc of diameter_m; `edge` is taper.h's taper over edge_m inside its border
 /// (that along u times that along v for a rectangle).
 struct PenitenteField {

@@ -12,7 +12,7 @@
 namespace landfall {
 
 /// A pyramid on a square base of edge base_width_m, turned counter-clockwise by yaw_rad:
-/// height_m (1 - 2 max(|u|, |v|) / base_width_m), (u, v) the place in the base's own axes.
+/// height_m (1 - 2 max(|u|, |v|) / base_width_m), (u, v) the point in the base's own axes.
 struct Pyramid {
   static constexpr const char* kName = "pyramid";
   static constexpr FeatureRole kRole = FeatureRole::stands;

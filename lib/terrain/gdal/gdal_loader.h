@@ -34,7 +34,7 @@ namespace landfall {
 /// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
 /// both kinds of centre at once; FormatError where the raster cannot be opened or read, needs a file that is
 /// no part of it, is complex-valued, is smaller than 2 x 2, has no usable georeference, or does not hold all
-/// of the site, and without the plugin, naming the raster and the places tried. From any thread, one call at
+/// of the site, and without the plugin, naming the raster and the paths tried. From any thread, one call at
 /// a time: GDAL has one list of drivers, and reading a raster changes it.
 [[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
 

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/regular_file.h"
+#include "terrain/gdal/classic_netcdf.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/mesh/mesh_name.h"
 
@@ -126,7 +127,10 @@ void refuse_link(const FileGuard& guard, const DemBase& dem) {
 }
 
 OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors) {
-  for (const std::string& file : named_files(dem.path, links)) require_no_stream(file);
+  for (const std::string& file : named_files(dem.path, links)) {
+    require_no_stream(file);
+    require_whole_classic_netcdf(file);
+  }
   auto guard = std::make_unique<FileGuard>(dem.path, links);
   constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
   GDALDatasetUniquePtr dataset = guard->open(kFlags);

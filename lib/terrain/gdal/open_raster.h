@@ -28,7 +28,7 @@ struct OpenRaster {
 /// Throws FormatError where the raster's guard refused a file: for what has failed.
 void refuse_link(const FileGuard& guard, const DemBase& dem);
 
-/// What the raster says about its place. Points into the raster.
+/// The georeference of the raster. Points into the raster.
 [[nodiscard]] Georeference georeference(const OpenRaster& raster);
 
 }  // namespace landfall

@@ -163,7 +163,7 @@ class WindowReader {
   std::vector<unsigned char> mask_values_;
 };
 
-/// Without a tag, the raster would be another one: at another place, without its scale or its holes.
+/// Without a tag, the raster would be another one: at another position, without its scale or its holes.
 void require_no_loss(const DemBase& dem, const GdalErrors& errors) {
   if (!errors.loss().empty())
     throw FormatError(dem.path + ": cannot be read as a whole (" + errors.loss() +
@@ -172,11 +172,11 @@ void require_no_loss(const DemBase& dem, const GdalErrors& errors) {
 
 /// That a file is damaged is said before what it lacks besides: a horizontal scale would not help it.
 SiteFrame frame_of(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors) {
-  const Georeference place = georeference(raster);
+  const Georeference reference = georeference(raster);
   require_no_loss(dem, errors);
-  if (place.crs == nullptr && !dem.horizontal_scale_m)
+  if (reference.crs == nullptr && !dem.horizontal_scale_m)
     (void)WindowReader(raster, dem, errors).read({raster.size.rows / 2, raster.size.cols / 2, {1, 1}});
-  return site_frame(place, dem);
+  return site_frame(reference, dem);
 }
 
 DemRaster read_dem(const DemBase& dem, const GridSpec& site, RasterLinks links) {

@@ -115,15 +115,15 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
   if (crs.IsDerivedGeographic())
     throw FormatError(dem.path + ": has a rotated-pole CRS; gdalwarp can bring it to a plain one");
   const double radians = crs.GetAngularUnits();
-  const MapPoint place = transform.map_point(center);
-  if (!(std::abs(place.y * radians) <= std::numbers::pi / 2))
-    throw FormatError(dem.path + ": the site centre's latitude " + number_text(place.y) +
+  const MapPoint point = transform.map_point(center);
+  if (!(std::abs(point.y * radians) <= std::numbers::pi / 2))
+    throw FormatError(dem.path + ": the site centre's latitude " + number_text(point.y) +
                       " lies beyond a pole");
   const double inverse_flattening = crs.GetInvFlattening();
   const Ellipsoid body{crs.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
-  const OrthographicFrame frame(body, {place.x * radians, place.y * radians});
+  const OrthographicFrame frame(body, {point.x * radians, point.y * radians});
   const double turn = 2 * std::numbers::pi / radians;
-  const MapPoint wrapped{std::remainder(place.x, turn), place.y};
+  const MapPoint wrapped{std::remainder(point.x, turn), point.y};
   const double posting_m = std::ranges::max(transform.edges()) * radians * body.semi_major_m;
   return {SiteMapping(transform, center, frame, radians), orthographic_wkt(crs, wrapped), posting_m};
 }

@@ -12,7 +12,7 @@ class OGRSpatialReference;
 
 namespace landfall {
 
-/// What a raster says about its place.
+/// The georeference of a raster.
 struct Georeference {
   std::optional<GeoTransform> transform;
   const OGRSpatialReference* crs =

@@ -30,7 +30,7 @@ inline constexpr double kLargestCoordinate_m = 1e12;
 /// The most vertices and the most triangles of a mesh: files number them in 32 bits with a sign.
 inline constexpr std::size_t kMaxMeshElements = 2147483647;
 
-/// True where the corners lie exactly on one line, two or all of them in one place included.
+/// True where the corners lie exactly on one line, including two or all of them at one point.
 [[nodiscard]] bool has_no_area(const std::array<Eigen::Vector3d, 3>& corners);
 
 /// Throws FormatError beginning with `name` unless there is a triangle, every vertex is within

@@ -24,7 +24,7 @@ void place_points(std::vector<Eigen::Vector3d>& points, const MeshPlacement& pla
   }
 }
 
-/// For each point the first one in its place.
+/// For each point the first one with the same coordinates.
 std::vector<std::uint32_t> first_in_place(const std::vector<Eigen::Vector3d>& points) {
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0U);

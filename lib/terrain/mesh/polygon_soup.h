@@ -37,13 +37,13 @@ struct MeshPlacement {
 /// points.
 struct CleanMesh {
   IndexedTriangles mesh;
-  std::size_t welded_vertex_count = 0;        ///< points in exactly the place of an earlier one
+  std::size_t welded_vertex_count = 0;        ///< points with exactly the coordinates of an earlier one
   std::size_t unreferenced_vertex_count = 0;  ///< points of no triangle
   /// Polygons with fewer than three different corners in a row, and triangles without area (exactly).
   std::size_t degenerate_facet_count = 0;
 };
 
-/// Places the points, welds those that are then in exactly the same place (the first one stays), cuts
+/// Places the points, welds those that then have exactly the same coordinates (the first one stays), cuts
 /// polygons into triangles (polygon_triangles.h), and leaves out what is degenerate or unused. Order is kept:
 /// equal soups give equal meshes.
 ///

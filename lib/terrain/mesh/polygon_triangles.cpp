@@ -43,8 +43,8 @@ std::vector<Corner> seen_along_normal(std::span<const std::uint32_t> polygon,
   return corners;
 }
 
-bool holds(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& place) {
-  return orient2d(a, b, place) >= 0 && orient2d(b, c, place) >= 0 && orient2d(c, a, place) >= 0;
+bool holds(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& point) {
+  return orient2d(a, b, point) >= 0 && orient2d(b, c, point) >= 0 && orient2d(c, a, point) >= 0;
 }
 
 bool is_ear(const std::vector<Corner>& corners, std::size_t i) {

@@ -17,48 +17,48 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// The highest point of an edge on the vertical through a place that lies on the edge's line, seen from
+/// The highest point of an edge on the vertical through a point that lies on the edge's line, seen from
 /// above; minus infinity beside the edge.
-double highest_on_edge(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& place) {
+double highest_on_edge(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& point) {
   const Eigen::Vector2d low = p.head<2>().cwiseMin(q.head<2>());
   const Eigen::Vector2d high = p.head<2>().cwiseMax(q.head<2>());
-  if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return -kInfinity;
+  if ((point.array() < low.array()).any() || (point.array() > high.array()).any()) return -kInfinity;
   Eigen::Index along = 0;
   const double length = (high - low).maxCoeff(&along);
   if (length == 0) return std::max(p.z(), q.z());
-  const double part = (place[along] - p[along]) / (q[along] - p[along]);
+  const double part = (point[along] - p[along]) / (q[along] - p[along]);
   return std::clamp(p.z() + part * (q.z() - p.z()), std::min(p.z(), q.z()), std::max(p.z(), q.z()));
 }
 
-/// The highest point of an upright triangle on the vertical; the place lies on its line.
-double highest_of_upright(const Corners& t, const Eigen::Vector2d& place) {
-  return std::max({highest_on_edge(t[0], t[1], place), highest_on_edge(t[1], t[2], place),
-                   highest_on_edge(t[2], t[0], place)});
+/// The highest point of an upright triangle on the vertical; the point lies on its line.
+double highest_of_upright(const Corners& t, const Eigen::Vector2d& point) {
+  return std::max({highest_on_edge(t[0], t[1], point), highest_on_edge(t[1], t[2], point),
+                   highest_on_edge(t[2], t[0], point)});
 }
 
 /// z of the triangle's plane, in long double from the corner that is nearest as seen from above.
-double plane_elevation(const Corners& t, const Eigen::Vector2d& place) {
+double plane_elevation(const Corners& t, const Eigen::Vector2d& point) {
   using Vector = Eigen::Matrix<long double, 3, 1>;
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < 3; ++i)
-    if ((t[i].head<2>() - place).squaredNorm() < (t[nearest].head<2>() - place).squaredNorm()) nearest = i;
+    if ((t[i].head<2>() - point).squaredNorm() < (t[nearest].head<2>() - point).squaredNorm()) nearest = i;
   const Vector corner = t[nearest].cast<long double>();
   const Vector e1 = t[(nearest + 1) % 3].cast<long double>() - corner;
   const Vector e2 = t[(nearest + 2) % 3].cast<long double>() - corner;
   const Vector n = e1.cross(e2);
-  const long double rise = (n.x() * (corner.x() - place.x()) + n.y() * (corner.y() - place.y())) / n.z();
+  const long double rise = (n.x() * (corner.x() - point.x()) + n.y() * (corner.y() - point.y())) / n.z();
   return static_cast<double>(corner.z() + rise);
 }
 
 /// The highest point of a triangle on the vertical, minus infinity where it has none.
-double highest_of(const Corners& t, const Eigen::Vector2d& place) {
-  const auto side = [&](std::size_t i) { return orient2d(t[i].head<2>(), t[(i + 1) % 3].head<2>(), place); };
+double highest_of(const Corners& t, const Eigen::Vector2d& point) {
+  const auto side = [&](std::size_t i) { return orient2d(t[i].head<2>(), t[(i + 1) % 3].head<2>(), point); };
   const auto [least, greatest] = std::minmax({side(0), side(1), side(2)});
   if (least < 0 && greatest > 0) return -kInfinity;
-  // Seen from above, an upright triangle is a line: that of the place where all three sides are 0.
-  if (least == 0 && greatest == 0) return highest_of_upright(t, place);
+  // Seen from above, an upright triangle is a line: that of the point where all three sides are 0.
+  if (least == 0 && greatest == 0) return highest_of_upright(t, point);
   const auto [low, high] = std::minmax({t[0].z(), t[1].z(), t[2].z()});
-  const double z = plane_elevation(t, place);
+  const double z = plane_elevation(t, point);
   return std::isnan(z) ? high : std::clamp(z, low, high);
 }
 
@@ -104,25 +104,25 @@ TriangleMesh::TriangleMesh(IndexedTriangles mesh, const std::string& name)
     : mesh_(checked(std::move(mesh), name)), tree_(mesh_) {}
 
 double TriangleMesh::elevation(double x_m, double y_m) const {
-  const Eigen::Vector2d place(x_m, y_m);
+  const Eigen::Vector2d point(x_m, y_m);
   double highest = -kInfinity;
   tree_.search(
       [&](const TriangleBox& box) { return box.is_over(x_m, y_m) ? -double{box.high[2]} : kInfinity; },
       [&] { return -highest; },
       [&](std::span<const std::uint32_t> triangles) {
-        for (const std::uint32_t id : triangles) highest = std::max(highest, highest_of(triangle(id), place));
+        for (const std::uint32_t id : triangles) highest = std::max(highest, highest_of(triangle(id), point));
       });
   return std::isinf(highest) ? kNan : highest;
 }
 
-Eigen::Vector3d TriangleMesh::normal(const Eigen::Vector3d& place) const {
+Eigen::Vector3d TriangleMesh::normal(const Eigen::Vector3d& point) const {
   double nearest = kInfinity;
   std::size_t of = 0;
-  tree_.search([&](const TriangleBox& box) { return box.squared_distance(place); }, [&] { return nearest; },
+  tree_.search([&](const TriangleBox& box) { return box.squared_distance(point); }, [&] { return nearest; },
                [&](std::span<const std::uint32_t> triangles) {
                  for (const std::uint32_t id : triangles) {
                    Corners t = triangle(id);
-                   for (Eigen::Vector3d& corner : t) corner -= place;
+                   for (Eigen::Vector3d& corner : t) corner -= point;
                    const double distance = squared_distance_to_origin(t);
                    if (!(distance < nearest || (distance == nearest && id < of))) continue;
                    nearest = distance;

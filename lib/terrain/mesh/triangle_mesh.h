@@ -31,10 +31,10 @@ class TriangleMesh final : public TerrainSurface {
   /// triangle's height times its steepness, and never beyond its corners. O(log n).
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
 
-  /// Of the triangle nearest to the place, the first of equally near ones. Its sense is that of the corners'
-  /// order: a body whose corners turn counter-clockwise as seen from outside has it outwards. NaN for a place
+  /// Of the triangle nearest to the point, the first of equally near ones. Its sense is that of the corners'
+  /// order: a body whose corners turn counter-clockwise as seen from outside has it outwards. NaN for a point
   /// that is not finite. O(log n) near the surface.
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& place) const override;
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
 
   /// A mesh may overhang, and a cave's floor lies below its roof.
   [[nodiscard]] bool is_ground_below() const override { return false; }

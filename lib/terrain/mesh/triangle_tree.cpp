@@ -94,8 +94,8 @@ struct TriangleTree::Builder {
         most = found;
         axis = i;
       }
-    const auto place = [&](std::size_t i) { return tree.order_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(place(branch.begin), place(middle), place(branch.end),
+    const auto element = [&](std::size_t i) { return tree.order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(element(branch.begin), element(middle), element(branch.end),
                      [&](std::uint32_t a, std::uint32_t b) {
                        return centre(a, axis) != centre(b, axis) ? centre(a, axis) < centre(b, axis) : a < b;
                      });

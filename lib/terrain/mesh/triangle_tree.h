@@ -23,10 +23,10 @@ struct TriangleBox {
   [[nodiscard]] bool is_over(double x, double y) const {
     return double{low[0]} <= x && x <= double{high[0]} && double{low[1]} <= y && y <= double{high[1]};
   }
-  [[nodiscard]] double squared_distance(const Eigen::Vector3d& place) const {
+  [[nodiscard]] double squared_distance(const Eigen::Vector3d& point) const {
     double total = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double at = place[static_cast<Eigen::Index>(axis)];
+      const double at = point[static_cast<Eigen::Index>(axis)];
       const double beside = std::max({double{low[axis]} - at, at - double{high[axis]}, 0.0});
       total += beside * beside;
     }

@@ -39,7 +39,7 @@ std::vector<Feature> features_of(const PopulationSampler& sampler, const F& shap
   std::vector<Feature> features(objects.size());
   parallel_for(objects.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      features[i] = {objects[i].place.x_m, objects[i].place.y_m, shape(objects[i])};
+      features[i] = {objects[i].point.x_m, objects[i].point.y_m, shape(objects[i])};
   });
   return features;
 }

@@ -99,7 +99,7 @@ double PopulationSampler::normal(const ScatteredObject& object, std::uint64_t dr
   return random_.normal(object.key, seed_ << kDrawBits | (kFurtherDraws + draw));
 }
 
-Place PopulationSampler::place(std::uint64_t key, std::uint64_t attempt, const Box& box) const {
+SitePoint PopulationSampler::draw_point(std::uint64_t key, std::uint64_t attempt, const Box& box) const {
   const std::uint64_t draw = seed_ << kDrawBits | (kPlaceDraws + 2 * attempt);
   return {box.west_m + random_.uniform(key, draw) * (box.east_m - box.west_m),
           box.south_m + random_.uniform(key, draw + 1) * (box.north_m - box.south_m)};
@@ -108,9 +108,9 @@ Place PopulationSampler::place(std::uint64_t key, std::uint64_t attempt, const B
 bool PopulationSampler::admits(const ScatteredObject& object) const {
   const double reach_m = kind_.reach * object.diameter_m;
   const Box site = kind_.from_outside ? site_.widened(reach_m) : site_;
-  const bool is_clear = population_.clear_radius_m == 0 || std::hypot(object.place.x_m, object.place.y_m) >=
+  const bool is_clear = population_.clear_radius_m == 0 || std::hypot(object.point.x_m, object.point.y_m) >=
                                                                population_.clear_radius_m + reach_m;
-  return is_clear && site.contains(object.place) && contains(population_.region, object.place);
+  return is_clear && site.contains(object.point) && contains(population_.region, object.point);
 }
 
 std::vector<ScatteredObject> PopulationSampler::draw(const Octave& octave) const {
@@ -128,8 +128,8 @@ std::vector<ScatteredObject> PopulationSampler::draw(const Octave& octave) const
   parallel_for(objects.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t key = key_of(octave.exponent, i);
-      objects[i] = {place(key, 0, octave.box), diameter_m(population_.law, densities[i], octave.diameters),
-                    key};
+      objects[i] = {draw_point(key, 0, octave.box),
+                    diameter_m(population_.law, densities[i], octave.diameters), key};
     }
   });
   std::erase_if(objects, [&](const ScatteredObject& object) {
@@ -144,15 +144,15 @@ void PopulationSampler::spread(std::vector<ScatteredObject>& objects) const {
     const Box box = octave(octave_of(object.key)).box;
     const auto is_free = [&] {
       return admits(object) &&
-             packing.add_if_free({object.place.x_m, object.place.y_m, kind_.reach * object.diameter_m});
+             packing.add_if_free({object.point.x_m, object.point.y_m, kind_.reach * object.diameter_m});
     };
     std::uint64_t attempt = 0;
     while (!is_free()) {
       if (++attempt == kAttempts)
         throw UsageError(name() + "/overlap: a " + kind_.name + " of " + number_text(object.diameter_m) +
-                         " m finds no free place in " + std::to_string(kAttempts) +
+                         " m finds no free position in " + std::to_string(kAttempts) +
                          " draws; allow overlap, raise min_diameter_m or take a lower density");
-      object.place = place(object.key, attempt, box);
+      object.point = draw_point(object.key, attempt, box);
     }
   }
 }

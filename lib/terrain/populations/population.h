@@ -39,19 +39,19 @@ struct PopulationKind {
 
 /// One of a population. `key` tells it from all others: its further draws are functions of it.
 struct ScatteredObject {
-  Place place;
+  SitePoint point;
   double diameter_m = 0;
   std::uint64_t key = 0;
 };
 
-/// Draws a population on a site: a Poisson process in place and size, of density dN(>D) per area. Within
+/// Draws a population on a site: a Poisson process in position and size, of density dN(>D) per area. Within
 /// each octave (2^n, 2^(n+1)] of D in metres, from the largest down, the numbers N(>D) of the objects are
 /// sums of independent exponential draws divided by the area, so that counts are Poisson's and sizes descend
 /// (docs/reference/decisions.md, D112). Object i of an octave is a function of (seed, octave, i), whatever the other
 /// octaves are: another least or greatest diameter only takes objects away or adds some.
 ///
 /// With overlap == false an object, as the disc of its reach, that overlaps a larger one is drawn again at
-/// another place, up to 1000 times.
+/// another position, up to 1000 times.
 class PopulationSampler {
  public:
   /// The population must be valid. Throws UsageError, naming pattern and number, where the region does not
@@ -61,7 +61,7 @@ class PopulationSampler {
   static constexpr double kMaxObjects = 1e7;
 
   /// All objects, in descending order of diameter. The result does not depend on the number of threads.
-  /// Throws UsageError where an object finds no free place.
+  /// Throws UsageError where an object finds no free position.
   [[nodiscard]] std::vector<ScatteredObject> objects() const;
 
   /// Further draws of an object: `draw` in 0..7.
@@ -81,7 +81,7 @@ class PopulationSampler {
   [[nodiscard]] std::vector<Octave> octaves() const;
   void require_bounded() const;
   [[nodiscard]] std::vector<ScatteredObject> draw(const Octave& octave) const;
-  [[nodiscard]] Place place(std::uint64_t key, std::uint64_t attempt, const Box& box) const;
+  [[nodiscard]] SitePoint draw_point(std::uint64_t key, std::uint64_t attempt, const Box& box) const;
   [[nodiscard]] bool admits(const ScatteredObject& object) const;
   void spread(std::vector<ScatteredObject>& objects) const;
 

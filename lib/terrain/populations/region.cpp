@@ -9,13 +9,13 @@
 namespace landfall {
 namespace {
 
-Box box_about(const Place& center, double half_x_m, double half_y_m) {
+Box box_about(const SitePoint& center, double half_x_m, double half_y_m) {
   return {center.x_m - half_x_m, center.x_m + half_x_m, center.y_m - half_y_m, center.y_m + half_y_m};
 }
 
 Box box_of(const RectangleRegion& r) { return box_about(r.center, r.width_m / 2, r.length_m / 2); }
 
-void validate_center(const Place& center, const std::string& owner) {
+void validate_center(const SitePoint& center, const std::string& owner) {
   require_finite({owner, "x_m"}, center.x_m);
   require_finite({owner, "y_m"}, center.y_m);
 }
@@ -48,12 +48,12 @@ struct Bounds {
 };
 
 struct Contains {
-  const Place& place;
+  const SitePoint& point;
 
   bool operator()(const SiteRegion& /*region*/) const { return true; }
-  bool operator()(const RectangleRegion& r) const { return box_of(r).contains(place); }
+  bool operator()(const RectangleRegion& r) const { return box_of(r).contains(point); }
   bool operator()(const AnnulusRegion& r) const {
-    const double distance_m = std::hypot(place.x_m - r.center.x_m, place.y_m - r.center.y_m);
+    const double distance_m = std::hypot(point.x_m - r.center.x_m, point.y_m - r.center.y_m);
     return distance_m >= r.inner_radius_m && distance_m <= r.outer_radius_m;
   }
 };
@@ -69,6 +69,6 @@ void validate(const Region& region, const std::string& owner) { std::visit(Valid
 
 Box bounds(const Region& region, const Box& site) { return std::visit(Bounds{site}, region); }
 
-bool contains(const Region& region, const Place& place) { return std::visit(Contains{place}, region); }
+bool contains(const Region& region, const SitePoint& point) { return std::visit(Contains{point}, region); }
 
 }  // namespace landfall

@@ -4,14 +4,9 @@
 #include <string>
 #include <variant>
 
-namespace landfall {
+#include "terrain/site_point.h"
 
-/// A place, metres, frame D.
-struct Place {
-  double x_m = 0;
-  double y_m = 0;
-  friend bool operator==(const Place&, const Place&) = default;
-};
+namespace landfall {
 
 /// A rectangle along the axes, metres, frame D; empty where west > east or south > north.
 struct Box {
@@ -20,8 +15,8 @@ struct Box {
   double south_m = 0;
   double north_m = 0;
 
-  [[nodiscard]] bool contains(const Place& place) const {
-    return place.x_m >= west_m && place.x_m <= east_m && place.y_m >= south_m && place.y_m <= north_m;
+  [[nodiscard]] bool contains(const SitePoint& point) const {
+    return point.x_m >= west_m && point.x_m <= east_m && point.y_m >= south_m && point.y_m <= north_m;
   }
   [[nodiscard]] bool empty() const { return !(west_m <= east_m && south_m <= north_m); }
   [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }
@@ -41,7 +36,7 @@ struct SiteRegion {
 
 /// width_m along x and length_m along y about a centre.
 struct RectangleRegion {
-  Place center;
+  SitePoint center;
   double width_m = 0;
   double length_m = 0;
   friend bool operator==(const RectangleRegion&, const RectangleRegion&) = default;
@@ -49,7 +44,7 @@ struct RectangleRegion {
 
 /// From inner_radius_m (0: a disc) to outer_radius_m about a centre.
 struct AnnulusRegion {
-  Place center;
+  SitePoint center;
   double inner_radius_m = 0;
   double outer_radius_m = 0;
   friend bool operator==(const AnnulusRegion&, const AnnulusRegion&) = default;
@@ -61,7 +56,7 @@ using Region = std::variant<SiteRegion, RectangleRegion, AnnulusRegion>;
 void validate(const Region& region, const std::string& owner);
 /// The part of `site` outside which there is nothing of the region.
 [[nodiscard]] Box bounds(const Region& region, const Box& site);
-/// Whether a place of the site is in the region.
-[[nodiscard]] bool contains(const Region& region, const Place& place);
+/// Whether a point of the site is in the region.
+[[nodiscard]] bool contains(const Region& region, const SitePoint& point);
 
 }  // namespace landfall

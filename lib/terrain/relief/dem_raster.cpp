@@ -113,7 +113,7 @@ bool inside(const RasterSize& size, Interpolation method, const PixelPosition& p
 }
 
 PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site) {
-  // Along a border of very many nodes some 4096 places, corners always among them, bound the box well enough
+  // Along a border of very many nodes some 4096 points, corners always among them, bound the box well enough
   // to choose a window by; every node is checked again when it is interpolated.
   const auto visit = [](std::int64_t count, const auto& at) {
     const std::int64_t step = std::max<std::int64_t>(1, count / 4096);

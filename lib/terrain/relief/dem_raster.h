@@ -56,7 +56,7 @@ using DemLoader = std::function<DemRaster(const DemBase& dem, const GridSpec& si
 /// The elevation at `pixel`; NaN in holes and outside the samples. Inside means within the hull of the pixel
 /// centres, for `nearest` within the pixels' outer edges; 1e-6 pixel beyond counts as on the border.
 ///
-/// - nearest: the pixel that holds the place, the greater one on an edge.
+/// - nearest: the pixel that holds the point, the greater one on an edge.
 /// - bilinear: reproduces a + b x + c y + d x y. NaN where a sample of non-zero weight is NaN.
 /// - bicubic: Keys (1981), a = -1/2, on 4 x 4 samples: reproduces products of quadratics in x and in y, but
 ///   within one pixel of the border, where the missing ring repeats the border. Where a sample of non-zero
@@ -72,7 +72,7 @@ struct PixelBox {
   PixelPosition high;
 };
 
-/// The pixels that the nodes of a site lie on, from the nodes of its border; NaN where one has no place in
+/// The pixels that the nodes of a site lie on, from the nodes of its border; NaN where one has no position in
 /// the raster's coordinates.
 [[nodiscard]] PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site);
 

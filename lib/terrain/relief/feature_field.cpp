@@ -72,7 +72,7 @@ NodeBox box_of(const Feature& feature, const GridSpec& spec) {
       nodes_within(feature.x_m / spec.resolution_m - static_cast<double>(spec.first_col), reach, spec.cols)};
 }
 
-/// The relief of a shape as a function of the offset from its centre, what all places share computed once.
+/// The relief of a shape as a function of the offset from its centre, what all points share computed once.
 template <class Shape>
 auto relief_of(const Shape& shape) {
   if constexpr (requires { shape.own_relief_m(Offset{}); })
@@ -156,32 +156,32 @@ void drape(Grid<double>& part, const FeatureBands& bands, const ProgressCallback
   const GridSpec& spec = part.spec();
   bands.for_each(progress, [&](const NodeRange& rows, std::span<const std::size_t> entries) {
     std::vector<double> highest_m(static_cast<std::size_t>((rows.end - rows.begin) * spec.cols), kNoRelief);
-    const auto place = [&](const BinIndex& node) {
+    const auto offset = [&](const BinIndex& node) {
       return static_cast<std::size_t>((node.row - rows.begin) * spec.cols + node.col);
     };
     for (const std::size_t entry : entries)
       stamp(spec, bands.feature(entry).feature, rows, [&](const BinIndex& node, double relief_m) {
-        double& highest = highest_m[place(node)];
+        double& highest = highest_m[offset(node)];
         if (!(highest >= relief_m)) highest = relief_m;
       });
     for (std::int64_t row = rows.begin; row < rows.end; ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const double relief_m = highest_m[place({row, col})];
+        const double relief_m = highest_m[offset({row, col})];
         if (!std::isnan(relief_m)) part.at({row, col}) += relief_m;
       }
   });
 }
 
-/// A place in node spacings from the origin, a node where it is within 1e-9 of one.
-double node_place(double place_m, double resolution_m) {
-  const double place = place_m / resolution_m;
-  const double node = std::round(place);
-  return std::abs(place - node) < 1e-9 ? node : place;
+/// A coordinate in node spacings from the origin, a node where it is within 1e-9 of one.
+double node_place(double position_m, double resolution_m) {
+  const double position = position_m / resolution_m;
+  const double node = std::round(position);
+  return std::abs(position - node) < 1e-9 ? node : position;
 }
 
-/// The elevation of the ground at a place, the same to the bit for every part that has the place's cell: the
-/// place in the cell does not come from the part's first node. NaN where the part lacks the cell or the cell
-/// has a hole there.
+/// The elevation of the ground at a point, the same to the bit for every part that has its cell: the
+/// position in the cell does not come from the part's first node. NaN where the part lacks the cell or the
+/// cell has a hole there.
 double ground_in_cell(const Grid<double>& part, const Feature& feature) {
   const GridSpec& spec = part.spec();
   const double x = node_place(feature.x_m, spec.resolution_m);
@@ -240,15 +240,14 @@ void require_on_grid(const TerrainModel& model, const GridSpec& grid) {
 }
 
 FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
-  const auto place = [&](const PlacedFeature& placed) {
+  const auto add = [&](const PlacedFeature& placed) {
     require_on_grid(placed, grid);
     features_.push_back(placed);
   };
-  for_each_listed(model.features, place);
+  for_each_listed(model.features, add);
   for (std::size_t p = 0; p < model.patterns.size(); ++p)
-    std::visit(
-        [&](const auto& pattern) { for_each_of(pattern, p, pattern_site(grid, model.seed, p), place); },
-        model.patterns[p]);
+    std::visit([&](const auto& pattern) { for_each_of(pattern, p, pattern_site(grid, model.seed, p), add); },
+               model.patterns[p]);
 }
 
 void FeatureField::shape_ground(Grid<double>& part, const ProgressCallback& progress) const {

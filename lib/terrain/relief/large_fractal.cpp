@@ -38,7 +38,7 @@ std::array<double, kPatch> patch_weights() {
   return weights;
 }
 
-/// The weights of four neighbours, for a place t of the way from the second to the third.
+/// The weights of four neighbours, for a point t of the way from the second to the third.
 std::array<double, 4> cubic_weights(double t) {
   return {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t,
           (0.5 * t - 0.5) * t * t};

@@ -7,21 +7,17 @@
 #include <cmath>
 #include <optional>
 
+#include "terrain/site_point.h"
+
 namespace landfall {
 
-/// A place on the site, metres, frame D: x east, y north of the site centre.
-struct SitePoint {
-  double x_m = 0;
-  double y_m = 0;
-};
-
-/// A place in a raster. Whole numbers are pixel centres, (0, 0) that of the first pixel of the first row.
+/// A point in a raster. Whole numbers are pixel centres, (0, 0) that of the first pixel of the first row.
 struct PixelPosition {
   double col = 0;
   double row = 0;
 };
 
-/// A place in a raster's coordinate system, its own units: (x, y), or (longitude, latitude).
+/// A point in a raster's coordinate system, its own units: (x, y), or (longitude, latitude).
 struct MapPoint {
   double x = 0;
   double y = 0;
@@ -61,12 +57,12 @@ struct LonLat {
 };
 
 /// The orthographic frame of a body around a centre: the tangent plane at the centre, x east and y north,
-/// every place of the surface projected along the centre's normal (EPSG method 9840). Exact for spheres and
+/// every point of the surface projected along the centre's normal (EPSG method 9840). Exact for spheres and
 /// ellipsoids; metres on the plane are true at the centre and shrink as the cosine of the distance.
 class OrthographicFrame {
  public:
   OrthographicFrame(const Ellipsoid& body, const LonLat& center);
-  /// Longitude and latitude of the surface under a place of the plane, both as differences from the centre's;
+  /// Longitude and latitude of the surface under a point of the plane, both as differences from the centre's;
   /// NaN beyond the body's limb. The longitude difference lies in [-pi, pi].
   [[nodiscard]] LonLat difference(const SitePoint& point) const;
 
@@ -77,13 +73,13 @@ class OrthographicFrame {
   Eigen::Matrix3d R_body_plane_;  // columns: north, up; east is the body's y
 };
 
-/// Where in a raster a place of the site lies.
+/// Where in a raster a point of the site lies.
 class SiteMapping {
  public:
   /// The site's axes are the raster's coordinate axes, `metres_per_unit` long per unit.
   SiteMapping(const GeoTransform& georeference, const PixelPosition& center, double metres_per_unit);
   /// The raster's coordinates are longitude and latitude in units of `radians_per_unit`; the site's axes are
-  /// those of `frame`, which is centred on the same place.
+  /// those of `frame`, which is centred on the same point.
   SiteMapping(const GeoTransform& georeference, const PixelPosition& center, const OrthographicFrame& frame,
               double radians_per_unit);
 

@@ -20,10 +20,10 @@ struct GeneratedTerrain {
   std::vector<PlacedFeature> features;
 };
 
-/// Throws UsageError, naming the place in the model, where generate_terrain() would before it loads a DEM or
-/// draws by chance: validate() of the model; more than 2^30 nodes; a fractal's longest wavelength that is set
-/// and not above twice the resolution, since the grid would hold no wave; a standing feature whose centre is
-/// off the grid.
+/// Throws UsageError, naming the position in the model, where generate_terrain() would before it loads a DEM
+/// or draws by chance: validate() of the model; more than 2^30 nodes; a fractal's longest wavelength that is
+/// set and not above twice the resolution, since the grid would hold no wave; a standing feature whose centre
+/// is off the grid.
 void validate(const TerrainModel& model, const GridSpec& spec);
 
 /// Builds a gridded terrain: the sum of the bases at each node, then the features (feature_field.h). Fractal

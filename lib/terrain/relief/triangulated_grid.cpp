@@ -75,8 +75,8 @@ Eigen::Vector2d TriangulatedGrid::gradient(double x_m, double y_m) const {
   const GridSpec& spec = nodes_.spec();
   const double gx = origin_.from_first(x_m / spec.resolution_m, spec.first_col);
   const double gy = origin_.from_first(y_m / spec.resolution_m, spec.first_row);
-  const auto cell_of = [](double place, std::int64_t nodes) {
-    return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(nodes - 2)));
+  const auto cell_of = [](double position, std::int64_t nodes) {
+    return static_cast<std::int64_t>(std::clamp(position, 0.0, static_cast<double>(nodes - 2)));
   };
   const std::int64_t row = cell_of(gy, spec.rows);
   const std::int64_t col = cell_of(gx, spec.cols);
@@ -89,8 +89,8 @@ Eigen::Vector2d TriangulatedGrid::gradient(double x_m, double y_m) const {
   return rise / spec.resolution_m;
 }
 
-Eigen::Vector3d TriangulatedGrid::normal(const Eigen::Vector3d& place) const {
-  const Eigen::Vector2d slope = gradient(place.x(), place.y());
+Eigen::Vector3d TriangulatedGrid::normal(const Eigen::Vector3d& point) const {
+  const Eigen::Vector2d slope = gradient(point.x(), point.y());
   return Eigen::Vector3d(-slope.x(), -slope.y(), 1).normalized();
 }
 

@@ -13,12 +13,12 @@
 
 namespace landfall {
 
-/// How a place, counted in cells from the site centre, is counted from a grid's first node. By default it is
+/// How a position, in cells from the site centre, is expressed from a grid's first node. By default it is
 /// subtracted, and what that rounds depends on which node is the first.
 ///
-/// A window of a terrain must give the answers of the whole terrain, bit for bit. The places on such terrains
+/// A window of a terrain must give the answers of the whole terrain, bit for bit. Positions on such terrains
 /// are first rounded to 2^-36 cells: within 2^15 cells of the site centre all that follows is exact, whatever
-/// node is the first. It moves a place by less than 1e-11 cells.
+/// node is the first. It moves a position by less than 1e-11 cells.
 class CellOrigin {
  public:
   CellOrigin() = default;
@@ -61,12 +61,12 @@ class TriangulatedGrid final : public TerrainSurface {
   /// a hole shares with a triangle, the triangle counts.
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
 
-  /// (dH/dx, dH/dy) of the triangle at (x, y), both finite. A place off the grid has that of the nearest
+  /// (dH/dx, dH/dy) of the triangle at (x, y), both finite. A point off the grid has that of the nearest
   /// cell's; NaN in holes. On an edge or node one of the triangles that share it decides.
   [[nodiscard]] Eigen::Vector2d gradient(double x_m, double y_m) const;
 
-  /// Upward, from gradient() at the place's x and y.
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& place) const override;
+  /// Upward, from gradient() at the point's x and y.
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
 
   /// Triangles are numbered by cell, row-major: 2 cell is the lower left one, 2 cell + 1 the upper right one.
   /// Holes keep their numbers.

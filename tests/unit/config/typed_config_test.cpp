@@ -208,7 +208,7 @@ TEST(ScanModel, ATableOfPixelsIsReadByTheLoader) {
                    table);
   };
   EXPECT_EQ(pixels_of(load(0).lidar.detector),
-            pixels_of(perspective_detector({.rows = 1, .columns = 2, .places = {{-0.25, 0.5}, {0.5, 0}}})));
+            pixels_of(perspective_detector({.rows = 1, .columns = 2, .points = {{-0.25, 0.5}, {0.5, 0}}})));
   EXPECT_THAT(refusal([&] { static_cast<void>(load(-1.5)); }),
               HasSubstr("c.json: /detector/distortion: the image folds"));
   // Only checked: nothing is read, and whether the image folds stays open.

@@ -147,7 +147,7 @@ TEST(Perspective, WithoutDistortionFillOrTableNotABitChanges) {
   parameters.roll_rad = 0.3;
   const Detector plain = perspective_detector(parameters);
   for (int row = 0; row < 2; ++row)
-    for (int col = 0; col < 3; ++col) parameters.places.push_back({(col - 1) * 0.1, (0.5 - row) * 0.2});
+    for (int col = 0; col < 3; ++col) parameters.points.push_back({(col - 1) * 0.1, (0.5 - row) * 0.2});
   const Detector table = perspective_detector(parameters);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(table.pixels()[i], plain.pixels()[i]);
   for (std::size_t i = 0; i < 54; ++i) EXPECT_LT((table.samples()[i].v - plain.samples()[i].v).norm(), 1e-15);
@@ -175,11 +175,11 @@ TEST(Perspective, FillFactorDoesNothingToPixelsOfOneRay) {
 
 TEST(Perspective, TableOfPlaces) {
   auto parameters = two_by_three(0.1, 0.2);
-  parameters.places = {{0, 0}, {0.3, 0.1}, {-0.2, 0.4}, {0.1, -0.1}, {0, 0}, {1, 1}};
+  parameters.points = {{0, 0}, {0.3, 0.1}, {-0.2, 0.4}, {0.1, -0.1}, {0, 0}, {1, 1}};
   parameters.subpixels = 2;
   const Detector detector = perspective_detector(parameters);
   for (std::size_t i = 0; i < 6; ++i) {
-    const Eigen::Vector2d place(parameters.places[i].u, parameters.places[i].v);
+    const Eigen::Vector2d place(parameters.points[i].u, parameters.points[i].v);
     EXPECT_LT((on_map(detector.pixels()[i]) - place).norm(), 3e-16);
     EXPECT_LT((on_map(detector.samples()[4 * i]) - (place + Eigen::Vector2d(-0.025, 0.05))).norm(), 3e-16);
   }
@@ -221,7 +221,7 @@ TEST(Perspective, RefusesWhatIsOutOfRange) {
   refused({.distortion = {kNan, 0, 0}});
   refused({.distortion = {0, kNan, 0}});
   refused({.distortion = {0, 0, kNan}});
-  refused({.places = {{0, 0}, {0, 0}}});
+  refused({.points = {{0, 0}, {0, 0}}});
   refused({.estimator = {.range_resolution_m = 0}});
   for (const double bad : {0.0, -1e-4, kNan, std::numeric_limits<double>::infinity()}) {
     refused({.field_of_view = PixelFieldOfView{bad, 1e-4}});

@@ -40,12 +40,12 @@ const Rows kWhole = {{1, 1, 4, 5}, {0, 0, -1, -2}, {0, 1, 2, 3}, {1, 0, 6, 7}};
 
 TEST(PixelTable, AnyOrderOfRows) {
   EXPECT_EQ(pixel_places(table_of(kWhole), 2, 2),
-            (std::vector<ImagePlace>{{-1, -2}, {2, 3}, {6, 7}, {4, 5}}));
+            (std::vector<ImagePoint>{{-1, -2}, {2, 3}, {6, 7}, {4, 5}}));
 }
 
 TEST(PixelTable, LineArrays) {
   EXPECT_EQ(pixel_places(table_of({{0, 1, 1, 0}, {0, 0, 2, 0}, {0, 2, 3, 0}}), 1, 3),
-            (std::vector<ImagePlace>{{2, 0}, {1, 0}, {3, 0}}));
+            (std::vector<ImagePoint>{{2, 0}, {1, 0}, {3, 0}}));
 }
 
 TEST(PixelTable, EveryPixelExactlyOnce) {

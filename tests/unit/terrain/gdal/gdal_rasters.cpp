@@ -61,15 +61,23 @@ void write_geotiff(const std::string& path, const TestRaster& raster) {
   write_pixels(band, raster, raster.value);
 }
 
-MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& place, const std::string& crs) {
+std::vector<MapPoint> site_to_crs(const std::string& site_wkt, const std::vector<SitePoint>& points,
+                                  const std::string& crs) {
   const OGRSpatialReference from = crs_of(site_wkt);
   const OGRSpatialReference to = crs_of(crs);
   const std::unique_ptr<OGRCoordinateTransformation> transformation(
       OGRCreateCoordinateTransformation(&from, &to));
   require(transformation != nullptr);
-  MapPoint point{place.x_m, place.y_m};
-  require(transformation->Transform(1, &point.x, &point.y) != 0);
-  return point;
+  std::vector<MapPoint> result;
+  for (const SitePoint& point : points) {
+    MapPoint& map_point = result.emplace_back(MapPoint{point.x_m, point.y_m});
+    require(transformation->Transform(1, &map_point.x, &map_point.y) != 0);
+  }
+  return result;
+}
+
+MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& point, const std::string& crs) {
+  return site_to_crs(site_wkt, std::vector<SitePoint>{point}, crs).front();
 }
 
 bool is_local_in_metres(const std::string& wkt) {

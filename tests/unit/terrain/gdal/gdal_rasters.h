@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "terrain/relief/site_mapping.h"
 
@@ -27,8 +28,10 @@ struct TestRaster {
 /// Writes a GeoTIFF; throws std::runtime_error with GDAL's reason.
 void write_geotiff(const std::string& path, const TestRaster& raster);
 
-/// Where a place of the site lies in another CRS, by PROJ.
-MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& place, const std::string& crs);
+/// Where points of the site lie in another CRS, by PROJ.
+std::vector<MapPoint> site_to_crs(const std::string& site_wkt, const std::vector<SitePoint>& points,
+                                  const std::string& crs);
+MapPoint site_to_crs(const std::string& site_wkt, const SitePoint& point, const std::string& crs);
 
 /// True where GDAL reads the text as a local CRS in metres.
 bool is_local_in_metres(const std::string& wkt);

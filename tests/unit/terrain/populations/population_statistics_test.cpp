@@ -42,7 +42,7 @@ std::vector<Case> three_densities() {
 std::vector<ScatteredObject> inside(const Case& c, std::uint64_t seed) {
   std::vector<ScatteredObject> objects = drawn(c.population, hectare(seed), c.kind);
   std::erase_if(objects, [](const ScatteredObject& o) {
-    return std::max(std::abs(o.place.x_m), std::abs(o.place.y_m)) > 50;
+    return std::max(std::abs(o.point.x_m), std::abs(o.point.y_m)) > 50;
   });
   return objects;
 }
@@ -135,12 +135,12 @@ TEST(PopulationStatistics, SizesAndPlacesFollowTheirDistributions) {
     for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed)
       for (const ScatteredObject& o : inside(c, seed)) {
         sizes.push_back(o.diameter_m);
-        x.push_back(o.place.x_m);
-        y.push_back(o.place.y_m);
+        x.push_back(o.point.x_m);
+        y.push_back(o.point.y_m);
         const auto cell = [](double place) {
           return std::min(static_cast<std::size_t>((place + 50) / 20), std::size_t{4});
         };
-        cells[5 * cell(o.place.y_m) + cell(o.place.x_m)] += 1;
+        cells[5 * cell(o.point.y_m) + cell(o.point.x_m)] += 1;
       }
     const double low = c.population.diameters.min_m;
     const double all = expected_count(c, c.population.diameters);
@@ -170,7 +170,7 @@ TEST(PopulationStatistics, CratersReachIntoTheSiteFromOutside) {
   double total = 0;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed)
     for (const ScatteredObject& o : drawn({kTraskCraters, {a, b}}, hectare(seed), kTestCraters)) {
-      EXPECT_LE(std::max(std::abs(o.place.x_m), std::abs(o.place.y_m)), 50 + 0.75 * o.diameter_m);
+      EXPECT_LE(std::max(std::abs(o.point.x_m), std::abs(o.point.y_m)), 50 + 0.75 * o.diameter_m);
       total += 1;
     }
   const double n = kSeeds;
@@ -188,7 +188,7 @@ TEST(PopulationStatistics, ARegionHasTheModelsDensity) {
     double total = 0;
     for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed)
       for (const ScatteredObject& o : drawn(population, hectare(seed))) {
-        EXPECT_TRUE(contains(regions[i], o.place));
+        EXPECT_TRUE(contains(regions[i], o.point));
         total += 1;
       }
     EXPECT_NEAR(total, expected, 3 * std::sqrt(expected));

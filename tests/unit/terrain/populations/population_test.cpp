@@ -29,7 +29,7 @@ const Population kRocks{GolombekLaw{0.1}, {0.3, 3}};
 /// All that a draw says, to compare exactly.
 std::vector<std::array<double, 3>> listed(const std::vector<ScatteredObject>& objects) {
   std::vector<std::array<double, 3>> list;
-  for (const ScatteredObject& o : objects) list.push_back({o.place.x_m, o.place.y_m, o.diameter_m});
+  for (const ScatteredObject& o : objects) list.push_back({o.point.x_m, o.point.y_m, o.diameter_m});
   return list;
 }
 
@@ -88,7 +88,7 @@ TEST(Population, NothingReachesIntoTheClearCircle) {
     auto expected = drawn(all, hectare(), kind);
     const std::size_t before = expected.size();
     std::erase_if(expected, [&](const ScatteredObject& o) {
-      return std::hypot(o.place.x_m, o.place.y_m) - kind.reach * o.diameter_m < 15;
+      return std::hypot(o.point.x_m, o.point.y_m) - kind.reach * o.diameter_m < 15;
     });
     EXPECT_EQ(listed(drawn(cleared, hectare(), kind)), listed(expected));
     EXPECT_LT(expected.size(), before);
@@ -99,8 +99,8 @@ std::size_t overlapping_pairs(const std::vector<ScatteredObject>& objects, doubl
   std::size_t pairs = 0;
   for (std::size_t i = 0; i < objects.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
-      const double dx_m = objects[i].place.x_m - objects[j].place.x_m;
-      const double dy_m = objects[i].place.y_m - objects[j].place.y_m;
+      const double dx_m = objects[i].point.x_m - objects[j].point.x_m;
+      const double dy_m = objects[i].point.y_m - objects[j].point.y_m;
       const double sum_m = reach * (objects[i].diameter_m + objects[j].diameter_m);
       pairs += dx_m * dx_m + dy_m * dy_m < sum_m * sum_m ? 1U : 0U;
     }
@@ -121,9 +121,9 @@ TEST(Population, WithoutOverlapNoTwoOverlap) {
       std::size_t moved = 0;
       for (std::size_t i = 0; i < before.size(); ++i) {
         EXPECT_EQ(after[i].diameter_m, before[i].diameter_m);
-        EXPECT_GE(std::hypot(after[i].place.x_m, after[i].place.y_m), 2 + kind.reach * after[i].diameter_m);
-        EXPECT_TRUE(contains(region, after[i].place));
-        moved += after[i].place == before[i].place ? 0U : 1U;
+        EXPECT_GE(std::hypot(after[i].point.x_m, after[i].point.y_m), 2 + kind.reach * after[i].diameter_m);
+        EXPECT_TRUE(contains(region, after[i].point));
+        moved += after[i].point == before[i].point ? 0U : 1U;
       }
       EXPECT_GT(moved, 100U);
       EXPECT_LT(moved, before.size() / 2);  // only those that were in the way

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all commands share: options, output paths, error messages and exit codes."""
+import argparse
+import os
+import sys
+
+from landfall.errors import Error, UsageError
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line."""
+
+    def error(self, message):
+        raise UsageError(f"{message} (see --help)")
+
+
+def run(main):
+    """Calls main(arguments). An error becomes one line on stderr and the exit code."""
+    name = os.path.basename(sys.argv[0])
+    try:
+        main(sys.argv[1:])
+    except Error as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        print(f"{name}: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)
+
+
+def check_outputs(paths, overwrite, makes_folder=False):
+    """Rejects, before any work, outputs that could not be written at the end. With makes_folder, their folder may be new."""
+    for path in paths:
+        folder = os.path.dirname(path) or "."
+        is_new = os.path.isdir(os.path.dirname(folder) or ".") and not os.path.exists(folder)
+        if not os.path.isdir(folder) and not (makes_folder and is_new):
+            raise UsageError(f"output {path}: folder {folder} does not exist")
+        if os.path.isdir(path):
+            raise UsageError(f"output {path} is a directory")
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise UsageError(f"output {path} is not a regular file")
+        if os.path.lexists(path) and not overwrite:
+            raise UsageError(f"output {path} exists; use -O to overwrite it")
+
+
+def write_whole(path, write_to):
+    """Calls write_to(temporary name) and renames: `path` holds a complete file or what it held before."""
+    temporary = os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.{os.getpid()}.part")
+    try:
+        write_to(temporary)
+        os.replace(temporary, path)
+    finally:
+        if os.path.exists(temporary):
+            os.remove(temporary)

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""landfall's files: the checks before any value is read, and the grids and metrics in them."""
+import contextlib
+import importlib
+import json
+import os
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from landfall.errors import DataError, Error
+
+# What ties layers to coordinates within HDF5.
+DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
+
+
+class ForeignFileError(OSError):
+    """The file leads to another one."""
+
+
+def require_self_contained(file):
+    """Raises ForeignFileError, naming the path within, for a link that is not hard, a virtual dataset and external values.
+
+    Follows no link and reads no value, so that no other file is opened.
+    """
+    groups, seen = [file["/"]], {_address(file["/"])}
+    while groups:
+        group = groups.pop()
+        for name in group:
+            path = f"{group.name.rstrip('/')}/{name}"
+            link = group.get(name, getlink=True)
+            if not isinstance(link, h5py.HardLink):
+                target = f"{getattr(link, 'filename', '')} {getattr(link, 'path', '')}".strip()
+                raise ForeignFileError(f"{path} is a link, to {target or 'a target that HDF5 does not know'}; links are not followed")
+            item = group[name]
+            if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
+                raise ForeignFileError(f"{path} keeps its values in other files, which are not opened")
+            if isinstance(item, h5py.Group) and _address(item) not in seen:
+                seen.add(_address(item))
+                groups.append(item)
+
+
+def _address(item):
+    return h5py.h5o.get_info(item.id).addr
+
+
+@contextlib.contextmanager
+def open_landfall(path, format_name):
+    """Opens a finished landfall file of the given format_name for reading.
+
+    Errors of HDF5 while the file is open become a DataError that names the file.
+    """
+    with open_screened(path, (format_name,)) as file:
+        try:
+            yield file
+        except (OSError, RuntimeError) as error:
+            raise _unreadable(path, error) from error
+
+
+def open_screened(path, formats):
+    """An open h5py.File that is self-contained, finished and of one of the formats. Throws DataError, naming the file."""
+    if not os.path.exists(path):
+        raise DataError(f"{path}: no such file")
+    file = None
+    try:
+        file = h5py.File(path, "r")
+        require_self_contained(file)
+        check_kind(file, path, formats)
+        return file
+    except Exception as error:
+        if file:
+            file.close()
+        if isinstance(error, ForeignFileError):
+            raise DataError(f"{path}: {error}") from error
+        if isinstance(error, (OSError, RuntimeError)):
+            raise _unreadable(path, error) from error
+        raise
+
+
+def _unreadable(path, error):
+    return DataError(f"{path}: not a readable HDF5 file ({' '.join(str(error).split())})")
+
+
+def text(value):
+    """An attribute's text; other values as they are."""
+    return value.decode(errors="replace") if isinstance(value, bytes) else value
+
+
+def attributes(item):
+    return {key: _plain(value) for key, value in item.attrs.items() if key not in DIMENSION_SCALES}
+
+
+def _plain(value):
+    value = text(value)
+    return value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
+
+
+def read(dataset, key):
+    """The values at a key. What HDF5 reports is a DataError that names file and dataset."""
+    try:
+        return dataset.asstr()[key] if dataset.dtype.kind == "O" else dataset[key]
+    except (OSError, RuntimeError) as error:
+        raise DataError(f"{dataset.file.filename}: {dataset.name}: {' '.join(str(error).split())}") from error
+
+
+def check_kind(file, path, formats):
+    found = text(file.attrs.get("format_name", ""))
+    if str(found) not in formats:
+        wanted = " or ".join(f"'{name}'" for name in formats)
+        raise DataError(f"{path}: format_name is '{found}', expected {wanted}")
+    if np.any(np.asarray(file.attrs.get("complete", 0)) != 1):
+        raise DataError(f"{path}: attribute 'complete' is not 1: the file was never finished")
+
+
+@dataclass(frozen=True)
+class MapGrid:
+    """Where the bins lie: ascending bin centres, metres, frame D."""
+
+    x: np.ndarray
+    y: np.ndarray
+    resolution_m: float
+
+    @property
+    def shape(self):
+        return (self.y.size, self.x.size)
+
+    @property
+    def half_width_m(self):
+        """The largest circle about the origin whose bins all lie in the map."""
+        return float(min(-self.x[0], self.x[-1], -self.y[0], self.y[-1]))
+
+
+def read_grid(file):
+    """The file's grid, or None where it has no x and y."""
+    if "x" not in file or "y" not in file:
+        return None
+    x, y = np.asarray(file["x"][()], float), np.asarray(file["y"][()], float)
+    if x.ndim != 1 or y.ndim != 1 or x.size < 2 or y.size < 2:
+        raise DataError(f"{file.filename}: x and y must be lists of at least 2 bin centres")
+    step = (x[-1] - x[0]) / (x.size - 1)
+    regular = np.allclose(np.diff(x), step, rtol=1e-6) and np.allclose(np.diff(y), step, rtol=1e-6)
+    if not (step > 0 and regular):
+        raise DataError(f"{file.filename}: x and y must ascend in equal steps")
+    return MapGrid(x, y, float(step))
+
+
+def read_layer(file, grid, name):
+    """A layer as an array with NaN for all values that are not finite; None if the file does not have the layer."""
+    if grid is None or name not in file:
+        return None
+    values = file[name][()]
+    if values.shape != grid.shape:
+        raise DataError(f"{file.filename}: {name} has shape {values.shape}; x and y need {grid.shape}")
+    if values.dtype.kind == "f" and np.isinf(values).any():
+        values[np.isinf(values)] = np.nan
+    return values
+
+
+def read_metrics(file):
+    """/metrics_json as a Metrics."""
+    if "metrics_json" not in file:
+        raise DataError(f"{file.filename}: no /metrics_json")
+    text = file["metrics_json"][()]
+    try:
+        return Metrics(json.loads(text))
+    except (ValueError, TypeError) as error:
+        raise DataError(f"{file.filename}: /metrics_json is not JSON ({error})") from error
+
+
+class Metrics:
+    """metrics.json. Values that are absent or null (a DEM without truth) are None."""
+
+    def __init__(self, tree):
+        if not isinstance(tree, dict):
+            raise ValueError("not an object")
+        self._tree = tree
+
+    def get(self, path):
+        """The value at a path such as 'coverage/hole_count'."""
+        node = self._tree
+        for key in path.split("/"):
+            node = node.get(key) if isinstance(node, dict) else None
+        if isinstance(node, (str, dict)):
+            raise DataError(f"/metrics_json: {path} is not a number")
+        return node
+
+
+def package(name):
+    """Imports a package that only some commands need; where it is missing, the error names Debian's."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise Error(f"the Python package {name} is missing: apt-get install python3-{name}") from error

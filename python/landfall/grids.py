@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grids and meshes as xarray.Datasets. This module alone needs xarray."""
+import h5py
+import xarray
+from xarray.core import indexing
+
+from landfall import files
+
+# Dimensions of the datasets that have no coordinates.
+MESH = {"vertices": ("vertex", "axis"), "triangles": ("triangle", "corner")}
+
+
+class Source:
+    """An open file. A copy of it, such as an unpickled one, opens the file again."""
+
+    def __init__(self, path, formats, file=None):
+        self.path, self.formats = path, formats
+        self.file = file or files.open_screened(path, formats)
+
+    def __reduce__(self):
+        return Source, (self.path, self.formats)
+
+    def close(self):
+        self.file.close()
+
+
+class Layer(xarray.backends.BackendArray):
+    """A dataset that xarray reads when its values are asked for."""
+
+    def __init__(self, source, dataset):
+        self.source, self.name, self.shape, self.dtype = source, dataset.name, dataset.shape, dataset.dtype
+
+    def __getitem__(self, key):
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read)
+
+    def _read(self, key):
+        return files.read(self.source.file[self.name], key)
+
+
+class Backend(xarray.backends.BackendEntrypoint):
+    """The datasets at the root of a file, or those of its mesh."""
+
+    open_dataset_parameters = ("filename_or_obj", "drop_variables")
+
+    def open_dataset(self, filename_or_obj, *, drop_variables=()):
+        source = filename_or_obj
+        coordinates, layers = {}, {}
+        for name, dataset in (source.file["mesh"] if "mesh" in source.file else source.file).items():
+            if isinstance(dataset, h5py.Dataset) and name not in (drop_variables or ()):
+                is_coordinate = name == "crs" or h5py.h5ds.is_scale(dataset.id)
+                (coordinates if is_coordinate else layers)[name] = _variable(source, name, dataset)
+        result = xarray.Dataset(layers, coordinates, files.attributes(source.file))
+        result.encoding["source"] = source.path
+        return result
+
+
+def open_grid(path, formats, file):
+    source = Source(path, formats, file)
+    result = xarray.open_dataset(source, engine=Backend)
+    result.set_close(source.close)
+    return result
+
+
+def _variable(source, name, dataset):
+    attributes, encoding = files.attributes(dataset), {}
+    dimensions = _dimensions(name, dataset)
+    if "_FillValue" in attributes:
+        encoding["_FillValue"] = attributes.pop("_FillValue")
+    if dataset.chunks:
+        encoding["preferred_chunks"] = dict(zip(dimensions, dataset.chunks))
+    data = indexing.LazilyIndexedArray(Layer(source, dataset)) if dataset.shape else files.read(dataset, ())
+    return xarray.Variable(dimensions, data, attributes, encoding)
+
+
+def _dimensions(name, dataset):
+    if h5py.h5ds.is_scale(dataset.id):
+        return (name,)
+    if name in MESH:
+        return MESH[name]
+    return tuple(scale.keys()[0] if len(scale) else f"{name}_{place}" for place, scale in enumerate(dataset.dims))

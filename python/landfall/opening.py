@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""landfall.open: a file as an xarray.Dataset, a Table or a dict."""
+import os
+
+import h5py
+
+from landfall import files, schema
+from landfall.errors import DataError, UsageError
+from landfall.table import open_table
+
+GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan")
+# Where the columns of the other files are.
+TABLES = {"landfall.scan": "points", "landfall.results": "/"}
+
+
+def open_file(path, group=None):
+    """See landfall.open."""
+    path = os.fspath(path)
+    if group is None and os.path.isfile(path) and not h5py.is_hdf5(path):
+        return read_metrics(path)
+    file = files.open_screened(path, (*GRIDS, *TABLES))
+    try:
+        group = group or TABLES.get(files.text(file.attrs["format_name"]))
+        if group:
+            return open_table(file, group)
+        files.package("xarray")
+        from landfall import grids
+
+        return grids.open_grid(path, GRIDS, file)
+    except Exception:
+        file.close()
+        raise
+
+
+def read_metrics(path):
+    """metrics.json as a dict."""
+    try:
+        tree = schema.read_json(path)
+    except UsageError as error:
+        raise DataError(f"{path}: neither an HDF5 file nor JSON of landfall") from error
+    if not isinstance(tree, dict) or tree.get("format") != "landfall.metrics":
+        raise DataError(f"{path}: \"format\" is not \"landfall.metrics\"")
+    return tree

@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws what dem-eval found: elevation error, coverage, accuracy and the verdict, one figure each, and for a DEM
+with 1-sigma maps how well they predict the errors.
+
+Files written with --metrics-only have no maps: only the coverage histogram and the verdict are drawn.
+"""
+import os
+
+import numpy as np
+
+from landfall import command, files, maps, plot_dem, plots, scores
+
+LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
+FAIL_BIT = {"rel_x": 1, "rel_y": 2, "rel_z": 4, "hole_size": 16, "distance": 32}
+WIDE_CELLS, CELLS = 620, 400  # blocks along a panel's edge, two and three panels beside each other
+ZOOM_WIDTH_M = 6.0
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_eval.py", description=__doc__)
+    parser.add_argument("evaluation", metavar="EVAL.h5")
+    parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
+    parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
+                        help="a folder, made where the name ends with /, or the prefix of the figures' names "
+                             "(default: EVAL-)")
+    plots.add_output_options(parser)
+    options = parser.parse_args(arguments)
+    options.output = options.output or os.path.splitext(options.evaluation)[0] + "-"
+    if os.path.isdir(options.output):
+        options.output = os.path.join(options.output, "")
+    return options
+
+
+class Evaluation:
+    """What an eval.h5 holds; layers that it does not have are None."""
+
+    def __init__(self, path):
+        with files.open_landfall(path, "landfall.evaluation") as file:
+            self.name = os.path.basename(path)
+            self.grid = files.read_grid(file)
+            self.metrics = files.read_metrics(file)
+            self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
+        self.radius_m = self.metrics.get("region/radius_m")
+        self.half_width_m = self.metrics.get("region/half_width_m")
+        bins = self.metrics.get("accuracy/footprint_bins")
+        self.footprint_m = None if not bins or self.grid is None else (bins - 1) * self.grid.resolution_m
+
+    def has(self, *names):
+        return all(self.layers[name] is not None for name in names)
+
+    def inside(self):
+        return self.layers["in_region"] != 0
+
+    def failing(self, kind):
+        """Where the requirement's bit is set; nowhere in a file without the layer."""
+        flags = self.layers["fail"]
+        return np.zeros(self.grid.shape, bool) if flags is None else (flags & FAIL_BIT[kind]) != 0
+
+
+def finish_map(ax, evaluation):
+    if evaluation.radius_m is not None:
+        maps.draw_region(ax, evaluation.radius_m)
+    elif evaluation.half_width_m is not None:
+        maps.draw_square_region(ax, evaluation.half_width_m)
+    maps.draw_scale_marks(ax, evaluation.footprint_m)
+
+
+# Elevation error
+
+
+def draw_error(evaluation):
+    grid, error = evaluation.grid, evaluation.layers["e_z"]
+    inside = evaluation.inside()
+    within = np.where(inside, error, np.nan)
+    title = f"{evaluation.name}: elevation error e_z = true - estimated (black: no return, enlarged)"
+    figure, axes = maps.new_figure((1, 3), (14, 4.9), title)
+    scale = maps.signed_scale(within)
+    maps.frame_map(axes[0, 0], grid, error_title(within))
+    maps.draw_values(axes[0, 0], grid, error, scale, CELLS, no_value=np.isnan(error) & inside)
+    finish_map(axes[0, 0], evaluation)
+    window = draw_error_zoom(axes[0, 1], evaluation, within)
+    maps.draw_zoom_frame(axes[0, 0], window)
+    draw_error_histogram(axes[0, 2], within, scale)
+    return figure
+
+
+def error_title(within):
+    low, high = maps.finite_extremes(within)
+    return "no valid bin" if np.isnan(low) else f"in the region {plots.metres(low)} to {plots.metres(high)}"
+
+
+def draw_error_zoom(ax, evaluation, within):
+    """Every bin about the footprint of largest relative error, less that footprint's mean as in Eq. 12."""
+    grid, rel, mean = evaluation.grid, evaluation.layers["rel_z"], evaluation.layers["abs_z"]
+    center = maps.largest_bin(grid, rel)
+    window, rows, cols = maps.zoom_window(grid, center, ZOOM_WIDTH_M)
+    deviation = within[rows, cols] - float(mean[maps.bin_at(grid, center)])
+    maps.frame_map(ax, window, "e_z - mean of the worst footprint")
+    maps.draw_values(ax, window, deviation, maps.signed_scale(deviation), CELLS)
+    if evaluation.footprint_m is not None:
+        maps.draw_footprint(ax, center, evaluation.footprint_m)
+    maps.draw_scale_marks(ax)
+    return window
+
+
+def draw_error_histogram(ax, within, scale):
+    unit, factor = scale.unit
+    values = within[~np.isnan(within)] * factor
+    ax.set_box_aspect(1)
+    ax.set(title=f"{values.size:,} valid bins", xlabel=f"e_z ({unit})", ylabel="bins")
+    if values.size == 0:
+        maps.notice(ax, "no valid bin")
+        return
+    limits = (scale.low_m * factor, scale.high_m * factor)
+    counts, _, _ = ax.hist(values, bins=101, range=limits, color=maps.BLUE)
+    maps.scale_counts(ax, counts.max())
+
+
+# Coverage
+
+
+def draw_coverage(evaluation):
+    has_maps = evaluation.has("invalid", "in_region", "fail")
+    detail = "" if has_maps else f"\n{invalid_text(evaluation.metrics)}; this file has no maps"
+    title = f"{evaluation.name}: coverage of the region{detail}"
+    figure, axes = maps.new_figure((1, 3) if has_maps else (1, 1), (14, 5.7) if has_maps else (7, 5.6), title)
+    if has_maps:
+        draw_invalid_map(axes[0, 0], evaluation)
+        draw_hole_map(axes[0, 1], evaluation)
+    draw_hole_histogram(axes[0, -1], evaluation.metrics)
+    return figure
+
+
+def draw_mask(ax, evaluation, title, flags):
+    """White inside the region, grey outside, and {label: (flags, colour)} on it, single bins enlarged."""
+    maps.frame_map(ax, evaluation.grid, title)
+    ax.set_facecolor("white")
+    maps.draw_outside(ax, evaluation.grid, evaluation.inside(), CELLS)
+    for bins, color in flags.values():
+        maps.draw_flags(ax, evaluation.grid, bins, color, CELLS)
+    maps.legend(ax, {name: color for name, (_, color) in flags.items()})
+    finish_map(ax, evaluation)
+
+
+def invalid_text(metrics):
+    count, fraction = metrics.get("coverage/invalid_count"), metrics.get("coverage/invalid_frac")
+    return f"{plots.counted(count, 'invalid bin')} ({plots.percent(fraction)})"
+
+
+def draw_invalid_map(ax, evaluation):
+    invalid = evaluation.layers["invalid"] != 0
+    draw_mask(ax, evaluation, invalid_text(evaluation.metrics), {"invalid (enlarged)": (invalid, maps.BLUE)})
+
+
+def draw_hole_map(ax, evaluation):
+    holes = evaluation.metrics.get("coverage/holes_over_limit")
+    far = evaluation.metrics.get("coverage/distance_over_limit_count")
+    title = f"over the limits: {plots.counted(holes, 'hole')}, {plots.counted(far, 'distance')}"
+    draw_mask(ax, evaluation, title, {"hole too large": (evaluation.failing("hole_size"), maps.SKY_BLUE),
+                                      "too far from a valid bin": (evaluation.failing("distance"), maps.VERMILION)})
+
+
+def draw_hole_histogram(ax, metrics):
+    sizes = metrics.get("coverage/hole_size_histogram/size_bins") or []
+    counts = metrics.get("coverage/hole_size_histogram/count") or []
+    largest, limit = metrics.get("coverage/largest_hole_bins"), metrics.get("requirements/hole_size/limit")
+    ax.set_box_aspect(1)
+    holes = plots.counted(metrics.get("coverage/hole_count"), "hole")
+    ax.set(title=f"{holes}, largest {plots.bins(largest)}",
+           xlabel="hole size (bins, 8-connected)", ylabel="holes")
+    if len(sizes) == 0 or len(sizes) != len(counts):
+        maps.notice(ax, "no holes")
+        return
+    ax.bar(sizes, counts, width=0.8 if max(sizes) < 60 else 0.09 * np.asarray(sizes, float), color=maps.BLUE)
+    maps.scale_counts(ax, max(counts))
+    if max(sizes) >= 60:
+        ax.set_xscale("log")
+    if limit is not None:
+        ax.axvline(limit + 0.5, color=maps.VERMILION, linestyle="--", label=f"limit {plots.bins(limit)}")
+        ax.legend(loc="upper right")
+
+
+# Accuracy
+
+
+def draw_accuracy(evaluation):
+    title = f"{evaluation.name}: accuracy over the footprint centred on each bin (white line: violations)"
+    figure, axes = maps.new_figure((2, 3), (14, 9.3), title)
+    for column, axis in enumerate("xyz"):
+        draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", absolute_title(evaluation, axis))
+        draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", relative_title(evaluation, axis))
+        violations = evaluation.failing(f"rel_{axis}")
+        maps.outline_flags(axes[1, column], evaluation.grid, violations, "white", CELLS)
+    return figure
+
+
+def absolute_title(evaluation, axis):
+    p95 = evaluation.metrics.get(f"accuracy/absolute/{axis}/p95_m")
+    return f"absolute {axis} (mean)\n95 % within {plots.metres(p95)}"
+
+
+def relative_title(evaluation, axis):
+    count = evaluation.metrics.get(f"accuracy/relative/{axis}/violation_count")
+    largest = evaluation.metrics.get(f"accuracy/relative/{axis}/max_m")
+    quantile = evaluation.metrics.get("accuracy/quantile")
+    of = "" if quantile is None else f" ({100 * quantile:g} % of |e - mean|)"
+    return f"relative {axis}{of}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+
+
+def draw_footprint_map(ax, evaluation, name, title):
+    values = evaluation.layers[name]
+    scale = maps.signed_scale(values) if name.startswith("abs") else maps.magnitude_scale(values)
+    maps.frame_map(ax, evaluation.grid, title)
+    no_value = np.isnan(values) & evaluation.inside() if evaluation.has("in_region") else None
+    maps.draw_values(ax, evaluation.grid, values, scale, CELLS, no_value=no_value)
+    finish_map(ax, evaluation)
+
+
+# Verdict
+
+
+def violations_text(value):
+    return "none" if value == 0 else plots.number(value)
+
+
+REQUIREMENTS = [("coverage", "Coverage: invalid bins", "at most", plots.percent),
+                ("hole_size", "Largest hole", "at most", plots.bins),
+                ("hole_distance", "Distance to a valid bin", "at most", plots.bins),
+                ("relative_elevation", "Relative elevation: violations", "at most", violations_text),
+                ("relative_horizontal", "Relative horizontal: violations", "at most", violations_text),
+                ("absolute_horizontal", "Absolute horizontal: within the limit", "at least", plots.percent)]
+VERDICT = {True: "pass", False: "FAIL", None: "not judged"}
+VERDICT_COLOR = {True: "#cfe4f2", False: "#f6c9a8", None: "#e8e8e8"}
+
+
+def requirement_row(metrics, requirement):
+    """([name, value, limit, verdict], passed) of one requirement."""
+    key, name, sense, text = requirement
+    value, limit = metrics.get(f"requirements/{key}/value"), metrics.get(f"requirements/{key}/limit")
+    passed = metrics.get(f"requirements/{key}/pass")
+    value_text = "–" if value is None else text(value)
+    limit_text = "–" if limit is None or value is None else f"{sense} {text(limit)}".replace("at most none", "none")
+    return [name, value_text, limit_text, VERDICT[passed]], passed
+
+
+def draw_verdict(evaluation):
+    passed = evaluation.metrics.get("pass")
+    text = "not judged, the DEM has no truth" if passed is None else VERDICT[passed]
+    figure, axes = maps.new_figure((1, 1), (11, 3.4), f"{evaluation.name}: {text}")
+    ax = axes[0, 0]
+    ax.axis("off")
+    rows = [requirement_row(evaluation.metrics, requirement) for requirement in REQUIREMENTS]
+    table = ax.table([cells for cells, _ in rows], colLabels=["requirement", "value", "limit", "verdict"],
+                     colWidths=[0.4, 0.22, 0.24, 0.14], cellLoc="left", loc="center")
+    style_table(table, [row_passed for _, row_passed in rows])
+    return figure
+
+
+def style_table(table, passed):
+    table.auto_set_font_size(False)
+    table.set_fontsize(maps.FONT_PT + 1)
+    table.scale(1, 1.75)
+    for (row, column), cell in table.get_celld().items():
+        cell.set_edgecolor("#b0b0b0")
+        if row == 0:
+            cell.set_text_props(weight="bold")
+        elif column == 3:
+            cell.set_facecolor(VERDICT_COLOR[passed[row - 1]])
+
+
+def figures_of(evaluation):
+    """{name: drawing function}: what this file has the layers for."""
+    chosen = {"verdict.png": draw_verdict, "coverage.png": draw_coverage}
+    if evaluation.has("e_z", "abs_z", "rel_z", "in_region"):
+        chosen["elevation_error.png"] = draw_error
+    if evaluation.has("abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z"):
+        chosen["accuracy.png"] = draw_accuracy
+    if evaluation.metrics.get("uncertainty/absolute/count") is not None:
+        chosen["uncertainty.png"] = lambda e: scores.draw(e.name, e.metrics)
+    return chosen
+
+
+def main(arguments):
+    options = parse(arguments)
+    evaluation = Evaluation(options.evaluation)
+    chosen = figures_of(evaluation)
+    dem_figure = [options.output + "dem.png"] if options.dem else []
+    command.check_outputs([options.output + name for name in chosen] + dem_figure, options.overwrite,
+                          makes_folder=options.output.endswith(os.sep))
+    figures = {options.output + name: draw(evaluation) for name, draw in chosen.items()}
+    if options.dem:
+        figures[dem_figure[0]] = draw_dem(options, evaluation)
+    plots.save(figures, options.dpi)
+
+
+def draw_dem(options, evaluation):
+    """The figure of plot_dem.py, with this evaluation's region and footprint."""
+    dem_options = plot_dem.parse([options.dem, "-o", options.output + "dem.png"])
+    dem_options.region_radius_m = evaluation.radius_m
+    dem_options.footprint_m = evaluation.footprint_m or dem_options.footprint_m
+    return plot_dem.draw(*plot_dem.read(options.dem), dem_options)

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws where each scan pattern aims: a small scan of flat ground for each, from 500 m at -23 m/s (docs/user/lidar)."""
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from landfall import command, files, plots, tools
+
+HALF_WIDTH_M = 50
+SCAN_TIME_S = 2
+TERRAIN = {"grid": {"half_width_m": 75, "resolution_m": 1}, "base": {"type": "plane"}}
+STAR = np.array([(0, 48), (28, -39), (-46, 15), (46, 15), (-28, -39), (0, 48)])
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pattern: its configuration, its caption, and the scan's pulses and pixels."""
+
+    keys: dict
+    caption: str
+    pulses: int = 2000
+    pixels: int = 1
+    ifov_rad: float = 8.9e-5
+
+
+PANELS = [
+    Panel({"type": "line_search", "rows": 16, "columns": 16}, "rows 16, columns 16", 256),
+    Panel({"type": "line_search", "rows": 16, "columns": 16, "direction": "boustrophedon", "ramped": True},
+          "boustrophedon, ramped", 256),
+    Panel({"type": "line_search", "rows": 16, "columns": 16, "compensated": False}, "compensated false", 256),
+    Panel({"type": "spiral", "pitch_m": 5}, "radius_m 50, pitch_m 5", 1000),
+    Panel({"type": "rosette", "rates_hz": [3, -4]}, "rates_hz [3, -4]: 7 petals"),
+    Panel({"type": "rosette", "rates_hz": [10, 9.5]}, "rates_hz [10, 9.5]: opens and closes"),
+    Panel({"type": "lissajous", "rates_hz": [4.5, 5]}, "rates_hz [4.5, 5]"),
+    Panel({"type": "step_stare", "rows": 5, "columns": 5}, "rows 5, columns 5; a 12 x 12 array", 25, 12, 3.1e-3),
+    Panel({"type": "stare", "aim_m": [20, -10]}, "aim_m [20, -10]; a 12 x 12 array", 1, 12, 3.1e-3),
+    Panel({"type": "table", "path": "star.csv"}, "path star.csv: 6 rows"),
+]
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_patterns.py", description=__doc__)
+    parser.add_argument("-o", "--output", metavar="PNG", required=True)
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    plots.add_output_options(parser)
+    options = parser.parse_args(arguments)
+    plots.require_png(options.output)
+    return options
+
+
+def write_json(path, tree):
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(tree, file)
+    return path
+
+
+def write_star(path):
+    times = np.linspace(0, SCAN_TIME_S, len(STAR))
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("t_s,x_m,y_m\n" + "".join(f"{t},{x},{y}\n" for t, (x, y) in zip(times, STAR)))
+
+
+def configuration(panel, folder):
+    keys = dict(panel.keys)
+    if "path" in keys:
+        keys["path"] = os.path.join(folder, keys["path"])
+    return {"detector": {"rows": panel.pixels, "columns": panel.pixels, "ifov_rad": panel.ifov_rad},
+            "laser": {"pulse_rate_hz": panel.pulses / SCAN_TIME_S, "scan_time_s": SCAN_TIME_S},
+            "scanner": {"type": "fsm", "pattern": keys}}
+
+
+def scan(panel, folder, options):
+    """(x, y), metres, one row per pulse and one column per pixel."""
+    path = os.path.join(folder, "scan.h5")
+    config = write_json(os.path.join(folder, "scan.json"), configuration(panel, folder))
+    terrain = os.path.join(folder, "terrain.h5")
+    tools.run_tool(tools.find("scan-sim", options.bin), "-c", config, "--terrain", terrain, "-o", path, "-O")
+    with files.open_landfall(path, "landfall.scan") as file:
+        x, y = file["points/x_true"][()], file["points/y_true"][()]
+    return x.reshape(-1, panel.pixels ** 2), y.reshape(-1, panel.pixels ** 2)
+
+
+def draw_images(ax, x, y):
+    """The points of every pixel, one colour per image."""
+    colours = np.repeat(np.arange(len(x)), x.shape[1])
+    ax.scatter(x.ravel(), y.ravel(), c=colours, cmap="viridis", s=0.8, linewidths=0, vmax=max(len(x) - 1, 1))
+
+
+def draw_aims(ax, x, y, dots):
+    path = np.column_stack([x, y])
+    line = LineCollection(np.stack([path[:-1], path[1:]], axis=1), cmap="viridis", linewidths=0.8)
+    line.set_array(np.arange(len(path) - 1))
+    ax.add_collection(line)
+    if dots:
+        ax.scatter(x, y, c=np.arange(len(x)), cmap="viridis", s=5, linewidths=0, zorder=3)
+
+
+def draw_panel(ax, panel, x, y):
+    ax.add_patch(plt.Rectangle((-HALF_WIDTH_M, -HALF_WIDTH_M), 2 * HALF_WIDTH_M, 2 * HALF_WIDTH_M, fill=False,
+                               color="0.75", linewidth=0.8))
+    if panel.pixels > 1:
+        draw_images(ax, x, y)
+    center_x, center_y = x.mean(axis=1), y.mean(axis=1)
+    if len(x) > 1:
+        draw_aims(ax, center_x, center_y, len(x) <= 300)
+    ax.plot(center_x[0], center_y[0], "o", color="crimson", markersize=5, zorder=4)
+    ax.set_title(f"{panel.keys['type']}\n", fontsize=11, fontweight="bold", pad=3)
+    ax.text(0.5, 1.03, panel.caption, transform=ax.transAxes, ha="center", fontsize=9)
+    ax.set_xlim(-56, 56)
+    ax.set_ylim(-56, 56)
+    ax.set_aspect("equal")
+    ax.set_xticks([-50, 0, 50])
+    ax.set_yticks([-50, 0, 50])
+    ax.tick_params(labelsize=8)
+
+
+def draw(scans):
+    figure, axes = plt.subplots(2, 5, figsize=(15, 7.0), layout="constrained")
+    for ax, (panel, x, y) in zip(axes.flat, scans):
+        draw_panel(ax, panel, x, y)
+    for ax in axes[-1]:
+        ax.set_xlabel("x, m", fontsize=9)
+    for ax in axes[:, 0]:
+        ax.set_ylabel("y, m", fontsize=9)
+    figure.suptitle("Where the patterns aim: first pulse red, then dark to bright; the grey square is ±50 m")
+    return figure
+
+
+def main(arguments):
+    options = parse(arguments)
+    command.check_outputs([options.output], options.overwrite)
+    with tempfile.TemporaryDirectory(prefix="landfall-patterns-") as folder:
+        write_star(os.path.join(folder, "star.csv"))
+        terrain = write_json(os.path.join(folder, "terrain.json"), TERRAIN)
+        tools.run_tool(tools.find("terrain-gen", options.bin), "-c", terrain, "-o", os.path.join(folder, "terrain.h5"))
+        scans = [(panel, *scan(panel, folder, options)) for panel in PANELS]
+    plots.save({options.output: draw(scans)}, options.dpi)

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws a plan made by scan-sim --plan: returns and images per bin, when each bin is seen, and the time budget."""
+import json
+import os
+
+import numpy as np
+
+from landfall import command, files, maps, plots, reduction
+from landfall.errors import DataError
+
+CELLS = 620  # blocks along a panel's edge
+BUDGET = [("in_region", "image in the region", "#0072b2"),
+          ("partly_in_region", "partly in the region", "#56b4e9"),
+          ("off_region", "outside the region", "#e69f00"),
+          ("blanked", "blanked", "#999999")]
+UNCOVERED = "#d55e00"
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_plan.py", description=__doc__)
+    parser.add_argument("plan", metavar="PLAN.h5")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: PLAN-figure.png beside the plan)")
+    plots.add_output_options(parser)
+    options = parser.parse_args(arguments)
+    options.output = options.output or os.path.splitext(options.plan)[0] + "-figure.png"
+    plots.require_png(options.output)
+    return options
+
+
+def read(path):
+    """(grid, layers by name, the plan in numbers)."""
+    with files.open_landfall(path, "landfall.plan") as file:
+        grid = files.read_grid(file)
+        layers = {name: files.read_layer(file, grid, name) for name in ("count", "images", "first_seen", "in_region")}
+        if "plan_json" not in file or any(layer is None for layer in layers.values()):
+            raise DataError(f"{path}: needs count, images, first_seen, in_region and plan_json")
+        return grid, layers, json.loads(file["plan_json"].asstr()[()])
+
+
+def draw_map(ax, grid, values, style, layers, radius_m):
+    """`values` where known, in the region and around it; bins of the region that nothing covers are marked."""
+    title, cmap, unit, high = style
+    maps.frame_map(ax, grid, title)
+    size = reduction.block_size(values.shape, CELLS)
+    image = maps.draw_image(ax, grid, reduction.shrink_mean(values, size), size, cmap=cmap, vmin=0, vmax=high)
+    maps.draw_color_bar(ax, image, unit)
+    uncovered = (layers["count"] == 0) & (layers["in_region"] != 0)
+    if uncovered.any():
+        maps.draw_flags(ax, grid, uncovered, UNCOVERED, CELLS)
+    maps.draw_region(ax, radius_m)
+
+
+def draw_budget(ax, plan):
+    """One bar of the whole scan, and its parts in words."""
+    left = 0.0
+    for key, name, color in BUDGET:
+        part = plan["time"][key]
+        ax.barh([0], [part["time_s"]], left=left, color=color, edgecolor="white",
+                label=f"{name}: {part['time_s']:.4g} s, {plots.percent(part['frac'])}")
+        left += part["time_s"]
+    ax.set(title=f"{plan['time']['total']['pulse_count']:,} pulses in {left:.4g} s", xlabel="time spent (s)", yticks=[],
+           xlim=(0, left), ylim=(-1.2, 0.6))
+    ax.legend(loc="lower center", ncol=2, frameon=False)
+
+
+def draw_histogram(ax, plan, layers):
+    inside = layers["in_region"] != 0
+    values = layers["count"][inside].astype(int)
+    shares = np.bincount(values) / values.size
+    colors = [UNCOVERED] + ["#0072b2"] * (len(shares) - 1)
+    ax.bar(np.arange(len(shares)), 100 * shares, color=colors)
+    spread = plan["returns_per_bin"]
+    ax.set(title=f"returns per bin of the region: mean {spread['mean']:.3g}, median {spread['median']}",
+           xlabel="returns", ylabel="bins (%)", xlim=(-0.6, max(1, np.quantile(values, 0.9995)) + 0.6))
+    ax.grid(axis="y", alpha=0.3)
+
+
+def draw(grid, layers, plan, options):
+    coverage, images = plan["coverage"], plan["images_per_bin"]
+    title = (f"{os.path.basename(options.plan)}: {plots.percent(coverage['uncovered_frac'])} of the region uncovered "
+             f"({plots.bins(coverage['uncovered_count'])} in {plots.counted(coverage['hole_count'], 'hole')}), "
+             f"{plots.percent(images['overlap_frac'])} seen by more than one image")
+    figure, axes = maps.new_figure((2, 3), (18.5, 11.2), title)
+    radius_m = plan["region"]["radius_m"]
+    known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "images")}
+    for ax, name, style in [
+            (axes[0, 0], "count", ("returns per bin", "viridis", "", max(2, plan["returns_per_bin"]["p95"]))),
+            (axes[0, 1], "images", ("images per bin (overlap)", "cividis", "", max(2, images["p95"])))]:
+        draw_map(ax, grid, known[name], style, layers, radius_m)
+    draw_map(axes[0, 2], grid, layers["first_seen"],
+             ("when each bin is first seen", "plasma", "s", max(np.nanmax(layers["first_seen"], initial=0), 1e-9)),
+             layers, radius_m)
+    draw_histogram(axes[1, 0], plan, layers)
+    grid_spec = axes[1, 1].get_gridspec()
+    axes[1, 1].remove()
+    axes[1, 2].remove()
+    draw_budget(figure.add_subplot(grid_spec[1, 1:]), plan)
+    if coverage["uncovered_count"]:
+        maps.legend(axes[0, 0], {"uncovered": UNCOVERED})
+    return figure
+
+
+def main(arguments):
+    options = parse(arguments)
+    command.check_outputs([options.output], options.overwrite)
+    grid, layers, plan = read(options.plan)
+    plots.save({options.output: draw(grid, layers, plan, options)}, options.dpi)

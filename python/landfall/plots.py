@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the plot commands share: options, numbers as text, and writing figures."""
+import argparse
+import contextlib
+import math
+import os
+
+from landfall.errors import DataError, UsageError
+
+
+def add_output_options(parser):
+    parser.add_argument("-O", "--overwrite", action="store_true", help="replace existing files")
+    parser.add_argument("--dpi", type=dots_per_inch, default=150, help="50..600, default 150")
+
+
+def require_png(path):
+    if not path.endswith(".png"):
+        raise UsageError(f"--output {path}: the name must end in .png")
+
+
+def dots_per_inch(text):
+    value = int(text)
+    if not 50 <= value <= 600:
+        raise argparse.ArgumentTypeError(f"{value} is not in [50, 600]")
+    return value
+
+
+def positive_metres(text):
+    value = float(text)
+    if not (math.isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"{text} is not a positive length")
+    return value
+
+
+# Text
+
+
+def metres(value):
+    """A length with a unit that suits it: 1.2 mm, 8.3 cm, 1.38 m; a dash where it is not known."""
+    if value is None:
+        return "–"
+    if 0 < abs(value) < 1e-6:
+        return "< 1 µm"
+    unit, factor = ("m", 1) if abs(value) >= 0.5 else ("cm", 100) if abs(value) >= 0.01 else ("mm", 1000)
+    return f"{value * factor:.3g} {unit}"
+
+
+def number(value):
+    """A count or a fractional number; a dash where it is not known."""
+    return "–" if value is None else f"{value:,.4g}" if isinstance(value, float) else f"{value:,}"
+
+
+def counted(value, noun):
+    return f"{number(value)} {noun}" + ("" if value == 1 else "s")
+
+
+def bins(value):
+    return counted(value, "bin")
+
+
+def percent(fraction):
+    return "–" if fraction is None else f"{100 * fraction:.3g} %"
+
+
+# Output
+
+
+def save(figures, dpi):
+    """Writes {path: figure} and prints the paths.
+
+    All are written under temporary names first, so that a failure leaves no incomplete figure.
+    """
+    temporary = {path: f"{path}.{os.getpid()}.tmp" for path in figures}
+    try:
+        for path, figure in figures.items():
+            os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+            figure.savefig(temporary[path], format="png", dpi=dpi, metadata={"Software": None})
+        for path in figures:
+            os.replace(temporary[path], path)
+            print(path)
+    except OSError as error:
+        raise DataError(f"cannot write {error.filename or ''}: {error.strerror or error}") from error
+    finally:
+        for name in temporary.values():
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(name)

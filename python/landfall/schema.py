@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strict JSON: a reader that rejects duplicate keys, NaN and infinity, and a check against a JSON schema.
+
+It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError.
+"""
+import json
+import re
+
+from landfall.errors import UsageError
+
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
+WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
+         "required", "propertyNames", "minProperties", "items", "minItems", "maxItems", "uniqueItems", "enum", "minimum",
+         "maximum", "minLength", "pattern", "$ref"}
+
+
+def read_json(path):
+    """The file's value. Rejects duplicate keys, NaN and infinity."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            return json.load(file, object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
+    except OSError as error:
+        raise UsageError(f"{path}: {error.strerror}") from error
+    except (ValueError, RecursionError) as error:
+        raise UsageError(f"{path}: not JSON: {error}") from error
+
+
+def check(value, schema, path):
+    """Throws UsageError at the first value of file `path` that violates the schema."""
+    _Checker(schema, path).check(value, schema, "")
+
+
+def shown(value):
+    """A value as a message shows it."""
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def type_of(value):
+    """The name of a value's JSON type."""
+    if _is(value, "number"):
+        return "integer" if isinstance(value, int) else "number"
+    return next(name for name, kind in TYPES.items() if isinstance(value, kind))
+
+
+def _unique(pairs):
+    result = {}
+    for key, value in pairs:
+        if key in result:
+            raise ValueError(f"the key \"{key}\" is given twice")
+        result[key] = value
+    return result
+
+
+def _no_constant(text):
+    raise ValueError(f"{text} is not a number")
+
+
+def _finite(text):
+    value = float(text)
+    if value in (float("inf"), float("-inf")):
+        raise ValueError(f"{text} is too large for a number")
+    return value
+
+
+def _is(value, name):
+    if name == "number":
+        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    if name == "integer":
+        return _is(value, "number") and value == int(value)
+    return isinstance(value, TYPES[name])
+
+
+class _Checker:
+    def __init__(self, root, path):
+        self.root, self.path = root, path
+
+    def fail(self, where, what):
+        raise UsageError(f"{self.path}: {where or '/'}: {what}")
+
+    def check(self, value, schema, where):
+        unknown = set(schema) - WORDS
+        if unknown:
+            raise AssertionError(f"schema: {sorted(unknown)} not supported")
+        if "$ref" in schema:
+            self.check(value, self.root["definitions"][schema["$ref"].rsplit("/", 1)[1]], where)
+        self.check_type(value, schema, where)
+        if value not in schema.get("enum", [value]):
+            self.fail(where, f"{shown(value)} is not one of {', '.join(map(shown, schema['enum']))}")
+        if isinstance(value, str):
+            self.check_text(value, schema, where)
+        if _is(value, "number"):
+            self.check_bounds(value, schema, where)
+        if isinstance(value, dict):
+            self.check_object(value, schema, where)
+        if isinstance(value, list):
+            self.check_array(value, schema, where)
+
+    def check_type(self, value, schema, where):
+        expected = schema.get("type")
+        names = [expected] if isinstance(expected, str) else expected
+        if names and not any(_is(value, name) for name in names):
+            self.fail(where, f"{shown(value)} is of type {type_of(value)}, not {' or '.join(names)}")
+
+    def check_text(self, value, schema, where):
+        if not value and schema.get("minLength", 0) > 0:
+            self.fail(where, "is empty")
+        if "pattern" in schema and not re.search(schema["pattern"].replace("$", r"\Z"), value):
+            self.fail(where, f"{shown(value)} does not match {schema['pattern']}")
+
+    def check_bounds(self, value, schema, where):
+        least, most = schema.get("minimum"), schema.get("maximum")
+        if (least is None or value >= least) and (most is None or value <= most):
+            return
+        both = f"in [{least}, {most}]"
+        self.fail(where, f"{shown(value)} is not {f'>= {least}' if most is None else f'<= {most}' if least is None else both}")
+
+    def check_object(self, value, schema, where):
+        properties, other = schema.get("properties", {}), schema.get("additionalProperties", {})
+        for key in schema.get("required", []):
+            if key not in value:
+                self.fail(where, f"needs the key \"{key}\"")
+        if len(value) < schema.get("minProperties", 0):
+            self.fail(where, "is empty")
+        for key, inner in value.items():
+            if "propertyNames" in schema:
+                self.check(key, schema["propertyNames"], f"{where}/{key}")
+            if key not in properties and other is False:
+                known = ", ".join(properties)
+                self.fail(f"{where}/{key}", f"unknown key; known: {known}")
+            self.check(inner, properties.get(key, other), f"{where}/{key}")
+
+    def check_array(self, value, schema, where):
+        least, most = schema.get("minItems", 0), schema.get("maxItems", len(value))
+        if not least <= len(value) <= most:
+            expected = most if least == most else f"at least {least}" if len(value) < least else f"at most {most}"
+            self.fail(where, f"an array of {len(value)} elements; expected {expected}")
+        if schema.get("uniqueItems") and len({json.dumps(entry) for entry in value}) < len(value):
+            self.fail(where, f"{shown(value)} has a duplicate element")
+        for index, entry in enumerate(value):
+            self.check(entry, schema.get("items", {}), f"{where}/{index}")

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study: its cases, and the configuration of each stage in each case."""
+import copy
+import itertools
+import os
+from dataclasses import dataclass, field
+
+from landfall.errors import UsageError
+from landfall.schema import shown
+
+STAGES = ("terrain", "scan", "regrid", "eval")
+UNITS = {"m": "m", "mps": "m/s", "rad": "rad", "radps": "rad/s", "deg": "deg", "degps": "deg/s", "s": "s", "hz": "Hz",
+         "frac": "1", "px": "px", "bins": "bins", "count": "1"}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One value of an axis: its entry in the table, and the keys that it sets."""
+
+    value: object
+    assignments: tuple  # of (key, value)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A column of the table."""
+
+    name: str
+    label: str
+    unit: str
+    log: bool
+    points: tuple
+    role: str = "axis"  # or "repeat", or "drawn" for what a repeat draws
+
+    def keys(self):
+        """The keys that its points set, in order, each once."""
+        return list(dict.fromkeys(key for point in self.points for key, _ in point.assignments))
+
+    def is_numeric(self):
+        return all(isinstance(point.value, (int, float)) and not isinstance(point.value, bool)
+                   for point in self.points)
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file that was read and checked. `dimensions` are crossed; the axes of one go together."""
+
+    path: str
+    name: str
+    title: str
+    base: dict  # stage: configuration, with the values of `set`
+    dimensions: tuple  # of tuples of Axis of one length
+    options: dict  # stage: list of options
+    plot: dict
+    files: tuple = field(default=())  # all that it was read from
+    description: str = ""
+
+    def axes(self):
+        return [axis for dimension in self.dimensions for axis in dimension]
+
+    def case_count(self):
+        count = 1
+        for dimension in self.dimensions:
+            count *= len(dimension[0].points)
+        return count
+
+    def cases(self):
+        """For each case the index into each dimension; the last dimension runs fastest."""
+        return itertools.product(*(range(len(dimension[0].points)) for dimension in self.dimensions))
+
+    def values(self, indices):
+        """The case's entry in the column of each axis."""
+        return [axis.points[index].value for dimension, index in zip(self.dimensions, indices) for axis in dimension]
+
+
+def unit_of(name):
+    """The unit that a name ends in: range_sigma_m -> m; empty where it ends in none."""
+    return UNITS.get(name.rsplit("_", 1)[-1], "") if "_" in name else ""
+
+
+# Configurations
+
+
+def stage_of(key):
+    return key.split(".", 1)[0]
+
+
+def assign(config, key, value):
+    """The configuration with the value at the key "stage.a.b.0". Throws KeyError, with the reason, if the configuration has no such key."""
+    _, *path = key.split(".")
+    if not path:
+        return copy.deepcopy(value)
+    *folders, last = path
+    node = config
+    for folder in folders:
+        node = _child(node, folder)
+    if isinstance(node, list):
+        node[_index(node, last)] = copy.deepcopy(value)
+    elif isinstance(node, dict):
+        node[last] = copy.deepcopy(value)
+    else:
+        raise KeyError(f"\"{last}\" cannot be set in {shown(node)}")
+    return config
+
+
+def _child(node, name):
+    if isinstance(node, list):
+        return node[_index(node, name)]
+    if isinstance(node, dict):
+        return node.setdefault(name, {})
+    raise KeyError(f"\"{name}\" cannot be set in {shown(node)}")
+
+
+def _index(node, text):
+    if not text.isdigit() or int(text) >= len(node):
+        raise KeyError(f"\"{text}\" is not an index into {shown(node)}")
+    return int(text)
+
+
+def plain_numbers(value):
+    """The value with 3.0 as 3: a key that wants an integer takes it, and equal values have equal hashes."""
+    if isinstance(value, float) and value.is_integer() and abs(value) < 2 ** 53:
+        return int(value)
+    if isinstance(value, list):
+        return [plain_numbers(entry) for entry in value]
+    if isinstance(value, dict):
+        return {key: plain_numbers(entry) for key, entry in value.items()}
+    return value
+
+
+def with_full_paths(value, folder):
+    """The value with every "path" of a file that exists, seen from the folder, made absolute."""
+    if isinstance(value, list):
+        return [with_full_paths(entry, folder) for entry in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: _full_path(entry, folder) if key == "path" and isinstance(entry, str) else
+            with_full_paths(entry, folder) for key, entry in value.items()}
+
+
+def _full_path(path, folder):
+    full = os.path.abspath(os.path.join(folder, path))
+    return full if os.path.isfile(full) else path
+
+
+def configuration(study, stage, indices):
+    """A stage's configuration at a point of the study."""
+    config = copy.deepcopy(study.base[stage])
+    for dimension, index in zip(study.dimensions, indices):
+        for axis in dimension:
+            for key, value in axis.points[index].assignments:
+                if stage_of(key) == stage:
+                    config = _assign_of(study, axis, config, key, value)
+    return config
+
+
+def _assign_of(study, axis, config, key, value):
+    try:
+        return assign(config, key, value)
+    except KeyError as error:
+        raise UsageError(f"{study.path}: axis {axis.name}: {key} = {shown(value)}: {error.args[0]}") from error

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The page of report_study.py: HTML of the tree that landfall.study.report makes. Texts from files are escaped."""
+import base64
+import html
+import json
+import os
+
+from landfall.errors import DataError
+from landfall.study.figures import number, with_unit
+from landfall.study.table import METRIC_NAMES, REQUIREMENTS
+
+# The page sends no request, whatever texts it shows.
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+MOST_VALUES = 12  # of an axis that are all named
+MOST_NAMED = 20  # cases of one failure
+VERDICTS = ("pass", "fail", "not judged", "error", "not made")
+VERDICT_CLASS = {"pass": "pass", "fail": "fail", "error": "error"}
+RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval"}
+LIMIT_UNITS = {"m": "m", "bins": "bins", "frac": ""}
+WHOLE = {"overview": "Metrics side by side", "requirements": "Requirements met", "shares": "Share of each limit that is used"}
+
+
+def escaped(value):
+    return html.escape(str(value))
+
+
+def page(tree, figures, styles, scripts):
+    """The whole document; `figures` is the folder with those of plot_study.py, styles and scripts are texts that it holds."""
+    sections = [("verdicts", "Verdicts", verdicts(tree)), ("failed", "Cases that were not made", failed(tree)),
+                ("tried", "What was tried", tried(tree)), ("points", "Points", points(tree)), ("cases", "Cases", CASES),
+                ("figures", "Figures", figure_panels(figures, tree["metrics"])), ("provenance", "Provenance", provenance(tree))]
+    sections = [section for section in sections if section[2]]
+    links = "".join(f'<a href="#{name}">{title}</a>' for name, title, _ in sections)
+    body = "".join(f'<section id="{name}"><h2>{title}</h2>\n{text}</section>\n' for name, title, text in sections)
+    description = f"<p>{escaped(tree['description'])}</p>" if tree["description"] else ""
+    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escaped(tree["title"])}</title>\n'
+            f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">\n'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
+            + "".join(f"<style>\n{text}</style>\n" for text in styles) +
+            f'</head>\n<body>\n<header class="title"><h1>{escaped(tree["title"])}</h1>\n{description}\n'
+            f'<p class="note">Study {escaped(tree["name"])}: {escaped(size(tree))}</p></header>\n'
+            f'<nav class="contents">{links}</nav>\n<main>\n{body}</main>\n'
+            f'<script type="application/json" id="study-data">{data(tree)}</script>\n'
+            + "".join(f"<script>\n{text}</script>\n" for text in scripts) + "</body>\n</html>\n")
+
+
+def data(tree):
+    """What report_study.js reads, as JSON in which nothing ends the element that holds it."""
+    points_of_table = [{"cases": point["cases"]} for point in tree["points"]] if repeat_count(tree) > 1 else []
+    text = json.dumps({**tree, "points": points_of_table}, ensure_ascii=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def counted(count, noun):
+    return f"{count:,} {noun}" + ("" if count == 1 else "s")
+
+
+def size(tree):
+    repeats = repeat_count(tree)
+    return counted(tree["count"], "case") + (f", {counted(len(tree['points']), 'point')} of {repeats} repeats each" if repeats > 1 else "")
+
+
+def repeat_count(tree):
+    return max(len(point["cases"]) for point in tree["points"])
+
+
+def verdict(word):
+    return f'<span class="verdict {VERDICT_CLASS.get(word, "unjudged")}">{escaped(word)}</span>'
+
+
+def cell(value, text=None):
+    """A number; data-value is what is sorted by."""
+    if value is None:
+        return '<td class="number">–</td>'
+    return f'<td class="number" data-value="{escaped(value)}">{escaped(number(value) if text is None else text)}</td>'
+
+
+def table(heads, rows, kind="sortable"):
+    """Heads are HTML of th, rows of td."""
+    body = "\n".join(f"<tr>{''.join(row)}</tr>" for row in rows)
+    return f'<div class="scroll"><table class="{kind}"><thead><tr>{"".join(heads)}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>\n'
+
+
+def head(text, is_number=False):
+    return f'<th{" class=number" if is_number else ""}>{text}</th>'
+
+
+# Verdicts, failures
+
+
+def verdicts(tree):
+    counts = [(word, tree["verdicts"][word]) for word in VERDICTS if word in tree["verdicts"]]
+    text = "<p>" + " ".join(f'<span class="count">{verdict(word)} {counted(count, "case")}</span>' for word, count in counts) + "</p>\n"
+    if tree["stale"]:
+        text += f'<p class="note">{counted(tree["stale"], "case")} of the table were made by other versions of the tools.</p>\n'
+    return text
+
+
+def failed(tree):
+    """What failed, by log, with its end; and what was not run."""
+    text = ""
+    for log, end, tail, cases in tree["failures"]["logs"]:
+        text += (f"<p>{verdict('error')} {case_list(cases)}: {escaped(end)}, {escaped(log)}</p>\n"
+                 f"<pre>{escaped(chr(10).join(tail) or 'no message')}</pre>\n")
+    if tree["failures"]["notMade"]:
+        text += f"<p>{verdict('not made')} {case_list(tree['failures']['notMade'])}</p>\n"
+    return text
+
+
+def case_list(cases):
+    named = ", ".join(f'<a href="#case-{case}">{case}</a>' for case in cases[:MOST_NAMED])
+    rest = f" and {len(cases) - MOST_NAMED:,} more" if len(cases) > MOST_NAMED else ""
+    return ("case " if len(cases) == 1 else "cases ") + named + rest
+
+
+# Axes, limits, configuration
+
+
+def tried(tree):
+    rows = [[f"<td>{escaped(axis['label'])}</td>", f"<td>{escaped(axis['role'])}</td>", f"<td>{escaped(plain_unit(axis['unit']))}</td>",
+             cell(len(axis["values"])), f"<td>{escaped(values(axis))}</td>"] for axis in tree["axes"]]
+    text = table([head("axis"), head("kind"), head("unit"), head("values", True), head("which")], rows) if rows else ""
+    text += "<details><summary>Limits that all cases share</summary>" + limits(tree["limits"]) + "</details>\n"
+    text += ('<h3>Configuration</h3>\n<p class="note">What the study sets in all cases; “(varies)” marks values that differ between cases. All else '
+             "has the tools’ defaults.</p>\n")
+    for kind, config in tree["configs"].items():
+        shared = json.dumps(config["shared"], indent=1, ensure_ascii=False)
+        differ = len({json.dumps(steps) for steps in config["changes"]})
+        note = counted(differ, "configuration")
+        text += f'<details><summary>{RUN_NAMES[kind]} <span class="note">{note}</span></summary><pre>{escaped(shared)}</pre></details>\n'
+    return text
+
+
+def plain_unit(unit):
+    return "" if unit == "1" else unit
+
+
+def values(axis):
+    shown = [number(value) if axis["numeric"] else value if isinstance(value, str) else json.dumps(value) for value in axis["values"]]
+    if len(shown) > MOST_VALUES:
+        shown = [*shown[:MOST_VALUES // 2], "…", shown[-1]]
+    return "; ".join(shown)
+
+
+def limits(found):
+    rows = [[f"<td>{escaped(key)}</td>", cell(value, with_unit(value, LIMIT_UNITS.get(key.rsplit("_", 1)[-1], "")))]
+            for key, value in found.items()]
+    return table([head("limit"), head("value", True)], rows) if rows else '<p class="note">None: every limit differs between cases.</p>\n'
+
+
+# Points
+
+
+def points(tree):
+    """A row for each point with its repeats; empty where a point is a case."""
+    if repeat_count(tree) == 1:
+        return ""
+    axes = [axis for axis in tree["axes"] if axis["role"] == "axis"]
+    units = {column["name"]: column["unit"] for column in tree["columns"]}
+    heads = [head(escaped(titled(axis["label"], axis["unit"])).replace("_", "_<wbr>"), axis["numeric"]) for axis in axes]
+    heads += [head("done", True), *(head(f"{name} met", True) for name in ("all requirements", *map(plain, REQUIREMENTS)))]
+    heads += [head(escaped(titled(METRIC_NAMES.get(metric, metric), units[metric])), True) for metric in tree["metrics"]]
+    rows = [[*(value_cell(axis, value) for axis, value in zip(axes, point["values"])),
+             cell(point["done"], f"{point['done']} of {len(point['cases'])}"), *map(rate_cell, point["rates"]),
+             *(estimate_cell(estimate or [None] * 3) for estimate in point["estimates"])] for point in tree["points"]]
+    estimate = "median" if tree["quantile"] == 0.5 else f"{100 * tree['quantile']:g}th percentile"
+    return (f'<p class="note">Requirements: repeats that meet them, and the 95 % interval of their rate (Wilson). Metrics: {estimate} of the '
+            "repeats and its 95 % interval (percentile bootstrap). A click on a heading sorts, one on a row shows its cases.</p>\n"
+            + table(heads, rows, "sortable points"))
+
+
+def plain(name):
+    return name.replace("_", " ")
+
+
+def titled(label, unit):
+    return f"{label} [{unit}]" if plain_unit(unit) else label
+
+
+def value_cell(axis, value):
+    if axis["numeric"]:
+        return cell(value)
+    return f"<td>{escaped(value if isinstance(value, str) else json.dumps(value))}</td>"
+
+
+def rate_cell(rate):
+    if not rate or not rate[1]:
+        return '<td class="number">–</td>'
+    passed, judged, low, high = rate
+    kind = "pass" if passed == judged else "fail" if passed == 0 else "mixed"
+    return (f'<td class="number" data-value="{passed / judged}"><span class="rate {kind}">{passed}/{judged}</span> '
+            f'<span class="interval">{100 * low:.0f}–{100 * high:.0f} %</span></td>')
+
+
+def estimate_cell(estimate):
+    value, low, high = estimate
+    if value is None:
+        return '<td class="number">–</td>'
+    interval = f' <span class="interval">{number(low)}–{number(high)}</span>' if low is not None else ""
+    return f'<td class="number" data-value="{value}">{number(value)}{interval}</td>'
+
+
+# Cases: report_study.js fills this
+
+CASES = """<noscript><p>This table needs JavaScript; results.csv beside this page holds the same numbers.</p></noscript>
+<div class="controls" id="filters"></div>
+<details id="columns" class="screen-only"><summary>Columns</summary><div class="choices"></div></details>
+<p class="note"><output id="case-count"></output></p>
+<div class="window" id="case-window" tabindex="0" role="region" aria-label="cases"></div>
+<p class="note">A click on a heading sorts. A case's number opens it: all metrics, configuration, files. Arrow keys go from case to case.</p>
+<div id="case-detail" hidden></div>
+<h3>One number against another</h3>
+<div class="controls" id="plot-controls"></div>
+<div id="plot"></div>
+<p class="note" id="plot-note">A mark for each case that the filters leave; a click opens it.</p>
+"""
+
+# Figures, provenance
+
+
+def figure_panels(folder, metrics):
+    """The figures of plot_study.py that are there: whole ones, then each metric's."""
+    names = {**WHOLE}
+    for metric in metrics:
+        names[metric] = METRIC_NAMES.get(metric, metric)
+        names[metric + "-map"] = names[metric] + ", map"
+    text = ""
+    for name, caption in names.items():
+        path = os.path.join(folder, name + ".png")
+        if os.path.isfile(path):
+            kind = "panel wide" if name in WHOLE else "panel"
+            text += (f'<figure class="{kind}" id="figure-{escaped(name)}"><figcaption>{escaped(caption)}</figcaption>'
+                     f'<img src="data:image/png;base64,{picture(path)}" alt="{escaped(caption)}"></figure>\n')
+    return f'<div class="figures two">\n{text}</div>\n' if text else ""
+
+
+def picture(path):
+    try:
+        with open(path, "rb") as file:
+            return base64.b64encode(file.read()).decode()
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}") from error
+
+
+def provenance(tree):
+    tools = "\n".join(f"<li><code>{escaped(line)}</code></li>" for line in tree["tools"])
+    rows = []
+    for kind, name in RUN_NAMES.items():
+        runs = [run for run in tree["runs"] if run[0] == kind]
+        if runs:
+            seconds, cpu, memory = ([run[index] for run in runs if run[index] is not None] for index in (2, 3, 4))
+            rows.append([f"<td>{name}</td>", cell(len(runs)), cell(sum(seconds), f"{sum(seconds):,.1f}"), cell(sum(cpu), f"{sum(cpu):,.1f}"),
+                         cell(max(memory, default=None), f"{max(memory, default=0) / 1e6:,.0f}")])
+    heads = [head("tool"), *(head(text, True) for text in ("runs", "time [s]", "CPU time [s]", "largest memory [MB]"))]
+    return (f"<p>Tools:</p>\n<ul>{tools}</ul>\n" + table(heads, rows) +
+            '<p class="note">A run that several cases share counts once here, and in the time of each case. Configurations, files and their '
+            "ids stand with each case. Paths in configurations are cut to the file’s name.</p>\n")

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws a study's results: metrics against its axes with the requirements, maps for two axes, and pass rates.
+
+Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
+interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
+requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), and the numbers behind
+them, pass_rates.csv and percentiles.csv.
+"""
+import argparse
+import csv
+import os
+
+from landfall import command, files, plots
+from landfall.errors import UsageError
+from landfall.study import figures, verdicts
+from landfall.study.table import REQUIREMENTS, Results
+
+DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
+                   "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", metavar="RESULTS.h5")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True)
+    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements")
+    parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
+    parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
+    plots.add_output_options(parser)
+    return parser.parse_args(arguments)
+
+
+def percentile(text):
+    value = float(text)
+    if not 0 <= value <= 100:
+        raise argparse.ArgumentTypeError(f"{text} is not in [0, 100]")
+    return value
+
+
+def chosen_metrics(options, results):
+    if options.metrics:
+        names = options.metrics.split(",")
+    else:
+        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS if name in results.columns]
+    for name in names:
+        if not results.is_metric(name):
+            raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
+    return names
+
+
+def chosen_x(options, results):
+    """The axis to the right, None where there is none."""
+    name = options.x or results.plot.get("x")
+    if not name:
+        return next((axis for axis in results.axes if axis.numeric), results.axes[0] if results.axes else None)
+    for axis in results.axes:
+        if axis.name == name:
+            return axis
+    raise UsageError(f"--x: '{name}' is not one of {', '.join(axis.name for axis in results.axes)}")
+
+
+def pass_rate_rows(results):
+    rows = []
+    for point in results.points:
+        for requirement in [*REQUIREMENTS, "all"]:
+            passed, count, low, high = results.pass_rate(point, requirement)
+            if count:
+                rows.append([*point.values, requirement, passed, count, passed / count, low, high])
+    return rows
+
+
+def percentile_rows(results, metrics, quantile):
+    rows = []
+    for metric in metrics:
+        for point in results.points:
+            value, low, high = results.estimate(point, metric, quantile)
+            rows.append([*point.values, metric, results.count(point, metric), 100 * quantile, value, low, high])
+    return rows
+
+
+def write_csv(path, head, rows):
+    def write_to(name):
+        with open(name, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(head)
+            writer.writerows([["" if isinstance(cell, float) and cell != cell else cell for cell in row] for row in rows])
+    command.write_whole(path, write_to)
+    print(path)
+
+
+def draw_all(options, results, metrics):
+    """{path: figure}."""
+    x, quantile, made = chosen_x(options, results), options.percentile / 100, {}
+    for metric in metrics:
+        path = os.path.join(options.output, metric)
+        made[path + ".png"] = figures.metric_figure(results, metric, x, quantile)
+        pair = figures.map_axes(results, x)
+        if pair:
+            made[path + "-map.png"] = figures.map_figure(results, metric, pair, quantile)
+    overview = figures.overview_figure(results, metrics, x, quantile)
+    if overview:
+        made[os.path.join(options.output, "overview.png")] = overview
+    made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
+    made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
+    return made
+
+
+def main(arguments):
+    options = parse(arguments)
+    with files.open_landfall(options.results, "landfall.results") as file:
+        results = Results(file)
+    metrics = chosen_metrics(options, results)
+    tables = [os.path.join(options.output, name) for name in ("percentiles.csv", "pass_rates.csv")]
+    command.check_outputs(tables, options.overwrite, makes_folder=True)
+    made = draw_all(options, results, metrics)
+    command.check_outputs(made, options.overwrite, makes_folder=True)
+    plots.save(made, options.dpi)
+    axes = [axis.name for axis in results.axes]
+    write_csv(tables[0], [*axes, "metric", "count", "percentile", "value", "low_95", "high_95"],
+              percentile_rows(results, metrics, options.percentile / 100))
+    write_csv(tables[1], [*axes, "requirement", "passed", "count", "rate", "low_95", "high_95"], pass_rate_rows(results))

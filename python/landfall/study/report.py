@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a study's report shows, as one tree of plain values (report_study.py)."""
+import csv
+import json
+import math
+import os
+
+import h5py
+
+from landfall import files
+from landfall.errors import DataError
+from landfall.study import chain, configs, results, session
+from landfall.study.table import METRIC_NAMES, REQUIREMENTS, Results
+
+# Of more cases the page shows the first ones, and their number.
+MOST_CASES = 20_000
+DIGITS = 7
+TOOL_OF = {"terrain": "terrain", "truth": "scan", "scan": "scan", "regrid": "regrid", "eval": "eval"}
+CONFIG_KINDS = ("terrain", "scan", "regrid", "eval")
+VERDICTS = {1: "pass", 0: "fail", None: "not judged"}
+
+
+class Study:
+    """A planned study with its table, as read from its folder.
+
+    Throws DataError where the table or the figures' numbers are of another plan, landfall's other errors where a file is
+    missing or broken.
+    """
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.cases = results.read_cases(folder)
+        self.rows = self.cases["cases"]
+        self.axes = self.cases["axes"]
+        self.chains = chain.Chains(folder)
+        self.logs = chain.Logs(folder, self.chains)
+        path = os.path.join(folder, "results.h5")
+        with files.open_landfall(path, "landfall.results") as file:
+            self.results = Results(file)
+        self.row_of = {int(case): row for row, case in enumerate(self.results.columns["case"])}
+        self._check_table(path)
+        self.tools = _lines(os.path.join(folder, "tools.txt"))
+        self.stale = self._count_stale()
+
+    def _check_table(self, path):
+        for case, row in self.row_of.items():
+            for index, axis in enumerate(self.axes):
+                column = self.results.columns.get(axis["name"])
+                if case >= len(self.rows) or column is None or not _same(column[row], self.rows[case][index]):
+                    raise DataError(f"{path}: case {case}: {axis['name']} differs from cases.json: the study was planned again "
+                                    "later; make study-results updates the table")
+
+    def _count_stale(self):
+        """Cases of the table whose metrics are older than the tools."""
+        missing = set(session.missing_targets(self.folder))
+        return sum(self.rows[case][-1] in missing for case in self.row_of)
+
+    def value(self, case, column):
+        """A case's value in a column of the table; None where the case or the value is not known."""
+        row = self.row_of.get(case)
+        value = self.results.columns[column][row] if row is not None and column in self.results.columns else None
+        return None if isinstance(value, float) and math.isnan(value) else value
+
+    def verdict(self, case, runs):
+        if case in self.row_of:
+            return VERDICTS[self.value(case, "pass")]
+        return "error" if self.logs.failure(runs) else "not made"
+
+
+def report(folder, figures):
+    """The tree: name, title, tools, axes, columns, points, configs, runs and failures (report_study.js reads it)."""
+    study = Study(folder)
+    numbers = FigureNumbers(study, figures)
+    shown = range(min(len(study.rows), MOST_CASES))
+    chains = {case: study.chains.of(study.rows[case][-1]) for case in range(len(study.rows))}
+    verdicts = {case: study.verdict(case, runs) for case, runs in chains.items()}
+    config_table, run_table = ConfigTable(study.folder), RunTable(study)
+    case_configs = [config_table.of_case(chains[case]) for case in shown]
+    case_runs = [run_table.of_case(chains[case]) for case in shown]
+    seconds = [run_table.seconds(runs) for runs in case_runs]
+    return {
+        "name": study.cases["name"], "title": study.cases["title"], "description": study.cases.get("description", ""),
+        "tools": study.tools, "axes": axes(study), "limits": study.cases["limits"], "count": len(study.rows), "stale": study.stale,
+        "verdicts": count(verdicts.values()), "columns": columns(study, shown, verdicts, seconds, numbers.metrics),
+        "points": points(study, numbers), "quantile": numbers.quantile, "metrics": numbers.metrics,
+        "metricLimits": metric_limits(study),
+        "configs": config_table.tree(), "caseConfigs": case_configs, "runs": run_table.rows, "caseRuns": case_runs,
+        "options": list(dict.fromkeys(option for run in chains[0] for option in run.options)),
+        "failures": failures(study, chains, verdicts), "reports": reports(study, shown)}
+
+
+def axes(study):
+    """Name, label, unit, role and values in order of each axis, of a repeat and of what it draws too."""
+    return [{**{key: axis[key] for key in ("name", "label", "unit", "role", "numeric")},
+             "values": list({json.dumps(row[index]): row[index] for row in study.rows}.values())} for index, axis in enumerate(study.axes)]
+
+
+def metric_limits(study):
+    """The requirement on each metric that has one in all cases alike."""
+    return {name: limit for name in study.results.columns if (limit := study.results.limit(name)) is not None}
+
+
+def count(words):
+    counts = {}
+    for word in words:
+        counts[word] = counts.get(word, 0) + 1
+    return counts
+
+
+# Columns of cases
+
+
+def columns(study, shown, verdicts, seconds, metrics):
+    """Those of the cases' table: what a case is, its verdict, then all of results.csv; `first` are shown unless asked otherwise."""
+    made = [_column("case", "case", "", "case", list(shown), True),
+            _column("verdict", "verdict", "", "verdict", [verdicts[case] for case in shown], True)]
+    for index, axis in enumerate(study.axes):
+        values = [study.rows[case][index] for case in shown]
+        made.append(_column(axis["name"], axis["label"], axis["unit"], axis["role"], values, axis["role"] != "drawn"))
+    made.append(_column("missed", "requirements missed", "", "text", [missed(study, case) for case in shown], True))
+    known = {column["name"] for column in made}
+    others = [name for name in study.results.columns if name not in known and name != "pass"]
+    for name in [*metrics, *(name for name in others if name not in metrics)]:
+        values = [_rounded(study.value(case, name)) for case in shown]
+        role = "pass" if name.endswith(".pass") else "metric"
+        made.append(_column(name, METRIC_NAMES.get(name, name), study.results.units[name], role, values, name in metrics))
+    made.append(_column("time_s", "time of its tools", "s", "time", seconds, True))
+    return made
+
+
+def _column(name, label, unit, role, values, first):
+    """A column whose values are all the same holds one of them."""
+    column = {"name": name, "label": label, "unit": "" if unit == "1" else unit, "role": role, "first": first}
+    alike = len({json.dumps(value) for value in values}) == 1
+    return {**column, "all": values[0]} if alike else {**column, "values": values}
+
+
+def missed(study, case):
+    """Names of the requirements that a case fails; None where it is not known."""
+    if case not in study.row_of:
+        return None
+    names = [name.replace("_", " ") for name in REQUIREMENTS if study.value(case, f"requirements.{name}.pass") == 0]
+    return ", ".join(names)
+
+
+# Points
+
+
+class FigureNumbers:
+    """percentiles.csv and pass_rates.csv of plot_study.py, by point."""
+
+    def __init__(self, study, folder):
+        axis_names = [axis.name for axis in study.results.axes]
+        percentiles = _read_csv(os.path.join(folder, "percentiles.csv"))
+        self.metrics = list(dict.fromkeys(row["metric"] for row in percentiles))
+        self.quantile = float(percentiles[0]["percentile"]) / 100 if percentiles else 0.5
+        self.estimates = {(_key(row, axis_names), row["metric"]): [_number(row[name]) for name in ("value", "low_95", "high_95")]
+                          for row in percentiles}
+        self.rates = {(_key(row, axis_names), row["requirement"]):
+                      [int(row["passed"]), int(row["count"]), float(row["low_95"]), float(row["high_95"])]
+                      for row in _read_csv(os.path.join(folder, "pass_rates.csv"))}
+        keys = {tuple(map(str, point.values)) for point in study.results.points}
+        if keys != {key for key, _ in self.estimates} or not set(self.metrics) <= study.results.columns.keys():
+            raise DataError(f"{folder}: percentiles.csv is not of {study.folder}/results.h5; run plot_study.py again")
+
+
+def _key(row, names):
+    try:
+        return tuple(row[name] for name in names)
+    except KeyError:
+        return ()
+
+
+def _number(text):
+    return _rounded(float(text)) if text else None
+
+
+def points(study, numbers):
+    """A row for each point of the axes: values, its cases, of them done, [passed, judged, low, high] of `all` and of each
+    requirement, [value, low, high] of each metric."""
+    places = [index for index, axis in enumerate(study.axes) if axis["role"] == "axis"]
+    cases = {}
+    for case, row in enumerate(study.rows):
+        cases.setdefault(json.dumps([row[index] for index in places]), []).append(case)
+    done = {int(study.results.columns["case"][row]): point for point in study.results.points for row in point.rows}
+    made = []
+    for key, numbers_of in cases.items():
+        point = next((done[case] for case in numbers_of if case in done), None)
+        name = tuple(map(str, point.values)) if point else None
+        made.append({"values": json.loads(key), "cases": numbers_of, "done": sum(case in done for case in numbers_of),
+                     "rates": [numbers.rates.get((name, requirement)) for requirement in ["all", *REQUIREMENTS]],
+                     "estimates": [numbers.estimates.get((name, metric)) for metric in numbers.metrics]})
+    return made
+
+
+# Configurations, runs, failures
+
+
+class ConfigTable:
+    """Each stage's configurations: the first one, and what each other one changes."""
+
+    def __init__(self, folder):
+        self._folder, self._index, self._base = folder, {}, {}
+        self._changes = {kind: [] for kind in CONFIG_KINDS}
+
+    def of_case(self, chain):
+        """The index of each stage's configuration."""
+        at = {run.kind: run.config for run in chain}
+        return [self._add(kind, at[kind]) for kind in CONFIG_KINDS]
+
+    def _add(self, kind, name):
+        if name not in self._index:
+            tree = configs.without_folders(results.read_json(os.path.join(self._folder, name)))
+            base = self._base.setdefault(kind, tree)
+            self._index[name] = len(self._changes[kind])
+            self._changes[kind].append(configs.changes(base, tree))
+        return self._index[name]
+
+    def tree(self):
+        return {kind: {"base": self._base[kind], "changes": steps, "shared": configs.shared(self._base[kind], steps)}
+                for kind, steps in self._changes.items()}
+
+
+class RunTable:
+    """Each run of a tool once: [kind, output, seconds, CPU seconds, largest memory in bytes, file_id]; what is not known is null."""
+
+    def __init__(self, study):
+        self._study, self._index, self.rows = study, {}, []
+
+    def of_case(self, chain):
+        return [self._add(run) for run in chain]
+
+    def _add(self, run):
+        if run.output not in self._index:
+            self._index[run.output] = len(self.rows)
+            summary = self._study.logs.summary(run) or {}
+            output = run.output if os.path.exists(os.path.join(self._study.folder, run.output)) else None
+            self.rows.append([run.kind, output, *(_rounded(summary.get(key), 4) for key in ("wall_s", "cpu_s")),
+                              summary.get("peak_memory_bytes"), self._file_id(output)])
+        return self._index[run.output]
+
+    def _file_id(self, output):
+        if not output or not output.endswith(".h5"):
+            return None
+        try:
+            with h5py.File(os.path.join(self._study.folder, output), "r") as file:
+                found = file.attrs.get("file_id")
+        except OSError:
+            return None
+        return found.decode() if isinstance(found, bytes) else found
+
+    def seconds(self, runs):
+        times = [self.rows[run][2] for run in runs]
+        return _rounded(math.fsum(times), 4) if None not in times else None
+
+
+def failures(study, chains, verdicts):
+    """[log, how it ended, last lines, cases] of each recipe that failed, and of cases that were not made and did not fail."""
+    found, not_made = {}, []
+    for case, verdict in verdicts.items():
+        if verdict == "error":
+            log, end, tail = study.logs.failure(chains[case])
+            found.setdefault(log, [log, end, tail, []])[3].append(case)
+        elif verdict == "not made":
+            not_made.append(case)
+    return {"logs": list(found.values()), "notMade": not_made}
+
+
+def reports(study, shown):
+    """{case: name} of dem-eval's reports that lie beside the layers."""
+    found = {}
+    for case in shown:
+        name = "eval/" + os.path.basename(study.rows[case][-1])[:-5] + ".html"
+        if os.path.exists(os.path.join(study.folder, name)):
+            found[str(case)] = name
+    return found
+
+
+# Files and numbers
+
+
+def _lines(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read().splitlines()
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}") from error
+
+
+def _read_csv(path):
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}; plot_study.py makes it") from error
+
+
+def _same(stored, planned):
+    if isinstance(planned, (int, float)) and not isinstance(planned, bool):
+        return stored == planned
+    return stored == (planned if isinstance(planned, str) else json.dumps(planned))
+
+
+def _rounded(value, digits=DIGITS):
+    """To so many digits, which halves the page; whole numbers as they are."""
+    if not isinstance(value, float):
+        return value
+    if not math.isfinite(value):
+        return None
+    return int(value) if value.is_integer() and abs(value) < 2 ** 53 else float(f"{value:.{digits}g}")

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a study's report: one HTML file that needs nothing beside it, with the table of its cases, their configurations
+and the figures of plot_study.py.
+
+FOLDER is a study's, with results.h5 (make -f Makefile.studies study).
+"""
+import argparse
+import os
+
+from landfall import command, tools
+from landfall.errors import DataError, UsageError
+from landfall.study import page, report
+
+
+def parse(arguments):
+    parser = command.Parser(prog="report_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("-o", "--output", metavar="FILE.html", help="default: FOLDER/report.html")
+    parser.add_argument("--figures", metavar="DIR", help="where plot_study.py wrote; default: FOLDER/figures")
+    parser.add_argument("-O", "--overwrite", action="store_true", help="replace an existing report")
+    return parser.parse_args(arguments)
+
+
+def texts(ending, shared):
+    """What all reports share of this kind, then the part of this one."""
+    return [read_text(os.path.join(tools.SHARE, "lib", "report", "assets", shared)),
+            read_text(os.path.join(os.path.dirname(__file__), "report" + ending))]
+
+
+def read_text(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}") from error
+
+
+def write_page(text, path):
+    def write_to(name):
+        with open(name, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    try:
+        command.write_whole(path, write_to)
+    except OSError as error:
+        raise DataError(f"cannot write {path}: {error.strerror}") from error
+
+
+def main(arguments):
+    options = parse(arguments)
+    output = options.output or os.path.join(options.folder, "report.html")
+    if not output.endswith(".html"):
+        raise UsageError(f"--output {output}: the name must end in .html")
+    command.check_outputs([output], options.overwrite)
+    figures = options.figures or os.path.join(options.folder, "figures")
+    try:
+        tree = report.report(options.folder, figures)
+    except UsageError as error:
+        raise DataError(error) from error
+    write_page(page.page(tree, figures, texts(".css", "report.css"), texts(".js", "table.js")), output)
+    print(f"{output}: {tree['count']} cases")

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study's table: a row a case, its axes and all numbers of its metrics, as CSV and as HDF5."""
+import csv
+import io
+import json
+import os
+
+import h5py
+import numpy as np
+
+from landfall import command
+from landfall.errors import DataError, UsageError
+from landfall.schema import read_json
+from landfall.study import model, session
+
+REQUIREMENT_UNITS = {"coverage": "1", "hole_size": "bins", "hole_distance": "bins", "relative_elevation": "1",
+                     "relative_horizontal": "1", "absolute_horizontal": "1"}
+
+
+def read_cases(folder):
+    """cases.json of a planned study."""
+    path = os.path.join(folder, "cases.json")
+    if not os.path.exists(path):
+        raise UsageError(f"{folder}: no planned study (no cases.json)")
+    cases = read_json(path)
+    for *_, metrics in cases["cases"]:
+        session.inner_name(metrics)
+    return cases
+
+
+def flatten(tree, prefix=""):
+    """{"a.b": number} of all numbers and truth values (as 1 and 0) in nested objects; lists and texts are left out."""
+    flat = {}
+    for key, value in tree.items():
+        name = prefix + key
+        if isinstance(value, dict):
+            flat.update(flatten(value, name + "."))
+        elif isinstance(value, bool):
+            flat[name] = int(value)
+        elif value is None or isinstance(value, (int, float)):
+            flat[name] = value
+    return flat
+
+
+def read_metrics(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            tree = json.load(file)
+        if tree["format"] != "landfall.metrics":
+            raise ValueError("\"format\" is not \"landfall.metrics\"")
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise DataError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
+    del tree["version"]
+    return flatten(tree)
+
+
+def rows_of(folder, cases, partial):
+    """(number, axis values, metrics) of each case; with `partial`, of those that are done."""
+    seen, rows = {}, []
+    for number, (*values, metrics) in enumerate(cases["cases"]):
+        path = os.path.join(folder, metrics)
+        if partial and not os.path.exists(path):
+            continue
+        if path not in seen:
+            seen[path] = read_metrics(path)
+        rows.append((number, values, seen[path]))
+    if not rows:
+        raise DataError(f"{folder}: no case is done")
+    return rows
+
+
+def unit_of_metric(name):
+    parts = name.split(".")
+    if parts[0] == "requirements":
+        return "1" if parts[-1] == "pass" else REQUIREMENT_UNITS.get(parts[1], "")
+    return model.unit_of("_" + parts[-1]) or "1"
+
+
+class Table:
+    """Columns by name, in order; numbers are None where they are not known."""
+
+    def __init__(self, cases, rows):
+        self.cases = cases
+        self.columns = {"case": [number for number, _, _ in rows]}
+        self.units = {"case": "1"}
+        for index, axis in enumerate(cases["axes"]):
+            self.columns[axis["name"]] = [values[index] for _, values, _ in rows]
+            self.units[axis["name"]] = axis["unit"]
+        names = dict.fromkeys(name for _, _, metrics in rows for name in metrics)
+        for name in names:
+            column = [metrics.get(name) for _, _, metrics in rows]
+            if name == "pass" or any(value is not None for value in column):
+                self.columns[name] = column
+                self.units[name] = unit_of_metric(name)
+
+    def csv(self):
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.columns)
+        writer.writerows(zip(*([_cell(value) for value in column] for column in self.columns.values())))
+        return text.getvalue()
+
+
+def _cell(value):
+    return "" if value is None else repr(value) if isinstance(value, float) else value
+
+
+def write_csv(table, path):
+    def write_to(name):
+        with open(name, "w", encoding="utf-8", newline="") as file:
+            file.write(table.csv())
+    command.write_whole(path, write_to)
+
+
+def write_h5(table, path, version):
+    """One dataset a column with `units` and `long_name`; _columns is their order, _study_json is cases.json less its cases.
+
+    No column begins with _.
+    """
+    def write_to(name):
+        with h5py.File(name, "w", track_order=False) as file:
+            file.attrs["title"] = table.cases["title"]
+            file.attrs["source"] = version
+            file.attrs["format_name"] = "landfall.results"
+            file.attrs["format_version"] = 1
+            for column, values in table.columns.items():
+                _write_column(file, column, values, table.units[column])
+            head = {key: value for key, value in table.cases.items() if key != "cases"}
+            file.create_dataset("_study_json", data=json.dumps(head), dtype=h5py.string_dtype())
+            file.create_dataset("_columns", data=list(table.columns), dtype=h5py.string_dtype())
+            file.attrs["complete"] = 1
+    command.write_whole(path, write_to)
+
+
+def _write_column(file, name, values, unit):
+    if all(isinstance(value, int) and not isinstance(value, bool) for value in values):
+        data, dtype = values, np.int64
+    elif all(value is None or (isinstance(value, (int, float)) and not isinstance(value, bool)) for value in values):
+        data, dtype = [np.nan if value is None else value for value in values], np.float64
+    else:
+        data, dtype = [value if isinstance(value, str) else json.dumps(value) for value in values], h5py.string_dtype()
+    dataset = file.create_dataset(name, data=np.array(data, dtype=dtype) if dtype in (np.int64, np.float64) else data,
+                                  dtype=dtype, track_times=False)
+    dataset.attrs["units"] = unit
+    dataset.attrs["long_name"] = name

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study's folder: where each stage's files lie, and the rules by which Makefile.studies makes them.
+
+Terrains, truths and metrics stay. A scan or a DEM that is not kept is made within the recipe of the only stage that
+reads it, and removed after it; one that several stages read stays in shared/ until all of them are done.
+"""
+import json
+from dataclasses import dataclass, field
+
+from landfall.command import write_whole
+
+KEEPABLE = ("scan", "dem", "eval")
+MOST_SHARED = 16
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names of files, relative to the study's folder."""
+
+    keep: frozenset
+
+    def config(self, tool, stage):
+        return f"config/{tool}/{stage.config_id}.json"
+
+    def terrain(self, stage):
+        return f"terrain/{stage.id}.h5"
+
+    def truth(self, stage):
+        return f"truth/{stage.id}.h5"
+
+    def metrics(self, stage):
+        return f"metrics/{stage.id}.json"
+
+    def layers(self, stage):
+        return f"eval/{stage.id}.h5" if "eval" in self.keep else None
+
+    def scan(self, stage):
+        """None for one that is made within its reader's recipe."""
+        return self._between("scan", stage)
+
+    def dem(self, stage):
+        return self._between("dem", stage)
+
+    def _between(self, kind, stage):
+        if kind in self.keep:
+            return f"{kind}/{stage.id}.h5"
+        return f"shared/{stage.id}.{kind}.h5" if len(stage.consumers) > 1 else None
+
+
+def folders(graph):
+    """All folders of a study."""
+    tools = {tool for tool, _ in graph.configs}
+    return [*(f"config/{tool}" for tool in sorted(tools)), "terrain", "truth", "scan", "dem", "eval", "metrics",
+            "shared", "readers", "log", "scratch"]
+
+
+@dataclass
+class Recipe:
+    """What a rule needs and does."""
+
+    inputs: list  # files of the study
+    files: tuple = ()  # others
+    steps: list = field(default_factory=list)  # of study-chain
+    order_only: list = field(default_factory=list)
+    shared: list = field(default_factory=list)  # inputs that go when all who read them are done
+
+    def add(self, inputs, files, step):
+        self.inputs = [*self.inputs, *inputs]
+        self.files = (*self.files, *files)
+        self.steps.append(step)
+
+
+def _file(name, otherwise):
+    return f"$O/{name}" if name else otherwise
+
+
+class Fragment:
+    """The make rules of a graph. `$O` is the study's folder.
+
+    Make starts all scans before the first DEM. Where more than MOST_SHARED scans are read several times, all that depends on
+    such a scan is therefore made within one recipe: the disk then holds a scan for each recipe that runs.
+    """
+
+    def __init__(self, graph, layout, options):
+        self.graph, self.layout, self.options = graph, layout, options
+        self.lines, self.transient, self.kept = [], [], []
+        self.needs = {}  # output: all that it is made of, for targets.txt
+        self.logs = {}  # metrics: the name of their recipe's log
+        self.readers = {}  # file in shared/: those who read it
+        self.grouped = self.shared_scans() > MOST_SHARED and not layout.keep & {"scan", "dem"}
+        for stage in graph.terrain.values():
+            self.terrain(stage)
+        for stage in graph.truth.values():
+            self.truth(stage)
+        if self.grouped:
+            for stage in graph.scan.values():
+                self.group(stage)
+        else:
+            self.each_stage()
+
+    def shared_scans(self):
+        return sum(len(scan.consumers) > 1 or any(len(dem.consumers) > 1 for dem in scan.consumers)
+                   for scan in self.graph.scan.values())
+
+    def each_stage(self):
+        for stage in self.graph.scan.values():
+            if self.layout.scan(stage):
+                self.scan(stage)
+        for stage in self.graph.regrid.values():
+            if self.layout.dem(stage):
+                self.dem(stage)
+        for stage in self.graph.eval.values():
+            self.eval(stage)
+
+    def rule(self, kind, identity, outputs, recipe):
+        """One explicit rule, with what it leaves for targets.txt and readers/."""
+        targets = " ".join("$O/" + name for name in outputs)
+        colon = " &:" if len(outputs) > 1 else ":"
+        inputs = " ".join(dict.fromkeys([*("$O/" + name for name in recipe.inputs), *recipe.files]))
+        last = "".join(" | $O/" + name for name in recipe.order_only)
+        proofs = "".join(f" --output $O/{name}" for name in outputs)
+        drops = "".join(f" --drop $O/{name}" for name in recipe.shared)
+        self.lines.append(f"{targets}{colon} {inputs} $O/tools.txt{last}")
+        self.lines.append(f"\t$(call stage,{kind},{identity},{proofs}{drops}) {' + '.join(recipe.steps)}")
+        before = [need for name in (*recipe.inputs, *recipe.order_only) if name in self.needs
+                  for need in (*self.needs[name], name)]
+        for name in outputs:
+            self.needs[name] = list(dict.fromkeys(before))
+            self.logs[name] = f"{kind}-{identity}"
+        for name in recipe.shared:
+            self.readers.setdefault(name, []).append(outputs[0])
+
+    # A recipe for each file
+
+    def terrain(self, stage):
+        config, output = self.layout.config("terrain", stage), self.layout.terrain(stage)
+        self.rule("terrain", stage.id, [output], Recipe([config], stage.files, [f"terrain $O/{config} $O/{output}"]))
+        self.transient.append(output)
+
+    def truth(self, stage):
+        output = self.layout.truth(stage)
+        self.rule("truth", stage.id, [output], self.scanning(stage, output))
+        self.transient.append(output)
+
+    def scan(self, stage):
+        output = self.layout.scan(stage)
+        self.rule("scan", stage.id, [output], self.scanning(stage, output))
+        (self.kept if "scan" in self.layout.keep else self.transient).append(output)
+
+    def dem(self, stage):
+        output = self.layout.dem(stage)
+        self.rule("dem", stage.id, [output], self.gridding(stage, output))
+        (self.kept if "dem" in self.layout.keep else self.transient).append(output)
+
+    def eval(self, stage):
+        dem = self.layout.dem(stage.upstream)
+        if dem is None:
+            recipe = self.gridding(stage.upstream, None)
+        else:
+            recipe = Recipe([dem], shared=[dem] if dem.startswith("shared/") else [])
+        self.judge(recipe, stage, dem)
+        self.rule("metrics", stage.id, self.outputs(stage), recipe)
+
+    def group(self, scan):
+        """All that depends on a scan."""
+        recipe, outputs = self.scanning(scan, None), []
+        for dem in scan.consumers:
+            self.grid(recipe, dem, None, None)
+            for stage in dem.consumers:
+                self.judge(recipe, stage, None)
+                outputs += self.outputs(stage)
+        self.rule("metrics", scan.id, outputs, recipe)
+
+    def outputs(self, stage):
+        """The files that evaluating makes."""
+        return [name for name in (self.layout.metrics(stage), self.layout.layers(stage)) if name]
+
+    # Parts of recipes
+
+    def scanning(self, stage, output):
+        """Makes a scan or truth; an output of None lies in scratch."""
+        config, terrain = self.layout.config("scan", stage), self.layout.terrain(stage.upstream)
+        truth = self.layout.truth(stage.truth) if stage.truth else None
+        step = f"scan $O/{config} $O/{terrain} {_file(truth, '-')} {_file(output, '@')}"
+        # Order-only: what changes a truth changes the scan's other inputs too.
+        return Recipe([config, terrain], stage.files, [step], [truth] if truth else [])
+
+    def gridding(self, stage, output):
+        """Makes a DEM, and its scan unless that has a rule of its own."""
+        scan = self.layout.scan(stage.upstream)
+        if scan is None:
+            recipe = self.scanning(stage.upstream, None)
+        else:
+            recipe = Recipe([scan, self.layout.terrain(stage.upstream.upstream)],
+                            shared=[scan] if scan.startswith("shared/") else [])
+        self.grid(recipe, stage, scan, output)
+        return recipe
+
+    def grid(self, recipe, stage, scan, output):
+        config, terrain = self.layout.config("regrid", stage), self.layout.terrain(stage.upstream.upstream)
+        options = self.options.get("regrid", []) + ([] if "dem" in self.layout.keep else self.lean())
+        recipe.add([config], stage.files, " ".join(
+            [f"regrid $O/{config} {_file(scan, '@')} $O/{terrain} {_file(output, '@')}", *options]))
+
+    def lean(self):
+        """Only the layers that dem-eval reads, uncompressed: for a DEM that is not kept."""
+        if "eval" in self.layout.keep:
+            return []
+        layers = ["z_est", "x_true", "y_true", "z_true"]
+        options = self.options.get("regrid", [])
+        if "--corrected" in options:
+            layers.append("z_corrected")
+        if "--uncertainty" in options:
+            layers += ["count", "z_true_map", "z_sigma_abs", "z_sigma_rel"]
+        return ["--compression 0", "--layers", ",".join(layers)]
+
+    def judge(self, recipe, stage, dem):
+        config, metrics, layers = self.layout.config("eval", stage), self.layout.metrics(stage), self.layout.layers(stage)
+        recipe.add([config], stage.files, f"eval $O/{config} {_file(dem, '@')} $O/{metrics} {_file(layers, '-')}")
+        if layers:
+            self.kept.append(layers)
+
+    # The files of a plan
+
+    def text(self, name, keep, bin_folder):
+        metrics = [self.layout.metrics(stage) for stage in self.graph.eval.values()]
+        head = ["# Made by sweep.py plan: do not edit.", f"STUDY_NAME := {name}",
+                f"PLANNED_KEEP := {keep}", f"PLANNED_BIN := {bin_folder}", _names("METRICS", metrics),
+                _names("KEPT", self.kept), "", _special(".SECONDARY", self.transient), ".PRECIOUS: $(METRICS)"]
+        return "\n".join([*head, *self.lines]) + "\n"
+
+    def targets(self):
+        """A line for each set of metrics: its file, its log, all that is made for it."""
+        names = (self.layout.metrics(stage) for stage in self.graph.eval.values())
+        rows = ([name, f"log/{self.logs[name]}.log", *self.needs[name]] for name in names)
+        return "".join(" ".join(row) + "\n" for row in rows)
+
+
+def _names(variable, names):
+    return f"{variable} :=" + "".join(f" \\\n $O/{name}" for name in names)
+
+
+def _special(target, names):
+    return f"{target}:" + "".join(f" \\\n $O/{name}" for name in names) if names else ""
+
+
+def write_if_changed(path, text):
+    """Writes a file whole or not at all; one that holds the text keeps its time. True where it was written."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            if file.read() == text:
+                return False
+    except FileNotFoundError:
+        pass
+
+    def write_to(name):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(text)
+    write_whole(path, write_to)
+    return True
+
+
+def cases_text(study, graph, layout, limits):
+    """cases.json: the axes, the limits that all cases share, and each case's values and metrics."""
+    axes = [{"name": axis.name, "label": axis.label, "unit": axis.unit, "log": axis.log, "numeric": axis.is_numeric(),
+             "role": axis.role} for axis in study.axes()]
+    description = {"description": study.description} if study.description else {}
+    head = {"format": "landfall.cases", "version": 1, "name": study.name, "title": study.title, **description, "plot": study.plot,
+            "limits": limits, "axes": axes}
+    rows = [json.dumps([*values, layout.metrics(stage)], ensure_ascii=False) for values, stage in graph.cases]
+    return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a study is: what is missing in its folder, and the counts of the present call of make."""
+import contextlib
+import fcntl
+import json
+import os
+import time
+from dataclasses import asdict, dataclass, field
+
+from landfall.errors import UsageError
+from landfall.schema import shown
+
+
+def kind_of(name):
+    """terrain, truth, scan, dem or metrics, by a file's name in the study's folder."""
+    folder, file = name.split("/", 1)
+    return file.rsplit(".", 2)[1] if folder == "shared" else folder
+
+
+def inner_name(name):
+    """The name of a file in the study's folder, as another file there gives it. Throws UsageError if it leads outside."""
+    if os.path.isabs(name) or ".." in name.split("/"):
+        raise UsageError(f"{shown(name)} is not in the study's folder")
+    return name
+
+
+def age(path):
+    """Time of the last change, ns; 0 where there is no such file."""
+    try:
+        return os.stat(path).st_mtime_ns
+    except OSError:
+        return 0
+
+
+def read_targets(folder):
+    """targets.txt: for each case's metrics, their log and the files that they are made of."""
+    with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
+        return [[inner_name(word) for word in line.split()] for line in file]
+
+
+def missing_targets(folder):
+    """Names of what is still to be made: metrics that are absent or older than the tools, and what they lack."""
+    tools = age(os.path.join(folder, "tools.txt"))
+    missing, known = {}, {}
+    for metrics, _, *needs in read_targets(folder):
+        if age(os.path.join(folder, metrics)) >= tools:
+            continue
+        for name in (*needs, metrics):
+            if name not in known:
+                known[name] = age(os.path.join(folder, name)) >= tools
+            if not known[name]:
+                missing[name] = True
+    return list(missing)
+
+
+@dataclass
+class Session:
+    """Counts of one call of make, by kind of stage."""
+
+    id: str
+    started: float
+    todo: dict
+    done: dict = field(default_factory=dict)
+    failed: dict = field(default_factory=dict)
+    seconds: dict = field(default_factory=dict)  # in which the stages that are done were made
+
+    def add(self, kind, number, ok, seconds):
+        counts = self.done if ok else self.failed
+        counts[kind] = counts.get(kind, 0) + number
+        if ok:
+            self.seconds[kind] = self.seconds.get(kind, 0) + seconds
+
+    def left(self, kind):
+        return max(0, self.todo.get(kind, 0) - self.done.get(kind, 0) - self.failed.get(kind, 0))
+
+    def remaining_s(self, now):
+        """Estimate by the mean time of each kind and by how many ran at a time; None before anything is done."""
+        done, spent = sum(self.done.values()), sum(self.seconds.values())
+        if not done or spent <= 0:
+            return None
+        work = sum(self.left(kind) * (self.seconds[kind] / self.done[kind] if self.done.get(kind) else spent / done)
+                   for kind in self.todo)
+        at_a_time = max(1.0, spent / max(now - self.started, 1e-3))
+        return work / at_a_time
+
+    def line(self, now):
+        left = sum(self.left(kind) for kind in self.todo)
+        text = f"{sum(self.done.values())} done, {sum(self.failed.values())} failed, {left} left"
+        seconds = self.remaining_s(now)
+        return f"{text}, about {duration(seconds)} to go" if left and seconds is not None else text
+
+
+def duration(seconds):
+    """A time in words: 42 s, 3 min, 2.5 h."""
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+
+
+@contextlib.contextmanager
+def locked_session(folder, identity):
+    """The session of this name, begun where there is none; what is changed in it is kept."""
+    path = os.path.join(folder, "session.json")
+    with open(os.path.join(folder, "session.lock"), "w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        session = _read(path)
+        if session is None or session.id != identity:
+            session = _begin(folder, identity)
+        yield session
+        temporary = f"{path}.tmp"
+        with open(temporary, "w", encoding="utf-8") as file:
+            json.dump(asdict(session), file)
+        os.replace(temporary, path)
+
+
+def _read(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return Session(**json.load(file))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def _begin(folder, identity):
+    todo = {}
+    for name in missing_targets(folder):
+        todo[kind_of(name)] = todo.get(kind_of(name), 0) + 1
+    return Session(identity, time.time(), todo)

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a study has to compute: each stage once, named by a hash of all that its content depends on.
+
+    terrain -> (truth ->) scan -> dem -> metrics
+
+Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`.
+"""
+import hashlib
+import json
+from dataclasses import dataclass, field
+
+from landfall.errors import UsageError
+from landfall.schema import shown
+from landfall.study import model
+
+# Keys of a scan that true ranges depend on; beside them, the seed where it moves the beams.
+TRUTH_KEYS = ("detector", "laser", "scanner", "mount", "trajectory")
+TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad")
+UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid"}
+
+
+@dataclass
+class Stage:
+    """One run of a tool. `id` is the hash of its configuration and of all stages before it."""
+
+    id: str
+    config_id: str
+    upstream: object  # the Stage before it, None for a terrain
+    files: tuple = ()  # data files that the configuration names
+    truth: object = None  # of a scan: the Stage whose ranges it takes
+    consumers: list = field(default_factory=list)  # Stages that read it
+
+
+@dataclass
+class Graph:
+    """All stages of a study: id -> Stage, in the order of the first case that needs them."""
+
+    terrain: dict
+    truth: dict
+    scan: dict
+    regrid: dict
+    eval: dict
+    configs: dict  # (tool, config_id): text of the file
+    cases: list  # of (values, eval Stage)
+
+
+def build(study):
+    """The graph of a study."""
+    return _Builder(study).graph
+
+
+def canonical(value):
+    return json.dumps(value, sort_keys=True, separators=(",", ":"))
+
+
+def short_hash(*texts):
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:16]
+
+
+def truth_config(scan):
+    """The scan without what --ranges-from draws anew (docs/user/scan-sim.md)."""
+    truth = {key: scan[key] for key in TRUTH_KEYS if key in scan}
+    pointing = {key: value for key, value in _object(scan, "pointing_error").items() if key in TRUE_POINTING}
+    if pointing:
+        truth["pointing_error"] = pointing
+    if _seed_moves_beams(scan) and "seed" in scan:
+        truth["seed"] = scan["seed"]
+    return truth
+
+
+def _object(config, key):
+    value = config.get(key, {})
+    return value if isinstance(value, dict) else {}
+
+
+def _seed_moves_beams(scan):
+    jitter = _object(scan, "pointing_error").get("jitter_sigma_rad", 0)
+    scanner = _object(scan, "scanner")
+    noisy_prisms = scanner.get("type") == "risley" and scanner.get("encoder_sigma_rad", 0) != 0
+    return jitter not in (0, [0, 0]) or noisy_prisms
+
+
+def data_files(value):
+    """Absolute paths that a configuration names (model.with_full_paths made them so)."""
+    if isinstance(value, list):
+        return [path for entry in value for path in data_files(entry)]
+    if not isinstance(value, dict):
+        return []
+    found = []
+    for key, entry in value.items():
+        if key == "path" and isinstance(entry, str) and entry.startswith("/"):
+            found.append(entry)
+        else:
+            found.extend(data_files(entry))
+    return found
+
+
+class _Builder:
+    def __init__(self, study):
+        self.study = study
+        self.graph = Graph({}, {}, {}, {}, {}, {}, [])
+        self.known = {stage: {} for stage in UPSTREAM}  # indices of the dimensions that matter: configuration
+        self.relevant = {stage: self.dimensions_of(stage) for stage in UPSTREAM}
+        for indices in study.cases():
+            self.graph.cases.append((study.values(indices), self.add_case(indices)))
+        self.share_truths()
+
+    def dimensions_of(self, stage):
+        """Which dimensions set keys of the stage."""
+        return [any(model.stage_of(key) == stage for axis in dimension for key in axis.keys())
+                for dimension in self.study.dimensions]
+
+    def add_case(self, indices):
+        stage = None
+        for name in UPSTREAM:
+            stage = self.add_stage(name, indices, stage)
+        return stage
+
+    def add_stage(self, name, indices, upstream):
+        mine = tuple(index for index, matters in zip(indices, self.relevant[name]) if matters)
+        if mine not in self.known[name]:
+            config = model.configuration(self.study, name, indices)
+            self.known[name][mine] = (self.add_config(name, config), tuple(self.checked_files(config)),
+                                      canonical(truth_config(config)) if name == "scan" else None)
+        config_id, files, _ = self.known[name][mine]
+        options = " ".join(self.study.options.get(name, []))
+        identity = short_hash(name, config_id, options, upstream.id if upstream else "")
+        stages = getattr(self.graph, name)
+        if identity not in stages:
+            stages[identity] = Stage(identity, config_id, upstream, files)
+            if upstream:
+                upstream.consumers.append(stages[identity])
+            if name == "scan":
+                stages[identity].truth = self.known[name][mine][2]  # its text, until share_truths()
+        return stages[identity]
+
+    def add_config(self, tool, config):
+        text = json.dumps(config, sort_keys=True, indent=1) + "\n"
+        config_id = short_hash(tool, text)
+        self.graph.configs[tool, config_id] = text
+        return config_id
+
+    def checked_files(self, config):
+        files = list(dict.fromkeys(data_files(config)))
+        for path in files:
+            if any(character in " $#%:;|\\*?[]{}~'\"`&()<>=" or not character.isprintable() for character in path):
+                raise UsageError(
+                    f"{self.study.path}: {shown(path)}: make cannot take this file name; link it under a plain one")
+        return files
+
+    def share_truths(self):
+        """A truth for every two or more scans that differ in errors only; a single one is traced with its errors."""
+        groups = {}
+        for scan in self.graph.scan.values():
+            groups.setdefault((scan.upstream.id, scan.truth), []).append(scan)
+        for (terrain_id, text), scans in groups.items():
+            truth = self.add_truth(terrain_id, text, scans[0]) if len(scans) > 1 else None
+            for scan in scans:
+                scan.truth = truth
+
+    def add_truth(self, terrain_id, text, scan):
+        config = json.loads(text)
+        truth = Stage(short_hash("truth", text, terrain_id), self.add_config("scan", config), scan.upstream,
+                      tuple(data_files(config)))
+        self.graph.truth[truth.id] = truth
+        return truth

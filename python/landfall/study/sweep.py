@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Plans a study, shows it, and gathers its results (docs/user/studies/README.md).
+
+  sweep.py plan STUDY.json --out DIR --bin DIR     configurations and make rules, written only when changed
+  sweep.py studies DIR                             the studies of a folder: name, number of cases, title
+  sweep.py list STUDY.json                         its cases
+  sweep.py show STUDY.json CASE                    a shell script that makes one case by hand
+  sweep.py status DIR                              what is done, failed and left
+  sweep.py collect DIR                             results.csv and results.h5
+  sweep.py tidy DIR                                removes what waits for readers that are all done
+  sweep.py prune DIR                               removes files that the plan does not name any more
+"""
+import argparse
+import glob
+import json
+import os
+import shlex
+
+from landfall import tools
+from landfall.command import Parser
+from landfall.errors import ToolError, UsageError
+from landfall.schema import read_json, shown
+from landfall.study import model, reader, rules, session, stages
+
+TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval"}
+MOST_CHECKS_PER_AXIS = 100
+# Top-level keys that a study has, and no configuration of a single tool.
+STUDY_KEYS = {"base", "axes", "repeat"}
+
+
+def parse(arguments):
+    parser = Parser(prog="sweep.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=Parser)
+    plan = commands.add_parser("plan", help="write configurations and make rules")
+    plan.add_argument("study", metavar="STUDY.json")
+    plan.add_argument("--out", metavar="DIR", required=True, help="the study's folder")
+    plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
+    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval: files to keep; or all")
+    plan.add_argument("--no-check", action="store_true", help="do not ask the tools whether they take the values")
+    for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
+        command = commands.add_parser(name, help=text)
+        command.add_argument("study", metavar="STUDY.json")
+        if name == "show":
+            command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
+    for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
+                       ("tidy", "remove what waits for readers that are all done"),
+                       ("prune", "remove files that are in the plan no more")):
+        command = commands.add_parser(name, help=text)
+        command.add_argument("folder", metavar="DIR")
+        if name == "collect":
+            command.add_argument("--partial", action="store_true", help="leave out cases that are not done")
+    return parser.parse_args(arguments)
+
+
+# plan
+
+
+def kept(text):
+    """The set of --keep: names separated by commas or blanks."""
+    names, known = text.replace(",", " ").split(), rules.KEEPABLE
+    for name in names:
+        if name not in (*known, "all"):
+            raise UsageError(f"--keep: '{name}' is not one of {', '.join(known)}, all")
+    return frozenset(known if "all" in names else names)
+
+
+def plan(options):
+    if any(character.isspace() or character in "$#%:;|\\*?[]~'\"" for character in options.out):
+        raise UsageError(f"--out {options.out}: make cannot take this name")
+    layout = rules.Layout(kept(options.keep))
+    study = reader.read_study(options.study)
+    versions = tool_versions(options.bin)
+    if not options.no_check:
+        check_with_tools(study, options.bin)
+    graph = stages.build(study)
+    fragment = rules.Fragment(graph, layout, study.options)
+    written = write_plan(options, study, graph, fragment, versions)
+    print(f"{study.name}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
+          f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
+          f"{counted(len(graph.eval), 'evaluation')}; {written} files written")
+
+
+def counted(number, noun):
+    return f"{number} {noun}" + ("" if number == 1 else "s")
+
+
+def write_plan(options, study, graph, fragment, versions):
+    """Writes what changed and returns how many files that were; study.mk, last, always gets a new time."""
+    for folder in rules.folders(graph):
+        os.makedirs(os.path.join(options.out, folder), exist_ok=True)
+    files = {f"config/{tool}/{config_id}.json": text for (tool, config_id), text in graph.configs.items()}
+    files |= {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
+    files |= {"tools.txt": versions, "targets.txt": fragment.targets(),
+              "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph)),
+              "study.mk": fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)}
+    written = sum(rules.write_if_changed(os.path.join(options.out, name), text)
+                  for name, text in files.items())
+    os.utime(os.path.join(options.out, "study.mk"))
+    return written
+
+
+def plan_inputs(study):
+    """Makes the plan depend on its files; a missing one causes a new plan, not an error."""
+    files = " ".join(os.path.relpath(path) for path in study.files)
+    return f"$O/study.mk: {files}\n{files}:\n"
+
+
+def tool_output(folder, tool, *arguments, **options):
+    return tools.run_tool(tools.find(tool, folder), *arguments, **options).stdout
+
+
+def tool_versions(folder):
+    """A line for each tool; what all outputs depend on."""
+    return "".join(tool_output(folder, tool, "--version") for tool in TOOLS.values())
+
+
+def common_limits(folder, graph):
+    """The limits of dem-eval that are the same in all cases."""
+    defaults = json.loads(tool_output(folder, "dem-eval", "--print-config"))["limits"]
+    all_limits = [defaults | json.loads(text).get("limits", {}) for (tool, _), text in graph.configs.items() if tool == "eval"]
+    return {key: value for key, value in defaults.items()
+            if len({limits[key] for limits in all_limits}) == 1 for value in [all_limits[0][key]]}
+
+
+def check_with_tools(study, folder):
+    """Asks the tools whether they take the base, and each axis' values with the others at their first ones.
+
+    Of numbers only the first and the last are asked for. A value that a tool refuses only together with others
+    fails when its stage is run.
+    """
+    first = [0] * len(study.dimensions)
+    asked = set()
+    ask(study, folder, first, "the first case", asked)
+    for index, dimension in enumerate(study.dimensions):
+        last = len(dimension[0].points) - 1
+        numeric = all(axis.is_numeric() for axis in dimension)
+        for point in [last] if numeric else range(1, min(last + 1, MOST_CHECKS_PER_AXIS)):
+            values = ", ".join(f"{axis.name} = {shown(axis.points[point].value)}" for axis in dimension)
+            ask(study, folder, [*first[:index], point, *first[index + 1:]], values, asked)
+
+
+def ask(study, folder, indices, name, asked):
+    for stage, tool in TOOLS.items():
+        text = json.dumps(model.configuration(study, stage, indices))
+        if (stage, text) in asked:
+            continue
+        asked.add((stage, text))
+        try:
+            tool_output(folder, tool, "--check", "-c", "-", input=text)
+        except ToolError as error:
+            raise UsageError(f"{study.path}: {name}: {error}") from error
+
+
+# studies, list, show
+
+
+def studies_of(folder):
+    """The studies among the JSON files of a folder, by name."""
+    found = []
+    for path in sorted(glob.glob(os.path.join(folder, "*.json"))):
+        tree = read_json(path)
+        if isinstance(tree, dict) and STUDY_KEYS & tree.keys() and not path.endswith((".terrain.json", ".scan.json")):
+            found.append(reader.read_study(path))
+    return found
+
+
+def list_studies(options):
+    found = studies_of(options.folder)
+    width = max((len(study.name) for study in found), default=0)
+    for study in found:
+        count = study.case_count()
+        print(f"{study.name:{width}}  {count:4} case{'s' if count != 1 else ' '}  {study.title}")
+
+
+def list_cases(options):
+    study = reader.read_study(options.study)
+    print("\t".join(["case", *(axis.name for axis in study.axes())]))
+    for number, indices in enumerate(study.cases()):
+        print("\t".join([str(number), *(value if isinstance(value, str) else json.dumps(value)
+                                        for value in study.values(indices))]))
+
+
+def show(options):
+    study = reader.read_study(options.study)
+    cases = list(study.cases())
+    if not 0 <= options.case < len(cases):
+        raise UsageError(f"{study.path}: case {options.case} is not in [0, {len(cases) - 1}]")
+    indices = cases[options.case]
+    values = zip((axis.name for axis in study.axes()), study.values(indices))
+    title = f"{study.name}, case {options.case}: " + ", ".join(f"{name} = {shown(value)}" for name, value in values)
+    print("#!/bin/bash\n# " + "".join(character if character.isprintable() else "?" for character in title))
+    print("set -euo pipefail")
+    for stage in TOOLS:
+        config = json.dumps(model.configuration(study, stage, indices), sort_keys=True)
+        print(f"echo {shlex.quote(config)} > {stage}.json")
+    regrid = "".join(" " + option for option in study.options.get("regrid", []))
+    print("terrain-gen -c terrain.json -o terrain.h5\n"
+          "scan-sim -c scan.json --terrain terrain.h5 -o scan.h5\n"
+          f"regrid scan.h5 -c regrid.json --terrain terrain.h5 -o dem.h5{regrid}\n"
+          "dem-eval dem.h5 -c eval.json -o eval.h5 --metrics metrics.json")
+
+
+# status, collect, tidy, prune
+
+
+def status(options):
+    cases = read_folder(options.folder)
+    missing = set(session.missing_targets(options.folder))
+    metrics = list(dict.fromkeys(case[-1] for case in cases))
+    logs = {metrics: log for metrics, log, *_ in session.read_targets(options.folder)}
+    failed = {name: reason for name in sorted(missing)
+              if (reason := failure(options.folder, logs.get(name) or log_of(name)))}
+    lost = [name for name in metrics if name in missing]
+    print(f"{len(metrics) - len(lost)} done, {len([name for name in lost if name in failed])} failed, {len(lost)} left, "
+          f"of {counted(len(metrics), 'evaluation')} for {counted(len(cases), 'case')}")
+    for name, reason in failed.items():
+        print(f"{name}: {reason}")
+
+
+def read_folder(folder):
+    from landfall.study import results  # needs h5py, which a plan does not
+    return results.read_cases(folder)["cases"]
+
+
+def log_of(name):
+    return f"log/{session.kind_of(name)}-{os.path.basename(name).split('.', 1)[0]}.log"
+
+
+def failure(folder, log):
+    """How the recipe with this log failed; empty where it did not."""
+    try:
+        with open(os.path.join(folder, log), encoding="utf-8", errors="replace") as file:
+            *lines, last = file.read().splitlines()
+    except (OSError, ValueError):
+        return ""
+    if not last.startswith("# exit ") or last.startswith("# exit 0 "):
+        return ""
+    messages = [line for line in lines if not line.startswith("# ")]
+    return f"{last[2:]}: {messages[-1] if messages else 'no message'} ({os.path.join(folder, log)})"
+
+
+def collect(options):
+    from landfall.study import results
+    cases = results.read_cases(options.folder)
+    rows = results.rows_of(options.folder, cases, options.partial)
+    table = results.Table(cases, rows)
+    with open(os.path.join(options.folder, "tools.txt"), encoding="utf-8") as file:
+        version = file.readline().strip()
+    # The table that make looks at comes last.
+    results.write_h5(table, os.path.join(options.folder, "results.h5"), version)
+    results.write_csv(table, os.path.join(options.folder, "results.csv"))
+    left_out = len(cases["cases"]) - len(rows)
+    print(f"{os.path.join(options.folder, 'results.csv')}: {counted(len(rows), 'case')}, "
+          f"{len(table.columns)} columns" + (f"; {left_out} not done" if left_out else ""))
+
+
+def tidy(options):
+    """Removes what waits in shared/ for readers that are all done."""
+    if session.missing_targets(options.folder):
+        return
+    shared = os.path.join(options.folder, "shared")
+    for name in os.listdir(shared) if os.path.isdir(shared) else []:
+        os.remove(os.path.join(shared, name))
+
+
+def prune(options):
+    """Removes what an earlier plan of the study made and this one does not name."""
+    read_folder(options.folder)
+    with open(os.path.join(options.folder, "study.mk"), encoding="utf-8") as file:
+        named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
+    stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}
+    count = size = 0
+    for top in ("config", "terrain", "truth", "scan", "dem", "eval", "metrics", "shared", "readers", "log", "scratch"):
+        for folder, _, files in os.walk(os.path.join(options.folder, top)):
+            for file in files:
+                path = os.path.join(folder, file)
+                name = os.path.relpath(path, options.folder)
+                if name in named or (top == "log" and file.rsplit(".", 1)[0].rsplit("-", 1)[-1] in stages) or \
+                        (top == "readers" and f"shared/{file}" in named):
+                    continue
+                count, size = count + 1, size + os.path.getsize(path)
+                os.remove(path)
+    print(f"{counted(count, 'file')} removed, {size / 1e6:.1f} MB")
+
+
+def main(arguments):
+    options = parse(arguments)
+    {"plan": plan, "studies": list_studies, "list": list_cases, "show": show, "status": status, "collect": collect, "tidy": tidy,
+     "prune": prune}[options.command](options)

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A study's results.h5: its axes, the points at which cases repeat, and estimates over the repeats."""
+import json
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from landfall.errors import DataError
+
+REQUIREMENTS = ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal", "absolute_horizontal"]
+# Metrics that a limit of dem-eval bounds; the others' limits are in the results.
+LENGTH_LIMITS = {"accuracy.relative.z": "relative_elevation_m", "accuracy.relative.x": "relative_horizontal_m",
+                 "accuracy.relative.y": "relative_horizontal_m", "accuracy.absolute.horizontal": "absolute_horizontal_m"}
+VALUES_OF = {"coverage.invalid_frac": "coverage", "coverage.largest_hole_bins": "hole_size",
+             "coverage.max_distance_bins": "hole_distance", "accuracy.relative.z.violation_count": "relative_elevation",
+             "accuracy.absolute.horizontal.within_limit_frac": "absolute_horizontal"}
+# What uses up the limit of each requirement: the largest of these metrics.
+USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.largest_hole_bins"],
+           "hole_distance": ["coverage.max_distance_bins"], "relative_elevation": ["accuracy.relative.z.max_m"],
+           "relative_horizontal": ["accuracy.relative.x.max_m", "accuracy.relative.y.max_m"],
+           "absolute_horizontal": ["accuracy.absolute.horizontal.p95_m"]}
+
+# Of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
+Z = 1.959963984540054
+RESAMPLES = 4000
+
+# Of figures and reports.
+METRIC_NAMES = {
+    "coverage.invalid_frac": "invalid bins of the region, share",
+    "coverage.invalid_count": "invalid bins",
+    "coverage.largest_hole_bins": "largest hole",
+    "coverage.max_distance_bins": "largest distance to a valid bin",
+    "accuracy.relative.z.p95_m": "relative elevation error, 95 % of footprints below",
+    "accuracy.relative.z.max_m": "relative elevation error, largest",
+    "accuracy.relative.x.p95_m": "relative error in x, 95 % of footprints below",
+    "accuracy.relative.x.max_m": "relative error in x, largest",
+    "accuracy.relative.y.p95_m": "relative error in y, 95 % of footprints below",
+    "accuracy.relative.y.max_m": "relative error in y, largest",
+    "accuracy.absolute.z.p95_m": "absolute elevation error, 95 % of footprints below",
+    "statistics.z.rmse_m": "elevation error of the bins, rms",
+    "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
+    "requirements.relative_elevation.value": "footprints over the relative elevation limit",
+    "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
+}
+
+
+@dataclass(frozen=True)
+class StudyAxis:
+    """An axis that is not a repeat, and its values in the order of the study."""
+
+    name: str
+    label: str
+    unit: str
+    log: bool
+    numeric: bool
+    values: tuple
+
+    def title(self):
+        return f"{self.label} [{self.unit}]" if self.unit not in ("", "1") else self.label
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point of the axes: its values, in their order, and the rows of its repeats."""
+
+    values: tuple
+    rows: tuple
+
+
+class Results:
+    """Reads an open results.h5. Throws DataError where it does not hold together."""
+
+    def __init__(self, file):
+        try:
+            head = json.loads(file["_study_json"].asstr()[()])
+            names = [name for name in file["_columns"].asstr()[()]]
+            self.columns = {name: _column(file[name]) for name in names}
+            self.units = {name: file[name].attrs["units"] for name in names}
+            self.title, self.plot, self.limits = head["title"], head["plot"], head["limits"]
+            self.axes = [self._axis(axis) for axis in head["axes"] if axis["role"] == "axis"]
+            self._axis_names = {axis["name"] for axis in head["axes"]} | {"case"}
+        except (KeyError, ValueError, TypeError) as error:
+            raise DataError(f"{file.filename}: no table of a study ({error})") from error
+        self.points = self._points()
+
+    def _axis(self, axis):
+        values = tuple(dict.fromkeys(self.columns[axis["name"]]))
+        return StudyAxis(axis["name"], axis["label"], axis["unit"], axis["log"], axis["numeric"], values)
+
+    def _points(self):
+        rows = {}
+        columns = [self.columns[axis.name] for axis in self.axes]
+        for row in range(len(self.columns["case"])):
+            rows.setdefault(tuple(column[row] for column in columns), []).append(row)
+        return [Point(values, tuple(numbers)) for values, numbers in rows.items()]
+
+    def follows(self, axis, leader):
+        """Whether each value of `leader` has one of `axis`, as where both are zipped."""
+        pairs = set(zip(self.columns[leader.name], self.columns[axis.name]))
+        return len(pairs) == len(leader.values)
+
+    def is_metric(self, name):
+        return name in self.columns and name not in self._axis_names and not isinstance(self.columns[name][0], str)
+
+    def values(self, point, metric):
+        """What is known of a metric at a point, one number a repeat."""
+        column = self.columns.get(metric)  # none where it is not known of any case
+        values = np.array([column[row] for row in point.rows] if column else [], float)
+        return values[np.isfinite(values)]
+
+    def count(self, point, metric):
+        return len(self.values(point, metric))
+
+    def estimate(self, point, metric, quantile):
+        """(quantile over the repeats, low, high); NaN where nothing is known."""
+        values = self.values(point, metric)
+        if values.size == 0:
+            return math.nan, math.nan, math.nan
+        return (float(np.quantile(values, quantile)), *bootstrap(values, quantile))
+
+    def pass_rate(self, point, requirement):
+        """(passed, judged, low, high); `all` are all requirements."""
+        values = self.values(point, "pass" if requirement == "all" else f"requirements.{requirement}.pass")
+        passed = int(values.sum())
+        return (passed, len(values), *wilson(passed, len(values)))
+
+    def share_of_limit(self, point, requirement, quantile):
+        """How much of a requirement's limit is used, 1 for all of it; NaN where the metric or one limit of all cases is not known.
+
+        A quantile over the repeats of the largest metric that the requirement bounds. Where absolute_horizontal_frac is 0.95, a
+        requirement is met by a case whose share is at most 1.
+        """
+        metrics = [metric for metric in USED_BY[requirement] if metric in self.columns]
+        limits = [self.limit(metric) for metric in metrics]
+        if not metrics or not all(limits):
+            return math.nan
+        shares = [[self.columns[metric][row] / limit for row in point.rows] for metric, limit in zip(metrics, limits)]
+        largest = np.max(np.array(shares, float), axis=0)
+        return float(np.nanquantile(largest, quantile)) if np.isfinite(largest).any() else math.nan
+
+    def repeats(self):
+        return max(len(point.rows) for point in self.points)
+
+    def limit(self, metric):
+        """The requirement on a metric, where all cases share one; None otherwise."""
+        parent, _, last = metric.rpartition(".")
+        if parent in LENGTH_LIMITS and last in ("p95_m", "max_m"):
+            return self.limits.get(LENGTH_LIMITS[parent])
+        requirement = metric.split(".")[1] if metric.startswith("requirements.") and last == "value" else VALUES_OF.get(metric)
+        column = self.columns.get(f"requirements.{requirement}.limit", [])
+        return column[0] if len(set(column)) == 1 else None
+
+
+def _column(dataset):
+    return dataset.asstr()[()].tolist() if dataset.dtype.kind == "O" else dataset[()].tolist()
+
+
+# 95 % confidence intervals of what a study repeats
+
+
+def wilson(passed, count):
+    """(low, high) of a rate: Wilson, JASA 22 (1927) 209-212. (0, 1) of nothing."""
+    if count == 0:
+        return 0.0, 1.0
+    rate, z2 = passed / count, Z * Z / count
+    centre = (rate + z2 / 2) / (1 + z2)
+    half = Z / (1 + z2) * math.sqrt(rate * (1 - rate) / count + z2 / (4 * count))
+    # The bounds at 0 and 1 are exact; rounding must not move them.
+    return (0.0 if passed == 0 else centre - half), (1.0 if passed == count else centre + half)
+
+
+def bootstrap(values, quantile, seed=1):
+    """(low, high) of a quantile of what `values` were drawn from: percentile bootstrap (Efron 1979), fixed seed.
+
+    Both are NaN for fewer than two values. RandomState, because its numbers are the same in all versions of numpy.
+    """
+    values = np.asarray(values, float)
+    if values.size < 2:
+        return math.nan, math.nan
+    draws = np.random.RandomState(seed).randint(0, values.size, (RESAMPLES, values.size))
+    estimates = np.quantile(values[draws], quantile, axis=1)
+    low, high = np.quantile(estimates, [0.025, 0.975])
+    return float(low), float(high)

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tables of plot_study.py: which requirements each point of a study meets, and how much of their limits it uses."""
+import math
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+
+from landfall.study import figures
+from landfall.study.table import REQUIREMENTS
+
+MOST_ROWS = 60
+REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_distance": "hole\ndistance",
+                     "relative_elevation": "relative\nelevation", "relative_horizontal": "relative\nhorizontal",
+                     "absolute_horizontal": "absolute\nhorizontal", "all": "all"}
+
+
+def requirements_figure(results):
+    """Pass rates."""
+    note = "requirements met" if results.repeats() == 1 else \
+        "share of repeats that meet each requirement, 95 % interval (Wilson)"
+    return table_figure(results, [*REQUIREMENTS, "all"], note,
+                        lambda axes, row, column, point, name: draw_rate(axes, row, column, *results.pass_rate(point, name)))
+
+
+def shares_figure(results, quantile):
+    """How much of each limit is used; of an error budget, each term's share."""
+    repeats = results.repeats()
+    note = "share of each requirement's limit that is used" + (f", {figures.estimate_name(results, quantile).split(',')[0]}" if repeats > 1 else "")
+    return table_figure(results, REQUIREMENTS, note, lambda axes, row, column, point, name: draw_share(
+        axes, row, column, results.share_of_limit(point, name, quantile)))
+
+
+def table_figure(results, names, note, draw_cell):
+    """A row for each point, a column for each requirement."""
+    points = results.points if len(results.points) <= MOST_ROWS else figures.spread(results.points, MOST_ROWS)
+    labels = [figures.point_name(results.axes, point.values) or "all cases" for point in points]
+    left = 0.4 + 0.075 * max(len(label) for label in labels)
+    height = 1.3 + 0.36 * len(points)
+    figure, axes = plt.subplots(figsize=(left + 7.6, height), constrained_layout=True)
+    for row, point in enumerate(points):
+        for column, name in enumerate(names):
+            draw_cell(axes, row, column, point, name)
+    axes.set_xlim(-0.5, len(names) - 0.5)
+    axes.set_ylim(len(points) - 0.5, -0.5)
+    axes.set_xticks(range(len(names)), [REQUIREMENT_NAMES[name] for name in names], fontsize=9)
+    axes.set_yticks(range(len(points)), labels, fontsize=8)
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    if len(points) < len(results.points):
+        note += f"; {len(points)} of {len(results.points)} points"
+    axes.set_title(f"{results.title}\n{note}", fontsize=10)
+    return figure
+
+
+def draw_rate(axes, row, column, passed, count, low, high):
+    if count == 0:
+        color, text = "0.9", "not judged"
+    elif count == 1:
+        color, text = rate_color(passed), "✓ pass" if passed else "✗ fail"
+    else:
+        color, text = rate_color(passed / count), f"{passed}/{count}  [{100 * low:.0f}, {100 * high:.0f}] %"
+    draw_cell_of(axes, row, column, color, 1, text)
+
+
+def draw_share(axes, row, column, share):
+    """A bar as long as the share, of another colour where it is over the limit."""
+    if math.isnan(share):
+        draw_cell_of(axes, row, column, "0.9", 1, "not known")
+        return
+    draw_cell_of(axes, row, column, "0.94", 1, "")
+    text = f"{share:,.0f} times" if share >= 9.95 else f"{100 * share:.0f} %" if share >= 0.095 or share == 0 else f"{100 * share:.1g} %"
+    draw_cell_of(axes, row, column, rate_color(share <= 1), min(share, 1), text)
+
+
+def draw_cell_of(axes, row, column, color, width, text):
+    axes.add_patch(matplotlib.patches.Rectangle((column - 0.48, row - 0.44), 0.96 * width, 0.88, color=color, linewidth=0))
+    axes.text(column, row, text, ha="center", va="center", fontsize=7.5)
+
+
+def rate_color(rate):
+    """From orange (never) over grey to blue (always), light enough for black text."""
+    low, middle, high = (np.array(matplotlib.colors.to_rgb(color)) for color in ("#F4B183", "#F2F2F2", "#9DC3E6"))
+    return tuple(low + (middle - low) * 2 * rate) if rate < 0.5 else tuple(middle + (high - middle) * (2 * rate - 1))

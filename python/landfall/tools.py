@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the tools and their data are, and how they are run."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+from landfall.errors import ToolError, UsageError
+
+# Holds python/, schemas/ and studies/: a clone, or PREFIX/share/landfall.
+SHARE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+IS_CLONE = os.path.exists(os.path.join(SHARE, "CMakeLists.txt"))
+BIN = os.path.normpath(os.path.join(SHARE, "build/release/bin" if IS_CLONE else "../../bin"))
+
+
+def find(tool, folder=None):
+    """The path of a tool: in the folder given, else beside this package's installation, else on PATH."""
+    path = os.path.join(folder or BIN, tool)
+    found = path if os.access(path, os.X_OK) else None if folder else shutil.which(tool)
+    if found is None:
+        raise ToolError(f"{path}: no such program" + ("" if folder else ", and none on PATH"))
+    return found
+
+
+def run_tool(path, *arguments, **options):
+    """Runs a program and returns what it printed. Throws ToolError with its message where it fails."""
+    try:
+        result = subprocess.run([path, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
+    except OSError as error:
+        raise ToolError(f"{path}: {error.strerror}") from error
+    if result.returncode != 0:
+        raise ToolError(result.stderr.strip() or f"{path}: exit code {result.returncode}", result.returncode)
+    return result
+
+
+def run(tool, config, inputs, output, options):
+    """See landfall.run."""
+    arguments = [*map(os.fspath, inputs)]
+    if config is not None:
+        arguments += ["-c", "-" if isinstance(config, dict) else _config_name(os.fspath(config))]
+    for name, value in options.items():
+        arguments += _option("--" + name.replace("_", "-"), value)
+    if output is not None:
+        arguments += ["-o", os.fspath(output)]
+    done = run_tool(find(tool), *arguments, input=_json(config) if isinstance(config, dict) else "")
+    sys.stderr.write(done.stderr)
+    if output is None:
+        return done.stdout
+    from landfall import opening
+
+    return opening.open_file(output) if opening.h5py.is_hdf5(output) else os.fspath(output)
+
+
+def _json(value):
+    """The JSON of a value that may hold numpy's numbers and arrays."""
+    return json.dumps(value, default=lambda inner: inner.tolist())
+
+
+def _config_name(name):
+    """The path of a configuration: a file, or one of studies/presets by its name."""
+    if os.path.exists(name) or os.path.basename(name) != name or name.endswith(".json"):
+        return name
+    folder = os.path.join(SHARE, "studies", "presets")
+    presets = {file.split(".")[0]: os.path.join(folder, file) for file in sorted(os.listdir(folder))}
+    if name not in presets:
+        raise UsageError(f"{name} is neither a file nor a preset: {', '.join(presets)}")
+    return presets[name]
+
+
+def _option(name, value):
+    if value is None or value is False:
+        return []
+    if value is True:
+        return [name]
+    if isinstance(value, dict):
+        return [word for key, inner in value.items() for word in (name, f"{key}={_json(inner)}")]
+    return [name, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)]

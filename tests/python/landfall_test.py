@@ -1,0 +1,341 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package landfall: what open() makes of each kind of file, what it refuses, and what run() passes to the tools."""
+import json
+import os
+import pickle
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from unittest import mock
+
+import h5py
+import numpy as np
+
+ROOT = os.environ["LANDFALL_ROOT"]
+BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
+sys.path.insert(0, os.path.join(ROOT, "python"))
+sys.dont_write_bytecode = True
+
+# pylint: disable=wrong-import-position
+import landfall
+from landfall import tools
+from landfall.study import results
+
+GRID = {"grid": {"half_width_m": 4, "resolution_m": 0.1}, "features": [{"type": "cone", "x_m": 1, "radius_m": 1, "height_m": 0.5}]}
+SCAN = {"laser": {"scan_time_s": 0.02}, "noise": {"range_sigma_m": 0.01},
+        "scanner": {"pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 3}}}
+REGRID = {"half_width_m": 2, "resolution_m": 0.1}
+PYRAMID = "v 0 0 1\nv 1 -1 0\nv 1 1 0\nv -1 0 0\nf 1 2 3\nf 1 3 4\nf 1 4 2\n"
+
+
+def python(text):
+    """What a new python3 prints."""
+    return subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {os.path.join(ROOT, 'python')!r}); {text}"],
+                          capture_output=True, text=True, check=True).stdout
+
+
+class Chain(unittest.TestCase):
+    """Files of the four tools, made by run()."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="landfall-python-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = folder.name
+        patch = mock.patch.object(tools, "BIN", BIN)
+        patch.start()
+        cls.addClassCleanup(patch.stop)
+        terrain, scan, dem = (cls.path(name) for name in ("terrain.h5", "scan.h5", "dem.h5"))
+        landfall.run("terrain-gen", GRID, output=terrain).close()
+        landfall.run("scan-sim", SCAN, terrain=terrain, output=scan).close()
+        landfall.run("regrid", REGRID, scan, terrain=terrain, output=dem).close()
+        landfall.run("dem-eval", {"region_radius_m": 1.5}, dem, output=cls.path("eval.h5"), metrics=cls.path("metrics.json")).close()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    def changed(self, name, change):
+        """A copy of a file after change(h5py.File)."""
+        path = self.path("changed.h5")
+        shutil.copy(self.path(name), path)
+        with h5py.File(path, "a") as file:
+            change(file)
+        return path
+
+    def refused(self, path, words, **options):
+        with self.assertRaises(landfall.DataError) as context:
+            landfall.open(path, **options)
+        self.assertTrue(str(context.exception).startswith(f"{path}: "), context.exception)
+        self.assertIn(words, str(context.exception))
+
+
+class Grids(Chain):
+    def test_layers_have_units_names_and_the_crs_of_the_file(self):
+        with landfall.open(self.path("dem.h5")) as dem, h5py.File(self.path("dem.h5")) as file:
+            layers = [name for name in file if name not in ("x", "y", "crs") and isinstance(file[name], h5py.Dataset)]
+            self.assertEqual(sorted(dem.data_vars), layers)
+            for name in (*layers, "x", "y"):
+                self.assertEqual(dem[name].attrs["units"], file[name].attrs["units"])
+                self.assertEqual(dem[name].attrs["long_name"], file[name].attrs["long_name"])
+                self.assertEqual(dem[name].dtype, file[name].dtype)
+            self.assertEqual(dem["z_est"].dims, ("y", "x"))
+            self.assertEqual(dem["z_est"].attrs["grid_mapping"], "crs")
+            self.assertEqual(dem["z_est"].crs.attrs["crs_wkt"], file["crs"].attrs["crs_wkt"])
+            self.assertEqual(dem.attrs, dict(file.attrs))
+            self.assertTrue(np.isnan(dem["z_est"].encoding["_FillValue"]))
+            np.testing.assert_array_equal(dem["z_est"], file["z_est"][()])
+
+    def test_any_index_reads_what_it_says(self):
+        with landfall.open(self.path("terrain.h5")) as terrain, h5py.File(self.path("terrain.h5")) as file:
+            z = file["z"][()]
+            np.testing.assert_array_equal(terrain.z[::-3, 5:2:-1], z[::-3, 5:2:-1])
+            np.testing.assert_array_equal(terrain.z[[7, 3, 3], [1, 2]], z[[7, 3, 3]][:, [1, 2]])
+            np.testing.assert_array_equal(terrain.z[-1], z[-1])
+            self.assertAlmostEqual(float(terrain.z.sel(x=1, y=0, method="nearest")), 0.5)
+
+    def test_values_are_read_when_they_are_asked_for(self):
+        """Damage that nobody reads is not met; where it is read, the message names file and layer."""
+        def tear(file):
+            del file["z_est"]
+            layer = file.create_dataset("z_est", chunks=(8, 8), compression="gzip", data=np.ones((41, 41)))
+            for place, name in enumerate("yx"):
+                layer.dims[place].attach_scale(file[name])
+            chunk = layer.id.get_chunk_info(0)
+            self.torn = chunk.byte_offset, chunk.size
+        path = self.changed("dem.h5", tear)
+        with open(path, "r+b") as raw:
+            raw.seek(self.torn[0])
+            raw.write(b"\xff" * self.torn[1])
+        with landfall.open(path) as dem:
+            self.assertEqual(dem["z_est"][-1, -1], 1)
+            self.assertEqual(dem["count"].shape, (41, 41))
+            with self.assertRaisesRegex(landfall.DataError, "changed.h5: /z_est: "):
+                dem["z_est"].load()
+
+    def test_chunks_are_those_of_the_file(self):
+        with landfall.run("scan-sim", SCAN, plan=True, output=self.path("plan.h5")) as plan:
+            self.assertEqual(plan["count"].encoding["preferred_chunks"], {"y": 256, "x": 256})
+            self.assertIn("coverage", json.loads(plan["plan_json"].item()))
+
+    def test_an_evaluation_holds_its_metrics_and_its_holes(self):
+        with landfall.open(self.path("eval.h5")) as evaluation:
+            self.assertEqual(json.loads(evaluation["metrics_json"].item()), landfall.open(self.path("metrics.json")))
+            self.assertEqual(list(evaluation["fail"].attrs["flag_masks"]), [1, 2, 4, 8, 16, 32])
+        holes = landfall.open(self.path("eval.h5"), "holes")
+        self.assertEqual(holes.units["first_x"], "m")
+
+    def test_a_mesh_is_its_vertices_and_triangles(self):
+        with open(self.path("mesh.obj"), "w", encoding="ascii") as file:
+            file.write(PYRAMID)
+        with landfall.run("terrain-gen", {"mesh": {"path": self.path("mesh.obj")}}, output=self.path("mesh.h5")) as mesh:
+            self.assertEqual(dict(mesh.sizes), {"vertex": 4, "axis": 3, "triangle": 3, "corner": 3})
+            self.assertEqual(mesh["vertices"].attrs["units"], "m")
+
+    def test_copies_and_closing(self):
+        dem = landfall.open(self.path("dem.h5"))
+        copy = pickle.loads(pickle.dumps(dem))
+        np.testing.assert_array_equal(copy["count"], dem.copy(deep=True)["count"])
+        dem.close()
+        with self.assertRaises(Exception):  # h5py's own: the file is closed
+            dem["z_true"].load()
+
+    def test_it_can_be_written_as_netcdf(self):
+        with landfall.open(self.path("dem.h5")) as dem:
+            dem.to_netcdf(self.path("dem.nc"), engine="netcdf4")
+        with h5py.File(self.path("dem.nc")) as file:
+            self.assertEqual(file["z_est"].attrs["units"], b"m")
+
+
+class Tables(Chain):
+    def test_columns_rows_and_units(self):
+        with landfall.open(self.path("scan.h5")) as scan, h5py.File(self.path("scan.h5")) as file:
+            points = {name: column[()] for name, column in file["points"].items()}
+            self.assertEqual(scan.columns, tuple(points))
+            self.assertEqual(list(scan), list(points))
+            self.assertEqual(len(scan), len(points["pulse"]))
+            self.assertIn("z_est", scan)
+            self.assertEqual((scan.units["z_est"], scan.units["status"]), ("m", "1"))
+            self.assertEqual(list(scan.attributes["status"]["flag_values"])[:2], [0, 1])
+            self.assertEqual(scan.attrs["format_name"], "landfall.scan")
+            self.assertEqual(scan.attrs["return_count"], len(scan))
+            for rows in (slice(None), slice(10, 20), slice(-5, None), slice(3, 100, 7), slice(None, None, -1), slice(90, 10, -9),
+                         slice(5, 5)):
+                part = scan[rows]
+                self.assertEqual(len(part), len(points["z_est"][rows]))
+                np.testing.assert_array_equal(part["z_est"], points["z_est"][rows])
+            np.testing.assert_array_equal(scan[10:100][::-2][3:]["pulse"], points["pulse"][10:100][::-2][3:])
+            self.assertEqual(scan[["x_est", "pulse"]].columns, ("x_est", "pulse"))
+            for name in ("z", 7):
+                with self.assertRaisesRegex(KeyError, "no column"):
+                    scan[name]  # pylint: disable=pointless-statement
+            self.assertRegex(repr(scan), r"(?m)^<landfall Table> 129,600 rows, 11 columns\n(?s:.*)^  z_est +float64 +m +estimated z")
+
+    def test_pandas_on_request(self):
+        with landfall.open(self.path("scan.h5")) as scan:
+            frame = scan[1000:2000:10][["pulse", "z_est"]].to_pandas()
+            self.assertEqual(list(frame.columns), ["pulse", "z_est"])
+            self.assertEqual((frame.index[0], frame.index[-1], len(frame)), (1000, 1990, 100))
+            np.testing.assert_array_equal(frame["z_est"], scan["z_est"][1000:2000:10])
+            self.assertEqual(frame.attrs["units"], {"pulse": "1", "z_est": "m"})
+
+    def test_other_groups(self):
+        pulses = landfall.open(self.path("scan.h5"), "pulses")
+        self.assertEqual((len(pulses), pulses.units["t"]), (400, "s"))
+        self.assertEqual(list(landfall.open(self.path("terrain.h5"), "features")["diameter"]), [2])
+
+    def test_a_table_of_the_paper_s_size_is_not_read(self):
+        """12,960,000 rows of 11 columns: 1 GB, of which a row in a thousand is read."""
+        path, rows = self.path("large.h5"), 12_960_000
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format_name": "landfall.scan", "complete": 1})
+            for name in "abcdefghijk":
+                column = file.create_dataset(f"points/{name}", (rows,), "f8", chunks=(65536,), compression="gzip", fillvalue=2.5)
+                column.attrs["units"] = "m"
+        peak = python(f"""import resource, landfall
+scan = landfall.open({path!r})
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+part = scan[::1000].to_pandas()
+assert len(scan) == {rows} and part.shape == ({rows // 1000}, 11) and (part == 2.5).all(axis=None), part
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)""")
+        self.assertLess(int(peak), 200_000)  # kB, pandas among them; a column alone has 104,000
+
+    def test_the_results_of_a_study(self):
+        cases = {"title": "t", "axes": [{"name": "kind", "unit": ""}], "cases": []}
+        rows = [(number, [kind], {"pass": 1, "accuracy.relative.z.max_m": number / 10}) for number, kind in enumerate("ab")]
+        results.write_h5(results.Table(cases, rows), self.path("results.h5"), "test")
+        table = landfall.open(self.path("results.h5"))
+        self.assertEqual(table.columns, ("case", "kind", "pass", "accuracy.relative.z.max_m"))
+        self.assertEqual(list(table["kind"]), ["a", "b"])
+        self.assertEqual(table.units["accuracy.relative.z.max_m"], "m")
+        self.assertEqual(table.to_pandas()["accuracy.relative.z.max_m"][1], 0.1)
+
+
+class Refusals(Chain):
+    def test_what_is_no_file_of_landfall(self):
+        self.refused(self.path("none.h5"), "no such file")
+        self.refused(self.folder, "not a readable HDF5 file")
+        with open(self.path("note.txt"), "w", encoding="ascii") as file:
+            file.write("nothing")
+        self.refused(self.path("note.txt"), "neither an HDF5 file nor JSON")
+        with open(self.path("other.json"), "w", encoding="ascii") as file:
+            file.write('{"format": "other"}')
+        self.refused(self.path("other.json"), '"format" is not "landfall.metrics"')
+        self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("format_name", "other")), "format_name is 'other'")
+
+    def test_damaged_and_unfinished_files(self):
+        self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("complete", 0)), "never finished")
+        with open(self.path("dem.h5"), "rb") as whole, open(self.path("short.h5"), "wb") as file:
+            file.write(whole.read()[:20000])
+        self.refused(self.path("short.h5"), "not a readable HDF5 file")
+
+    def test_files_that_lead_to_others(self):
+        target = self.path("target")
+        os.mkfifo(target)  # opening it would not return
+        self.addCleanup(os.remove, target)
+        for name, kind in (("dem.h5", "z_est"), ("scan.h5", "points/z_est")):
+            def link(file, kind=kind):
+                del file[kind]
+                file[kind] = h5py.ExternalLink(target, "/z")
+            self.refused(self.changed(name, link), f"/{kind} is a link")
+
+    def test_groups_and_columns(self):
+        self.refused(self.path("scan.h5"), "has no group holes", group="holes")
+        self.refused(self.path("scan.h5"), "has no group points/z_est", group="points/z_est")
+        self.refused(self.path("dem.h5"), "provenance: no columns", group="provenance")
+
+        def shorten(file):
+            del file["points/z_est"]
+            file["points/z_est"] = np.zeros(3)
+        self.refused(self.changed("scan.h5", shorten), "points: columns of different lengths")
+
+    def test_a_missing_package_is_named(self):
+        for package, use in (("xarray", lambda: landfall.open(self.path("dem.h5"))),
+                             ("pandas", lambda: landfall.open(self.path("scan.h5")).to_pandas())):
+            with mock.patch.dict(sys.modules, {package: None}), \
+                    self.assertRaisesRegex(landfall.Error, f"^the Python package {package} is missing: apt-get install python3-{package}$"):
+                use()
+
+    def test_importing_is_cheap(self):
+        heavy = "h5py", "numpy", "matplotlib", "xarray", "pandas", "json", "subprocess"
+        self.assertEqual(python(f"import landfall; print([name for name in {heavy} if name in sys.modules])"), "[]\n")
+        self.assertNotIn("xarray", python(f"import landfall; landfall.open({self.path('scan.h5')!r}); print(*sys.modules)").split())
+
+
+class Runs(Chain):
+    def stub(self, text):
+        """A tool that writes its arguments and standard input into a file, then does what the text says."""
+        folder = tempfile.mkdtemp(dir=self.folder)
+        path = os.path.join(folder, "scan-sim")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(f"#!/bin/bash\n{{ printf '%s\\n' \"$@\"; echo --; cat; }} > '{folder}/got'\n{text}\n")
+        os.chmod(path, 0o755)
+        return folder
+
+    def passed(self, *arguments, **options):
+        """(arguments, standard input) that a tool gets."""
+        folder = self.stub("exit 0")
+        with mock.patch.object(tools, "BIN", folder):
+            landfall.run("scan-sim", *arguments, **options)
+        with open(os.path.join(folder, "got"), encoding="ascii") as file:
+            words, _, text = file.read().partition("--\n")
+        return words.splitlines(), text
+
+    def test_options(self):
+        self.assertEqual(self.passed(None, "a.h5", "b.h5", keep_misses=True, threads=2, layers=["z_est", "count"], plan=False, seed=None,
+                                     set={"noise.range_sigma_m": 0.1, "mount": {"rpy_deg": [0, 0, 0]}, "scanner.type": "fsm"})[0],
+                         ["a.h5", "b.h5", "--keep-misses", "--threads", "2", "--layers", "z_est,count", "--set", "noise.range_sigma_m=0.1",
+                          "--set", 'mount={"rpy_deg": [0, 0, 0]}', "--set", 'scanner.type="fsm"'])
+
+    def test_configurations(self):
+        self.assertEqual(self.passed({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
+        self.assertEqual(self.passed("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
+        with self.assertRaisesRegex(landfall.UsageError, "^papers is neither a file nor a preset: .*paper"):
+            landfall.run("scan-sim", "papers")
+        for path in ("missing.json", self.path("terrain.h5"), "folder/paper"):
+            self.assertEqual(self.passed(path)[0], ["-c", path])
+        with landfall.run("scan-sim", "flash-256", plan=True, output=self.path("flash.h5"), set={"laser.scan_time_s": 0.1}) as plan:
+            self.assertEqual(plan.attrs["format_name"], "landfall.plan")
+
+    def test_the_result_is_opened(self):
+        with landfall.open(self.path("scan.h5")) as scan:
+            self.assertGreater(scan["z_est"].std(), 0.009)
+        self.assertIn("dem", landfall.run("landfall-info", None, self.path("dem.h5")))
+        points = self.path("points.csv")
+        self.assertEqual(landfall.run("landfall-export", None, self.path("scan.h5"), output=points, columns=["pulse", "z_est"]), points)
+        self.assertTrue(os.path.exists(points))
+
+    def test_a_failure_has_the_tool_s_message_and_exit_code(self):
+        for code, words, call in [
+                (1, "regrid: none.h5: ", lambda: landfall.run("regrid", None, "none.h5", output=self.path("x.h5"))),
+                (2, 'did you mean "half_width_m"', lambda: landfall.run("regrid", {"half_width": 5}, "a.h5", output=self.path("x.h5"))),
+                (2, "exists", lambda: landfall.run("terrain-gen", GRID, output=self.path("dem.h5"))),
+                (3, "missed or not judged", lambda: landfall.run("dem-eval", {"region_radius_m": 1.5, "limits": {"relative_elevation_m": 0}},
+                                                                  self.path("dem.h5"), output=self.path("y.h5"), require_pass=True))]:
+            with self.assertRaises(landfall.ToolError) as context:
+                call()
+            self.assertIn(words, str(context.exception))
+            self.assertEqual(context.exception.exit_code, code)
+
+    def test_warnings_reach_standard_error(self):
+        folder = self.stub("echo 'scan-sim: warning: so' >&2; echo text")
+        with mock.patch.object(tools, "BIN", folder), mock.patch("sys.stderr") as stream:
+            self.assertEqual(landfall.run("scan-sim"), "text\n")
+        stream.write.assert_called_with("scan-sim: warning: so\n")
+
+    def test_where_tools_are_found(self):
+        beside, elsewhere = self.stub("exit 0"), self.stub("exit 0")
+        with mock.patch.dict(os.environ, PATH=elsewhere), mock.patch.object(tools, "BIN", beside):
+            self.assertEqual(tools.find("scan-sim"), os.path.join(beside, "scan-sim"))
+            self.assertEqual(tools.find("scan-sim", elsewhere), os.path.join(elsewhere, "scan-sim"))
+            with mock.patch.object(tools, "BIN", "/nowhere"):
+                self.assertEqual(tools.find("scan-sim"), os.path.join(elsewhere, "scan-sim"))
+                with self.assertRaisesRegex(landfall.ToolError, "/nowhere/regrid: no such program, and none on PATH"):
+                    landfall.run("regrid")
+
+
+if __name__ == "__main__":
+    unittest.main()
