@@ -30,6 +30,7 @@ ONLY_IN = {
     r"(hdf5\.h|hdf5_hl\.h|H5)": {"hdf5", "files"},
     r"libdeflate": {"hdf5"},
     r"zlib": {"hdf5"},
+    r"png\.h": {"picture"},
     r"nlohmann/": {"base", "config", "files", "cli", "host", "report"},  # base: a header that config and io share
     r"valijson/": {"config"},
     r"CLI/": {"cli"},

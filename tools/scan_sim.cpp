@@ -13,6 +13,7 @@
 #include "cli/plan_table.h"
 #include "cli/tool.h"
 #include "config/scan_config.h"
+#include "files/field_json.h"
 #include "files/number_table.h"
 #include "files/plan_file.h"
 #include "files/range_file.h"
@@ -246,14 +247,14 @@ ExitCode run_plan(cli::Session& session, const Options& o) {
     };
     run_scan(simulation, {}, add, o.batch_points, progress);
   });
-  nlohmann::ordered_json numbers;
+  PlanMetrics metrics;
   session.phase("coverage", [&](const ProgressCallback&) {
     const Coverage coverage = coverage_of(plan);
-    numbers = plan_json(plan, coverage.metrics, o.plan_radius_m, pulse_rate_hz);
-    if (file) write_plan(*file, plan, coverage.hole_id, numbers);
+    metrics = plan_metrics(plan, coverage.metrics, o.plan_radius_m, pulse_rate_hz);
+    if (file) write_plan(*file, plan, coverage.hole_id, metrics);
   });
-  session.count("plan", numbers);
-  if (!session.options().json_summary) std::cout << cli::plan_table(numbers);
+  session.count("plan", fields_json(metrics));
+  if (!session.options().json_summary) std::cout << cli::plan_table(metrics);
   return ExitCode::done;
 }
 

@@ -6,25 +6,14 @@
 #include <cassert>
 #include <cstdint>
 
-// Vectors without a size at compile time would need other code for the rest of a span.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/box_muller.cpp"
-#include <hwy/foreach_target.h>  // this file again, once for each instruction set
-#include <hwy/highway.h>
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
 using Bits = hn::RebindToUnsigned<D>;
-
-constexpr std::size_t kMaxLanes = 8;
-
-HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
 
 /// Coefficients from the highest power down, by Horner's rule. Never MulAdd: it is fused on some targets.
 template <std::size_t N>

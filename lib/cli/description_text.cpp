@@ -4,15 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/error.h"
 #include "base/number_text.h"
 #include "cli/config_changes.h"
 #include "cli/plan_table.h"
+#include "cli/print.h"
 #include "cli/verdict_table.h"
 #include "config/dem_config.h"
+#include "files/field_json.h"
+#include "files/metrics_json.h"
 
 namespace landfall::cli {
 namespace {
@@ -20,13 +22,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWidth = 100;
-
-template <class... Values>
-std::string print(const char* format, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
 
 /// A text from a file: on one line, and no longer than the page.
 std::string cut(std::string text, std::size_t width) {
@@ -265,8 +260,8 @@ EvaluationLimits limits_of(const Json& d) {
 /// The tables that the tools print of their results.
 std::string result_tables(const Json& d) {
   std::string text;
-  if (d.contains("metrics")) text += "\n" + verdict_table(d["metrics"], limits_of(d));
-  if (d.contains("plan")) text += "\n" + plan_table(d["plan"]);
+  if (d.contains("metrics")) text += "\n" + verdict_table(metrics_from(d["metrics"]), limits_of(d));
+  if (d.contains("plan")) text += "\n" + plan_table(fields_from<PlanMetrics>(d["plan"]));
   return text;
 }
 

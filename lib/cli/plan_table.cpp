@@ -1,63 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/plan_table.h"
 
-#include <array>
-#include <cstdio>
+#include "cli/print.h"
 
 namespace landfall::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-template <class... Values>
-std::string print(const char* format, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
+std::string time_line(const char* name, const PlanMetrics::Pulses& pulses) {
+  return print("  %-34s %10ld %12.4f %8.2f %%\n", name, pulses.pulse_count, pulses.time_s, 100 * pulses.frac);
 }
 
-std::string time_line(const char* name, const Json& pulses) {
-  return print("  %-34s %10lld %12.4f %8.2f %%\n", name,
-               static_cast<long long>(pulses.at("pulse_count").get<std::int64_t>()),
-               pulses.at("time_s").get<double>(), 100 * pulses.at("frac").get<double>());
+std::string spread_line(const char* name, const BinSpread& s) {
+  return print("  %-20s %8.3f %8ld %8ld %8ld %8ld %8ld\n", name, s.mean, s.min, s.p05, s.median, s.p95,
+               s.max);
 }
-
-std::string spread_line(const char* name, const Json& spread) {
-  const auto value = [&](const char* key) {
-    return static_cast<long long>(spread.at(key).get<std::int64_t>());
-  };
-  return print("  %-20s %8.3f %8lld %8lld %8lld %8lld %8lld\n", name, spread.at("mean").get<double>(),
-               value("min"), value("p05"), value("median"), value("p95"), value("max"));
-}
-
-long long integer(const Json& value) { return static_cast<long long>(value.get<std::int64_t>()); }
 
 }  // namespace
 
-std::string plan_table(const Json& plan) {
-  const Json& time = plan.at("time");
-  const Json& region = plan.at("region");
-  const Json& returns = plan.at("returns");
-  const Json& coverage = plan.at("coverage");
+std::string plan_table(const PlanMetrics& plan) {
+  const CoverageMetrics& coverage = plan.coverage;
   std::string text = "Time                                     pulses     seconds     share\n";
-  text += time_line("image in the region", time.at("in_region")) +
-          time_line("image partly in the region", time.at("partly_in_region")) +
-          time_line("image outside the region", time.at("off_region")) +
-          time_line("blanked", time.at("blanked")) + time_line("all", time.at("total"));
-  text += print("\nRegion: %lld bins of %g m within %g m, on flat ground\n", integer(region.at("bin_count")),
-                region.at("resolution_m").get<double>(), region.at("radius_m").get<double>());
-  text += print("  uncovered: %lld bins, %.4f %%, in %lld holes; the largest has %lld bins\n",
-                integer(coverage.at("uncovered_count")), 100 * coverage.at("uncovered_frac").get<double>(),
-                integer(coverage.at("hole_count")), integer(coverage.at("largest_hole_bins")));
-  text += print("  returns: %lld, of which %lld in the region and %lld the first of their bin\n",
-                integer(returns.at("count")), integer(returns.at("in_region")),
-                integer(returns.at("first_in_bin")));
-  text += print("  seen by more than one image: %.2f %% of the bins\n",
-                100 * plan.at("images_per_bin").at("overlap_frac").get<double>());
+  text += time_line("image in the region", plan.time.in_region) +
+          time_line("image partly in the region", plan.time.partly_in_region) +
+          time_line("image outside the region", plan.time.off_region) +
+          time_line("blanked", plan.time.blanked) + time_line("all", plan.time.total);
+  text += print("\nRegion: %ld bins of %g m within %g m, on flat ground\n", plan.region.bin_count,
+                plan.region.resolution_m, plan.region.radius_m);
+  text += print("  uncovered: %ld bins, %.4f %%, in %ld holes; the largest has %ld bins\n",
+                coverage.invalid_count, 100 * coverage.invalid_frac, coverage.hole_count,
+                coverage.largest_hole_bins);
+  text += print("  returns: %ld, of which %ld in the region and %ld the first of their bin\n",
+                plan.returns.count, plan.returns.in_region, plan.returns.first_in_bin);
+  text +=
+      print("  seen by more than one image: %.2f %% of the bins\n", 100 * plan.images_per_bin.above_one_frac);
   text += print("\n  %-20s %8s %8s %8s %8s %8s %8s\n", "Per bin of the region", "mean", "least", "5 %",
                 "median", "95 %", "most");
-  return text + spread_line("returns", plan.at("returns_per_bin")) +
-         spread_line("images", plan.at("images_per_bin"));
+  return text + spread_line("returns", plan.returns_per_bin) + spread_line("images", plan.images_per_bin);
 }
 
 }  // namespace landfall::cli

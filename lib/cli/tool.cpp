@@ -29,8 +29,8 @@
 #include "config/json_source.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
-#include "exports/terrain_export.h"
 #include "output/temporary_files.h"
+#include "picture/png.h"
 
 namespace landfall::cli {
 namespace {
@@ -282,6 +282,13 @@ void Session::claim_output(const std::string& option, const std::string& path,
   outputs_.emplace_back(option, path);
 }
 
+std::unique_ptr<OutputPath> Session::side_output(const std::string& option, const std::string& path,
+                                                 const std::vector<std::string>& inputs) {
+  if (path.empty()) return nullptr;
+  claim_output(option, path, inputs);
+  return std::make_unique<OutputPath>(path, options_.overwrite);
+}
+
 void Session::claim_view(const std::vector<std::string>& inputs) {
   const std::string& view = options_.view_path;
   if (view.empty()) return;
@@ -306,6 +313,16 @@ Provenance Session::provenance() const {
   cut_paths(provenance.config);
   if (options_.record_environment) provenance.environment = environment_json(config_name_);
   return provenance;
+}
+
+void Session::name_misfit(const std::string& file, const std::function<void()>& work) const {
+  try {
+    work();
+  } catch (const UsageError& error) {
+    throw UsageError(config_name_ + ": /" + error.what() + " (" + file + ")");
+  } catch (const FormatError& error) {
+    throw FormatError(file + ": " + error.what());
+  }
 }
 
 double Session::phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -61,6 +62,9 @@ class Session {
   /// configuration or a file that this names, or is another output of the run.
   void claim_output(const std::string& option, const std::string& path,
                     const std::vector<std::string>& inputs = {});
+  /// The file that another option than -o names, claimed; null where it names none.
+  [[nodiscard]] std::unique_ptr<OutputPath> side_output(const std::string& option, const std::string& path,
+                                                        const std::vector<std::string>& inputs);
   /// The provenance of this run, its inputs still to be added.
   [[nodiscard]] Provenance provenance() const;
 
@@ -72,6 +76,9 @@ class Session {
   /// Runs one phase of the work: shows its progress on a terminal, records its wall and CPU time for --json.
   /// Returns its wall time, seconds.
   double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
+  /// Runs `work`, which fits the configuration to a file: its UsageError names both, its FormatError the
+  /// file.
+  void name_misfit(const std::string& file, const std::function<void()>& work) const;
   /// Adds a count to the --json summary.
   void count(const std::string& name, nlohmann::json value) { counts_[name] = std::move(value); }
   /// Wall time since the start, seconds.

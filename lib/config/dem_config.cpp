@@ -70,13 +70,8 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
       resolved.at("footprint_shape") == "disc" ? FootprintShape::disc : FootprintShape::square;
   parameters.quantile = resolved.at("quantile").get<double>();
   const nlohmann::json& limits = resolved.at("limits");
-  parameters.limits.invalid_frac = limits.at("invalid_frac").get<double>();
-  parameters.limits.hole_bins = limits.at("hole_bins").get<std::int64_t>();
-  parameters.limits.distance_bins = limits.at("distance_bins").get<double>();
-  parameters.limits.relative_elevation_m = limits.at("relative_elevation_m").get<double>();
-  parameters.limits.relative_horizontal_m = limits.at("relative_horizontal_m").get<double>();
-  parameters.limits.absolute_horizontal_m = limits.at("absolute_horizontal_m").get<double>();
-  parameters.limits.absolute_horizontal_frac = limits.at("absolute_horizontal_frac").get<double>();
+  FieldWalk walk{[&](const std::string& key, auto& limit) { limits.at(key).get_to(limit); }};
+  EvaluationLimits::fields(walk, parameters.limits);
   try {
     check(parameters);
   } catch (const UsageError& error) {

@@ -68,10 +68,14 @@ void set_in_grid(JsonSource& source, const char* key, const std::string& text, c
   grid[key] = number_of(text, option);
 }
 
-void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
+bool gives_only_from(const ImportOptions& options) {
   ImportOptions only_from;
   only_from.from = options.from;
-  if (!(options == only_from))
+  return options == only_from;
+}
+
+void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
+  if (!gives_only_from(options))
     throw UsageError("--from " + options.from +
                      ": a mesh takes none of the options of rasters and grids; --set mesh.scale_m, "
                      "mesh.translate_m and mesh.rotate_rpy_deg place it");
@@ -93,6 +97,14 @@ void apply_import(JsonSource& source, const ImportOptions& options) {
   }
   set_in_grid(source, "half_width_m", options.half_width, "--half-width");
   set_in_grid(source, "resolution_m", options.resolution, "--resolution");
+}
+
+void require_plain_export(const ImportOptions& options, bool configured) {
+  if (configured || !gives_only_from(options))
+    throw UsageError("--from " + options.from +
+                     ": a landfall file is exported as it is, without configuration; to cut or interpolate a "
+                     "terrain, name its layer as a raster: NETCDF:\"" +
+                     options.from + "\":z");
 }
 
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit) {

@@ -32,6 +32,10 @@ struct ImportOptions {
 /// no pair of numbers, and naming both where the configuration has a base of its own.
 void apply_import(JsonSource& source, const ImportOptions& options);
 
+/// For --from with a terrain.h5, which is exported as it is: throws UsageError where the run is `configured`
+/// or another of the options is given.
+void require_plain_export(const ImportOptions& options, bool configured);
+
 /// What a raster gives for the parts of a site's grid that are open: fit_dem_site() of
 /// terrain/gdal/gdal_loader.h.
 using SiteFitter = std::function<SiteSize(const DemBase& dem, const SiteRequest& request)>;

@@ -45,6 +45,18 @@ Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est) 
   return truth;
 }
 
+ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est, std::optional<Grid<double>> z_corrected) {
+  if (z_corrected)
+    for_each_index(z_est.spec().size(), [&](std::size_t i) {
+      double& value = z_corrected->values()[i];
+      value = truth.z.values()[i] - value;
+    });
+  return {.x = error_of(Axis::x, std::move(truth.x), z_est),
+          .y = error_of(Axis::y, std::move(truth.y), z_est),
+          .z = error_of(Axis::z, std::move(truth.z), z_est),
+          .z_corrected = std::move(z_corrected)};
+}
+
 FootprintStatistics footprint_statistics(const Grid<double>& error, const BinMask& region,
                                          const FootprintRule& rule, const ProgressCallback& progress) {
   WindowMeans windows = window_means(error, rule.footprint);

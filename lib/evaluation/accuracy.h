@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/progress.h"
+#include "evaluation/dem_layers.h"
 #include "evaluation/metrics.h"
 #include "evaluation/window_quantile.h"
 
@@ -10,8 +11,16 @@ namespace landfall {
 enum class Axis { x, y, z };
 
 /// e = true - estimate of one axis (Eq. 10), every bin of the DEM: x_true - X, y_true - Y, z_true - z_est,
-/// (X, Y) the bin's centre. NaN where either is NaN. It takes the place of the axis' true layer.
+/// (X, Y) the bin's centre. NaN where either is NaN. A truth that is moved in lends its memory.
 [[nodiscard]] Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est);
+
+/// The errors of a DEM, each on its grid.
+struct ErrorLayers {
+  Grid<double> x, y, z;
+  std::optional<Grid<double>> z_corrected;  ///< z_true - z_corrected
+};
+[[nodiscard]] ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est,
+                                    std::optional<Grid<double>> z_corrected = std::nullopt);
 
 /// Eqs. 11 and 12 of one axis, for the footprints centred on the region's bins; NaN elsewhere and where a
 /// footprint has no valid bin.

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// Where the terrain under each bin truly is (SPEC layers x_true, y_true, z_true): metres, NaN where unknown.
+/// Where the terrain under each bin truly is: metres, NaN where unknown.
 struct TrueLayers {
   Grid<double> x;
   Grid<double> y;

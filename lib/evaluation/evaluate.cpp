@@ -90,117 +90,77 @@ RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& re
   return result;
 }
 
-/// Where an axis' truth, limit and results are.
-struct AxisFields {
-  Axis axis;
-  FailFlag flag;
-  Grid<double> TrueLayers::*truth;
-  double EvaluationLimits::*limit_m;
-  AbsoluteMetrics AccuracyMetrics::Absolute::*absolute;
-  RelativeMetrics AccuracyMetrics::Relative::*relative;
-  ErrorStatistics StatisticsMetrics::*statistics;
-};
-
-constexpr AxisFields kX{Axis::x,
-                        fail_relative_x,
-                        &TrueLayers::x,
-                        &EvaluationLimits::relative_horizontal_m,
-                        &AccuracyMetrics::Absolute::x,
-                        &AccuracyMetrics::Relative::x,
-                        &StatisticsMetrics::x};
-constexpr AxisFields kY{Axis::y,
-                        fail_relative_y,
-                        &TrueLayers::y,
-                        &EvaluationLimits::relative_horizontal_m,
-                        &AccuracyMetrics::Absolute::y,
-                        &AccuracyMetrics::Relative::y,
-                        &StatisticsMetrics::y};
-constexpr AxisFields kZ{Axis::z,
-                        fail_relative_z,
-                        &TrueLayers::z,
-                        &EvaluationLimits::relative_elevation_m,
-                        &AccuracyMetrics::Absolute::z,
-                        &AccuracyMetrics::Relative::z,
-                        &StatisticsMetrics::z};
+using Sinks = std::vector<LayerSink*>;
 
 /// The accuracy requirements, axis after axis, so that few grids of double live at a time.
 class AccuracyPass {
  public:
-  struct Output {
-    AccuracyMetrics& metrics;
-    StatisticsMetrics& statistics;
-    LayerSink* sink;  ///< may be null
-    Grid<std::int8_t>& fail;
-  };
-
-  AccuracyPass(const EvaluationParameters& parameters, const BinMask& region, const Output& out)
+  AccuracyPass(const EvaluationParameters& parameters, const Sinks& sinks, Evaluation& result,
+               Grid<std::int8_t>& fail)
       : limits_(parameters.limits),
-        region_(region),
-        rule_{footprint_of(parameters, region.spec().resolution_m), parameters.quantile},
-        out_(out) {}
+        region_(result.region),
+        rule_{footprint_of(parameters, result.region.spec().resolution_m), parameters.quantile},
+        sinks_(sinks),
+        metrics_(result.metrics.accuracy.emplace()),
+        statistics_(result.metrics.statistics),
+        fail_(fail) {}
 
-  /// Errors and their statistics, of x and y: they take the place of their truth. To be called before run().
-  void measure_horizontal_errors(DemLayers& dem) const {
-    measure_errors(kX, dem);
-    measure_errors(kY, dem);
-  }
-
-  /// The DEM must have truth, which is used up.
-  void run(DemLayers& dem, const ProgressCallback& progress) const {
-    out_.metrics.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
-    out_.metrics.quantile = rule_.quantile;
-    const double share = 0.99 / (dem.z_corrected ? 4 : 3);  // the last hundredth is left to the summary
-    if (dem.z_corrected) measure_corrected(dem, part(progress, 0, share));
-    measure_errors(kZ, dem);
-    judge_axis(kZ, dem, part(progress, 0.99 - 3 * share, share));
-    AxisResult x = judge_axis(kX, dem, part(progress, 0.99 - 2 * share, share));
-    const AxisResult y = judge_axis(kY, dem, part(progress, 0.99 - share, share));
+  void run(ErrorLayers errors, const ProgressCallback& progress) const {
+    metrics_.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
+    metrics_.quantile = rule_.quantile;
+    const double share = 0.99 / (errors.z_corrected ? 4 : 3);  // the last hundredth is left to the summary
+    if (errors.z_corrected) measure_corrected(*errors.z_corrected, part(progress, 0, share));
+    errors.z_corrected.reset();
+    statistics_.z = error_statistics(errors.z, region_);
+    AccuracyMetrics::Absolute& absolute = metrics_.absolute;
+    AccuracyMetrics::Relative& relative = metrics_.relative;
+    judge_axis({Axis::z, fail_relative_z, limits_.relative_elevation_m, absolute.z, relative.z},
+               std::move(errors.z), part(progress, 0.99 - 3 * share, share));
+    AxisResult x =
+        judge_axis({Axis::x, fail_relative_x, limits_.relative_horizontal_m, absolute.x, relative.x},
+                   std::move(errors.x), part(progress, 0.99 - 2 * share, share));
+    const AxisResult y =
+        judge_axis({Axis::y, fail_relative_y, limits_.relative_horizontal_m, absolute.y, relative.y},
+                   std::move(errors.y), part(progress, 0.99 - share, share));
     judge_horizontal(horizontal_error(std::move(x.mean), y.mean));
-    out_.statistics.horizontal =
-        horizontal_statistics(horizontal_error(std::move(x.error), y.error), region_);
+    statistics_.horizontal = horizontal_statistics(horizontal_error(std::move(x.error), y.error), region_);
   }
 
  private:
+  struct AxisJudgement {
+    Axis axis;
+    FailFlag flag;
+    double limit_m;
+    AbsoluteMetrics& absolute;
+    RelativeMetrics& relative;
+  };
   struct AxisResult {
     Grid<double> error;
     Grid<double> mean;  ///< of the footprints
   };
 
-  void measure_errors(const AxisFields& fields, DemLayers& dem) const {
-    Grid<double>& layer = (*dem.truth).*fields.truth;
-    layer = error_of(fields.axis, std::move(layer), dem.z_est);
-    out_.statistics.*fields.statistics = error_statistics(layer, region_);
-  }
-
-  AxisResult judge_axis(const AxisFields& fields, DemLayers& dem, const ProgressCallback& progress) const {
-    const double limit_m = limits_.*fields.limit_m;
-    AxisLayers layers;
-    layers.error = std::move((*dem.truth).*fields.truth);
-    FootprintStatistics statistics = footprint_statistics(layers.error, region_, rule_, progress);
-    out_.metrics.absolute.*fields.absolute = summarise_absolute(statistics.mean);
-    out_.metrics.relative.*fields.relative = summarise_relative(statistics.relative, limit_m);
-    flag_above(statistics.relative, limit_m, fields.flag, out_.fail);
-    if (out_.sink != nullptr) {
-      layers.absolute = to_float(statistics.mean);
-      layers.relative = to_float(statistics.relative);
-      out_.sink->take(fields.axis, layers);
-    }
+  AxisResult judge_axis(const AxisJudgement& judged, Grid<double> error,
+                        const ProgressCallback& progress) const {
+    FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
+    judged.absolute = summarise_absolute(statistics.mean);
+    judged.relative = summarise_relative(statistics.relative, judged.limit_m);
+    flag_above(statistics.relative, judged.limit_m, judged.flag, fail_);
+    if (sinks_.empty()) return {std::move(error), std::move(statistics.mean)};
+    AxisLayers layers{std::move(error), to_float(statistics.mean), to_float(statistics.relative)};
+    for (LayerSink* const sink : sinks_) sink->take(judged.axis, layers);
     return {std::move(layers.error), std::move(statistics.mean)};
   }
 
   void judge_horizontal(const Grid<double>& horizontal) const {
-    out_.metrics.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
-    flag_above(horizontal, limits_.absolute_horizontal_m, fail_absolute_horizontal, out_.fail);
+    metrics_.absolute.horizontal = summarise_horizontal(horizontal, limits_.absolute_horizontal_m);
+    flag_above(horizontal, limits_.absolute_horizontal_m, fail_absolute_horizontal, fail_);
   }
 
-  /// The corrected elevation, which is used up.
-  void measure_corrected(DemLayers& dem, const ProgressCallback& progress) const {
-    const Grid<double> error = error_of(Axis::z, dem.truth->z, *dem.z_corrected);
-    dem.z_corrected.reset();
-    out_.statistics.z_corrected = error_statistics(error, region_);
+  void measure_corrected(const Grid<double>& error, const ProgressCallback& progress) const {
+    statistics_.z_corrected = error_statistics(error, region_);
     const FootprintStatistics statistics = footprint_statistics(error, region_, rule_, progress);
-    out_.metrics.absolute.z_corrected = summarise_absolute(statistics.mean);
-    out_.metrics.relative.z_corrected = summarise_relative(statistics.relative, limits_.relative_elevation_m);
+    metrics_.absolute.z_corrected = summarise_absolute(statistics.mean);
+    metrics_.relative.z_corrected = summarise_relative(statistics.relative, limits_.relative_elevation_m);
   }
 
   static ProgressCallback part(const ProgressCallback& progress, double begin, double share) {
@@ -211,26 +171,29 @@ class AccuracyPass {
   const EvaluationLimits& limits_;
   const BinMask& region_;
   FootprintRule rule_;
-  Output out_;
+  const Sinks& sinks_;
+  AccuracyMetrics& metrics_;
+  StatisticsMetrics& statistics_;
+  Grid<std::int8_t>& fail_;
 };
 
-/// Takes over what is known of the coverage and gives its layers to the sink. The region comes back.
-BinMask take_coverage(Coverage coverage, BinMask region, const EvaluationLimits& limits, LayerSink* sink,
-                      Evaluation& result, Grid<std::int8_t>& fail) {
+/// Takes over what is known of the coverage and gives its layers to the sinks.
+void take_coverage(Coverage coverage, const EvaluationLimits& limits, const Sinks& sinks, Evaluation& result,
+                   Grid<std::int8_t>& fail) {
   flag_coverage(coverage, limits, fail);
   result.holes = std::move(coverage.holes);
   result.metrics.coverage = std::move(coverage.metrics);
   result.metrics.statistics.valid_frac = 1 - result.metrics.coverage.invalid_frac;
-  if (sink == nullptr) return region;
-  CoverageLayers layers{std::move(region), std::move(coverage.invalid), std::move(coverage.hole_id),
+  if (sinks.empty()) return;
+  CoverageLayers layers{std::move(result.region), std::move(coverage.invalid), std::move(coverage.hole_id),
                         distance_layer(coverage.squared_distance)};
   coverage.squared_distance = {};
-  sink->take(layers);
-  return std::move(layers.in_region);
+  for (LayerSink* const sink : sinks) sink->take(layers);
+  result.region = std::move(layers.in_region);
 }
 
-}  // namespace
-
+/// Throws UsageError for a region that does not fit the DEM, FormatError for a mask of another grid or
+/// without a bin.
 BinMask judged_region(const DemLayers& dem, const EvaluationParameters& parameters) {
   const GridSpec& spec = dem.z_est.spec();
   if (parameters.region_shape == RegionShape::circle)
@@ -243,27 +206,31 @@ BinMask judged_region(const DemLayers& dem, const EvaluationParameters& paramete
   return *dem.region_mask;
 }
 
-Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, LayerSink* sink,
+}  // namespace
+
+Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const Sinks& sinks,
                     const ProgressCallback& progress) {
   check(parameters);
   check_layers(dem);
-  Evaluation result;
+  Evaluation result{.metrics = {}, .holes = {}, .region = judged_region(dem, parameters)};
   Metrics& metrics = result.metrics;
+  metrics.region = describe(parameters, result.region);
   Grid<std::int8_t> fail(dem.z_est.spec());
-  BinMask region = judged_region(dem, parameters);
-  metrics.region = describe(parameters, region);
   std::optional<AccuracyPass> accuracy;
-  if (dem.truth)
-    accuracy.emplace(parameters, region,
-                     AccuracyPass::Output{metrics.accuracy.emplace(), metrics.statistics, sink, fail});
+  if (dem.truth) accuracy.emplace(parameters, sinks, result, fail);
   Coverage coverage;
-  run_both([&] { coverage = assess_coverage(dem.z_est, region, parameters.limits); },
+  ErrorLayers errors;
+  run_both([&] { coverage = assess_coverage(dem.z_est, result.region, parameters.limits); },
            [&] {
-             if (accuracy) accuracy->measure_horizontal_errors(dem);
+             if (!accuracy) return;
+             errors = errors_of(std::move(*dem.truth), dem.z_est, std::move(dem.z_corrected));
+             metrics.statistics.x = error_statistics(errors.x, result.region);
+             metrics.statistics.y = error_statistics(errors.y, result.region);
            });
-  region = take_coverage(std::move(coverage), std::move(region), parameters.limits, sink, result, fail);
-  if (accuracy) accuracy->run(dem, progress);
-  if (sink != nullptr) sink->take(fail);
+  dem = {};
+  take_coverage(std::move(coverage), parameters.limits, sinks, result, fail);
+  if (accuracy) accuracy->run(std::move(errors), progress);
+  for (LayerSink* const sink : sinks) sink->take(fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);
   report(progress, 1);

@@ -6,7 +6,6 @@
 
 #include "base/progress.h"
 #include "evaluation/accuracy.h"
-#include "evaluation/dem_layers.h"
 #include "evaluation/holes.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
@@ -53,15 +52,12 @@ class LayerSink {
 struct Evaluation {
   Metrics metrics;
   std::vector<Hole> holes;
+  BinMask region;  ///< the bins that were judged
 };
 
-/// The bins that are judged. Throws UsageError for a region that does not fit the DEM, FormatError for a mask
-/// of another grid or without a bin.
-[[nodiscard]] BinMask judged_region(const DemLayers& dem, const EvaluationParameters& parameters);
-
-/// Judges a DEM against Table 1 (Chen et al., Eqs. 10-12) and gives the layers to `sink`, unless it is null.
-/// The result depends neither on the number of threads nor on the sink. Without truth it judges coverage
-/// only. The DEM's true layers are used up: errors take their place.
+/// Judges a DEM against Table 1 (Chen et al., Eqs. 10-12) and gives the layers to each sink. The result
+/// depends neither on the number of threads nor on the sinks. Without truth it judges coverage only. A DEM
+/// that is moved in is freed as its layers are done with.
 ///
 /// A footprint is centred on a bin of the region, clipped at the DEM's border; bins outside the region count,
 /// NaN does not. All limits are compared in double, before layers are rounded to float.
@@ -69,6 +65,7 @@ struct Evaluation {
 /// Throws UsageError for parameters that check() refuses or a region that does not fit the DEM; FormatError
 /// when the mask is unusable, layers differ in grid or hold an infinite value.
 [[nodiscard]] Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters,
-                                  LayerSink* sink = nullptr, const ProgressCallback& progress = {});
+                                  const std::vector<LayerSink*>& sinks = {},
+                                  const ProgressCallback& progress = {});
 
 }  // namespace landfall

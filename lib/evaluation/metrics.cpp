@@ -1,28 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "evaluation/metrics.h"
 
-#include <algorithm>
-#include <array>
 #include <initializer_list>
 
 namespace landfall {
 namespace {
 
-Requirement at_most(double value, double limit) { return {value, limit, value <= limit}; }
-
-/// Violations of all axes added; an axis without a footprint to judge misses the requirement.
-Requirement no_violation(std::initializer_list<RelativeMetrics> axes) {
-  std::int64_t violations = 0;
+/// Of all axes added; none where an axis has no footprint to judge.
+std::optional<double> violations(std::initializer_list<RelativeMetrics> axes) {
+  double sum = 0;
   for (const RelativeMetrics& axis : axes) {
-    if (!axis.max_m) return {std::nullopt, 0, false};
-    violations += axis.violation_count;
+    if (!axis.max_m) return std::nullopt;
+    sum += static_cast<double>(axis.violation_count);
   }
-  return at_most(static_cast<double>(violations), 0);
-}
-
-Requirement share_within(const HorizontalMetrics& horizontal, double limit) {
-  if (!horizontal.within_limit_frac) return {std::nullopt, limit, false};
-  return {horizontal.within_limit_frac, limit, *horizontal.within_limit_frac >= limit};
+  return sum;
 }
 
 }  // namespace
@@ -30,28 +21,35 @@ Requirement share_within(const HorizontalMetrics& horizontal, double limit) {
 RequirementMetrics judge(const CoverageMetrics& coverage, const std::optional<AccuracyMetrics>& accuracy,
                          const EvaluationLimits& limits) {
   RequirementMetrics result;
-  result.coverage = at_most(coverage.invalid_frac, limits.invalid_frac);
-  result.hole_size =
-      at_most(static_cast<double>(coverage.largest_hole_bins), static_cast<double>(limits.hole_bins));
-  result.hole_distance = at_most(coverage.max_distance_bins, limits.distance_bins);
+  result.coverage = {coverage.invalid_frac, limits.invalid_frac, {}};
+  result.hole_size = {
+      static_cast<double>(coverage.largest_hole_bins), static_cast<double>(limits.hole_bins), {}};
+  result.hole_distance = {coverage.max_distance_bins, limits.distance_bins, {}};
   result.absolute_horizontal.limit = limits.absolute_horizontal_frac;
-  if (!accuracy) return result;
-  const AccuracyMetrics::Relative& relative = accuracy->relative;
-  result.relative_elevation = no_violation({relative.z});
-  result.relative_horizontal = no_violation({relative.x, relative.y});
-  result.absolute_horizontal = share_within(accuracy->absolute.horizontal, limits.absolute_horizontal_frac);
+  if (accuracy) {
+    const AccuracyMetrics::Relative& relative = accuracy->relative;
+    result.relative_elevation.value = violations({relative.z});
+    result.relative_horizontal.value = violations({relative.x, relative.y});
+    result.absolute_horizontal.value = accuracy->absolute.horizontal.within_limit_frac;
+  }
+  for (const RequirementInfo& info : kRequirementInfo) {
+    Requirement& r = result.*info.requirement;
+    if (r.value)
+      r.pass = info.at_least ? *r.value >= r.limit : *r.value <= r.limit;
+    else if (accuracy)
+      r.pass = false;
+  }
   return result;
 }
 
 std::optional<bool> overall_pass(const RequirementMetrics& requirements) {
-  const std::array passes{requirements.coverage.pass,
-                          requirements.hole_size.pass,
-                          requirements.hole_distance.pass,
-                          requirements.relative_elevation.pass,
-                          requirements.relative_horizontal.pass,
-                          requirements.absolute_horizontal.pass};
-  if (std::ranges::any_of(passes, [](const auto& pass) { return !pass.has_value(); })) return std::nullopt;
-  return std::ranges::all_of(passes, [](const auto& pass) { return *pass; });
+  bool all = true;
+  for (const RequirementInfo& info : kRequirementInfo) {
+    const std::optional<bool> pass = (requirements.*info.requirement).pass;
+    if (!pass) return std::nullopt;
+    all = all && *pass;
+  }
+  return all;
 }
 
 }  // namespace landfall

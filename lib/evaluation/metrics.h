@@ -1,30 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "base/fields.h"
 #include "evaluation/parameters.h"
 
 namespace landfall {
 
-// The fields of metrics.json, by their names and in their order. An empty optional is null there, and so is a
-// number that is not finite (max_distance_bins, when the DEM has no valid bin).
+// The fields of metrics.json; each struct lists them in the order of the file (base/fields.h). An empty
+// optional is null there, and so is a number that is not finite (max_distance_bins, when the DEM has no valid
+// bin).
 
 struct RegionMetrics {
   RegionShape shape = RegionShape::circle;
   std::optional<double> radius_m = std::nullopt;      ///< of the circle
   std::optional<double> half_width_m = std::nullopt;  ///< of the square
   std::int64_t bin_count = 0;
-  friend bool operator==(const RegionMetrics&, const RegionMetrics&) = default;
+  LANDFALL_FIELDS(radius_m, bin_count, shape, half_width_m)
 };
 
 /// The sizes that occur, ascending, and how many holes have each.
 struct HoleSizeHistogram {
   std::vector<std::int64_t> size_bins;
   std::vector<std::int64_t> count;
-  friend bool operator==(const HoleSizeHistogram&, const HoleSizeHistogram&) = default;
+  LANDFALL_FIELDS(size_bins, count)
 };
 
 struct CoverageMetrics {
@@ -36,7 +39,8 @@ struct CoverageMetrics {
   double max_distance_bins = 0;  ///< over the region's invalid bins; infinite if the DEM has no valid bin
   std::int64_t distance_over_limit_count = 0;
   HoleSizeHistogram hole_size_histogram;
-  friend bool operator==(const CoverageMetrics&, const CoverageMetrics&) = default;
+  LANDFALL_FIELDS(invalid_count, invalid_frac, hole_count, largest_hole_bins, holes_over_limit,
+                  max_distance_bins, distance_over_limit_count, hole_size_histogram)
 };
 
 /// Over the footprints with a value; all null when there is none.
@@ -44,21 +48,21 @@ struct AbsoluteMetrics {
   std::optional<double> p95_m;   ///< 0.95 quantile of |mean|, whatever EvaluationParameters::quantile says
   std::optional<double> mean_m;  ///< signed
   std::optional<double> max_m;   ///< of |mean|
-  friend bool operator==(const AbsoluteMetrics&, const AbsoluteMetrics&) = default;
+  LANDFALL_FIELDS(p95_m, mean_m, max_m)
 };
 
 /// Over the footprints with a value in x and in y; the others are not in the fraction's denominator.
 struct HorizontalMetrics {
   std::optional<double> p95_m;
   std::optional<double> within_limit_frac;
-  friend bool operator==(const HorizontalMetrics&, const HorizontalMetrics&) = default;
+  LANDFALL_FIELDS(p95_m, within_limit_frac)
 };
 
 struct RelativeMetrics {
   std::optional<double> p95_m;  ///< 0.95 quantile over footprints, likewise
   std::optional<double> max_m;
   std::int64_t violation_count = 0;  ///< footprints above the limit, judged in double
-  friend bool operator==(const RelativeMetrics&, const RelativeMetrics&) = default;
+  LANDFALL_FIELDS(p95_m, max_m, violation_count)
 };
 
 /// Of the errors of the region's bins (error_statistics.h); all null without truth, all but count without an
@@ -72,14 +76,14 @@ struct ErrorStatistics {
   std::optional<double> nmad_m = std::nullopt;
   std::optional<double> le90_m = std::nullopt;
   std::optional<double> p95_m = std::nullopt;
-  friend bool operator==(const ErrorStatistics&, const ErrorStatistics&) = default;
+  LANDFALL_FIELDS(count, mean_m, std_m, rmse_m, median_m, nmad_m, le90_m, p95_m)
 };
 
 struct HorizontalStatistics {
   std::optional<std::int64_t> count = std::nullopt;
   std::optional<double> ce90_m = std::nullopt;
   std::optional<double> rmse_m = std::nullopt;
-  friend bool operator==(const HorizontalStatistics&, const HorizontalStatistics&) = default;
+  LANDFALL_FIELDS(count, ce90_m, rmse_m)
 };
 
 struct StatisticsMetrics {
@@ -87,24 +91,25 @@ struct StatisticsMetrics {
   ErrorStatistics x, y, z;
   std::optional<ErrorStatistics> z_corrected;  ///< for a DEM with that layer
   HorizontalStatistics horizontal;
-  friend bool operator==(const StatisticsMetrics&, const StatisticsMetrics&) = default;
+  LANDFALL_FIELDS(valid_frac, x, y, z, z_corrected, horizontal)
 };
 
 struct AccuracyMetrics {
-  std::int64_t footprint_bins = 0;  ///< edge
+  static constexpr bool kShownEmpty = true;  ///< metrics.json keeps its keys without truth
+  std::int64_t footprint_bins = 0;           ///< edge
   double quantile = 0;
   struct Absolute {
     AbsoluteMetrics x, y, z;
     std::optional<AbsoluteMetrics> z_corrected;  ///< for a DEM with that layer; judged by no requirement
     HorizontalMetrics horizontal;
-    friend bool operator==(const Absolute&, const Absolute&) = default;
+    LANDFALL_FIELDS(x, y, z, horizontal, z_corrected)
   } absolute;
   struct Relative {
     RelativeMetrics x, y, z;
     std::optional<RelativeMetrics> z_corrected;
-    friend bool operator==(const Relative&, const Relative&) = default;
+    LANDFALL_FIELDS(x, y, z, z_corrected)
   } relative;
-  friend bool operator==(const AccuracyMetrics&, const AccuracyMetrics&) = default;
+  LANDFALL_FIELDS(footprint_bins, quantile, absolute, relative)
 };
 
 /// A value equal to its limit passes. Without truth, value and pass of the accuracy requirements are null.
@@ -113,7 +118,7 @@ struct Requirement {
   std::optional<double> value;
   double limit = 0;
   std::optional<bool> pass;
-  friend bool operator==(const Requirement&, const Requirement&) = default;
+  LANDFALL_FIELDS(value, limit, pass)
 };
 
 struct RequirementMetrics {
@@ -123,30 +128,62 @@ struct RequirementMetrics {
   Requirement relative_elevation;   ///< violation count of z; the limit is 0
   Requirement relative_horizontal;  ///< violation counts of x and y added; the limit is 0
   Requirement absolute_horizontal;  ///< within_limit_frac; passes at or above the limit
+  static void fields(auto& walk, auto& m);
   friend bool operator==(const RequirementMetrics&, const RequirementMetrics&) = default;
 };
 
+/// What the value and the limit of a requirement count.
+enum class RequirementUnit { fraction, bins, footprints };
+
+/// What a reader is told of a requirement of Table 1, on a terminal and in a report.
+struct RequirementInfo {
+  const char* name;      ///< its key in metrics.json
+  const char* measured;  ///< what has the value
+  RequirementUnit unit;  ///< of value and limit
+  bool at_least;         ///< the limit is the smallest value that passes, else the largest
+  Requirement RequirementMetrics::*requirement;
+};
+
+/// All of them, in the order of metrics.json.
+inline constexpr std::array<RequirementInfo, 6> kRequirementInfo = {
+    {{"coverage", "invalid bins of the region", RequirementUnit::fraction, false,
+      &RequirementMetrics::coverage},
+     {"hole_size", "largest hole", RequirementUnit::bins, false, &RequirementMetrics::hole_size},
+     {"hole_distance", "farthest invalid bin from a valid one", RequirementUnit::bins, false,
+      &RequirementMetrics::hole_distance},
+     {"relative_elevation", "footprints over the limit, z", RequirementUnit::footprints, false,
+      &RequirementMetrics::relative_elevation},
+     {"relative_horizontal", "footprints over the limit, x and y", RequirementUnit::footprints, false,
+      &RequirementMetrics::relative_horizontal},
+     {"absolute_horizontal", "footprints within the limit", RequirementUnit::fraction, true,
+      &RequirementMetrics::absolute_horizontal}}};
+
+void RequirementMetrics::fields(auto& walk, auto& m) {
+  for (const RequirementInfo& info : kRequirementInfo) walk(info.name, m.*info.requirement);
+}
+
 /// z-scores of one 1-sigma map (uncertainty.h).
 struct ScoreMetrics {
-  struct OfCount {
-    std::int32_t count = 0;  ///< returns
-    std::int64_t bins = 0;
-    double std = 0;
-    double within_1_sigma_frac = 0;
-    double within_2_sigma_frac = 0;
-    friend bool operator==(const OfCount&, const OfCount&) = default;
+  /// By the returns of a bin, ascending; empty for a DEM without counts.
+  struct ByCount {
+    std::vector<std::int64_t> count;  ///< returns
+    std::vector<std::int64_t> bins;
+    std::vector<double> std;
+    std::vector<double> within_1_sigma_frac;
+    std::vector<double> within_2_sigma_frac;
+    LANDFALL_FIELDS(count, bins, std, within_1_sigma_frac, within_2_sigma_frac)
   };
-  /// Bins of nearly equal sigma: its steps are a quarter of a doubling.
-  struct OfSigma {
-    double sigma_m = 0;  ///< root mean square of the predicted sigma
-    double rmse_m = 0;   ///< of the errors
-    std::int64_t bins = 0;
-    friend bool operator==(const OfSigma&, const OfSigma&) = default;
+  /// By sigma, ascending: its steps are a quarter of a doubling.
+  struct Reliability {
+    std::vector<double> sigma_m;  ///< root mean square of the predicted sigma
+    std::vector<double> rmse_m;   ///< of the errors
+    std::vector<std::int64_t> bins;
+    LANDFALL_FIELDS(sigma_m, rmse_m, bins)
   };
-  struct Share {
-    double k = 0;
-    double within_frac = 0;  ///< of the errors within k sigma
-    friend bool operator==(const Share&, const Share&) = default;
+  struct WithinSigmas {
+    std::vector<double> k;
+    std::vector<double> frac;  ///< of the errors within k sigma
+    LANDFALL_FIELDS(k, frac)
   };
 
   std::int64_t count = 0;
@@ -155,16 +192,17 @@ struct ScoreMetrics {
   std::optional<double> std = std::nullopt;
   std::optional<double> within_1_sigma_frac = std::nullopt;
   std::optional<double> within_2_sigma_frac = std::nullopt;
-  std::vector<OfCount> by_count = {};     ///< ascending; empty for a DEM without counts
-  std::vector<OfSigma> reliability = {};  ///< ascending
-  std::vector<Share> shares = {};
-  friend bool operator==(const ScoreMetrics&, const ScoreMetrics&) = default;
+  ByCount by_count = {};
+  Reliability reliability = {};
+  WithinSigmas within_k_sigma = {};
+  LANDFALL_FIELDS(count, left_out_count, mean, std, within_1_sigma_frac, within_2_sigma_frac, by_count,
+                  reliability, within_k_sigma)
 };
 
 struct UncertaintyMetrics {
   ScoreMetrics absolute;
   ScoreMetrics relative;
-  friend bool operator==(const UncertaintyMetrics&, const UncertaintyMetrics&) = default;
+  LANDFALL_FIELDS(absolute, relative)
 };
 
 struct Metrics {
@@ -175,7 +213,7 @@ struct Metrics {
   StatisticsMetrics statistics;
   RequirementMetrics requirements;
   std::optional<UncertaintyMetrics> uncertainty;  ///< for a DEM with 1-sigma maps
-  friend bool operator==(const Metrics&, const Metrics&) = default;
+  LANDFALL_FIELDS(pass, region, coverage, accuracy, requirements, statistics, uncertainty)
 };
 
 /// Judges coverage and accuracy against Table 1. `accuracy` is empty without truth.

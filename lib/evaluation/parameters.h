@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "base/fields.h"
 #include "evaluation/footprint.h"
 
 namespace landfall {
@@ -16,7 +17,8 @@ struct EvaluationLimits {
   double relative_horizontal_m = 0.05;     ///< rel_x and rel_y of every footprint
   double absolute_horizontal_m = 1;        ///< hypot(abs_x, abs_y) of a footprint
   double absolute_horizontal_frac = 0.95;  ///< the footprints that must keep absolute_horizontal_m
-  friend bool operator==(const EvaluationLimits&, const EvaluationLimits&) = default;
+  LANDFALL_FIELDS(invalid_frac, hole_bins, distance_bins, relative_elevation_m, relative_horizontal_m,
+                  absolute_horizontal_m, absolute_horizontal_frac)
 };
 
 enum class RegionShape { circle, square, mask };

@@ -6,18 +6,12 @@
 #include "evaluation/quantile.h"
 #include "evaluation/tail_cursor.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "evaluation/tail_walk.cpp"
-#include <hwy/foreach_target.h>  // this file again, once for each instruction set
-#include <hwy/highway.h>
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<double, 8>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -85,18 +85,26 @@ class Assessment {
     result.std = all_.std();
     result.within_1_sigma_frac = all_.frac(all_.within_1);
     result.within_2_sigma_frac = all_.frac(all_.within_2);
-    if (counts_known)
-      for (const auto& [count, scores] : by_count_)
-        result.by_count.push_back(
-            {count, scores.count, scores.std(), scores.frac(scores.within_1), scores.frac(scores.within_2)});
+    if (counts_known) {
+      for (const auto& [count, scores] : by_count_) {
+        result.by_count.count.push_back(count);
+        result.by_count.bins.push_back(scores.count);
+        result.by_count.std.push_back(scores.std());
+        result.by_count.within_1_sigma_frac.push_back(scores.frac(scores.within_1));
+        result.by_count.within_2_sigma_frac.push_back(scores.frac(scores.within_2));
+      }
+    }
     for (const auto& [unused, step] : steps_) {
       const auto n = static_cast<double>(step.count);
-      result.reliability.push_back(
-          {std::sqrt(step.sum_of_variances / n), std::sqrt(step.sum_of_squares / n), step.count});
+      result.reliability.sigma_m.push_back(std::sqrt(step.sum_of_variances / n));
+      result.reliability.rmse_m.push_back(std::sqrt(step.sum_of_squares / n));
+      result.reliability.bins.push_back(step.count);
     }
     std::int64_t within = 0;
-    for (std::size_t i = 0; i < kShares; ++i)
-      result.shares.push_back({kShareStep * static_cast<double>(i + 1), all_.frac(within += shares_[i])});
+    for (std::size_t i = 0; i < kShares; ++i) {
+      result.within_k_sigma.k.push_back(kShareStep * static_cast<double>(i + 1));
+      result.within_k_sigma.frac.push_back(all_.frac(within += shares_[i]));
+    }
     return result;
   }
 

@@ -10,20 +10,12 @@
 
 #include "base/parallel.h"
 
-// Vectors without a size at compile time cannot be members.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "evaluation/window_mean.cpp"
-#include <hwy/foreach_target.h>  // this file again, once for each instruction set
-#include <hwy/highway.h>
+#include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
 
 /// Columns that are summed at a time, in registers: four vectors hide the time that an addition takes.
 constexpr std::int64_t kVectorLanes = static_cast<std::int64_t>(hn::MaxLanes(D()));

@@ -2,7 +2,9 @@
 #include "exports/csv.h"
 
 #include <algorithm>
+#include <string>
 
+#include "base/append_number.h"
 #include "base/parallel.h"
 
 namespace landfall {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/append_number.h"
 #include "base/error.h"
 #include "base/number_text.h"
-#include "exports/raw_bytes.h"
 #include "simulation/pulse_batch.h"
 
 namespace landfall {

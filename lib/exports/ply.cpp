@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exports/ply.h"
 
-#include "exports/raw_bytes.h"
+#include "base/append_number.h"
 
 namespace landfall {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "exports/byte_sink.h"
 #include "exports/point_reader.h"
+#include "output/byte_sink.h"
 
 namespace landfall {
 

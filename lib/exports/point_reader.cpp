@@ -88,6 +88,18 @@ const ContentInfo& PointReader::column(const std::string& name) const {
   return *found;
 }
 
+std::vector<std::string> PointReader::choose(const std::vector<std::string>& names) const {
+  for (auto name = names.begin(); name != names.end(); ++name)
+    if (std::find(names.begin(), name, *name) != name)
+      throw UsageError("--columns names " + *name + " twice");
+  for (const std::string& name : names) static_cast<void>(column(name));
+  if (!names.empty()) return names;
+  std::vector<std::string> all;
+  for (const ContentInfo& column : columns_)
+    if (column.name != "t") all.push_back(column.name);
+  return all;
+}
+
 std::size_t PointReader::count(const PointSelection& selection) const {
   std::size_t selected = row_count_;
   if (selection.only_returns) {

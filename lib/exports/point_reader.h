@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "exports/byte_sink.h"
 #include "files/contents.h"
+#include "output/byte_sink.h"
 
 namespace landfall {
 
@@ -51,6 +51,9 @@ class PointReader {
   [[nodiscard]] const std::vector<ContentInfo>& columns() const { return columns_; }
   /// Throws UsageError, naming those that there are, for an unknown column.
   [[nodiscard]] const ContentInfo& column(const std::string& name) const;
+  /// The columns of these names, in their order; none: those of the file. Throws UsageError for an unknown
+  /// name or one that is given twice.
+  [[nodiscard]] std::vector<std::string> choose(const std::vector<std::string>& names) const;
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
   /// Rows that are selected. Reads the column `status`, once for each selection.
   [[nodiscard]] std::size_t count(const PointSelection& selection) const;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,33 +18,27 @@ namespace {
 
 const char* name_of(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
 
+/// of(hole) of each hole.
+template <class Of>
+auto column(const std::vector<Hole>& holes, const Of& of) {
+  std::vector<std::decay_t<std::invoke_result_t<Of, const Hole&>>> values;
+  for (const Hole& hole : holes) values.push_back(std::invoke(of, hole));
+  return values;
+}
+
 void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std::vector<Hole>& holes) {
-  std::vector<std::int32_t> id;
-  std::vector<std::int64_t> size;
-  std::vector<std::int64_t> row;
-  std::vector<std::int64_t> col;
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> first_x;
-  std::vector<double> first_y;
-  std::vector<double> distance;
-  for (const Hole& hole : holes) {
-    id.push_back(hole.id);
-    size.push_back(hole.size_bins);
-    row.push_back(hole.first.row);
-    col.push_back(hole.first.col);
-    first_x.push_back(spec.x(hole.first.col));
-    first_y.push_back(spec.y(hole.first.row));
-    x.push_back(hole.centroid_x_m);
-    y.push_back(hole.centroid_y_m);
-    distance.push_back(hole.largest_distance_bins);
-  }
-  const std::array<ColumnRows, 9> rows = {
-      std::span<const std::int32_t>(id),  std::span<const std::int64_t>(size),
-      std::span<const std::int64_t>(row), std::span<const std::int64_t>(col),
-      std::span<const double>(first_x),   std::span<const double>(first_y),
-      std::span<const double>(x),         std::span<const double>(y),
-      std::span<const double>(distance)};
+  const auto id = column(holes, &Hole::id);
+  const auto size = column(holes, &Hole::size_bins);
+  const auto row = column(holes, [](const Hole& hole) { return hole.first.row; });
+  const auto col = column(holes, [](const Hole& hole) { return hole.first.col; });
+  const auto first_x = column(holes, [&](const Hole& hole) { return spec.x(hole.first.col); });
+  const auto first_y = column(holes, [&](const Hole& hole) { return spec.y(hole.first.row); });
+  const auto x = column(holes, &Hole::centroid_x_m);
+  const auto y = column(holes, &Hole::centroid_y_m);
+  const auto distance = column(holes, &Hole::largest_distance_bins);
+  const std::array<ColumnRows, 9> rows = {std::span(id),  std::span(size),    std::span(row),
+                                          std::span(col), std::span(first_x), std::span(first_y),
+                                          std::span(x),   std::span(y),       std::span(distance)};
   write_table(file.root(), "holes",
               {{"id", h5::Type::int32, "1", "number of the hole, by first bin in row-major order"},
                {"size_bins", h5::Type::int64, "1", "bins of the hole"},
@@ -161,8 +157,9 @@ std::optional<Grid<std::int32_t>> DemWindowReader::count() const {
   return layers_.read<std::int32_t>("count");
 }
 
-EvaluationWriter::EvaluationWriter(LandfallFileWriter& file, const GridSpec& spec, std::string crs_wkt)
-    : file_(file), spec_(spec), crs_wkt_(std::move(crs_wkt)) {}
+EvaluationWriter::EvaluationWriter(const OutputOptions& options, const Provenance& provenance,
+                                   const GridSpec& spec, std::string crs_wkt)
+    : file_(options, "evaluation", provenance), spec_(spec), crs_wkt_(std::move(crs_wkt)) {}
 
 GridLayerWriter& EvaluationWriter::grid() {
   if (!grid_) grid_.emplace(file_, spec_, crs_wkt_);

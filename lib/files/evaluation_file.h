@@ -56,12 +56,12 @@ struct RegionMask {
 /// lacks one of the first three. Throws FormatError.
 [[nodiscard]] std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path);
 
-/// Writes eval.h5 (SPEC section 8): each layer as the evaluation gives it, /holes and /metrics_json at the
-/// end.
+/// Writes eval.h5: each layer as the evaluation gives it, /holes and /metrics_json at the end.
 class EvaluationWriter : public LayerSink {
  public:
-  /// Without a layer the file has no grid either.
-  EvaluationWriter(LandfallFileWriter& file, const GridSpec& spec, std::string crs_wkt);
+  /// Without a layer the file has no grid either. Refuses the output as LandfallFileWriter does.
+  EvaluationWriter(const OutputOptions& options, const Provenance& provenance, const GridSpec& spec,
+                   std::string crs_wkt);
 
   void take(const CoverageLayers& layers) override;
   void take(Axis axis, const AxisLayers& layers) override;
@@ -73,7 +73,7 @@ class EvaluationWriter : public LayerSink {
  private:
   GridLayerWriter& grid();
 
-  LandfallFileWriter& file_;
+  LandfallFileWriter file_;
   GridSpec spec_;
   std::string crs_wkt_;
   std::optional<GridLayerWriter> grid_;  ///< made for the first layer

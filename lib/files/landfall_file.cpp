@@ -138,4 +138,12 @@ void LandfallFileReader::read_provenance() {
 
 void LandfallFileReader::fail(const std::string& what) const { throw FormatError(name_ + ": " + what); }
 
+bool is_landfall_file(const std::filesystem::path& path) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) return false;
+  h5::initialise();
+  const h5::Handle file = h5::open_for_its_kind(path);
+  return file && h5::read_text_attribute(file.get(), "format_name").value_or("").starts_with("landfall.");
+}
+
 }  // namespace landfall

@@ -60,4 +60,8 @@ class LandfallFileReader {
   nlohmann::json config_;
 };
 
+/// True where `path` names an HDF5 file that some landfall tool has begun: of any kind, and not necessarily
+/// complete. Throws FormatError where the system does not let that be seen.
+[[nodiscard]] bool is_landfall_file(const std::filesystem::path& path);
+
 }  // namespace landfall

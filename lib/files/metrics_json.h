@@ -11,4 +11,8 @@ namespace landfall {
 /// Without truth the structure stays and its numbers are null.
 [[nodiscard]] nlohmann::ordered_json metrics_json(const Metrics& metrics);
 
+/// The metrics of a file. Throws nlohmann::json::exception where a key is missing or has another type; an
+/// unknown shape of the region is read as a circle.
+[[nodiscard]] Metrics metrics_from(const nlohmann::ordered_json& json);
+
 }  // namespace landfall

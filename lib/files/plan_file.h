@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 
 #include "evaluation/coverage.h"
 #include "files/landfall_file.h"
@@ -10,13 +9,61 @@
 
 namespace landfall {
 
-/// A plan in numbers: {"region", "time", "returns", "coverage", "returns_per_bin", "images_per_bin"}
-/// (docs/user/scan-sim.md says what each is). `coverage` is that of the plan's bins.
-[[nodiscard]] nlohmann::ordered_json plan_json(const ScanPlan& plan, const CoverageMetrics& coverage,
-                                               double radius_m, double pulse_rate_hz);
+/// A plan in numbers, as /plan_json has them (files/field_json.h); docs/user/scan-sim.md says what each is.
+struct PlanMetrics {
+  struct Pulses {
+    std::int64_t pulse_count = 0;
+    double time_s = 0;
+    double frac = 0;  ///< of all pulses
+    LANDFALL_FIELDS(pulse_count, time_s, frac)
+  };
+  struct Time {
+    Pulses total, in_region, partly_in_region, off_region, blanked;
+    LANDFALL_FIELDS(total, in_region, partly_in_region, off_region, blanked)
+  };
+  struct Region {
+    double radius_m = 0;
+    double resolution_m = 0;
+    std::int64_t bin_count = 0;
+    LANDFALL_FIELDS(radius_m, resolution_m, bin_count)
+  };
+  struct Returns {
+    std::int64_t count = 0;
+    std::int64_t in_region = 0;
+    std::int64_t first_in_bin = 0;  ///< bins with a return
+    LANDFALL_FIELDS(count, in_region, first_in_bin)
+  };
 
-/// Writes the layers count, images, first_seen, in_region and hole_id, and `numbers` as /plan_json; commits.
+  Region region;
+  Time time;
+  Returns returns;
+  CoverageMetrics coverage;  ///< of the bins with a return
+  BinSpread returns_per_bin;
+  BinSpread images_per_bin;
+
+  static void fields(auto& walk, auto& m) {
+    walk.all("region, time, returns", std::tie(m.region, m.time, m.returns));
+    walk.inside("coverage", [&] {
+      walk("uncovered_count", m.coverage.invalid_count);
+      walk("uncovered_frac", m.coverage.invalid_frac);
+      walk.all("hole_count, largest_hole_bins, max_distance_bins",
+               std::tie(m.coverage.hole_count, m.coverage.largest_hole_bins, m.coverage.max_distance_bins));
+    });
+    walk("returns_per_bin", m.returns_per_bin);
+    walk.inside("images_per_bin", [&] {
+      BinSpread::fields(walk, m.images_per_bin);
+      walk("overlap_frac", m.images_per_bin.above_one_frac);
+    });
+  }
+};
+
+/// `coverage` is that of the plan's bins.
+[[nodiscard]] PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, double radius_m,
+                                       double pulse_rate_hz);
+
+/// Writes the layers count, images, first_seen, in_region and hole_id, and the metrics as /plan_json;
+/// commits.
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const Grid<std::int32_t>& hole_id,
-                const nlohmann::ordered_json& numbers);
+                const PlanMetrics& metrics);
 
 }  // namespace landfall

@@ -49,18 +49,21 @@ void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   file.commit();
 }
 
-WrittenNodes write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
-                           const ProgressCallback& progress) {
+NodeCounts count_nodes(const Grid<double>& grid) {
+  const auto z = grid.values();
+  const auto is_hole = [](double z_m) { return std::isnan(z_m); };
+  return {static_cast<std::int64_t>(z.size()), std::count_if(z.begin(), z.end(), is_hole)};
+}
+
+NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const ProgressCallback& progress) {
   const GridLayerWriter layers(file, strips.spec(), strips.crs_wkt(), "grid node");
   const h5::Handle z_layer = layers.begin<double>("z", elevation_text());
   ElevationRange range;
-  WrittenNodes written;
+  NodeCounts written;
   const auto write = [&](const Grid<double>& strip) {
-    for (const double z : strip.values()) {
-      range.add(z);
-      written.holes += std::isnan(z) ? 1 : 0;
-    }
-    written.count += static_cast<std::int64_t>(strip.spec().size());
+    for (const double z : strip.values()) range.add(z);
+    const NodeCounts part = count_nodes(strip);
+    written = {written.nodes + part.nodes, written.holes + part.holes};
     layers.write_rows(z_layer, "z", strip);
   };
   strips.make(write, progress);

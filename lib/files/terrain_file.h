@@ -19,15 +19,16 @@ namespace landfall {
 /// (feature_file.h).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
-/// What was written of a terrain in strips.
-struct WrittenNodes {
-  std::int64_t count = 0;
-  std::int64_t holes = 0;
+/// The nodes of a terrain.
+struct NodeCounts {
+  std::int64_t nodes = 0;
+  std::int64_t holes = 0;  ///< those without an elevation
 };
+[[nodiscard]] NodeCounts count_nodes(const Grid<double>& grid);
 
 /// Makes a terrain strip by strip and writes the same file. Throws also as TerrainStrips::make().
-WrittenNodes write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
-                           const ProgressCallback& progress = {});
+NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
+                         const ProgressCallback& progress = {});
 
 /// The id of an imported raster: a hash of what was read of it, samples, place and frame. Files beside the
 /// named one (a world file, the parts of a VRT) count through what they change; the file's name does not.

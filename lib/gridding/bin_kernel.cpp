@@ -6,32 +6,22 @@
 #include <bit>
 #include <cassert>
 
-// Vectors without a size at compile time cannot be members.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "gridding/bin_kernel.cpp"
+#include "base/lanes-inl.h"
+
 #include <hwy/cache_control.h>
-#include <hwy/foreach_target.h>  // this file again, once for each instruction set
-#include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
-using M = hn::Mask<D>;
 using Whole = hn::Rebind<std::int32_t, D>;
 using Half = hn::CappedTag<double, 4>;
 
 /// Returns taken at a time, so that what is made of them, their bins and the
 /// next ones stay in the first cache.
 constexpr std::size_t kBlock = 32;
-constexpr std::size_t kMaxLanes = 8;
 static_assert(kBlock % kMaxLanes == 0);
-
-HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
 
 /// GridSpec::bin_of in lanes, by the same operations.
 struct LaneGrid {

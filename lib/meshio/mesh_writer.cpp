@@ -1,30 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
-#include <memory>
 #include <string>
-#include <string_view>
-#include <system_error>
 #include <vector>
 
+#include "base/append_number.h"
 #include "base/error.h"
 #include "base/file_extension.h"
 #include "meshio/mesh_file.h"
-#include "output/output_path.h"
+#include "output/byte_sink.h"
 #include "terrain/mesh/triangle_mesh.h"
 #include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "numbers go to PLY as they are in memory");
 
 constexpr std::int64_t kRowsPerReport = 64;
 constexpr std::size_t kElementsPerReport = 1U << 16U;
@@ -37,7 +28,7 @@ struct MeshSize {
 /// What receives a mesh: its vertices in order, then its triangles.
 class MeshSink {
  public:
-  explicit MeshSink(const std::filesystem::path& path) : stream_(path, std::ios::binary | std::ios::trunc) {}
+  explicit MeshSink(FileSink& file) : file_(file) {}
   virtual ~MeshSink() = default;
   MeshSink(const MeshSink&) = delete;
   MeshSink& operator=(const MeshSink&) = delete;
@@ -46,63 +37,43 @@ class MeshSink {
   virtual void vertex(const Eigen::Vector3d& point) = 0;
   virtual void triangle(const TriangleCorners& corners) = 0;
 
-  /// False where the disk refused.
-  bool close() {
-    flush();
-    stream_.close();
-    return static_cast<bool>(stream_);
+  /// After the last triangle.
+  void flush() {
+    file_.write(text_);
+    text_.clear();
   }
 
  protected:
-  void add(std::string_view bytes) {
-    buffer_.append(bytes);
-    if (buffer_.size() > kBuffer) flush();
-  }
-  template <class T>
-  void add_number(T value) {
-    std::array<char, 32> text{};
-    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-    add({text.data(), static_cast<std::size_t>(end - text.data())});
-  }
-  template <class T>
-  void add_bytes(const T& value) {
-    std::array<char, sizeof(T)> bytes{};
-    std::memcpy(bytes.data(), &value, sizeof value);
-    add({bytes.data(), bytes.size()});
+  /// To append to.
+  std::string& text() {
+    if (text_.size() > kBuffer) flush();
+    return text_;
   }
 
  private:
   static constexpr std::size_t kBuffer = 1U << 20U;
-  void flush() {
-    stream_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    buffer_.clear();
-  }
 
-  std::ofstream stream_;
-  std::string buffer_;
+  FileSink& file_;
+  std::string text_;
 };
 
 class ObjSink final : public MeshSink {
  public:
   using MeshSink::MeshSink;
   void begin(const MeshSize&) override {
-    add("# a landfall terrain: metres, x right, y up on the map, z up\n");
+    text() += "# a landfall terrain: metres, x right, y up on the map, z up\n";
   }
-  void vertex(const Eigen::Vector3d& point) override {
-    add("v");
-    for (const double coordinate : point) {
-      add(" ");
-      add_number(coordinate);
-    }
-    add("\n");
-  }
+  void vertex(const Eigen::Vector3d& point) override { add_line("v", point); }
   void triangle(const TriangleCorners& corners) override {
-    add("f");
-    for (const std::uint32_t corner : corners) {
-      add(" ");
-      add_number(corner + 1);
-    }
-    add("\n");
+    add_line("f", std::array{corners[0] + 1, corners[1] + 1, corners[2] + 1});
+  }
+
+ private:
+  template <class Numbers>
+  void add_line(const char* word, const Numbers& numbers) {
+    std::string& line = text() += word;
+    for (const auto number : numbers) append_number(line += ' ', number);
+    line += '\n';
   }
 };
 
@@ -110,20 +81,20 @@ class PlySink final : public MeshSink {
  public:
   using MeshSink::MeshSink;
   void begin(const MeshSize& size) override {
-    add("ply\nformat binary_little_endian 1.0\n"
+    text() +=
+        "ply\nformat binary_little_endian 1.0\n"
         "comment a landfall terrain: metres, x right, y up on the map, z up\n"
-        "element vertex ");
-    add_number(size.vertices);
-    add("\nproperty double x\nproperty double y\nproperty double z\nelement face ");
-    add_number(size.triangles);
-    add("\nproperty list uchar int vertex_indices\nend_header\n");
+        "element vertex " +
+        std::to_string(size.vertices) +
+        "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+        std::to_string(size.triangles) + "\nproperty list uchar int vertex_indices\nend_header\n";
   }
   void vertex(const Eigen::Vector3d& point) override {
-    for (const double coordinate : point) add_bytes(coordinate);
+    for (const double coordinate : point) append_raw(text(), coordinate);
   }
   void triangle(const TriangleCorners& corners) override {
-    add_bytes(std::uint8_t{3});
-    for (const std::uint32_t corner : corners) add_bytes(corner);
+    append_raw(text(), std::uint8_t{3});
+    for (const std::uint32_t corner : corners) append_raw(text(), corner);
   }
 };
 
@@ -242,9 +213,15 @@ void write_triangles(const IndexedTriangles& mesh, MeshSink& sink, const Progres
   }
 }
 
-std::unique_ptr<MeshSink> sink_for(const OutputPath& output) {
-  if (file_extension(output.path()) == ".obj") return std::make_unique<ObjSink>(output.temporary());
-  return std::make_unique<PlySink>(output.temporary());
+void write_surface(const TerrainSurface& surface, const std::string& name, MeshSink& sink,
+                   const ProgressCallback& progress) {
+  if (const auto* const grid = dynamic_cast<const TriangulatedGrid*>(&surface))
+    write_grid(*grid, name, sink, progress);
+  else if (const auto* const mesh = dynamic_cast<const TriangleMesh*>(&surface))
+    write_triangles(mesh->data(), sink, progress);
+  else
+    throw FormatError("output " + name + ": this kind of terrain cannot be written as a mesh");
+  sink.flush();
 }
 
 }  // namespace
@@ -252,18 +229,12 @@ std::unique_ptr<MeshSink> sink_for(const OutputPath& output) {
 void write_mesh_file(const OutputOptions& options, const TerrainSurface& surface,
                      const ProgressCallback& progress) {
   OutputPath output(options.path, options.overwrite);
-  const std::unique_ptr<MeshSink> sink = sink_for(output);
-  if (const auto* const grid = dynamic_cast<const TriangulatedGrid*>(&surface))
-    write_grid(*grid, options.path.string(), *sink, progress);
-  else if (const auto* const mesh = dynamic_cast<const TriangleMesh*>(&surface))
-    write_triangles(mesh->data(), *sink, progress);
-  else
-    throw FormatError("output " + options.path.string() +
-                      ": this kind of terrain cannot be written as a mesh");
-  if (!sink->close())
-    throw IoError("output " + options.path.string() +
-                  ": writing failed: " + std::generic_category().message(errno));
-  output.commit();
+  FileSink file(output);
+  ObjSink obj(file);
+  PlySink ply(file);
+  const bool is_obj = file_extension(options.path) == ".obj";
+  write_surface(surface, options.path.string(), is_obj ? static_cast<MeshSink&>(obj) : ply, progress);
+  file.finish();
   report(progress, 1);
 }
 

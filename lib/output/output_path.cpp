@@ -9,12 +9,12 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "output/byte_sink.h"
 #include "output/temporary_files.h"
 
 namespace landfall {
@@ -123,12 +123,9 @@ void OutputPath::commit() {
 }
 
 void write_text(OutputPath& output, const std::string& text) {
-  std::ofstream stream(output.temporary(), std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream)
-    throw IoError("output " + output.path().string() + ": writing failed: " + system_message(errno));
-  output.flush();
+  FileSink file(output);
+  file.write(text);
+  file.flush();
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {

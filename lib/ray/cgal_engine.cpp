@@ -32,54 +32,37 @@ typename K::Triangle_3 cgal_triangle(const std::array<Eigen::Vector3d, 3>& corne
   return {cgal_point<K>(corners[0]), cgal_point<K>(corners[1]), cgal_point<K>(corners[2])};
 }
 
-/// One triangle of a grid as the tree stores it: its number. (Concept AABBPrimitiveWithSharedData.)
-class GridTriangle {
+/// The corner that both triangles of a cell share. The tree's construction asks for it some 50 times per
+/// triangle: taken from the nodes directly, it needs one corner instead of three.
+Kernel::Point_3 reference_corner(const TriangulatedGrid& terrain, std::size_t id) {
+  const GridSpec& spec = terrain.nodes().spec();
+  const auto cell = static_cast<std::int64_t>(id / 2);
+  const BinIndex node{cell / (spec.cols - 1), cell % (spec.cols - 1) + 1};
+  return {spec.x(node.col), spec.y(node.row), terrain.nodes().at(node)};
+}
+
+Kernel::Point_3 reference_corner(const TriangleMesh& terrain, std::size_t id) {
+  return cgal_point<Kernel>(terrain.data().vertices[terrain.data().triangles[id][0]]);
+}
+
+/// One triangle of a terrain as the tree stores it: its number. (Concept AABBPrimitiveWithSharedData.)
+template <class Surface>
+class SurfaceTriangle {
  public:
   using Id = std::size_t;
   using Point = Kernel::Point_3;
   using Datum = Kernel::Triangle_3;
-  using Shared_data = const TriangulatedGrid*;
+  using Shared_data = const Surface*;
 
-  explicit GridTriangle(Id id) : id_(id) {}
-  static Shared_data construct_shared_data(const TriangulatedGrid& terrain) { return &terrain; }
+  explicit SurfaceTriangle(Id id) : id_(id) {}
+  static Shared_data construct_shared_data(const Surface& terrain) { return &terrain; }
 
   [[nodiscard]] Id id() const { return id_; }
   [[nodiscard]] std::array<Eigen::Vector3d, 3> corners(Shared_data terrain) const {
     return terrain->triangle(id_);
   }
   [[nodiscard]] Datum datum(Shared_data terrain) const { return cgal_triangle<Kernel>(corners(terrain)); }
-  /// The corner that both triangles of a cell share. The tree's construction asks for it some 50 times per
-  /// triangle: taken from the nodes directly, it needs one corner instead of three.
-  [[nodiscard]] Point reference_point(Shared_data terrain) const {
-    const GridSpec& spec = terrain->nodes().spec();
-    const auto cell = static_cast<std::int64_t>(id_ / 2);
-    const BinIndex node{cell / (spec.cols - 1), cell % (spec.cols - 1) + 1};
-    return {spec.x(node.col), spec.y(node.row), terrain->nodes().at(node)};
-  }
-
- private:
-  Id id_;
-};
-
-/// One triangle of a mesh, likewise.
-class MeshTriangle {
- public:
-  using Id = std::size_t;
-  using Point = Kernel::Point_3;
-  using Datum = Kernel::Triangle_3;
-  using Shared_data = const TriangleMesh*;
-
-  explicit MeshTriangle(Id id) : id_(id) {}
-  static Shared_data construct_shared_data(const TriangleMesh& terrain) { return &terrain; }
-
-  [[nodiscard]] Id id() const { return id_; }
-  [[nodiscard]] std::array<Eigen::Vector3d, 3> corners(Shared_data terrain) const {
-    return terrain->triangle(id_);
-  }
-  [[nodiscard]] Datum datum(Shared_data terrain) const { return cgal_triangle<Kernel>(corners(terrain)); }
-  [[nodiscard]] Point reference_point(Shared_data terrain) const {
-    return cgal_point<Kernel>(terrain->data().vertices[terrain->data().triangles[id_][0]]);
-  }
+  [[nodiscard]] Point reference_point(Shared_data terrain) const { return reference_corner(*terrain, id_); }
 
  private:
   Id id_;
@@ -195,8 +178,8 @@ class FirstHit {
   double range_m_ = std::numeric_limits<double>::infinity();
 };
 
-/// The engine over any surface that has a primitive.
-template <class Primitive, class Surface>
+/// The engine over a grid or a mesh.
+template <class Surface>
 class AabbTreeEngine final : public RayEngine {
  public:
   AabbTreeEngine(std::shared_ptr<const Surface> surface, const ProgressCallback& progress)
@@ -212,6 +195,7 @@ class AabbTreeEngine final : public RayEngine {
   }
 
  private:
+  using Primitive = SurfaceTriangle<Surface>;
   using Traits = CGAL::AABB_traits<Kernel, Primitive>;
 
   void insert_triangles(const ProgressCallback& progress) {
@@ -257,12 +241,12 @@ class AabbTreeEngine final : public RayEngine {
 
 std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
                                             const ProgressCallback& progress) {
-  return std::make_unique<AabbTreeEngine<GridTriangle, TriangulatedGrid>>(std::move(terrain), progress);
+  return std::make_unique<AabbTreeEngine<TriangulatedGrid>>(std::move(terrain), progress);
 }
 
 std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangleMesh> terrain,
                                             const ProgressCallback& progress) {
-  return std::make_unique<AabbTreeEngine<MeshTriangle, TriangleMesh>>(std::move(terrain), progress);
+  return std::make_unique<AabbTreeEngine<TriangleMesh>>(std::move(terrain), progress);
 }
 
 }  // namespace landfall

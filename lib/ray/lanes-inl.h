@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rays and triangles in SIMD lanes. Compiled once for each instruction set (Highway).
 
+#include "base/lanes-inl.h"
 #include "ray/walk_data.h"
 
 #if defined(LANDFALL_RAY_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -10,18 +11,9 @@
 #define LANDFALL_RAY_LANES_INL_H_
 #endif
 
-#include <hwy/highway.h>
-
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
-using M = hn::Mask<D>;
-
-HWY_INLINE V constant(double value) { return hn::Set(D(), value); }
 HWY_INLINE V load(const double* values) { return hn::Load(D(), values); }
 HWY_INLINE bool any(M mask) { return !hn::AllFalse(D(), mask); }
 HWY_INLINE bool all(M mask) { return hn::AllTrue(D(), mask); }

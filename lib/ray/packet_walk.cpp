@@ -6,13 +6,9 @@
 
 #include "ray/walk_data.h"
 
-// Vectors without a size at compile time cannot be members.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ray/packet_walk.cpp"
-#include <hwy/foreach_target.h>  // this file again, once for each instruction set
-#include <hwy/highway.h>
-
+#include "base/lanes-inl.h"
 #include "ray/lane_walk-inl.h"
 #include "ray/ray_chunk-inl.h"
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/fields.h"
 #include "evaluation/region.h"
 
 namespace landfall::html_report {
@@ -14,6 +15,7 @@ struct Histogram {
   double low = 0;
   double high = 0;
   std::vector<std::int64_t> count;
+  LANDFALL_FIELDS(low, high, count)
 };
 
 /// NaN and infinite values do not count. One class where all values are equal. T: double or float. The

@@ -119,4 +119,19 @@ std::string report_page(const ReportContent& content) {
                                        {"programs", programs_html()}});
 }
 
+Report::Report(const std::filesystem::path& path, const DemLayers& dem,
+               const EvaluationParameters& parameters)
+    : ReportLayers(dem.z_est.spec(), parameters), parameters_(parameters), dem_(path) {
+  take(dem);
+  if (const auto count = dem_.count()) take(*count);
+}
+
+std::string Report::page(const Evaluation& evaluation, const Provenance& provenance) const {
+  nlohmann::json steps = provenance.chain;
+  steps.push_back(provenance.as_step());
+  const auto worst =
+      worst_footprints(shares(), parameters_, [this](const GridSpec& window) { return dem_.read(window); });
+  return report_page({parameters_, evaluation, *this, worst, steps});
+}
+
 }  // namespace landfall::html_report

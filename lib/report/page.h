@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <string>
 
+#include "files/evaluation_file.h"
 #include "report/report_data.h"
 
 namespace landfall::html_report {
@@ -10,5 +12,19 @@ namespace landfall::html_report {
 /// The whole report: one HTML file that needs nothing else, neither beside it nor from a network. Equal
 /// contents give equal bytes.
 [[nodiscard]] std::string report_page(const ReportContent& content);
+
+/// The report on the evaluation of a DEM file, whose layers it takes as they pass by.
+class Report : public ReportLayers {
+ public:
+  /// `dem` holds the layers of the file; `parameters` outlive the report. Throws FormatError.
+  Report(const std::filesystem::path& path, const DemLayers& dem, const EvaluationParameters& parameters);
+
+  /// The whole page, after the evaluation. Throws FormatError.
+  [[nodiscard]] std::string page(const Evaluation& evaluation, const Provenance& provenance) const;
+
+ private:
+  const EvaluationParameters& parameters_;
+  DemWindowReader dem_;
+};
 
 }  // namespace landfall::html_report

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/parallel.h"
+#include "files/field_json.h"
 #include "files/metrics_json.h"
 
 namespace landfall::html_report {
@@ -62,18 +63,6 @@ Json grid_json(const GridSpec& spec, std::int64_t factor) {
           {"factor", factor},
           {"cell_rows", (spec.rows + factor - 1) / factor},
           {"cell_cols", (spec.cols + factor - 1) / factor}};
-}
-
-Json histogram_json(const Histogram& h) { return {{"low", h.low}, {"high", h.high}, {"count", h.count}}; }
-
-Json limits_json(const EvaluationLimits& l) {
-  return {{"invalid_frac", l.invalid_frac},
-          {"hole_bins", l.hole_bins},
-          {"distance_bins", l.distance_bins},
-          {"relative_elevation_m", l.relative_elevation_m},
-          {"relative_horizontal_m", l.relative_horizontal_m},
-          {"absolute_horizontal_m", l.absolute_horizontal_m},
-          {"absolute_horizontal_frac", l.absolute_horizontal_frac}};
 }
 
 Json footprint_json(const EvaluationParameters& parameters, double resolution_m) {
@@ -176,8 +165,8 @@ Json histograms_json(const ReportLayers& layers) {
   Json result = Json::object();
   const std::pair<const char*, Axis> axes[] = {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
   for (const auto& [name, axis] : axes)
-    result[name] = {{"error", histogram_json(layers.histograms(axis).error)},
-                    {"relative", histogram_json(layers.histograms(axis).relative)}};
+    result[name] = {{"error", fields_json(layers.histograms(axis).error)},
+                    {"relative", fields_json(layers.histograms(axis).relative)}};
   return result;
 }
 
@@ -191,7 +180,7 @@ ReportData report_data(const ReportContent& content) {
   ReportData data;
   data.values = {{"grid", grid_json(layers.spec(), layers.factor())},
                  {"footprint", footprint_json(content.parameters, layers.spec().resolution_m)},
-                 {"limits", limits_json(content.parameters.limits)},
+                 {"limits", fields_json(content.parameters.limits)},
                  {"metrics", metrics_json(content.evaluation.metrics)},
                  {"layers", std::move(list)},
                  {"fail_count", layers.fail_counts()},

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <optional>
 
-#include "evaluation/requirement_info.h"
-
 namespace landfall::html_report {
 namespace {
 

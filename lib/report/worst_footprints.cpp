@@ -100,26 +100,23 @@ WorstFootprint measure_footprint(BinIndex bin, const GridSpec& dem, const Evalua
   const BinIndex within{bin.row + dem.first_row - result.window.first_row,
                         bin.col + dem.first_col - result.window.first_col};
   centre.at(within) = 1;
-  const auto error = [&](Axis axis, Grid<double>& truth) {
-    Grid<double> errors = error_of(axis, std::move(truth), layers.z_est);
-    const FootprintStatistics found = footprint_statistics(errors, centre, rule);
+  ErrorLayers errors = errors_of(std::move(*layers.truth), layers.z_est);
+  for (const auto& [axis, error] :
+       {std::pair(Axis::x, &errors.x), std::pair(Axis::y, &errors.y), std::pair(Axis::z, &errors.z)}) {
+    const FootprintStatistics found = footprint_statistics(*error, centre, rule);
     result.absolute_m[static_cast<std::size_t>(axis)] = found.mean.at(within);
     result.relative_m[static_cast<std::size_t>(axis)] = found.relative.at(within);
-    return errors;
-  };
-  Grid<double> x = error(Axis::x, layers.truth->x);
-  Grid<double> y = error(Axis::y, layers.truth->y);
-  Grid<double> z = error(Axis::z, layers.truth->z);
+  }
   result.horizontal_m = std::hypot(result.absolute_m[0], result.absolute_m[1]);
   const Candidate worst = worst_of(result, parameters.limits);
   result.share = worst.share;
   result.requirement = worst.requirement;
   result.axis = worst.axis;
   result.z_est = std::move(layers.z_est);
-  result.error = worst.axis == 'z'   ? std::move(z)
-                 : worst.axis == 'x' ? std::move(x)
-                 : worst.axis == 'y' ? std::move(y)
-                                     : horizontal_error(std::move(x), y);
+  result.error = worst.axis == 'z'   ? std::move(errors.z)
+                 : worst.axis == 'x' ? std::move(errors.x)
+                 : worst.axis == 'y' ? std::move(errors.y)
+                                     : horizontal_error(std::move(errors.x), errors.y);
   return result;
 }
 

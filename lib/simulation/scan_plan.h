@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/fields.h"
 #include "raster/grid.h"
 #include "simulation/pulse_batch.h"
 
@@ -62,6 +63,7 @@ struct BinSpread {
   std::int64_t p95 = 0;
   std::int64_t max = 0;
   double above_one_frac = 0;  ///< bins with 2 or more
+  LANDFALL_FIELDS(mean, min, p05, median, p95, max)
 };
 
 /// The region must have a bin and the values be >= 0.

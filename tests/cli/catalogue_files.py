@@ -7,7 +7,8 @@ import struct
 
 import h5py
 import numpy as np
-from tools import EVAL, REGRID, SCAN, TERRAIN, run, with_values
+
+from harness import EVAL, REGRID, SCAN, TERRAIN, run
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 # A raster of 13 x 13 pixels of 1 m, and a CRS for it.

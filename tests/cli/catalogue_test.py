@@ -12,10 +12,10 @@ catalogue_files.py, so that the names in the messages are short and always the s
 
 What no case provokes, since no command line does:
 - refusals of lib/ that the configuration's schema or another check comes before (a library's own caller sees them);
-- refusals of liblandfall's interface (lib/host), which tests/module and tests/unit/host provoke;
+- refusals of liblandfall's interface (lib/host), which tests/chain/host_test.py and tests/unit/host provoke;
 - sizes beyond 2^31 vertices, triangles, pulses or returns of a DEM or in a bin of a plan, rows beyond 10^8, blocks of more than 256 MiB;
 - a system that fails in the middle (a compressor without memory, an HDF5 call that fails, a file that shrinks while
-  it is read, an output that appears meanwhile, a rename that is refused, a thread that is refused): tests/reliability does;
+  it is read, an output that appears meanwhile, a rename that is refused, a thread that is refused): tests/faults does;
 - a GDAL without its COG driver, a plugin of another version, and a file without read permission, as root reads all.
 """
 import json
@@ -30,7 +30,7 @@ import textwrap
 import unittest
 
 from catalogue_files import make_files
-from tools import SANITIZED, tool
+from harness import SANITIZED, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")

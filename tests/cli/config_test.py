@@ -6,7 +6,7 @@ import os
 import subprocess
 import unittest
 
-from tools import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
+from harness import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
 
 # A key of each tool's configuration, a valid value of it and one out of range.
 KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),

@@ -10,7 +10,8 @@ import unittest
 
 import h5py
 import numpy as np
-from tools import TOOLS, ChainTest, run, tool
+
+from harness import TOOLS, ChainTest, run, tool
 
 TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 

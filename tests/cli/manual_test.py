@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from tools import TOOLS, ToolTest, run, tool
+from harness import TOOLS, ToolTest, run, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
 ALL = [*TOOLS, "landfall-info", *(["landfall-export"] if os.path.exists(tool("landfall-export")) else [])]

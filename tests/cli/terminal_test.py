@@ -6,7 +6,7 @@ import pty
 import subprocess
 import unittest
 
-from tools import TOOLS, ChainTest, read_bytes, tool
+from harness import TOOLS, ChainTest, read_bytes, tool
 
 
 def read_all(descriptor):

@@ -8,7 +8,8 @@ import unittest
 
 import h5py
 import numpy as np
-from tools import ChainTest, read_bytes, run
+
+from harness import ChainTest, read_bytes, run
 
 
 class TerrainGen(ChainTest):

@@ -15,7 +15,7 @@ import unittest
 import h5py
 from case import BASE, BIN, PYTHON, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
-sys.path.insert(0, os.path.join(ROOT, "tests", "report"))
+sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order
 import browser
 from landfall.study import configs, model, plot_study, reader, table

@@ -7,7 +7,7 @@ import unittest
 
 ROOT = os.environ["LANDFALL_ROOT"]
 TESTDATA = os.path.join(ROOT, "testdata")
-sys.path[:0] = [TESTDATA, os.path.join(ROOT, "tests", "fuzz")]
+sys.path[:0] = [TESTDATA, os.path.join(ROOT, "tests", "faults", "fuzz")]
 sys.dont_write_bytecode = True
 
 # pylint: disable=wrong-import-position
@@ -32,7 +32,7 @@ class Testdata(unittest.TestCase):
 
     def test_the_dictionary_has_the_words_of_the_schemas(self):
         dictionary = read(os.path.join(TESTDATA, "fuzz", "dictionaries", "config.dict")).decode()
-        self.assertEqual(dictionary, make_seeds.dictionary(), "tests/fuzz/make_seeds.py --words renews it")
+        self.assertEqual(dictionary, make_seeds.dictionary(), "tests/faults/fuzz/make_seeds.py --words renews it")
 
     def test_the_readme_has_every_folder_raster_and_mesh(self):
         readme = read(os.path.join(TESTDATA, "README.md")).decode()

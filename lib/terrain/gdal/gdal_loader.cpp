@@ -110,6 +110,4 @@ void save_geotiff(const std::string& path, const GeotiffContent& content, const 
   plugin().write_geotiff(path, content, options, progress);
 }
 
-std::string encode_png(const RgbImage& image) { return plugin().png_bytes(image); }
-
 }  // namespace landfall

@@ -6,7 +6,6 @@
 
 #include "base/progress.h"
 #include "raster/grid_spec.h"
-#include "raster/rgb_image.h"
 #include "terrain/gdal/geotiff.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
@@ -66,8 +65,5 @@ namespace landfall {
 /// Throws IoError with GDAL's reason, or without the plugin.
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                   const ProgressCallback& progress = {});
-
-/// The bytes of a PNG file. Throws IoError with GDAL's reason, or without the plugin.
-[[nodiscard]] std::string encode_png(const RgbImage& image);
 
 }  // namespace landfall

@@ -6,7 +6,6 @@
 
 #include "base/progress.h"
 #include "raster/grid_spec.h"
-#include "raster/rgb_image.h"
 #include "terrain/gdal/geotiff.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
@@ -24,7 +23,6 @@ struct GdalPlugin {
   std::vector<std::string> (*dem_files)(const DemBase& dem, RasterLinks links);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
-  std::string (*png_bytes)(const RgbImage& image);
 };
 
 /// The name of the plugin's one object, of type GdalPlugin.

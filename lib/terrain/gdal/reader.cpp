@@ -11,7 +11,6 @@
 #include "terrain/gdal/geotiff_writer.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
-#include "terrain/gdal/png_writer.h"
 #include "terrain/gdal/raster_files.h"
 
 namespace landfall {
@@ -208,5 +207,4 @@ SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLink
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
 const landfall::GdalPlugin landfall_gdal_plugin{
     LANDFALL_VERSION,       &landfall::read_dem,      &landfall::fit_dem_site,
-    &landfall::named_files, &landfall::all_dem_files, &landfall::write_cloud_optimized_geotiff,
-    &landfall::png_bytes};
+    &landfall::named_files, &landfall::all_dem_files, &landfall::write_cloud_optimized_geotiff};

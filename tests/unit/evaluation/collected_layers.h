@@ -31,7 +31,7 @@ struct Collected {
 /// An evaluation and its layers.
 inline Collected collected(DemLayers dem, const EvaluationParameters& parameters) {
   Collected result;
-  Evaluation evaluation = evaluate(std::move(dem), parameters, &result.layers);
+  Evaluation evaluation = evaluate(std::move(dem), parameters, {&result.layers});
   result.metrics = std::move(evaluation.metrics);
   result.holes = std::move(evaluation.holes);
   return result;

@@ -242,6 +242,25 @@ TEST(Evaluate, CorrectedElevationIsMeasuredAndNotJudged) {
   EXPECT_THROW(static_cast<void>(evaluate(dem, small())), FormatError);
 }
 
+TEST(Evaluate, EachSinkGetsTheLayers) {
+  Layers first;
+  Layers second;
+  static_cast<void>(evaluate(noisy(10), small(), {&first, &second}));
+  ASSERT_TRUE(first.x && first.y && first.z && second.x && second.y && second.z);
+  EXPECT_TRUE(same_bits(*first.x, *second.x));
+  EXPECT_TRUE(same_bits(*first.y, *second.y));
+  EXPECT_TRUE(same_bits(*first.z, *second.z));
+  EXPECT_TRUE(same_bits(first.fail, second.fail));
+  EXPECT_TRUE(same_bits(first.coverage.in_region, second.coverage.in_region));
+  EXPECT_EQ(count_set(first.coverage.in_region), 45);
+}
+
+TEST(Evaluate, TellsWhichBinsItJudged) {
+  Layers layers;
+  EXPECT_TRUE(same_bits(evaluate(perfect(5), small(), {&layers}).region, layers.coverage.in_region));
+  EXPECT_TRUE(same_bits(evaluate(perfect(5), small()).region, layers.coverage.in_region));
+}
+
 TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
   DemLayers dem = perfect(5);
   dem.truth.reset();
@@ -304,7 +323,7 @@ TEST(Evaluate, SameAtAnyThreadCountAndWithoutLayers) {
 TEST(Evaluate, ProgressRisesToOne) {
   std::vector<double> fractions;
   // 41 rows: each axis is told of more than once.
-  static_cast<void>(evaluate(perfect(20), small(), nullptr, [&](double f) { fractions.push_back(f); }));
+  static_cast<void>(evaluate(perfect(20), small(), {}, [&](double f) { fractions.push_back(f); }));
   EXPECT_GE(fractions.size(), 7U);
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
   EXPECT_GE(fractions.front(), 0);
@@ -315,7 +334,7 @@ TEST(Evaluate, ProgressRisesToOne) {
 TEST(Evaluate, ProgressIsSharedOutEvenly) {
   const auto ends = [](DemLayers dem) {
     std::vector<double> fractions;
-    static_cast<void>(evaluate(std::move(dem), small(), nullptr, [&](double f) { fractions.push_back(f); }));
+    static_cast<void>(evaluate(std::move(dem), small(), {}, [&](double f) { fractions.push_back(f); }));
     return fractions;
   };
   // A map of one row of tiles: each axis is told once, when it is done.

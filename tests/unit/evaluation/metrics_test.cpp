@@ -28,9 +28,6 @@ TEST(Metrics, BeginAtZero) {
   const ScoreMetrics scores;
   EXPECT_EQ(scores.count, 0);
   EXPECT_EQ(scores.left_out_count, 0);
-  EXPECT_EQ(ScoreMetrics::OfCount{}, (ScoreMetrics::OfCount{0, 0, 0, 0, 0}));
-  EXPECT_EQ(ScoreMetrics::OfSigma{}, (ScoreMetrics::OfSigma{0, 0, 0}));
-  EXPECT_EQ(ScoreMetrics::Share{}, (ScoreMetrics::Share{0, 0}));
 }
 
 TEST(Judge, FlawlessPasses) {

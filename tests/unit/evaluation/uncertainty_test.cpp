@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "evaluation/uncertainty.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -12,6 +14,11 @@
 
 namespace landfall {
 namespace {
+
+using testing::_;
+using testing::DoubleEq;
+using testing::DoubleNear;
+using testing::ElementsAre;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kFloatNan = std::numeric_limits<float>::quiet_NaN();
@@ -38,18 +45,17 @@ TEST(Uncertainty, AbsoluteByHand) {
   EXPECT_DOUBLE_EQ(scores.std.value(), std::sqrt(14.0 / 3 - 4.0 / 9));
   EXPECT_EQ(scores.within_1_sigma_frac, 1.0 / 3);
   EXPECT_EQ(scores.within_2_sigma_frac, 2.0 / 3);
-  ASSERT_EQ(scores.by_count.size(), 2U);
-  EXPECT_EQ(scores.by_count[0], (ScoreMetrics::OfCount{1, 1, 0, 1, 1}));
-  EXPECT_EQ(scores.by_count[1], (ScoreMetrics::OfCount{2, 2, 2.5, 0, 0.5}));
-  ASSERT_EQ(scores.reliability.size(), 1U);
-  EXPECT_EQ(scores.reliability[0].sigma_m, 0.5);
-  EXPECT_DOUBLE_EQ(scores.reliability[0].rmse_m, std::sqrt(3.5 / 3));
-  EXPECT_EQ(scores.reliability[0].bins, 3);
-  ASSERT_EQ(scores.shares.size(), 16U);
-  EXPECT_EQ(scores.shares[2], (ScoreMetrics::Share{0.75, 0}));
-  EXPECT_EQ(scores.shares[3], (ScoreMetrics::Share{1, 1.0 / 3}));
-  EXPECT_EQ(scores.shares[7].within_frac, scores.within_2_sigma_frac);
-  EXPECT_EQ(scores.shares[15], (ScoreMetrics::Share{4, 1}));
+  EXPECT_EQ(scores.by_count, (ScoreMetrics::ByCount{{1, 2}, {1, 2}, {0, 2.5}, {1, 0}, {1, 0.5}}));
+  EXPECT_THAT(scores.reliability.sigma_m, ElementsAre(0.5));
+  EXPECT_THAT(scores.reliability.rmse_m, ElementsAre(DoubleEq(std::sqrt(3.5 / 3))));
+  EXPECT_THAT(scores.reliability.bins, ElementsAre(3));
+  const ScoreMetrics::WithinSigmas& within = scores.within_k_sigma;
+  ASSERT_EQ(within.k.size(), 16U);
+  ASSERT_EQ(within.frac.size(), 16U);
+  EXPECT_EQ(std::pair(within.k[2], within.frac[2]), std::pair(0.75, 0.0));
+  EXPECT_EQ(std::pair(within.k[3], within.frac[3]), std::pair(1.0, 1.0 / 3));
+  EXPECT_EQ(within.frac[7], scores.within_2_sigma_frac);
+  EXPECT_EQ(std::pair(within.k[15], within.frac[15]), std::pair(4.0, 1.0));
 }
 
 // Means 3, 4 and 5 of the footprints of 2, 3 and 2 bins; the lone bin behind the gap says nothing.
@@ -63,7 +69,7 @@ TEST(Uncertainty, RelativeIsTheErrorLessItsFootprintsMean) {
   EXPECT_EQ(scores.mean, 0);
   EXPECT_DOUBLE_EQ(scores.std.value(), std::sqrt(2.0 / 3));
   EXPECT_EQ(scores.within_1_sigma_frac, 1);
-  EXPECT_TRUE(scores.by_count.empty());
+  EXPECT_EQ(scores.by_count, ScoreMetrics::ByCount{});
 }
 
 TEST(Uncertainty, SharesEndAtFourSigma) {
@@ -71,9 +77,10 @@ TEST(Uncertainty, SharesEndAtFourSigma) {
                                  row_of<float>({1, 1, 1, 1, 1}), std::nullopt};
   const ScoreMetrics scores =
       assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(0)).absolute;
-  EXPECT_EQ(scores.shares[0], (ScoreMetrics::Share{0.25, 0.2}));
-  EXPECT_EQ(scores.shares[14], (ScoreMetrics::Share{3.75, 0.4}));
-  EXPECT_EQ(scores.shares[15], (ScoreMetrics::Share{4, 0.8}));
+  const ScoreMetrics::WithinSigmas& within = scores.within_k_sigma;
+  EXPECT_EQ(std::pair(within.k.at(0), within.frac.at(0)), std::pair(0.25, 0.2));
+  EXPECT_EQ(std::pair(within.k.at(14), within.frac.at(14)), std::pair(3.75, 0.4));
+  EXPECT_EQ(std::pair(within.k.at(15), within.frac.at(15)), std::pair(4.0, 0.8));
 }
 
 TEST(Uncertainty, OneScoreOrNone) {
@@ -88,7 +95,7 @@ TEST(Uncertainty, OneScoreOrNone) {
   EXPECT_EQ(metrics.relative.count, 0);
   EXPECT_EQ(metrics.relative.left_out_count, 3);
   EXPECT_EQ(metrics.relative.mean, std::nullopt);
-  EXPECT_TRUE(metrics.relative.shares.empty());
+  EXPECT_EQ(metrics.relative.within_k_sigma, ScoreMetrics::WithinSigmas{});
 }
 
 TEST(Uncertainty, StepsOfSigmaAscend) {
@@ -96,11 +103,8 @@ TEST(Uncertainty, StepsOfSigmaAscend) {
                                  row_of<float>({1, 1, 1, 1, 1}), std::nullopt};
   const ScoreMetrics scores =
       assess_uncertainty(layers, BinMask(layers.error.spec(), 1), Footprint::square(0)).absolute;
-  ASSERT_EQ(scores.reliability.size(), 4U);
-  EXPECT_FLOAT_EQ(static_cast<float>(scores.reliability[0].sigma_m), 0.001F);
-  EXPECT_EQ(scores.reliability[1].bins, 2);  // 1 and 1.1, below the fourth root of 2
-  EXPECT_EQ(scores.reliability[2].sigma_m, 1.25);
-  EXPECT_EQ(scores.reliability[3].sigma_m, 2);
+  EXPECT_THAT(scores.reliability.sigma_m, ElementsAre(DoubleNear(0.001, 1e-9), _, 1.25, 2.0));
+  EXPECT_THAT(scores.reliability.bins, ElementsAre(1, 2, 1, 1));  // 1 and 1.1 lie below the fourth root of 2
 }
 
 // What is drawn with the sigma that it says: 68.3 and 95.4 %, bounds of five standard errors at 250,000 bins.
@@ -118,9 +122,10 @@ TEST(Uncertainty, AnHonestMapAtAnyThreadCount) {
   EXPECT_NEAR(metrics.absolute.std.value(), 1, 0.0071);
   EXPECT_NEAR(metrics.absolute.within_1_sigma_frac.value(), 0.6827, 0.0047);
   EXPECT_NEAR(metrics.absolute.within_2_sigma_frac.value(), 0.9545, 0.0021);
-  for (const ScoreMetrics::OfSigma& step : metrics.absolute.reliability)
-    if (step.bins > 1000) {
-      EXPECT_NEAR(step.rmse_m / step.sigma_m, 1, 0.12);
+  const ScoreMetrics::Reliability& reliability = metrics.absolute.reliability;
+  for (std::size_t i = 0; i < reliability.bins.size(); ++i)
+    if (reliability.bins[i] > 1000) {
+      EXPECT_NEAR(reliability.rmse_m[i] / reliability.sigma_m[i], 1, 0.12);
     }
   const ThreadLimit limit(7);
   EXPECT_EQ(assess_uncertainty(layers, everywhere, Footprint::square(17)), metrics);

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "exports/byte_sink.h"
+#include "output/byte_sink.h"
 
 namespace landfall {
 

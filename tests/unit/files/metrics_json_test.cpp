@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace landfall {
 namespace {
@@ -66,6 +68,75 @@ TEST(MetricsJson, NumbersKeepTheirPlaceAndOrder) {
   EXPECT_EQ(json.at("requirements").at("absolute_horizontal").dump(),
             R"({"value":0.97,"limit":0.95,"pass":true})");
   EXPECT_EQ(json.dump().substr(0, 56), R"({"format":"landfall.metrics","version":1,"pass":true,"re)");
+}
+
+Metrics with_all_fields() {
+  Metrics m;
+  m.pass = false;
+  m.region = {RegionShape::square, std::nullopt, 5.0, 121};
+  m.coverage = {3, 3.0 / 121, 2, 2, 1, 1.5, 4, {{1, 2}, {1, 1}}};
+  m.accuracy.emplace();
+  m.accuracy->footprint_bins = 35;
+  m.accuracy->quantile = 0.9;
+  m.accuracy->absolute = {{0.1, -0.2, 0.3}, {}, {0.4, 0.5, 0.6}, AbsoluteMetrics{7.0, 8.0, 9.0}, {0.7, 0.8}};
+  m.accuracy->relative = {{1.0, 2.0, 3}, {4.0, 5.0, 6}, {7.0, 8.0, 9}, RelativeMetrics{1.0, 2.0, 30}};
+  m.statistics = {0.99, {1, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}, {}, {}, ErrorStatistics{2}, {3, 4.0, 5.0}};
+  for (const RequirementInfo& info : kRequirementInfo) m.requirements.*info.requirement = {0.5, 0.25, true};
+  m.requirements.relative_elevation = {std::nullopt, 0, std::nullopt};
+  m.requirements.hole_distance.value = m.coverage.max_distance_bins;
+  m.uncertainty.emplace();
+  m.uncertainty->absolute = {
+      4, 1, 0.1, 1.1, 0.6, 0.9, {{2}, {4}, {1.1}, {0.6}, {0.9}}, {{0.1}, {0.2}, {4}}, {{1}, {0.6}}};
+  return m;
+}
+
+TEST(MetricsJson, ReadsWhatItWrote) {
+  Metrics without_truth = with_all_fields();
+  without_truth.accuracy.reset();
+  without_truth.uncertainty.reset();
+  without_truth.statistics.z_corrected.reset();
+  Metrics without_valid_bin;
+  without_valid_bin.region.shape = RegionShape::mask;
+  without_valid_bin.coverage.max_distance_bins = std::numeric_limits<double>::infinity();
+  without_valid_bin.requirements.hole_distance = {std::numeric_limits<double>::infinity(), 1, false};
+  for (const Metrics& metrics : {with_all_fields(), without_truth, without_valid_bin}) {
+    const auto json = metrics_json(metrics);
+    EXPECT_EQ(metrics_from(json), metrics) << json;
+    EXPECT_EQ(metrics_from(nlohmann::ordered_json::parse(json.dump())), metrics);
+    EXPECT_EQ(metrics_json(metrics_from(json)).dump(), json.dump());
+  }
+}
+
+TEST(MetricsJson, RequirementsAreThoseOfTheTable) {
+  std::vector<std::string> names;
+  for (const RequirementInfo& info : kRequirementInfo) names.emplace_back(info.name);
+  std::vector<std::string> keys;
+  const auto json = metrics_json(with_all_fields());
+  for (const auto& [key, unused] : json.at("requirements").items()) keys.push_back(key);
+  EXPECT_EQ(keys, names);
+}
+
+TEST(MetricsJson, RefusesWhatItDoesNotWrite) {
+  const auto good = metrics_json(with_all_fields());
+  const auto refused = [&](const char* pointer, const nlohmann::ordered_json& value) {
+    auto json = good;
+    json.at(nlohmann::ordered_json::json_pointer(pointer)) = value;
+    EXPECT_THROW(static_cast<void>(metrics_from(json)), nlohmann::json::exception) << pointer << value;
+  };
+  refused("/pass", 3);
+  refused("/region", nullptr);
+  refused("/region/bin_count", 1e300);
+  refused("/coverage/invalid_frac", "0");
+  refused("/coverage/hole_size_histogram/count", 3);
+  refused("/coverage/hole_size_histogram/count", {1.5});
+  refused("/accuracy/quantile", nlohmann::ordered_json::array());
+  refused("/requirements/hole_size/limit", "10");
+  for (const auto& json :
+       {nlohmann::ordered_json(), nlohmann::ordered_json::object(), nlohmann::ordered_json(3)})
+    EXPECT_THROW(static_cast<void>(metrics_from(json)), nlohmann::json::exception);
+  auto json = good;
+  json.at("statistics").erase("valid_frac");
+  EXPECT_THROW(static_cast<void>(metrics_from(json)), nlohmann::json::exception);
 }
 
 }  // namespace

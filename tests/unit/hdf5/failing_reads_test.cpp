@@ -10,7 +10,6 @@
 #include <string>
 
 #include "base/error.h"
-#include "exports/terrain_export.h"
 #include "files/evaluation_file.h"
 #include "files/feature_file.h"
 #include "files/file_description.h"

@@ -17,7 +17,7 @@ namespace landfall {
 namespace {
 
 #ifdef LANDFALL_SANITIZED
-constexpr bool kOwnsMemory = false;  // a sanitizer reserves address space at will
+constexpr bool kOwnsMemory = false;
 #else
 constexpr bool kOwnsMemory = true;
 #endif
@@ -68,7 +68,7 @@ void expect_no_crash(const Work& work) {
 }
 
 TEST(ShortMemory, HDF5Starts) {
-  if (!kOwnsMemory) GTEST_SKIP();
+  if (!kOwnsMemory) GTEST_SKIP() << "a sanitizer reserves address space at will";
   expect_no_crash([](std::size_t more_bytes) {
     limit_memory(more_bytes);
     h5::initialise();
@@ -76,7 +76,7 @@ TEST(ShortMemory, HDF5Starts) {
 }
 
 TEST(ShortMemory, HDF5WritesChunks) {
-  if (!kOwnsMemory) GTEST_SKIP();
+  if (!kOwnsMemory) GTEST_SKIP() << "a sanitizer reserves address space at will";
   const TemporaryFolder folder;
   expect_no_crash([&folder](std::size_t more_bytes) {
     h5::initialise();

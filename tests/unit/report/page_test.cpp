@@ -19,7 +19,7 @@ std::string page_of(const DemLayers& dem, const nlohmann::json& steps) {
   parameters.region_radius_m = 1;
   ReportLayers layers(dem.z_est.spec(), parameters);
   layers.take(dem);
-  const Evaluation evaluation = evaluate(dem, parameters, &layers);
+  const Evaluation evaluation = evaluate(dem, parameters, {&layers});
   return report_page({parameters, evaluation, layers, {}, steps});
 }
 

@@ -46,7 +46,7 @@ TEST(ReportLayers, KeepsSingleBadBins) {
   dem.truth->z.at({4, 16}) = 1.0;  // an error of -1 m in one bin
   ReportLayers layers(spec, parameters_of_square(), 7);
   layers.take(dem);
-  const Evaluation evaluation = evaluate(dem, parameters_of_square(), &layers);
+  const Evaluation evaluation = evaluate(dem, parameters_of_square(), {&layers});
   EXPECT_EQ(layers.factor(), 3);
   const Quantised& invalid = named(layers, "invalid").values;
   EXPECT_EQ(std::ranges::count(invalid.codes, std::uint16_t{1}), 1);
@@ -62,7 +62,7 @@ TEST(ReportLayers, CountsTheErrorsOfTheRegion) {
   const GridSpec spec = GridSpec::centered(2, 0.1);
   const DemLayers dem = flat_dem(spec);
   ReportLayers layers(spec, parameters_of_square());
-  const Evaluation evaluation = evaluate(dem, parameters_of_square(), &layers);
+  const Evaluation evaluation = evaluate(dem, parameters_of_square(), {&layers});
   const auto& count = layers.histograms(Axis::z).error.count;
   EXPECT_EQ(std::accumulate(count.begin(), count.end(), std::int64_t{0}),
             *evaluation.metrics.statistics.z.count);
@@ -74,7 +74,7 @@ TEST(ReportLayers, SharesAreOfTheClosestLimit) {
   for (double& x : dem.truth->x.values()) x += 0.3;  // everywhere: an absolute error, no relative one
   for (double& y : dem.truth->y.values()) y += 0.4;
   ReportLayers layers(spec, parameters_of_square());
-  static_cast<void>(evaluate(dem, parameters_of_square(), &layers));
+  static_cast<void>(evaluate(dem, parameters_of_square(), {&layers}));
   for (const float share : layers.shares().values()) ASSERT_NEAR(share, 0.5, 1e-6);
 }
 
@@ -84,7 +84,7 @@ TEST(ReportLayers, HasNoErrorsWithoutTruth) {
   dem.truth.reset();
   ReportLayers layers(spec, parameters_of_square());
   layers.take(dem);
-  static_cast<void>(evaluate(dem, parameters_of_square(), &layers));
+  static_cast<void>(evaluate(dem, parameters_of_square(), {&layers}));
   std::vector<std::string> names;
   for (const ReportLayer& layer : layers.layers()) names.push_back(layer.name);
   EXPECT_THAT(names, ElementsAre("z_est", "in_region", "invalid", "fail"));

@@ -91,7 +91,7 @@ TEST(MeasureFootprint, FindsWhatTheEvaluationFound) {
   parameters.footprint_m = 0.5;
   const DemLayers dem = dem_of(spec);
   LayerKeeper kept;
-  static_cast<void>(evaluate(dem, parameters, &kept));
+  static_cast<void>(evaluate(dem, parameters, {&kept}));
   const DemWindow read = [&](const GridSpec& window) {
     DemLayers part{.z_est = Grid<double>(window), .truth = TrueLayers{}};
     part.truth->x = part.truth->y = part.truth->z = Grid<double>(window);

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+/// Lists members of a struct for a FieldWalk, in the struct. Two of these are equal where the members are.
+#define LANDFALL_FIELDS(...)                                 \
+  auto tied_fields() { return std::tie(__VA_ARGS__); }       \
+  auto tied_fields() const { return std::tie(__VA_ARGS__); } \
+  static void fields(auto& walk, auto& m) { walk.all(#__VA_ARGS__, m.tied_fields()); }
+
+namespace landfall {
+
+template <class T>
+requires requires(const T& m) { m.tied_fields(); }
+bool operator==(const T& a, const T& b) { return a.tied_fields() == b.tied_fields(); }
+
+/// Visits the values of nested structs by their dotted paths ("accuracy.absolute.x.p95_m"), so that a file's
+/// writer, its reader and a table of results share one list of names.
+///
+/// A field is a struct with LANDFALL_FIELDS, or a `fields` of its own, an optional one, or a value. The walk
+/// calls visit(path, value); values are const where the struct is. Of an empty optional struct nothing is
+/// visited or, where the struct says `kShownEmpty`, each value as std::nullopt. A walk over structs that are
+/// not const fills an optional one where visit.has(path) is true.
+template <class Visit>
+class FieldWalk {
+ public:
+  explicit FieldWalk(Visit visit) : visit_(std::move(visit)) {}
+
+  template <class T>
+  void operator()(std::string_view name, T& field) {
+    inside(name, [&] { walk(field); });
+  }
+
+  /// `names` are separated by ", ".
+  template <class... T>
+  void all(std::string_view names, std::tuple<T&...> fields) {
+    const auto next_name = [&] {
+      const std::string_view name = names.substr(0, names.find(','));
+      names.remove_prefix(std::min(names.size(), name.size() + 2));
+      return name;
+    };
+    std::apply([&](T&... field) { ((*this)(next_name(), field), ...); }, fields);
+  }
+
+  /// Puts `name` before the names that `work` visits.
+  template <class Work>
+  void inside(std::string_view name, const Work& work) {
+    const std::size_t length = path_.size();
+    path_.append(length > 0 ? "." : "").append(name);
+    work();
+    path_.resize(length);
+  }
+
+ private:
+  template <class T>
+  static constexpr bool kHasFields = requires(FieldWalk& walk, T& m) {
+    T::fields(walk, m);
+  };
+
+  template <class T>
+  void walk(T& value) {
+    if constexpr (std::is_const_v<T>)
+      if (is_empty_) return visit_(std::as_const(path_), std::nullopt);
+    visit_(std::as_const(path_), value);
+  }
+
+  template <class T>
+  requires kHasFields<std::remove_const_t<T>>
+  void walk(T& field) { std::remove_const_t<T>::fields(*this, field); }
+
+  template <class T>
+  requires kHasFields<T>
+  void walk(const std::optional<T>& field) {
+    if (field) return walk(*field);
+    if constexpr (requires { T::kShownEmpty; }) {
+      const T none{};
+      const bool outer = std::exchange(is_empty_, true);
+      walk(none);
+      is_empty_ = outer;
+    }
+  }
+
+  template <class T>
+  requires kHasFields<T>
+  void walk(std::optional<T>& field) {
+    if (visit_.has(std::as_const(path_))) walk(field.emplace());
+  }
+
+  Visit visit_;
+  std::string path_;
+  bool is_empty_ = false;  ///< within an optional struct that is empty
+};
+
+}  // namespace landfall

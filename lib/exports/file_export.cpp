@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/file_export.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "base/error.h"
+#include "base/file_extension.h"
+#include "exports/csv.h"
+#include "exports/geotiff.h"
+#include "exports/grid_layers.h"
+#include "exports/las.h"
+#include "exports/ply.h"
+#include "exports/point_reader.h"
+#include "exports/quick_look.h"
+#include "exports/xdmf.h"
+#include "picture/png.h"
+
+namespace landfall {
+namespace {
+
+/// Whether `words`, parted by spaces, has this format.
+bool has(std::string_view words, const std::string& format) {
+  return words.find(format) != std::string_view::npos;
+}
+
+std::string format_of(const ExportOptions& o, const std::string& output) {
+  if (output == "-") {
+    if (o.format.empty()) throw UsageError("-o - needs --format csv");
+    if (o.format != "csv")
+      throw UsageError("--format " + o.format + " does not go to standard output; csv does");
+    return o.format;
+  }
+  const std::string extension = file_extension(output);
+  std::string named;
+  if (extension == ".xdmf") named = "xmf";
+  if (extension == ".tiff") named = "tif";
+  for (const char* const known : {"csv", "las", "ply", "png", "tif", "xmf"})
+    if (extension == std::string(".") + known) named = known;
+  if (!named.empty() && !o.format.empty() && named != o.format)
+    throw UsageError("output " + output + ": its extension says " + named + ", --format " + o.format);
+  if (!o.format.empty()) return o.format;
+  if (named.empty())
+    throw UsageError("output " + output + ": extension '" + extension +
+                     "' is none of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
+  return named;
+}
+
+/// Throws UsageError unless a file of this kind can become this.
+void require_possible(const LandfallFileReader& file, const std::string& format) {
+  const std::string& input = file.name();
+  if (h5::exists(file.root(), "mesh") && format != "png")
+    throw UsageError(input + " is a mesh terrain, which can become .png; terrain-gen --from " + input +
+                     " -o mesh.ply exports the mesh");
+  const std::string kind = kind_of(file);
+  if (has(kind == "scan" ? "csv las ply png xmf" : "csv png tif xmf", format)) return;
+  throw UsageError(input + " is a landfall." + kind + " file, which can become " +
+                   (kind == "scan" ? ".csv, .las, .ply, .png or .xmf" : ".csv, .png, .tif or .xmf") +
+                   "; not ." + format);
+}
+
+/// Throws UsageError for an option that has no part in an export to this format.
+void require_no_stray_option(const ExportOptions& o, bool is_scan) {
+  struct Option {
+    bool given;
+    const char* name;
+    std::string_view of_scan;  ///< the formats that it has a part in
+    std::string_view of_grid;
+  };
+  const Option options[] = {{!o.layers.empty(), "--layers", "png", "csv png tif xmf"},
+                            {!o.columns.empty(), "--columns", "csv ply", ""},
+                            {!o.position.empty(), "--position", "las ply xmf", ""},
+                            {o.every != 1, "--every", "csv las ply", "csv"},
+                            {o.keep_misses, "--keep-misses", "csv", ""}};
+  for (const Option& option : options)
+    if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
+      throw UsageError(std::string(option.name) + " has no part in the export of a " +
+                       (is_scan ? "scan" : "grid") + " to ." + o.format);
+}
+
+/// x, y and z first, then the others.
+PointReader::Pass ply_pass(const PointReader& points, const ExportOptions& o) {
+  PointReader::Pass pass{{}, {true, o.every}, 3};
+  for (const char* const axis : {"x_", "y_", "z_"}) pass.columns.push_back(axis + o.position);
+  for (const std::string& name : points.choose(o.columns))
+    if (std::find(pass.columns.begin(), pass.columns.begin() + 3, name) == pass.columns.begin() + 3)
+      pass.columns.push_back(name);
+  return pass;
+}
+
+/// The .xmf, and beside it the places that it refers to, which get their name before it.
+void export_points_xdmf(const PointReader& points, const ExportOptions& o, const OutputOptions& output,
+                        const std::string& tool, ByteSink& sink) {
+  // A scan's own rows cannot be left out of what only refers to them.
+  if (points.count({true, 1}) != points.row_count())
+    throw UsageError(points.file().name() +
+                     " keeps points without a return, which an .xmf cannot leave out; export .ply");
+  const std::filesystem::path file = xdmf_places(output.path);
+  const PointPlaces places = places_of(points, o.position, xdmf_reference(o.input, output.path));
+  OutputPath places_output(file, output.overwrite);
+  write_point_places(places_output, places, tool, output.compression);
+  std::vector<ContentInfo> columns = points.columns();
+  std::erase_if(columns, [](const ContentInfo& column) { return column.name == "t"; });
+  sink.write(points_xdmf(columns, places, file.filename().string()));
+  sink.flush();
+  places_output.commit();
+}
+
+void export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool, ByteSink& sink,
+                 const ProgressCallback& progress) {
+  const PointReader points(o.input);
+  if (o.format == "csv")
+    write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, progress);
+  else if (o.format == "ply")
+    write_points_ply(points, ply_pass(points, o), sink, progress);
+  else if (o.format == "las")
+    write_points_las(points, o.position, o.every, tool + " " + program_version(), sink, progress);
+  else
+    export_points_xdmf(points, o, output, tool, sink);
+}
+
+void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& sink,
+                 const ProgressCallback& progress) {
+  const GridSource grid(o.input);
+  if (o.format == "xmf") {
+    const std::vector<ContentInfo> layers = o.layers.empty() ? grid.layers() : grid.choose(o.layers);
+    sink.write(grid_xdmf(layers, grid.spec(), xdmf_reference(o.input, output.path)));
+    return;
+  }
+  const std::vector<NamedLayer> layers =
+      grid.read(grid.choose(o.layers), [&](double f) { report(progress, f / 4); });
+  write_layers_csv(layers, o.every, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
+}
+
+void export_geotiff(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
+                    const ProgressCallback& progress) {
+  const GridSource grid(o.input);
+  const std::vector<NamedLayer> layers =
+      grid.read(grid.choose(o.layers), [&](double f) { report(progress, f / 2); });
+  GeotiffContent content{{}, grid.crs_wkt(), source_line(tool), grid.file().file_id()};
+  for (const NamedLayer& layer : layers)
+    content.bands.push_back(
+        {std::visit([](const auto& values) { return decltype(GeotiffBand::values)(&values); }, layer.values),
+         layer.info.units, layer.info.name});
+  write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); });
+}
+
+void export_picture(const ExportOptions& o, const OutputOptions& output, const ProgressCallback& progress) {
+  std::string names;
+  for (const std::string& name : o.layers) names += (names.empty() ? "" : ",") + name;
+  if (o.layers.size() > 1 || names == "all")
+    throw UsageError("a .png shows one layer; --layers names " + names);
+  write_png(output, quick_look(o.input, names, progress));
+}
+
+}  // namespace
+
+FileExport::FileExport(ExportOptions options, const std::string& output)
+    : options_(std::move(options)), output_(output) {
+  options_.format = format_of(options_, output);
+  const LandfallFileReader file(options_.input, {"terrain", "scan", "dem", "evaluation", "plan"});
+  kind_ = kind_of(file);
+  require_possible(file, options_.format);
+  require_no_stray_option(options_, kind_ == "scan");
+  if (options_.position.empty()) options_.position = "est";
+}
+
+std::string FileExport::second_output() const {
+  return kind_ == "scan" && options_.format == "xmf" ? xdmf_places(output_).string() : "";
+}
+
+void FileExport::write(const OutputOptions& output, const std::string& tool,
+                       const ProgressCallback& progress) const {
+  if (options_.format == "tif") return export_geotiff(options_, output, tool, progress);
+  if (options_.format == "png") return export_picture(options_, output, progress);
+  const auto write_to = [&](ByteSink&& sink) {
+    if (kind_ == "scan")
+      export_scan(options_, output, tool, sink, progress);
+    else
+      export_grid(options_, output, sink, progress);
+    sink.finish();
+  };
+  if (output_ == "-") return write_to(StandardOutputSink());
+  OutputPath path(output.path, output.overwrite);
+  write_to(FileSink(path));
+}
+
+}  // namespace landfall

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "base/progress.h"
+#include "output/output_path.h"
+#include "terrain/gdal/geotiff.h"
+
+namespace landfall {
+
+/// Writes grids as a cloud-optimized GeoTIFF (save_geotiff() in terrain/gdal/gdal_loader.h) that appears
+/// whole or not at all (output_path.h). Throws UsageError where the output exists, IoError when it cannot be
+/// written.
+void write_geotiff(const OutputOptions& output, const GeotiffContent& content,
+                   const ProgressCallback& progress = {});
+
+}  // namespace landfall

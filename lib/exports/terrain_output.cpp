@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/terrain_output.h"
+
+#include <utility>
+#include <variant>
+
+#include "base/error.h"
+#include "base/file_extension.h"
+#include "exports/geotiff.h"
+#include "files/mesh_terrain_file.h"
+#include "files/raster_screening.h"
+#include "meshio/mesh_file.h"
+#include "terrain/gdal/gdal_loader.h"
+
+namespace landfall {
+namespace {
+
+enum class Format { landfall, geotiff, mesh };
+
+Format format_of(const std::filesystem::path& output) {
+  const std::string extension = file_extension(output);
+  if (extension == ".h5") return Format::landfall;
+  if (extension == ".tif" || extension == ".tiff") return Format::geotiff;
+  if (extension == ".obj" || extension == ".ply") return Format::mesh;
+  throw UsageError("output " + output.string() + ": extension '" + extension +
+                   "' is none of .h5 (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
+}
+
+/// Where an exported terrain comes from.
+struct Origin {
+  const std::string& crs_wkt;
+  const std::string& file_id;
+};
+
+/// Writes a terrain in another format than its own; `grid` is null for a mesh.
+void write_export(const TerrainOutput& output, const TerrainSurface& surface, const TriangulatedGrid* grid,
+                  const Origin& origin) {
+  const bool is_geotiff = format_of(output.file.path) == Format::geotiff;
+  if (is_geotiff && grid == nullptr)
+    throw UsageError("output " + output.file.path.string() +
+                     ": a mesh has no grid to write as GeoTIFF; .obj and .ply hold it");
+  output.phase("write", [&](const ProgressCallback& progress) {
+    if (!is_geotiff) return write_mesh_file(output.file, surface, progress);
+    const std::string software = source_line(output.provenance.tool);
+    write_geotiff(output.file, {{{&grid->nodes()}}, origin.crs_wkt, software, origin.file_id}, progress);
+  });
+}
+
+/// Writes terrain.h5 by write(file).
+template <class Write>
+void write_own(const TerrainOutput& output, const Write& write) {
+  LandfallFileWriter file(output.file, "terrain", output.provenance);
+  output.phase("write", [&](const ProgressCallback&) { write(file); });
+}
+
+TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
+  TerrainContent content;
+  const IndexedTriangles& mesh = content.mesh.emplace().mesh;
+  output.phase("mesh", [&](const ProgressCallback& progress) {
+    MeshFile read = read_mesh_file(import.path);
+    report(progress, 0.5);
+    output.provenance.add_input("mesh", read.content_id, {});
+    content.mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
+    report(progress, 1);
+  });
+  if (format_of(output.file.path) == Format::landfall)
+    write_own(output, [&](LandfallFileWriter& file) { write_mesh_terrain(file, mesh); });
+  else
+    write_export(output, TriangleMesh(mesh, import.path), nullptr,
+                 {kLocalSiteCrsWkt, output.provenance.file_id()});
+  return content;
+}
+
+std::map<std::string, std::int64_t> count_by_kind(const std::vector<PlacedFeature>& features) {
+  std::map<std::string, std::int64_t> counts;
+  for (const PlacedFeature& placed : features) ++counts[feature_kinds()[placed.feature.shape.index()]];
+  return counts;
+}
+
+/// A terrain that is never in memory as a whole.
+TerrainContent build_in_strips(const TerrainConfig& config, const DemLoader& load,
+                               const TerrainOutput& output) {
+  std::optional<TerrainStrips> strips;
+  output.phase("long waves", [&](const ProgressCallback& progress) {
+    strips.emplace(config.model, config.grid, load, StripSize(), progress);
+  });
+  LandfallFileWriter file(output.file, "terrain", output.provenance);
+  TerrainContent content;
+  output.phase("terrain", [&](const ProgressCallback& progress) {
+    content.nodes = write_terrain(file, *strips, progress);
+  });
+  content.features_of = count_by_kind(strips->features());
+  return content;
+}
+
+}  // namespace
+
+std::vector<std::string> input_files(const TerrainConfig& config, const std::filesystem::path& path,
+                                     RasterLinks links) {
+  if (config.mesh) return {config.mesh->path};
+  std::vector<std::string> files;
+  std::error_code unreachable;
+  const bool replaces = std::filesystem::exists(path, unreachable);
+  for (const Base& base : config.model.bases) {
+    const auto* const dem = std::get_if<DemBase>(&base);
+    if (dem == nullptr) continue;
+    files.push_back(dem->path);
+    if (!replaces) continue;
+    screen_raster(*dem, links);
+    for (std::string& file : dem_files(*dem, links)) files.push_back(std::move(file));
+  }
+  return files;
+}
+
+TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, TerrainOutput output) {
+  const bool is_own = format_of(output.file.path) == Format::landfall;
+  if (config.mesh) return build_mesh(*config.mesh, output);
+  const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
+    screen_raster(dem, links);
+    DemRaster raster = dem_loader(links)(dem, site);
+    output.provenance.add_input("raster", raster_id(raster), {});
+    return raster;
+  };
+  if (is_own && config.grid.rows * config.grid.cols > StripSize().most_nodes)
+    return build_in_strips(config, load, output);
+  GeneratedTerrain terrain;
+  output.phase("terrain", [&](const ProgressCallback& progress) {
+    terrain = generate_terrain(config.model, config.grid, load, progress);
+  });
+  TerrainContent content{count_nodes(terrain.nodes), count_by_kind(terrain.features)};
+  if (is_own) {
+    write_own(output, [&](LandfallFileWriter& file) { write_terrain(file, terrain); });
+  } else {
+    const TriangulatedGrid grid(std::move(terrain.nodes));
+    write_export(output, grid, &grid, {terrain.crs_wkt, output.provenance.file_id()});
+  }
+  return content;
+}
+
+TerrainContent export_terrain(const std::string& path, const TerrainOutput& output) {
+  if (format_of(output.file.path) == Format::landfall)
+    throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif, .obj or .ply output");
+  TerrainInput terrain;
+  output.phase("read", [&](const ProgressCallback& progress) { terrain = read_terrain(path, progress); });
+  write_export(output, *terrain.surface, terrain.grid.get(), {terrain.crs_wkt, terrain.file_id});
+  if (!terrain.grid) return {};
+  return {count_nodes(terrain.grid->nodes())};
+}
+
+}  // namespace landfall

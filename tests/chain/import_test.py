@@ -1,0 +1,276 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""terrain-gen --from: a raster on one line, and a terrain as a GeoTIFF, read back by GDAL's tools and by GMT."""
+import json
+import os
+import resource
+import shutil
+import socket
+import struct
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import ToolTest, read_bytes, run
+
+CONE = ["--set", 'features=[{"type":"cone","radius_m":3,"height_m":10}]', "--set",
+        'base={"type":"plane","slope_x":0.1,"slope_y":-0.05}']
+UTM = "EPSG:32631"
+
+
+def gdal(*arguments):
+    return subprocess.run(arguments, capture_output=True, text=True, check=True).stdout
+
+
+class ImportTest(ToolTest):
+    def raster(self, name="raster.asc", size=21, cell=2.0, corner=(500000, 4000000)):
+        """An Esri grid without a CRS; z = 100 + 2 column + 3 row."""
+        path = self.path(name)
+        row, col = np.mgrid[0:size, 0:size]
+        with open(path, "w", encoding="ascii") as file:
+            file.write(f"ncols {size}\nnrows {size}\nxllcorner {corner[0]}\nyllcorner {corner[1]}\ncellsize {cell}\n")
+            np.savetxt(file, 100 + 2 * col + 3 * row, "%d")
+        return path
+
+    def projected(self, name="raster.tif", **values):
+        path = self.path(name)
+        gdal("gdal_translate", "-q", "-a_srs", UTM, self.raster(**values), path)
+        return path
+
+    def config_of(self, *arguments):
+        return json.loads(self.succeed("terrain-gen", *arguments, "--print-config").stdout)
+
+    def nodes(self, path):
+        with h5py.File(path) as file:
+            return file["x"][()], file["y"][()], file["z"][()]
+
+
+class OneLine(ImportTest):
+    def test_is_the_configuration_it_stands_for(self):
+        path = self.projected()
+        options = ["--from", path, "--center", "500020,4000023", "--half-width", "10", "--resolution", "0.5",
+                   "--interpolation", "bilinear", "--datum", "none", "--vertical-scale", "1.5", "--band", "1"]
+        config = {"base": {"type": "dem", "path": path, "center": [500020, 4000023], "interpolation": "bilinear",
+                           "datum": "none", "vertical_scale": 1.5, "band": 1},
+                  "grid": {"half_width_m": 10, "resolution_m": 0.5}}
+        self.assertEqual(self.config_of(*options), self.config_of("-c", self.config(config)))
+        self.succeed("terrain-gen", *options, "-o", self.path("a.h5"))
+        self.succeed("terrain-gen", "-o", self.path("b.h5"), *options[2:], *options[:2])
+        self.succeed("terrain-gen", "-c", self.config(config), "-o", self.path("c.h5"))
+        self.assertEqual(read_bytes(self.path("a.h5")), read_bytes(self.path("c.h5")))
+        self.assertEqual(read_bytes(self.path("b.h5")), read_bytes(self.path("c.h5")))
+
+    def test_other_options_stand_for_their_keys(self):
+        path = self.raster()
+        base = self.config_of("--from", path, "--center-pixel", "3,4.5", "--horizontal-scale", "2", "--half-width",
+                              "1", "--resolution", "1")["base"]
+        self.assertEqual((base["center_pixel"], base["horizontal_scale_m"]), ([3, 4.5], 2))
+
+    def test_assignments_win_and_add(self):
+        path = self.projected()
+        config = self.config_of("--from", path, "--half-width", "10", "--resolution", "1", "--set",
+                                "grid.half_width_m=8", "--set", 'base.datum="none"', *CONE[:2])
+        self.assertEqual(config["grid"]["half_width_m"], 8)
+        self.assertEqual(config["base"]["datum"], "none")
+        self.assertEqual(len(config["features"]), 1)
+
+    def test_size_is_the_rasters_where_it_is_not_given(self):
+        path = self.projected()
+        grid = lambda *options: self.config_of("--from", path, *options)["grid"]
+        self.assertEqual(grid(), {"half_width_m": 20, "resolution_m": 2})
+        self.assertEqual(grid("--resolution", "0.5"), {"half_width_m": 20, "resolution_m": 0.5})
+        self.assertEqual(grid("--resolution", "3"), {"half_width_m": 18, "resolution_m": 3})
+        self.assertEqual(grid("--half-width", "10"), {"half_width_m": 10, "resolution_m": 2})
+        self.assertEqual(grid("--half-width", "9"), {"half_width_m": 9, "resolution_m": 1.8})
+        self.assertEqual(grid("--center-pixel", "4,10"), {"half_width_m": 8, "resolution_m": 2})
+        self.assertEqual(grid("--set", "grid.resolution_m=4"), {"half_width_m": 20, "resolution_m": 4})
+        self.refuse(2, "terrain-gen", "--from", path, "--resolution", "0.001", "--check", words=["--half-width"])
+        self.refuse(1, "terrain-gen", "--from", path, "--center", "0,0", "--check", words=["another center"])
+        # The same without --from: only the numbers of the configuration.
+        self.assertEqual(self.config_of("--half-width", "3", "--resolution", "1")["grid"],
+                         {"half_width_m": 3, "resolution_m": 1})
+
+    def test_names_and_numbers_of_all_kinds(self):
+        self.projected(name="a: b,c.tif")
+        self.succeed("terrain-gen", "--from", self.path("a: b,c.tif"), "-o", self.path("site 1.h5"))
+        layer = f'NETCDF:"{self.path("site 1.h5")}":z'
+        self.succeed("terrain-gen", "--from", layer, "-o", self.path("again.h5"), "--interpolation", "nearest")
+        np.testing.assert_array_equal(self.nodes(self.path("again.h5"))[2], self.nodes(self.path("site 1.h5"))[2])
+        west = self.projected(name="west.tif", corner=(-140, 30), cell=0.001)
+        for center in (["--center", "-139.99,30.0105"], ["--center=-139.99,30.0105"]):
+            self.assertEqual(self.config_of("--from", west, *center, "--half-width", "0.001", "--resolution",
+                                            "0.0005")["base"]["center"], [-139.99, 30.0105])
+
+    def test_refusals_name_the_option(self):
+        path, output = self.projected(), self.path("out.h5")
+        for options, words in [
+                (["--center", "1"], ["--center", "comma"]), (["--center", "1,x"], ["--center", "'x'"]),
+                (["--center", "1,2,3"], ["--center"]), (["--half-width", "nan"], ["--half-width", "nan"]),
+                (["--half-width", "-1"], ["half_width_m"]), (["--band", "1.5"], ["band"]),
+                (["--band", "2"], ["band 2", "1..1"]), (["--interpolation", "bicubik"], ["bicubic"]),
+                (["--horizontal-scale", "2"], ["horizontal_scale_m", "CRS"]),
+                (["--center", "1,2", "--center-pixel", "1,2"], ["--center"]),
+                (["--set", 'base={"type":"plane"}'], ["--set base", "--from"]),
+                (["-c", self.config({"base": {"type": "plane"}})], ["config.json", "/base", "--from"])]:
+            self.refuse(2, "terrain-gen", "--from", path, "-o", output, *options, words=words, output=output)
+        self.refuse(2, "terrain-gen", "--center", "1,2", "-o", output, words=["--center", "--from"])
+        self.refuse(1, "terrain-gen", "--from", self.path("none.tif"), "-o", output, words=["none.tif"])
+        self.refuse(2, "terrain-gen", "--from", self.raster(), "-o", output, words=["--horizontal-scale"])
+
+    def test_a_tag_that_cannot_be_read_is_not_left_out(self):
+        """GDAL goes on without it: here, without a scale of 2."""
+        path = self.path("scaled.tif")
+        gdal("gdal_translate", "-q", "-a_srs", UTM, "-a_scale", "2", self.raster(), path)
+        with open(path, "r+b") as file:
+            data = file.read()
+            first, = struct.unpack_from("<I", data, 4)
+            count, = struct.unpack_from("<H", data, first)
+            entry = next(at for at in range(first + 2, first + 2 + 12 * count, 12) if struct.unpack_from("<H", data, at) == (42112,))
+            file.seek(entry + 8)
+            file.write(struct.pack("<I", len(data) + 1000))  # beyond the end
+        output = self.path("t.h5")
+        self.refuse(1, "terrain-gen", "--from", path, "-o", output, words=[path, "cannot be read as a whole", "GDALMetadata"], output=output)
+
+    def test_check_writes_nothing(self):
+        self.succeed("terrain-gen", "--from", self.projected(), "--check", "-o", self.path("out.h5"))
+        self.assertNotIn("out.h5", self.entries())
+
+
+class Export(ImportTest):
+    def made(self, *arguments, name="t.h5"):
+        self.succeed("terrain-gen", "-o", self.path(name), "--set", "grid.half_width_m=30", *arguments)
+        return self.path(name)
+
+    def values(self, tif):
+        """All pixels by gdal_translate, north up."""
+        gdal("gdal_translate", "-q", "-of", "ENVI", tif, self.path("raw"))
+        info = json.loads(gdal("gdalinfo", "-json", tif))
+        cols, rows = info["size"]
+        return info, np.fromfile(self.path("raw"), "<f8").reshape(rows, cols)
+
+    def test_is_a_cloud_optimized_geotiff_of_the_same_nodes(self):
+        for compression in ("1", "0"):
+            terrain, tif = self.made(*CONE, "-O"), self.path(f"t{compression}.tif")
+            self.succeed("terrain-gen", "--from", terrain, "-o", tif, "--compression", compression)
+            x, y, z = self.nodes(terrain)
+            info, values = self.values(tif)
+            np.testing.assert_array_equal(values, z[::-1])
+            self.assertEqual(info["metadata"]["IMAGE_STRUCTURE"]["LAYOUT"], "COG")
+            band, = info["bands"]
+            self.assertEqual((band["type"], band["noDataValue"], band["block"]), ("Float64", "NaN", [512, 512]))
+            self.assertEqual([level["size"] for level in band["overviews"]], [[601, 601], [301, 301]])
+            np.testing.assert_allclose(info["geoTransform"], [x[0] - 0.025, 0.05, 0, y[-1] + 0.025, 0, -0.05],
+                                       atol=1e-12)
+            self.assertIn("landfall site frame", info["coordinateSystem"]["wkt"])
+            place = gdal("gdallocationinfo", "-valonly", "-geoloc", tif, repr(x[700]), repr(y[900]))
+            self.assertEqual(float(place), z[900, 700])
+            # Each pixel of the first overview is the mean of 2 x 2 nodes, a corner of fewer.
+            gdal("gdal_translate", "-q", "-of", "ENVI", "-outsize", "601", "601", "-r", "nearest", tif,
+                 self.path("raw"))
+            half = np.fromfile(self.path("raw"), "<f8").reshape(601, 601)
+            self.assertAlmostEqual(half[0, 0], z[::-1][:1, :1].mean(), delta=0.02)
+            self.assertAlmostEqual(half[300, 200], z[::-1][599:601, 399:401].mean(), delta=0.02)
+        self.assertEqual([name for name in self.entries() if ".tif." in name], [])
+
+    def test_gmt_reads_it(self):
+        terrain, tif = self.made(*CONE), self.path("t.tif")
+        self.succeed("terrain-gen", "--from", terrain, "-o", tif)
+        if not shutil.which("gmt"):
+            self.skipTest("no GMT")
+        extent = gdal("gmt", "grdinfo", "-C", tif).split("\t")[1:5]
+        np.testing.assert_allclose([float(word) for word in extent], [-30.025, 30.025] * 2, atol=1e-6)
+        points = subprocess.run(["gmt", "grd2xyz", tif, "-bo3d"], capture_output=True, check=True).stdout
+        x, y, z = self.nodes(terrain)
+        points = np.frombuffer(points, float).reshape(len(y), len(x), 3)[::-1]
+        np.testing.assert_allclose(points[..., 0], np.broadcast_to(x, z.shape), atol=1e-9)
+        np.testing.assert_allclose(points[..., 1], np.broadcast_to(y[:, None], z.shape), atol=1e-9)
+        np.testing.assert_array_equal(points[..., 2], np.float32(z))  # GMT's grids are float32
+
+    def test_the_terrain_need_not_be_written_first(self):
+        """The GeoTIFF of a configuration is that of its terrain.h5, byte for byte, whatever the threads."""
+        terrain = self.made(*CONE)
+        self.succeed("terrain-gen", "--from", terrain, "-o", self.path("a.TIFF"), "-t", "1")
+        self.made(*CONE, "-t", "2", name="b.tif")
+        self.assertEqual(read_bytes(self.path("a.TIFF")), read_bytes(self.path("b.tif")))
+
+    def test_comes_back_as_it_was(self):
+        tif = self.path("t.tif")
+        for source in ([], ["--from", self.projected(size=41)]):
+            terrain = self.made(*source, *([] if source else CONE), "--set", "grid.resolution_m=0.25", "-O")
+            self.succeed("terrain-gen", "--from", terrain, "-o", tif, "-O")
+            x, _, z = self.nodes(terrain)
+            for method, tolerance in [("nearest", 0), ("bilinear", 1e-9), ("bicubic", 1e-9)]:
+                self.succeed("terrain-gen", "--from", tif, "-o", self.path("back.h5"), "-O", "--datum", "none",
+                             "--interpolation", method)
+                back_x, _, back = self.nodes(self.path("back.h5"))
+                np.testing.assert_array_equal(back_x, x)
+                np.testing.assert_allclose(back, z, rtol=0, atol=tolerance)
+        self.assertIn("WGS 84", gdal("gdalinfo", tif))  # of the raster
+
+    def test_holes_stay_holes(self):
+        raster = self.path("holes.asc")
+        with open(raster, "w", encoding="ascii") as file:
+            file.write("ncols 9\nnrows 9\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -1\n")
+            file.write("5 5 5 5 5 5 5 5 5\n" * 3 + "5 5 -1 -1 5 5 5 5 5\n" + "5 5 5 5 5 5 5 5 5\n" * 5)
+        self.succeed("terrain-gen", "--from", raster, "--horizontal-scale", "1", "--interpolation", "nearest", "-o",
+                     self.path("h.tif"), "--datum", "none")
+        _, values = self.values(self.path("h.tif"))
+        self.assertEqual(np.argwhere(np.isnan(values)).tolist(), [[3, 2], [3, 3]])
+
+    def test_refuses_what_it_cannot_do(self):
+        terrain = self.made("--set", "grid.resolution_m=1")
+        for name, words in [("t.xyz", [".xyz", ".h5", ".tif"]), ("t", [".h5"]), ("t.stl", [".obj", ".ply"]),
+                            ("t2.h5", ["terrain.h5 already"]), ("t.h5", ["-O"])]:
+            self.refuse(2, "terrain-gen", "--from", terrain, "-o", self.path(name), words=words)
+        tif = self.path("t.tif")
+        self.refuse(2, "terrain-gen", "-o", self.path("t.png"), words=[".png", ".h5", ".tif"])
+        for options in (["--half-width", "3"], ["--center", "0,0"], ["--set", "seed=2"], ["--seed", "2"]):
+            self.refuse(2, "terrain-gen", "--from", terrain, "-o", tif, *options, words=["NETCDF:"], output=tif)
+        self.succeed("terrain-gen", "--from", terrain, "--check")
+        self.succeed("terrain-gen", "--from", terrain, "-o", tif)
+        self.refuse(2, "terrain-gen", "--from", terrain, "-o", tif, words=["-O"])
+        self.succeed("terrain-gen", "--from", terrain, "-o", tif, "-O")
+        with h5py.File(terrain, "a") as file:
+            file.attrs["complete"] = 0
+        self.refuse(1, "terrain-gen", "--from", terrain, "-o", self.path("u.tif"), words=["incomplete"])
+
+    def test_a_full_disk_is_told(self):
+        terrain = self.made("--set", 'base={"type":"fractal"}')
+        self.succeed("terrain-gen", "--from", terrain, "-o", self.path("all.tif"))
+        size = os.path.getsize(self.path("all.tif"))
+        for part in (0.01, 0.3, 0.7, 0.95, 1 - 1 / size):
+            limit = int(part * size)
+            result = run("terrain-gen", "--from", terrain, "-o", self.path("out.tif"),
+                         preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+            self.assertEqual(result.returncode, 1, f"{part}: {result.stderr}")
+            self.check_message("terrain-gen", result.stderr, ["out.tif"])
+            self.assertEqual(self.entries(), ["all.tif", "t.h5"])
+
+
+class Network(ImportTest):
+    def test_a_file_leads_to_no_other_machine(self):
+        """A VRT and a WMS description that name a server of this machine: nobody calls it."""
+        with socket.socket() as server:
+            server.bind(("127.0.0.1", 0))
+            server.listen()
+            server.settimeout(0.2)
+            url = f"http://127.0.0.1:{server.getsockname()[1]}/a.tif"
+            source = ('<VRTDataset rasterXSize="9" rasterYSize="9"><GeoTransform>0,1,0,9,0,-1</GeoTransform>'
+                      '<VRTRasterBand dataType="Byte" band="1"><SimpleSource><SourceFilename>/vsicurl/{}'
+                      '</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>')
+            service = ('<GDAL_WMS><Service name="TMS"><ServerUrl>{}</ServerUrl></Service><DataWindow>'
+                       '<UpperLeftX>0</UpperLeftX><UpperLeftY>9</UpperLeftY><LowerRightX>9</LowerRightX>'
+                       '<LowerRightY>0</LowerRightY><SizeX>9</SizeX><SizeY>9</SizeY></DataWindow></GDAL_WMS>')
+            for name, text in [("remote.vrt", source), ("remote.xml", service)]:
+                path = self.config(text.format(url), name)
+                for follow in ([], ["--follow-links"]):
+                    self.refuse(1, "terrain-gen", "--from", path, "--horizontal-scale", "1", "-o", self.path("x.h5"),
+                                *follow, words=[name])
+                with self.assertRaises(socket.timeout):
+                    server.accept()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh terrains through the four tools: against numpy over all facets, and byte for byte at any thread count."""
+import json
+import os
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import EVAL, REGRID, SCAN, ToolTest, read_bytes, with_values
+from raster_readers import obj_facets
+
+DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
+BOULDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "meshes", "boulder.obj")
+ITOKAWA = os.path.join(DATA, "mesh", "itokawa_49152f.obj")
+
+# A quarter turn of the map, and a step up.
+PLACEMENT = {"scale_m": 2, "rotate_rpy_deg": [0, 0, 90], "translate_m": [0.5, -0.25, 0.125]}
+
+
+def place(points):
+    return 2 * np.stack([-points[:, 1], points[:, 0], points[:, 2]], axis=1) + [0.5, -0.25, 0.125]
+
+
+def rolling_ground_with_a_roof():
+    """A sheet of 41 x 41 vertices without a straight line, and a slab above it that overhangs."""
+    random = np.random.default_rng(5)
+    x, y = np.meshgrid(np.linspace(-4, 4, 41), np.linspace(-4, 4, 41))
+    x[:, 1:-1] += random.uniform(-0.06, 0.06, (41, 39))
+    y[1:-1] += random.uniform(-0.06, 0.06, (39, 41))
+    z = 0.2 * np.sin(2 * x) * np.cos(1.5 * y) + random.uniform(-0.01, 0.01, x.shape)
+    vertices = [np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)]
+    faces = []
+    for row in range(40):
+        for col in range(40):
+            a = 41 * row + col
+            faces += [[a, a + 1, a + 41], [a + 1, a + 42, a + 41]]
+    corners = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]) * [1.2, 0.9, 0.2] + [0.3, -0.6, 0.7]
+    vertices.append(corners)
+    for quad in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]:
+        faces.append([1681 + i for i in quad])
+    return np.concatenate(vertices), faces
+
+
+def off_text(vertices, faces):
+    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
+    lines += [" ".join(repr(float(c)) for c in v) for v in vertices]
+    lines += [" ".join(map(str, [len(f), *f])) for f in faces]
+    return "\n".join(lines) + "\n"
+
+
+def fans(faces):
+    return np.array([[f[0], f[i], f[i + 1]] for f in faces for i in range(1, len(f) - 1)])
+
+
+def ranges_from(origin, directions, corners):
+    """First hits of rays with one origin on all triangles (F, 3, 3); NaN for misses."""
+    a, b, c = (corners[:, i] - origin for i in range(3))
+    normals = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    ranges = np.empty(len(directions))
+    for begin in range(0, len(directions), 100):
+        u, v, w = (directions[begin:begin + 100] @ n.T for n in normals)
+        inside = ((u >= 0) & (v >= 0) & (w >= 0)) | ((u <= 0) & (v <= 0) & (w <= 0))
+        with np.errstate(all="ignore"):
+            t = np.where(inside, volume / (u + v + w), np.inf)
+        ranges[begin:begin + 100] = np.where(t >= 0, t, np.inf).min(axis=1)
+    ranges[np.isinf(ranges)] = np.nan
+    return ranges
+
+
+def highest(x, y, corners):
+    """H at places (N,) by all triangles (F, 3, 3); NaN where there is none."""
+    result = np.full(len(x), -np.inf)
+    for a, b, c in corners:
+        u = (b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)
+        v = (c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)
+        w = (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x)
+        hit = (((u >= 0) & (v >= 0) & (w >= 0)) | ((u <= 0) & (v <= 0) & (w <= 0))) & (u + v + w != 0)
+        with np.errstate(all="ignore"):
+            z = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w)
+        result = np.where(hit, np.maximum(result, z), result)
+    return np.where(np.isinf(result), np.nan, result)
+
+
+def flash(rows, pitch, position, **values):
+    return {"detector": {"rows": rows, "columns": rows, "ifov_rad": pitch},
+            "laser": {"pulse_rate_hz": 1, "scan_time_s": 1}, "scanner": {"type": "flash"},
+            "trajectory": {"type": "constant_velocity", "position_m": position, "velocity_mps": [0, 0, 0]}, **values}
+
+
+def flash_directions(rows, pitch):
+    """Of the pixels in their order, the top row to +y: nominal mount, no roll."""
+    u = (np.arange(rows) - (rows - 1) / 2) * pitch
+    d = np.array([[ub, va, -1] for va in u[::-1] for ub in u])
+    return d / np.linalg.norm(d, axis=1)[:, None]
+
+
+def facets_of(path):
+    """(facets, 3 corners, xyz) of an OBJ, or a binary PLY as terrain-gen writes it."""
+    if path.endswith(".obj"):
+        with open(path, encoding="ascii") as file:
+            lines = [line.split() for line in file]
+        points = np.array([line[1:] for line in lines if line and line[0] == "v"], float)
+        return points[np.array([line[1:] for line in lines if line and line[0] == "f"], int) - 1]
+    data = read_bytes(path)
+    head, body = data.split(b"end_header\n", 1)
+    words = [line.split() for line in head.decode("ascii").splitlines()]
+    assert words[:2] == [["ply"], ["format", "binary_little_endian", "1.0"]], words
+    count = {line[1]: int(line[2]) for line in words if line[0] == "element"}
+    points = np.frombuffer(body, "<f8", 3 * count["vertex"]).reshape(-1, 3)
+    facets = np.frombuffer(body[points.nbytes:], [("n", "u1"), ("corners", "<i4", 3)])
+    assert len(facets) == count["face"] and (facets["n"] == 3).all()
+    return points[facets["corners"]]
+
+
+def grid_facets(x, y, z):
+    """The triangles of a terrain's grid, each cell cut from lower right to upper left."""
+    points = np.stack([*np.meshgrid(x, y), z], axis=2)
+    low, right, up, far = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
+    cells = np.stack([np.stack([low, right, up], axis=2), np.stack([right, far, up], axis=2)], axis=2)
+    facets = cells.reshape(-1, 3, 3)
+    return facets[~np.isnan(facets).any(axis=(1, 2))]
+
+
+class MeshTest(ToolTest):
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+    def terrain(self, vertices, faces, **placement):
+        mesh = self.write("mesh.off", off_text(vertices, faces))
+        config = self.config({"mesh": {"path": mesh, **placement}}, "terrain.json")
+        summary = self.succeed("terrain-gen", "-c", config, "-o", self.path("terrain.h5"), "--json")
+        return self.path("terrain.h5"), json.loads(summary.stdout)
+
+    def scan(self, terrain, config, output, *arguments):
+        path = self.config(config, "scan.json")
+        self.succeed("scan-sim", "-c", path, "--terrain", terrain, "-o", self.path(output), *arguments)
+        return h5py.File(self.path(output), "r")
+
+    def test_chain(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        terrain, summary = self.terrain(vertices, faces, **PLACEMENT)
+        corners = place(vertices)[fans(faces)]
+        self.assertEqual([summary[k] for k in ["vertex_count", "triangle_count", "welded_vertex_count"]],
+                         [1689, 3212, 0])
+        with h5py.File(terrain) as file:
+            np.testing.assert_allclose(file["mesh/vertices"][:], place(vertices), atol=1e-15)
+            self.assertEqual(file["mesh/triangles"].shape, (3212, 3))
+            self.assertEqual(file["mesh/triangles"].dtype, np.int32)
+            self.assertEqual(file["mesh/vertices"].attrs["units"], "m")
+            self.assertIn("DEM frame", file["mesh/vertices"].attrs["long_name"])
+        quiet = with_values(SCAN, noise={}, navigation_error={})
+        for name, config in [("scan", quiet), ("noisy", SCAN)]:
+            self.scan(terrain, config, name + ".h5", "--keep-misses").close()
+        for name in ["scan", "noisy"]:
+            self.succeed("regrid", self.path(name + ".h5"), "-c", self.config(REGRID, "regrid.json"), "--terrain", terrain,
+                         "-o", self.path(name + "_dem.h5"))
+            self.succeed("dem-eval", self.path(name + "_dem.h5"), "-c", self.config(EVAL, "eval.json"), "-o",
+                         self.path(name + "_eval.h5"))
+        with h5py.File(self.path("scan.h5")) as scan, h5py.File(self.path("scan_dem.h5")) as dem:
+            hit = scan["points/status"][:] == 0
+            x, y, z = (scan["points/" + k][:][hit][::40] for k in ["x_true", "y_true", "z_true"])
+            self.assertGreater(len(x), 400)
+            # From above a first hit is seldom far from the highest surface, and never above it.
+            H = highest(x, y, corners)
+            self.assertLess(np.max(z - H), 1e-9)
+            self.assertGreater(np.mean(np.abs(z - H) < 1e-9), 0.9)
+            rows, cols = np.nonzero(dem["count"][:])
+            rows, cols = rows[::20], cols[::20]
+            X = dem["x"][:][cols] + dem["x_true"][:][rows, cols] - dem["x_est_mean"][:][rows, cols]
+            Y = dem["y"][:][rows] + dem["y_true"][:][rows, cols] - dem["y_est_mean"][:][rows, cols]
+            z_true = dem["z_true"][:][rows, cols]
+            H = highest(X, Y, corners)
+            near = np.abs(z_true - H) < 1e-5  # x_est_mean is float32; the slab's walls are steps
+            self.assertGreater(np.mean(near), 0.98)
+        with h5py.File(self.path("scan_eval.h5")) as evaluation:
+            self.assertLess(np.nanmedian(np.abs(evaluation["e_z"][:])), 0.05)
+
+    def test_same_bytes_at_any_thread_count(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        self.terrain(vertices, faces, **PLACEMENT)
+        config = with_values(SCAN, noise__incidence_sigma_rad=1e-4)
+        scan, grid = self.config(config, "scan.json"), self.config(REGRID, "regrid.json")
+        made = {}
+        for threads in [1, 2, 7]:
+            t = ["-O", "-t", threads]
+            self.succeed("terrain-gen", "-c", self.path("terrain.json"), "-o", self.path("t.h5"), *t)
+            self.succeed("scan-sim", "-c", scan, "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), *t)
+            self.succeed("regrid", self.path("s.h5"), "-c", grid, "--terrain", self.path("t.h5"), "-o",
+                         self.path("d.h5"), *t)
+            for name in ["t.h5", "s.h5", "d.h5"]:
+                self.assertEqual(made.setdefault(name, read_bytes(self.path(name))), read_bytes(self.path(name)))
+
+    def test_ranges_from(self):
+        terrain, _ = self.terrain(*rolling_ground_with_a_roof(), **PLACEMENT)
+        clean = with_values(SCAN, noise={})
+        self.scan(terrain, clean, "clean.h5").close()
+        self.scan(terrain, with_values(SCAN, noise={"range_sigma_m": 0.02, "incidence_sigma_rad": 1e-3}), "noisy.h5").close()
+        self.succeed("scan-sim", "-c", self.path("scan.json"), "--terrain", terrain, "--ranges-from",
+                     self.path("clean.h5"), "-o", self.path("redrawn.h5"))
+        self.assertEqual(read_bytes(self.path("redrawn.h5")), read_bytes(self.path("noisy.h5")))
+
+    def test_lidar_in_a_closed_mesh_sees_it_from_inside(self):
+        cube = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]) * 2.0 - 1
+        quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        terrain, _ = self.terrain(cube, quads)
+        with self.scan(terrain, flash(16, 0.02, [0, 0, 0.5]), "inside.h5") as scan:
+            np.testing.assert_allclose(scan["points/z_true"][:], -1, atol=1e-12)
+            self.assertEqual(len(scan["points/z_true"]), 256)
+
+    def test_refusals(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        terrain, _ = self.terrain(vertices, faces)
+        scan, out = self.config(SCAN, "scan.json"), self.path("out.h5")
+        self.refuse(2, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, "--engine", "heightfield",
+                    words=["heightfield", "mesh"], output=out)
+        for key, value in [("grid", {}), ("base", {"type": "plane"}), ("features", []), ("patterns", [])]:
+            both = self.config({"mesh": {"path": self.path("mesh.off")}, key: value}, "both.json")
+            self.refuse(2, "terrain-gen", "-c", both, "-o", out, words=["both.json", "/" + key, "/mesh"], output=out)
+        bad = self.config({"mesh": {"path": self.path("mesh.off"), "scale_m": 0}}, "bad.json")
+        self.refuse(2, "terrain-gen", "-c", bad, "-o", out, words=["/mesh/scale_m"], output=out)
+        text = self.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 7\n")
+        for path, words in [(text, ["bad.obj", "vertex 7 of 2"]), (self.path("none.ply"), ["none.ply", "no such file"])]:
+            config = self.config({"mesh": {"path": path}}, "c.json")
+            self.refuse(1, "terrain-gen", "-c", config, "-o", out, words=words, output=out)
+
+    def test_resolved_configuration_can_be_given_again(self):
+        config = self.config({"mesh": {"path": "m.obj"}, "seed": 3})
+        first = self.succeed("terrain-gen", "-c", config, "--print-config").stdout
+        self.assertEqual(json.loads(first), {"mesh": {"path": "m.obj", "scale_m": 1, "translate_m": [0, 0, 0],
+                                                      "rotate_rpy_deg": [0, 0, 0]}})
+        again = self.succeed("terrain-gen", "-c", self.config(first, "again.json"), "--print-config").stdout
+        self.assertEqual(first, again)
+
+    def test_import_and_export_on_one_line(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        source = self.write("m.off", off_text(vertices, faces))
+        place_it = ["--set", "mesh.scale_m=2", "--set", "mesh.rotate_rpy_deg=[0,0,90]", "--set",
+                    "mesh.translate_m=[0.5,-0.25,0.125]"]
+        short, (long, _) = self.path("short.h5"), self.terrain(vertices, faces, **PLACEMENT)
+        self.succeed("terrain-gen", "--from", source, "-o", short, *place_it)
+        with h5py.File(short) as a, h5py.File(long) as b:
+            for key in ("vertices", "triangles"):
+                np.testing.assert_array_equal(a["mesh"][key][()], b["mesh"][key][()])
+            expected = a["mesh/vertices"][()][a["mesh/triangles"][()]]
+        for name in ("m.obj", "m.ply"):
+            self.succeed("terrain-gen", "--from", short, "-o", self.path(name))
+            np.testing.assert_array_equal(facets_of(self.path(name)), expected)
+            self.succeed("terrain-gen", "--from", source, "-o", self.path("direct_" + name), *place_it)
+            self.assertEqual(read_bytes(self.path("direct_" + name)), read_bytes(self.path(name)))
+            again = self.path(name + ".h5")
+            self.succeed("terrain-gen", "--from", self.path(name), "-o", again)
+            with h5py.File(again) as file:
+                np.testing.assert_array_equal(file["mesh/vertices"][()][file["mesh/triangles"][()]], expected)
+        self.refuse(2, "terrain-gen", "--from", short, "-o", self.path("m.tif"), words=["no grid", ".obj"])
+        self.refuse(2, "terrain-gen", "--from", source, "-o", self.path("x.h5"), "--half-width", "3",
+                    words=["mesh.scale_m"])
+
+    def test_a_grid_as_a_mesh_is_its_triangles(self):
+        terrain, config = self.path("g.h5"), self.path("g.json")
+        with open(config, "w", encoding="ascii") as file:
+            json.dump({"grid": {"half_width_m": 4, "resolution_m": 0.25}, "base": {"type": "fractal"},
+                       "features": [{"type": "cone", "radius_m": 2, "height_m": 3}]}, file)
+        self.succeed("terrain-gen", "-c", config, "-o", terrain)
+        with h5py.File(terrain) as file:
+            expected = grid_facets(file["x"][()], file["y"][()], file["z"][()])
+        for name in ("g.obj", "g.ply"):
+            self.succeed("terrain-gen", "-c", config, "-o", self.path(name))
+            np.testing.assert_array_equal(facets_of(self.path(name)), expected)
+        with h5py.File(terrain, "a") as file:
+            z = file["z"][()]
+            z[3, 4] = z[20:23, 9] = np.nan
+            file["z"][...] = z
+            expected = grid_facets(file["x"][()], file["y"][()], z)
+        self.succeed("terrain-gen", "--from", terrain, "-o", self.path("holes.ply"))
+        np.testing.assert_array_equal(facets_of(self.path("holes.ply")), expected)
+
+    def test_damaged_terrain_files(self):
+        vertices, faces = rolling_ground_with_a_roof()
+        terrain, _ = self.terrain(vertices, faces)
+        scan, out = self.config(SCAN, "scan.json"), self.path("out.h5")
+        whole = read_bytes(terrain)
+        changes = [("vertices", (3, 1), np.nan, "vertex 3"), ("triangles", (5, 2), 1689, "triangle 5"),
+                   ("triangles", (5, 2), -1, "negative"), ("vertices", (0, 0), 1e13, "vertex 0")]
+        for name, where, value, word in changes:
+            with open(terrain, "wb") as file:
+                file.write(whole)
+            with h5py.File(terrain, "r+") as file:
+                file["mesh"][name][where] = value
+            self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["terrain.h5", word], output=out)
+        with h5py.File(terrain, "r+") as file:
+            del file["mesh/vertices"]
+            file["mesh"].create_dataset("vertices", shape=(2 * 10**9, 3), dtype="f8", chunks=(65536, 3))
+        self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["claims more"], output=out)
+
+    def check_body(self, path, scale, height, pitch):
+        """An OBJ of a whole body: its counts, and a flash from `height` above it against numpy over all facets."""
+        config = self.config({"mesh": {"path": path, "scale_m": scale}}, "terrain.json")
+        terrain = self.path("body.h5")
+        summary = json.loads(self.succeed("terrain-gen", "-c", config, "-o", terrain, "--json").stdout)
+        corners = scale * obj_facets(path)
+        with open(path, encoding="utf-8") as file:
+            vertex_count = sum(line.startswith("v ") for line in file)
+        self.assertEqual(summary["vertex_count"], len(np.unique(corners.reshape(-1, 3), axis=0)))
+        self.assertEqual(summary["vertex_count"] + summary["welded_vertex_count"] + summary["unreferenced_vertex_count"],
+                         vertex_count)
+        self.assertEqual(summary["triangle_count"] + summary["degenerate_facet_count"], len(corners))
+        position = list(corners.mean(axis=(0, 1)) + [0, 0, height])
+        with self.scan(terrain, flash(60, pitch, position), "scan.h5", "--keep-misses") as scan:
+            ranges = scan["points/range_true"][:]
+            order = scan["points/pixel"][:]
+        np.testing.assert_array_equal(order, np.arange(3600))
+        expected = ranges_from(np.array(position), flash_directions(60, pitch), corners)
+        self.assertGreater(np.isfinite(expected).sum(), 720)
+        self.assertGreater(np.isnan(expected).sum(), 720)
+        np.testing.assert_array_equal(np.isnan(ranges), np.isnan(expected))
+        self.assertLess(np.nanmax(np.abs(ranges - expected)), 1e-6)
+
+    def test_boulder(self):
+        self.assertEqual(obj_facets(BOULDER).shape, (320, 3, 3))
+        self.check_body(BOULDER, 1, 100, 0.0058)
+
+    @unittest.skipUnless(os.path.exists(ITOKAWA), f"no real mesh: {ITOKAWA} (LANDFALL_DATA)")
+    def test_itokawa(self):
+        self.assertEqual(obj_facets(ITOKAWA).shape, (49152, 3, 3))
+        self.check_body(ITOKAWA, 1000, 1000, 0.011)
+
+
+if __name__ == "__main__":
+    unittest.main()

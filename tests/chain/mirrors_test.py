@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mechanisms that steer by mirrors or turn the camera, in whole scans: replay, blanking, what the lander believes."""
+import unittest
+
+import numpy as np
+
+from harness import CONFIGS, ChainTest, columns
+
+LINES = 20
+PULSES_PER_LINE = 20
+PULSE_RATE_HZ = 2000
+
+
+class Mirrors(ChainTest):
+    def arguments(self, scanner, *options):
+        """A scan without any error but the scanner's own."""
+        config = dict(CONFIGS["scan-sim"], scanner=scanner)
+        for part in ("noise", "navigation_error"):
+            del config[part]
+        return ["scan-sim", "-c", self.config(config), "--terrain", self.chain.terrain, "-O", "-o", self.path("scan.h5"),
+                "--keep-misses", *options]
+
+    def scan(self, scanner, *options):
+        self.succeed(*self.arguments(scanner, *options))
+        return columns(self.path("scan.h5"), "points"), columns(self.path("scan.h5"), "pulses")
+
+    def table(self, pulses):
+        path = self.path("angles.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            print("t_s,angle_1_rad,angle_2_rad", file=file)
+            for row in zip(pulses["t"], pulses["angle_1"], pulses["angle_2"]):
+                print(",".join(repr(float(value)) for value in row), file=file)
+        return path
+
+    def fsm(self, **keys):
+        pattern = {"type": "line_search", "rows": LINES, "columns": PULSES_PER_LINE, "half_width_m": 4}
+        return {"type": "fsm", "incidence_deg": 45, "fold_azimuth_deg": 10, "pattern": pattern, **keys}
+
+    def assert_same_points(self, first, second, tolerance_m):
+        np.testing.assert_array_equal(first["status"], second["status"])
+        for name in ("x_true", "y_true", "z_true", "x_est", "y_est", "z_est"):
+            np.testing.assert_allclose(first[name], second[name], rtol=0, atol=tolerance_m)
+
+    def test_the_angles_of_an_fsm_replayed_as_a_table_give_its_points(self):
+        points, pulses = self.scan(self.fsm())
+        table = {"type": "table", "path": self.table(pulses), "mechanism": "fsm", "incidence_deg": 45,
+                 "fold_azimuth_deg": 10}
+        replayed, _ = self.scan(table)
+        self.assertGreater(np.count_nonzero(points["status"] == 0), 10000)
+        self.assert_same_points(points, replayed, 1e-9)
+
+    def test_the_angles_of_a_gimbal_replayed_as_a_table_give_its_points(self):
+        points, pulses = self.scan({"type": "gimbal", "pattern": self.fsm()["pattern"]})
+        replayed, _ = self.scan({"type": "table", "path": self.table(pulses)})
+        self.assert_same_points(points, replayed, 1e-9)
+
+    def test_a_table_that_ends_too_early_is_refused(self):
+        _, pulses = self.scan(self.fsm())
+        half = {name: values[:len(values) // 2] for name, values in pulses.items()}
+        path = self.table(half)
+        result = self.refuse(1, *self.arguments({"type": "table", "path": path}))
+        self.assertIn(f"{path}: scanner table: pulse 399, 0.1995 s after the first", result.stderr)
+
+    def test_pulses_in_a_turnaround_are_blanked(self):
+        blanked_pulses = 5
+        points, _ = self.scan(self.fsm(turnaround_time_s=blanked_pulses / PULSE_RATE_HZ))
+        blanked = np.zeros(LINES * PULSES_PER_LINE, dtype=bool)
+        blanked[points["pulse"][points["status"] == 4]] = True
+        expected = np.arange(blanked.size) % PULSES_PER_LINE < blanked_pulses
+        expected[:PULSES_PER_LINE] = False  # the first line begins without a jump
+        np.testing.assert_array_equal(blanked, expected)
+
+    def test_settling_moves_the_truth_and_the_estimate_alike(self):
+        points, _ = self.scan(self.fsm(settle_time_s=0.002))
+        ideal, _ = self.scan(self.fsm())
+        off = np.hypot(points["x_true"] - ideal["x_true"], points["y_true"] - ideal["y_true"])
+        place = points["pulse"] % PULSES_PER_LINE
+        first_line = points["pulse"] < PULSES_PER_LINE
+        self.assertEqual(np.nanmax(off[first_line]), 0)
+        self.assertGreater(np.nanmin(off[~first_line & (place == 0)]), 6)  # still at the end of the line before
+        self.assertLess(np.nanmax(off[~first_line & (place > 12)]), 0.02)
+        self.assert_equal_where_hit(points, "est", points, "true")
+
+    def assert_equal_where_hit(self, first, first_kind, second, second_kind):
+        hit = first["status"] == 0
+        for axis in "xyz":
+            np.testing.assert_array_equal(first[f"{axis}_{first_kind}"][hit], second[f"{axis}_{second_kind}"][hit])
+
+    def test_encoder_noise_moves_the_estimate_only_and_no_other_draw(self):
+        noise = ["--set", "noise.range_sigma_m=0.01", "--set", "noise.dropout_frac=0.1"]
+        plain, _ = self.scan(self.fsm(), *noise)
+        noisy, _ = self.scan(self.fsm(encoder_sigma_rad=1e-4), *noise)
+        for name in ("status", "x_true", "y_true", "z_true", "range_true", "range_measured"):
+            np.testing.assert_array_equal(plain[name], noisy[name])
+        moved = np.hypot(plain["x_est"] - noisy["x_est"], plain["y_est"] - noisy["y_est"])
+        # 50 m x 1e-4 x gains 2 and 2 cos 45 deg: rms sqrt(4 + 2) x 5 mm.
+        self.assertAlmostEqual(np.sqrt(np.nanmean(moved**2)), np.sqrt(6) * 0.005, delta=0.0015)
+
+    def test_lag_is_the_way_of_the_aim_during_the_flight(self):
+        points, _ = self.scan(self.fsm(tof_lag=True), "--set", "laser.pulse_rate_hz=20000", "--set",
+                              "laser.scan_time_s=0.02")
+        inside = points["status"] == 0
+        step_m = 8 / (PULSES_PER_LINE - 1)
+        flight_s = 2 * 50 / 299792458
+        lag = np.hypot(points["x_true"] - points["x_est"], points["y_true"] - points["y_est"])[inside]
+        # The estimate puts the range on the beam at the pulse; the relief tilts the two apart a little.
+        self.assertAlmostEqual(np.median(lag), step_m * flight_s * 20000, delta=2e-4)
+        self.assertLess(lag.max(), 2 * np.median(lag))  # at the ends of lines too
+
+    def test_bad_values_are_refused_by_name(self):
+        bad = {"/scanner/focal_distance_m": self.fsm(focal_distance_m=-1),
+               "/scanner/pivot_m/1": self.fsm(pivot_m=[0, "x", 0]),
+               "/scanner/encoder_sigma_rad": self.fsm(encoder_sigma_rad=-1e-9),
+               "/scanner/settle_damping": self.fsm(settle_damping=1),
+               "/scanner/turnaround_time_s": self.fsm(turnaround_time_s=-1),
+               "/scanner/tof_lag": self.fsm(tof_lag=1),
+               "/scanner/max_deflection_deg": {"type": "gimbal", "max_deflection_deg": 90},
+               "/scanner/facets": {"type": "polygon", "facets": 1},
+               "/scanner/duty_frac": {"type": "polygon", "duty_frac": 1.5},
+               "/scanner/max_deflection_deg: 30 is not positive and below 180 - 2 incidence_deg":
+               self.fsm(incidence_deg=80),
+               "/scanner/max_deflection_deg: 180 ": self.fsm(incidence_deg=0, max_deflection_deg=180),
+               "/scanner/facets: 3 is not above 4 duty_frac": {"type": "polygon", "facets": 3},
+               "/scanner/frame_amplitude_deg: 50 is not >= 0 and below 90 - 360 duty_frac / facets":
+               {"type": "polygon", "facets": 6, "frame_amplitude_deg": 50},
+               "/scanner/tilt_deg: 50 is not >= 0 and below 90 - incidence_deg":
+               {"type": "palmer", "tilt_deg": 50, "incidence_deg": 45},
+               "/scanner/rate_hz": {"type": "palmer", "rate_hz": 0},
+               "/scanner/mechanism": {"type": "table", "path": "a.csv", "mechanism": "risley"},
+               "/scanner/incidence_deg": {"type": "table", "path": "a.csv", "incidence_deg": 5}}
+        for key, scanner in bad.items():
+            with self.subTest(key):
+                result = self.refuse(2, *self.arguments(scanner))
+                self.assertIn(key, result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

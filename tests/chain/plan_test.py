@@ -1,0 +1,113 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""scan-sim --plan against what a traced scan of flat ground shows, counted here."""
+import json
+import os
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import CONFIGS, ChainTest, columns, read_bytes, with_values
+
+# 5 m about the origin, bins of 10 cm; the scan's lines are 8 m long and its last ones lie outside.
+SCAN = with_values(CONFIGS["scan-sim"], scanner__pattern__half_width_m=6)
+REGION = ["--plan-radius", 5, "--plan-resolution", 0.1]
+
+
+class Plan(ChainTest):
+    def plan(self, *options):
+        return self.succeed("scan-sim", "-c", self.config(SCAN), "--plan", *REGION, *options)
+
+    def test_it_counts_what_a_traced_scan_returns(self):
+        flat = self.path("flat.h5")
+        self.succeed("terrain-gen", "-o", flat, "--set", 'grid={"half_width_m":20,"resolution_m":1}')
+        self.succeed("scan-sim", "-c", self.config(SCAN), "--terrain", flat, "-o", self.path("scan.h5"), "--keep-misses")
+        self.plan("-o", self.path("plan.h5"))
+        layers = columns(self.path("plan.h5"), "/")
+        points, pulses = columns(self.path("scan.h5"), "points"), columns(self.path("scan.h5"), "pulses")
+        returned = points["status"] == 0
+        col, row = (np.floor(points[name][returned] / 0.1 + 0.5).astype(int) + 50 for name in ("x_true", "y_true"))
+        pulse = points["pulse"][returned]
+        kept = (col >= 0) & (col <= 100) & (row >= 0) & (row <= 100)
+        count, images = np.zeros((101, 101), int), np.zeros((101, 101), int)
+        np.add.at(count, (row[kept], col[kept]), 1)
+        of_pulse = np.unique(np.stack([pulse, row, col])[:, kept], axis=1)
+        np.add.at(images, tuple(of_pulse[1:]), 1)
+        np.testing.assert_array_equal(layers["count"], count)
+        np.testing.assert_array_equal(layers["images"], images)
+        first = np.full((101, 101), np.inf)
+        np.minimum.at(first, (row[kept], col[kept]), pulses["t"][pulse[kept]])
+        np.testing.assert_array_equal(layers["first_seen"],
+                                      np.where(count > 0, first, np.nan).astype(np.float32))
+        self.check_numbers(layers, count, images, pulse, row, col)
+
+    def check_numbers(self, layers, count, images, pulse, row, col):
+        with h5py.File(self.path("plan.h5")) as file:
+            plan = json.loads(file["plan_json"].asstr()[()])
+            self.assertEqual((file.attrs["format_name"], file.attrs["complete"]), ("landfall.plan", 1))
+        y, x = np.mgrid[-50:51, -50:51]
+        region = x ** 2 + y ** 2 < 50 ** 2
+        np.testing.assert_array_equal(layers["in_region"], region)
+        self.assertEqual(plan["region"], {"radius_m": 5, "resolution_m": 0.1, "bin_count": int(region.sum())})
+        self.assertEqual(plan["coverage"]["uncovered_count"], int((count[region] == 0).sum()))
+        self.assertGreater(plan["coverage"]["uncovered_count"], 0)
+        np.testing.assert_array_equal(layers["hole_id"] > 0, (count == 0) & region)
+        self.assertAlmostEqual(plan["returns_per_bin"]["mean"], count[region].mean(), delta=1e-12)
+        self.assertAlmostEqual(plan["images_per_bin"]["overlap_frac"], (images[region] > 1).mean(), delta=1e-12)
+        inside = np.hypot(row - 50, col - 50) < 50
+        per_pulse = np.stack([np.bincount(pulse, minlength=400), np.bincount(pulse, inside, minlength=400)])
+        self.assertEqual([plan["time"][kind]["pulse_count"] for kind in
+                          ("in_region", "partly_in_region", "off_region", "blanked", "total")],
+                         [int((per_pulse[0] == per_pulse[1]).sum()),
+                          int(((per_pulse[1] > 0) & (per_pulse[1] < per_pulse[0])).sum()),
+                          int((per_pulse[1] == 0).sum()), 0, 400])
+        self.assertAlmostEqual(plan["time"]["total"]["time_s"], 0.2)
+
+    def test_threads_change_no_byte(self):
+        for threads in (1, 2, 7):
+            self.plan("-o", self.path(f"{threads}.h5"), "-t", threads)
+        self.assertEqual(len({read_bytes(self.path(f"{n}.h5")) for n in (1, 2, 7)}), 1)
+
+    def test_it_prints_a_table_or_json(self):
+        text = self.plan().stdout
+        for words in ("image in the region", "uncovered:", "Per bin of the region"):
+            self.assertIn(words, text)
+        self.assertEqual(self.entries(), ["config.json"])
+        summary = json.loads(self.plan("--json").stdout)
+        self.assertEqual(summary["plan"]["time"]["total"]["pulse_count"], 400)
+        self.assertIn("plan", summary["phases"])
+
+    def test_what_does_not_go_together_is_refused(self):
+        self.refuse(2, "scan-sim", "--plan", "--terrain", self.chain.terrain, words=["--plan", "--terrain"])
+        self.refuse(2, "scan-sim", "--plan-radius", 5, words=["--plan"])
+        self.refuse(2, "scan-sim", "--plan", "--plan-radius", 0, words=["--plan-radius", "0"])
+        self.refuse(2, "scan-sim", "--plan", "--plan-resolution", -1, words=["--plan-resolution", "-1"])
+        self.refuse(2, "scan-sim", "--plan", "--plan-resolution", 1e-6, words=["2^30"])
+
+    def test_a_lander_below_the_ground_is_refused_by_pulse(self):
+        # 2.49 m up, sinking at 5 m/s: it meets the ground after 0.498 s, wherever it is.
+        for x_m in (0, -4000):
+            self.refuse(1, "scan-sim", "--plan", "--set", 'scanner={"type":"flash"}', "--set", "laser.pulse_rate_hz=100",
+                        "--set", f"trajectory.position_m=[{x_m},0,2.49]", "--set", "trajectory.velocity_mps=[0,0,-5]",
+                        words=["pulse 50:", "below the terrain"])
+
+    def test_the_picture(self):
+        self.plan("-o", self.path("plan.h5"))
+        script = os.path.join(os.environ["LANDFALL_ROOT"], "python", "commands", "plot_plan.py")
+        subprocess.run(["/usr/bin/python3", script, self.path("plan.h5"), "--dpi", "50"], check=True,
+                       capture_output=True)
+        with open(self.path("plan-figure.png"), "rb") as file:
+            self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+        again = subprocess.run(["/usr/bin/python3", script, self.path("plan.h5")], capture_output=True, text=True,
+                               check=False)
+        self.assertEqual(again.returncode, 2, again.stderr)
+        wrong = subprocess.run(["/usr/bin/python3", script, self.chain.terrain, "-o", self.path("t.png")],
+                               capture_output=True, text=True, check=False)
+        self.assertEqual(wrong.returncode, 1)
+        self.assertIn("landfall.plan", wrong.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,61 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The presets of studies/presets and the patterns' defaults cover what the pages of docs/user/lidar say."""
+import glob
+import json
+import os
+import re
+import unittest
+
+from harness import ToolTest
+
+ROOT = os.environ["LANDFALL_ROOT"]
+PAGE = os.path.join(ROOT, "docs", "user", "lidar", "presets.md")
+ROW = re.compile(r"^\| `([\w-]+)` \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+) m \| ([\d.]+) \| ([\d.]+) % \|$", re.MULTILINE)
+
+
+def rows():
+    with open(PAGE, encoding="utf-8") as file:
+        return ROW.findall(file.read())
+
+
+class Presets(ToolTest):
+    def test_every_preset_is_in_the_table(self):
+        files = glob.glob(os.path.join(ROOT, "studies", "presets", "*.scan.json"))
+        self.assertEqual(sorted(os.path.basename(path).removesuffix(".scan.json") for path in files),
+                         sorted(row[0] for row in rows()))
+
+    def test_plans(self):
+        for name, returns, seconds, radius, resolution, per_bin, uncovered in rows():
+            with self.subTest(name):
+                config = os.path.join(ROOT, "studies", "presets", name + ".scan.json")
+                plan = json.loads(self.succeed("scan-sim", "-c", config, "--plan", "--plan-radius", radius,
+                                               "--plan-resolution", resolution, "--json").stdout)["plan"]
+                self.assertEqual(f"{plan['returns']['count']:,}", returns)
+                self.assertAlmostEqual(plan["time"]["total"]["time_s"], float(seconds))
+                self.assertEqual(f"{plan['returns_per_bin']['mean']:.2f}", per_bin)
+                self.assertEqual(f"{100 * plan['coverage']['uncovered_frac']:.2f}", uncovered)
+
+
+FSM = '{"type":"fsm","pattern":%s}'
+UNCOVERED = [
+    ("pattern-lissajous.md", '{"type":"lissajous"}', "leave 13.1 %", 13.1, 0.05),
+    ("pattern-rosette.md", '{"type":"rosette"}', "leave 7.7 %", 7.7, 0.05),
+    ("pattern-rosette.md", '{"type":"rosette","rates_hz":[100,99.5]}', "0.37 %", 0.37, 0.005),
+    ("pattern-spiral.md", '{"type":"spiral"}', "leave 0.037 %", 0.037, 0.0005),
+    ("pattern-spiral.md", '{"type":"spiral","radius_m":50.25}', "50.25", 0, 0),
+]
+
+
+class PatternPages(ToolTest):
+    def test_the_uncovered_shares_are_those_of_plans(self):
+        for page, pattern, words, uncovered_percent, rounding in UNCOVERED:
+            with self.subTest(pattern):
+                with open(os.path.join(ROOT, "docs", "user", "lidar", page), encoding="utf-8") as file:
+                    self.assertIn(words, file.read())
+                plan = json.loads(self.succeed("scan-sim", "--plan", "--json", "--set", "scanner=" + FSM % pattern).stdout)
+                self.assertAlmostEqual(100 * plan["plan"]["coverage"]["uncovered_frac"], uncovered_percent, delta=rounding)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,83 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Risley prisms in the chain: which pixels total reflection takes, aims out of reach, prisms that are off."""
+import os
+import unittest
+
+import numpy as np
+
+from harness import CONFIGS, ChainTest, columns, read_bytes, run
+
+FOLDER = os.path.join(os.environ["LANDFALL_ROOT"], "tests", "pipeline", "components")
+
+
+class Risley(ChainTest):
+    def setUp(self):
+        super().setUp()
+        self.terrain = self.path("terrain.h5")
+        self.succeed("terrain-gen", "-c", self.config(CONFIGS["terrain-gen"]), "-o", self.terrain, "-O")
+
+    def scan(self, name, *options, code=0):
+        result = run("scan-sim", "-c", os.path.join(FOLDER, name + ".scan.json"), "--terrain",
+                               self.terrain, "-o", self.path("scan.h5"), "-O", "--keep-misses", *options)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result.stderr
+
+    def read(self):
+        scan = self.path("scan.h5")
+        detector = columns(scan, "detector")
+        pixels = np.stack([detector["direction_" + axis].ravel() for axis in "xyz"], axis=1)
+        return columns(scan, "points"), columns(scan, "pulses"), pixels
+
+    def test_total_reflection_takes_the_pixels_beyond_the_critical_angle(self):
+        self.scan("risley-total_reflection")
+        points, pulses, pixels = self.read()
+        # Inside prism 1 a ray is pixel_xy / n across the axis; its exit face leans by the wedge towards angle_1.
+        n, wedge = 1.5, np.radians(41.5)
+        inside = pixels.copy() / n
+        inside[:, 2] = np.sqrt(1 - inside[:, 0] ** 2 - inside[:, 1] ** 2)
+        angle = pulses["angle_1"][points["pulse"]]
+        normal = np.stack([np.sin(wedge) * np.cos(angle), np.sin(wedge) * np.sin(angle),
+                           np.full(angle.shape, np.cos(wedge))], axis=1)
+        beyond = np.arccos((normal * inside[points["pixel"]]).sum(axis=1)) > np.arcsin(1 / n)
+        np.testing.assert_array_equal(points["status"] == 5, beyond)
+        self.assertGreater(beyond.mean(), 0.1)
+        self.assertLess(beyond.mean(), 0.9)
+        self.assertTrue(np.isnan(points["x_est"][beyond]).all())
+        self.assertTrue(np.isnan(points["range_true"][beyond]).all())
+
+    def test_an_aim_out_of_reach_ends_the_scan_by_pulse_and_angle(self):
+        error = self.scan("risley-pattern", "--set", "scanner.wedge_deg=4", code=1)
+        self.assertIn("pulse 0 aims", error)
+        self.assertIn("the prisms reach 0 to 4.0", error)
+
+    def test_what_the_encoders_hide_moves_the_truth_alone(self):
+        self.scan("risley-pattern", "--set", "noise.dropout_frac=0.1")
+        off, pulses_off, _ = self.read()
+        self.scan("risley-pattern", "--set", "noise.dropout_frac=0.1", "--set", "scanner.encoder_sigma_rad=0")
+        ideal, pulses, _ = self.read()
+        np.testing.assert_array_equal(off["status"] == 2, ideal["status"] == 2)
+        for angle in ("angle_1", "angle_2"):
+            self.assertAlmostEqual(np.std(pulses_off[angle] - pulses[angle]) / 0.001, 1, delta=0.2)
+        hit = (off["status"] == 0) & (ideal["status"] == 0)
+        # The lander believes the commanded beam: its points differ by range alone, the true ones by the angles too.
+        moved = np.hypot(off["x_true"] - ideal["x_true"], off["y_true"] - ideal["y_true"])[hit]
+        believed = np.hypot(off["x_est"] - ideal["x_est"], off["y_est"] - ideal["y_est"])[hit]
+        self.assertGreater(np.median(moved), 3 * np.median(believed))
+        self.assertLess(np.median(moved), 50 * 0.0746 * 0.001 * 3)  # a wedge turns its 4.3 deg by 1 mrad
+
+    def test_a_redraw_keeps_the_seed_of_prisms_that_are_off(self):
+        config = os.path.join(FOLDER, "risley-rates.scan.json")
+        off = ["-c", config, "--set", "scanner.encoder_sigma_rad=0.001", "--seed", 3]
+        source, redrawn, traced = (self.path(name) for name in ("source.h5", "redrawn.h5", "traced.h5"))
+        self.succeed("scan-sim", *off, "--terrain", self.terrain, "-o", source)
+        noise = ["--set", "noise.range_sigma_m=0.02"]
+        self.refuse(2, "scan-sim", *off[:-1], 9, *noise, "--ranges-from", source, "-o", redrawn,
+                    words=["/seed", "/scanner/encoder_sigma_rad"], output=redrawn)
+        self.succeed("scan-sim", *off, *noise, "--ranges-from", source, "-o", redrawn)
+        self.succeed("scan-sim", *off, *noise, "--terrain", self.terrain, "-o", traced)
+        self.assertEqual(read_bytes(redrawn), read_bytes(traced))
+
+
+if __name__ == "__main__":
+    unittest.main()

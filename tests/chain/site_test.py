@@ -1,0 +1,94 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A landing site on Europa: a DEM of 12.5 m, the waves that it lacks, rocks, and the chain on it.
+
+The DEM is made of the relief in testdata/rasters, and of the real raster where it is at hand.
+"""
+import json
+import math
+import os
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import ToolTest
+
+RELIEF = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters", "relief_europa_10m.tif")
+DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
+EUROPA = os.path.join(DATA, "dem", "europa_e26_terminator_10m.tif")
+FRACTAL = {"type": "fractal", "hurst_exponent": 0.8, "rms_deviation_m": 0.87, "reference_length_m": 10}
+ROCKS = {"type": "golombek_rocks", "k": 0.05, "min_diameter_m": 0.3, "max_diameter_m": 4, "overlap": False}
+ROCKS_PER_HECTARE = 804  # of 0.3 m and more: Golombek and Rapp, k = 0.05
+
+
+def share_of_long_waves(x, hurst):
+    """What waves of k L < x have of a self-affine relief's squared deviation at L: the integral of
+    (1 - J0(x)) x^(-1 - 2 H) from 0 to a small x, by two terms of J0's series, over that to infinity."""
+    all_waves = math.gamma(1 - hurst) / (2 ** (2 * hurst + 1) * hurst * math.gamma(1 + hurst))
+    return (x ** (2 - 2 * hurst) / (4 * (2 - 2 * hurst)) - x ** (4 - 2 * hurst) / (64 * (4 - 2 * hurst))) / all_waves
+
+
+class Site(ToolTest):
+    source = RELIEF
+
+    def terrain(self, name, **parts):
+        config = {"grid": {"half_width_m": 60, "resolution_m": 0.05}, **parts}
+        self.succeed("terrain-gen", "-c", self.config(config, name + ".json"), "-o", self.path(name + ".h5"))
+        with h5py.File(self.path(name + ".h5")) as file:
+            return file["z"][()], {key: file["features"][key][()] for key in file.get("features", {})}
+
+    def test_relief_with_what_it_lacks(self):
+        raster = self.path("europa.tif")
+        subprocess.run(["gdalwarp", "-q", "-tr", "12.5", "12.5", "-r", "bilinear", self.source, raster], check=True)
+        dem = {"type": "dem", "path": raster}
+        smooth, _ = self.terrain("smooth", base=dem)
+        rough, _ = self.terrain("rough", base=[dem, FRACTAL])
+        rocky, rocks = self.terrain("rocky", base=[dem, FRACTAL], patterns=[ROCKS])
+        self.check_only_short_waves(rough - smooth)
+        self.check_rocks(rocky - rough, rocks)
+        self.check_chain()
+
+    def check_only_short_waves(self, added):
+        """What the fractal adds has no content at 25 m and beyond, and below it the law's deviation at 1 m."""
+        block = 500  # 25 m
+        means = added[:2000, :2000].reshape(4, block, 4, block).mean(axis=(1, 3))
+        self.assertLess(means.std(), 0.1 * added.std())
+        deviation = math.sqrt(np.mean((added[:, 20:] - added[:, :-20]) ** 2))
+        expected = 0.87 * 0.1**0.8 * math.sqrt(1 - share_of_long_waves(2 * math.pi / 25, 0.8))
+        self.assertAlmostEqual(deviation, expected, delta=0.1 * expected)
+
+    def check_rocks(self, lift, rocks):
+        expected = ROCKS_PER_HECTARE * 1.44
+        self.assertLess(abs(len(rocks["x"]) - expected), 4 * math.sqrt(expected))
+        self.assertGreaterEqual(lift.min(), 0)
+        covered = (lift > 0).mean()
+        self.assertGreater(covered, 0.005)
+        self.assertLess(covered, 0.05)
+        for i in np.argsort(rocks["diameter"])[-20:]:
+            row, col = round((rocks["y"][i] + 60) / 0.05), round((rocks["x"][i] + 60) / 0.05)
+            self.assertGreater(lift[row, col], 0.5 * rocks["height"][i])
+
+    def check_chain(self):
+        terrain, scan, dem = (self.path(name) for name in ("rocky.h5", "scan.h5", "dem.h5"))
+        self.succeed("scan-sim", "--terrain", terrain, "-o", scan, "--set", "noise.range_sigma_m=0.016667")
+        self.succeed("regrid", scan, "--terrain", terrain, "-o", dem)
+        self.succeed("dem-eval", dem, "-o", self.path("eval.h5"), "--metrics", self.path("metrics.json"))
+        with open(self.path("metrics.json"), encoding="utf-8") as file:
+            metrics = json.load(file)
+        self.assertEqual(metrics["region"]["bin_count"], 3141521)
+        self.assertLess(metrics["coverage"]["invalid_frac"], 0.01)
+        with h5py.File(dem) as file:
+            error = file["z_true"][()] - file["z_est"][()]
+        self.assertLess(abs(np.nanmedian(error)), 0.002)
+        self.assertLess(np.nanpercentile(np.abs(error), 90), 0.05)
+
+
+@unittest.skipUnless(os.path.exists(EUROPA), f"no real raster: {EUROPA} (LANDFALL_DATA)")
+class RealSite(Site):
+    source = EUROPA
+
+
+if __name__ == "__main__":
+    unittest.main()

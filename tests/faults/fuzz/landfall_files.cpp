@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "landfall_files.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+
+#include "config/dem_config.h"
+#include "config/scan_config.h"
+#include "config/schema.h"
+#include "config/terrain_config.h"
+#include "files/dem_file.h"
+#include "files/evaluation_file.h"
+#include "files/mesh_terrain_file.h"
+#include "files/plan_file.h"
+#include "files/scan_file.h"
+#include "files/scan_poses.h"
+#include "files/terrain_file.h"
+#include "gridding/method.h"
+#include "gridding/uncertainty.h"
+#include "hdf5/table.h"
+#include "ray/flat_ground.h"
+#include "ray/heightfield_engine.h"
+#include "simulation/scan_pipeline.h"
+#include "simulation/scan_plan.h"
+
+namespace landfall::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// A folder that lives as long as this.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "landfall-fuzz-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  [[nodiscard]] fs::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+Json terrain_json() {
+  return {{"grid", {{"half_width_m", 4}, {"resolution_m", 1}}},
+          {"base", {{"type", "plane"}, {"slope_x", 0.1}}},
+          {"features", Json::array({{{"type", "crater"}, {"x_m", 1}, {"y_m", 0}, {"diameter_m", 3}},
+                                    {{"type", "rock"}, {"x_m", -2}, {"y_m", 1}, {"diameter_m", 1}}})}};
+}
+
+/// 4 pixels, 3 pulses.
+Json scan_json() {
+  return {{"detector", {{"rows", 2}, {"columns", 2}, {"fov_deg", 4}}},
+          {"laser", {{"pulse_rate_hz", 10}, {"scan_time_s", 0.3}}},
+          {"scanner", {{"type", "flash"}}},
+          {"trajectory", {{"type", "constant_velocity"}, {"position_m", {0, 0, 50}}}}};
+}
+
+Provenance provenance_of(const char* tool, const char* schema, Json config) {
+  return {.tool = tool, .config = resolve_config({"config", std::move(config)}, embedded_schema(schema))};
+}
+
+void add_input(Provenance& provenance, const char* role, const fs::path& path, const char* kind) {
+  const LandfallFileReader file(path, {kind});
+  provenance.add_input(role, file.file_id(), file.chain());
+}
+
+void make_terrain(const fs::path& path) {
+  const Provenance provenance = provenance_of("terrain-gen", "terrain", terrain_json());
+  const TerrainConfig config = terrain_config(provenance.config, "config");
+  LandfallFileWriter file({path}, "terrain", provenance);
+  write_terrain(file, generate_terrain(config.model, config.grid, {}));
+}
+
+void make_mesh(const fs::path& path) {
+  LandfallFileWriter file({path}, "terrain", {.tool = "terrain-gen", .config = Json::object()});
+  write_mesh_terrain(file, {{{0, 0, 0}, {4, 0, 0}, {0, 4, 1}, {4, 4, 2}}, {{0, 1, 2}, {1, 3, 2}}});
+}
+
+ScanModel model_of(const Provenance& provenance) {
+  Json resolved = provenance.config;
+  complete_scan_config(resolved);
+  return scan_model(resolved, "config", {});
+}
+
+/// All batches of a scan, one after the other.
+template <class Use>
+void run(const Simulation& simulation, const Use& use) {
+  run_scan(simulation, {}, use, 1 << 12);
+}
+
+Provenance make_scan(const fs::path& path, const fs::path& terrain_path) {
+  Provenance provenance = provenance_of("scan-sim", "scan", scan_json());
+  add_input(provenance, "terrain", terrain_path, "terrain");
+  const TerrainInput terrain = read_terrain(terrain_path);
+  const auto engine = make_heightfield_engine(terrain.grid);
+  const Simulation simulation(model_of(provenance), *engine, terrain.surface.get());
+  LandfallFileWriter file({path}, "scan", provenance);
+  ScanWriter writer(file, {}, terrain.crs_wkt);
+  run(simulation, [&](PulseBatch& batch) { return writer.take(batch); });
+  writer.commit(simulation.detector(), simulation.dead_map());
+  return provenance;
+}
+
+void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& terrain_path) {
+  Provenance provenance = provenance_of("regrid", "regrid", {{"half_width_m", 3}, {"resolution_m", 1}});
+  add_input(provenance, "scan", scan_path, "scan");
+  const TerrainInput terrain = read_terrain(terrain_path);
+  ScanReader scan(scan_path);
+  const GridSpec grid = regrid_config(provenance.config, "config").grid;
+  ScanPoints p;
+  scan.read(0, scan.row_count(), p);
+  const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
+  WeightedMeanAccumulator bins(grid);
+  MomentAccumulator moments(grid);
+  bins.add(points, 0);
+  moments.add(points, bins);
+  const Grid<Slope> slopes = slope_layer(bins);
+  const PoseTrack poses({read_scan_poses(scan.file())});
+  const UncertaintyMap uncertainty(bins, moments, slopes, poses, {.range_sigma_m = 0.02});
+  DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true};
+  request.slopes = &slopes;
+  request.uncertainty_map = &uncertainty;
+  LandfallFileWriter file({path}, "dem", provenance);
+  write_dem(file, bins, request, scan.crs_wkt());
+}
+
+void make_evaluation(const fs::path& path, const fs::path& dem_path) {
+  Provenance provenance = provenance_of("dem-eval", "eval", {{"region_radius_m", 2}, {"footprint_m", 3}});
+  add_input(provenance, "dem", dem_path, "dem");
+  DemInput dem = read_dem(dem_path);
+  EvaluationWriter writer({path}, provenance, dem.layers.z_est.spec(), dem.crs_wkt);
+  writer.finish(evaluate(std::move(dem.layers), evaluation_config(provenance.config, "config"), {&writer}));
+}
+
+void make_plan(const fs::path& path) {
+  constexpr double kRadius_m = 3;
+  const Provenance provenance = provenance_of("scan-sim", "scan", scan_json());
+  const FlatGround ground;
+  const Simulation simulation(model_of(provenance), ground);
+  ScanPlan plan(circular_region(GridSpec::centered(3, 1, "plan"), kRadius_m));
+  run(simulation, [&](PulseBatch& batch) {
+    plan.add(batch);
+    return SinkWork{};
+  });
+  const Coverage coverage = assess_coverage(Grid<double>(plan.region().spec()), plan.region(), {});
+  LandfallFileWriter file({path}, "plan", provenance);
+  write_plan(file, plan, coverage.hole_id, plan_metrics(plan, coverage.metrics, kRadius_m, 10));
+}
+
+/// A table without an attitude is none, so there is a quaternion.
+void make_table(const fs::path& path) {
+  h5::initialise();
+  const h5::Handle file = h5::create_file(path);
+  const auto add = [&](const char* name, const std::array<double, 3>& values) {
+    const h5::Handle column =
+        h5::create_dataset(file.get(), name, h5::Type::float64, {.size = {3}, .chunk = {}});
+    H5Dwrite(column.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  };
+  add("t_s", {0, 1, 2});
+  add("x_m", {0, 1, 4});
+  for (const char* const name : {"y_m", "z_m", "qx", "qy", "qz"}) add(name, {0, 0, 0});
+  add("qw", {1, 1, 1});
+}
+
+/// Stores a table's column, but for those named, in one piece: chunks of 65536 rows take long to decode, and
+/// one column of each type is enough of them.
+void unchunk(hid_t group, const std::string& name) {
+  const h5::Handle old(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const h5::Handle type(H5Dget_type(old.get()), H5Tclose);
+  const h5::Handle growing(H5Dget_space(old.get()), H5Sclose);
+  const auto count = static_cast<hsize_t>(H5Sget_simple_extent_npoints(growing.get()));
+  std::vector<std::byte> values(count * H5Tget_size(type.get()));
+  H5Dread(old.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Ldelete(group, name.c_str(), H5P_DEFAULT);
+  const h5::Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const h5::Handle plain(
+      H5Dcreate2(group, name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  if (H5Dwrite(plain.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    throw std::runtime_error("column " + name + " was not rewritten");
+}
+
+herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* list) {
+  std::string path(static_cast<std::size_t>(H5Iget_name(object, nullptr, 0)) + 1, '\0');
+  H5Iget_name(object, path.data(), path.size());
+  path.pop_back();
+  static_cast<LandfallFile*>(list)->attributes.emplace_back(path, name);
+  return 0;
+}
+
+herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* list) {
+  const std::string path = std::string(name) == "." ? "/" : "/" + std::string(name);
+  static_cast<LandfallFile*>(list)->objects.push_back(path);
+  const h5::Handle object(H5Oopen(root, path.c_str(), H5P_DEFAULT), H5Oclose);
+  hsize_t next = 0;
+  H5Aiterate2(object.get(), H5_INDEX_NAME, H5_ITER_INC, &next, add_attribute, list);
+  return 0;
+}
+
+void unchunk_tables(hid_t file, const std::vector<std::string>& objects) {
+  constexpr std::array kKept = {"/points/x_est", "/points/pulse", "/points/status",
+                                "/pulses/t",     "/features/x",   "/features/kind"};
+  for (const std::string& path : objects) {
+    const bool in_table = path.starts_with("/points/") || path.starts_with("/pulses/") ||
+                          path.starts_with("/detector/") || path.starts_with("/features/");
+    if (in_table && std::find(kKept.begin(), kKept.end(), path) == kKept.end()) unchunk(file, path);
+  }
+}
+
+std::vector<std::byte> bytes_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+LandfallFile load(const char* kind, const fs::path& path) {
+  LandfallFile result{kind, {}, {}, {}};
+  h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  H5Ovisit2(file.get(), H5_INDEX_NAME, H5_ITER_INC, add_object, &result, H5O_INFO_BASIC);
+  unchunk_tables(file.get(), result.objects);
+  file.reset();
+  result.bytes = bytes_of(path);
+  return result;
+}
+
+struct Made {
+  std::vector<LandfallFile> files;
+  Provenance scan;
+};
+
+Made make() {
+  const Folder folder;
+  make_terrain(folder / "terrain.h5");
+  make_mesh(folder / "mesh.h5");
+  const Provenance scan = make_scan(folder / "scan.h5", folder / "terrain.h5");
+  make_dem(folder / "dem.h5", folder / "scan.h5", folder / "terrain.h5");
+  make_evaluation(folder / "eval.h5", folder / "dem.h5");
+  make_plan(folder / "plan.h5");
+  make_table(folder / "table.h5");
+  return {{load("terrain", folder / "terrain.h5"), load("mesh", folder / "mesh.h5"),
+           load("scan", folder / "scan.h5"), load("dem", folder / "dem.h5"),
+           load("evaluation", folder / "eval.h5"), load("plan", folder / "plan.h5"),
+           load("table", folder / "table.h5")},
+          scan};
+}
+
+const Made& made() {
+  static const Made files = make();
+  return files;
+}
+
+}  // namespace
+
+const std::vector<LandfallFile>& landfall_files() { return made().files; }
+
+const Provenance& scan_provenance() { return made().scan; }
+
+}  // namespace landfall::fuzz

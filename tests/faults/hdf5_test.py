@@ -1,0 +1,212 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""HDF5 files that lead elsewhere, or claim what they do not hold: every reader refuses them and opens nothing else.
+
+What must not be opened is a pipe: opening it would not return.
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import unittest
+import zlib
+
+import h5py
+import numpy as np
+
+from harness import SCAN, ChainTest, with_values
+
+GIB = 1 << 30
+
+
+def external_link(file, name, target):
+    del file[name]
+    file[name] = h5py.ExternalLink(target, "/z")
+
+
+def soft_link(file, name, _target):
+    file.move(name, "/elsewhere")
+    file[name] = h5py.SoftLink("/elsewhere")
+
+
+def virtual(file, name, target):
+    shape, dtype = file[name].shape, file[name].dtype
+    del file[name]
+    layout = h5py.VirtualLayout(shape, dtype)
+    layout[...] = h5py.VirtualSource(target, "z", shape)
+    file.create_virtual_dataset(name, layout)
+
+
+def external_values(file, name, target):
+    shape, dtype = file[name].shape, file[name].dtype
+    del file[name]
+    file.create_dataset(name, shape, dtype, external=[(target, 0, h5py.h5f.UNLIMITED)])
+
+
+def external_group(file, name, target):
+    """The dataset is behind a group that lies in another file."""
+    file["group"] = h5py.ExternalLink(target, "/")
+    del file[name]
+    file[name] = h5py.SoftLink("/group/z")
+
+
+def with_paths(tree, path):
+    """The JSON with every name of a file replaced, and one in every object besides."""
+    if isinstance(tree, list):
+        return [with_paths(entry, path) for entry in tree]
+    if isinstance(tree, dict):
+        return {"path": path, "table": path, "file": path, **{key: with_paths(value, path) for key, value in tree.items()}}
+    return path if isinstance(tree, str) and tree.endswith((".h5", ".csv", ".json", ".tif")) else tree
+
+
+# What is done to a file, and words of the refusal.
+WAYS = {external_link: ["is a link to another file, ", ":/z", "one file"], soft_link: ["is a soft link, to /elsewhere"],
+        virtual: ["is a virtual dataset, of "], external_values: ["keeps its values in another file, "],
+        external_group: ["is a link to another file, "]}
+
+
+class ForeignHdf5(ChainTest):
+    def setUp(self):
+        super().setUp()
+        self.target = self.path("target.h5")
+        os.mkfifo(self.target)
+
+    def copy(self, source, name):
+        return shutil.copy(source, self.path(name))
+
+    def changed(self, source, change, name):
+        path = self.copy(source, "changed.h5")
+        with h5py.File(path, "a") as file:
+            change(file, name, self.target)
+        return path
+
+    def test_no_kind_of_reference_is_followed(self):
+        for change, words in WAYS.items():
+            path = self.changed(self.chain.terrain, change, "z")
+            self.refuse(1, "landfall-info", path, words=[path + ": /", *words])
+            if change in (external_link, virtual, external_values):
+                self.refuse(1, "landfall-info", path, words=[": /z ", self.target])
+
+    def test_no_reader_follows_one(self):
+        out = self.path("out.h5")
+        scan, regrid, judge = (self.chain.config(name) for name in ("scan-sim", "regrid", "dem-eval"))
+        terrain = self.changed(self.chain.terrain, external_link, "z")
+        readers = [("scan-sim", "--terrain", terrain, "-c", scan), ("terrain-gen", "--from", terrain),
+                   ("regrid", self.chain.scan, "-c", regrid, "--terrain", terrain)]
+        for name, *arguments in readers:
+            output = self.path("out.tif") if name == "terrain-gen" else out
+            self.refuse(1, name, *arguments, "-o", output, words=["/z is a link to another file"], output=output)
+        points = self.changed(self.chain.scan, external_link, "points/x_est")
+        self.refuse(1, "regrid", points, "-c", regrid, "-o", out, words=["/points/x_est is a link to another"])
+        self.refuse(1, "scan-sim", "--terrain", self.chain.terrain, "-c", scan, "--ranges-from", points, "-o", out,
+                    words=["/points/x_est is a link to another"])
+        self.refuse(1, "landfall-export", points, "-o", self.path("out.las"), words=["/points/x_est is a link"])
+        dem = self.changed(self.chain.dem, external_link, "z_est")
+        self.refuse(1, "dem-eval", dem, "-c", judge, "-o", out, words=["/z_est is a link to another"])
+        mask = self.changed(self.chain.eval, external_link, "in_region")
+        self.refuse(1, "dem-eval", self.chain.dem, "-o", out, "--set",
+                    f'region={{"shape":"mask","path":"{mask}","layer":"in_region"}}', words=["/in_region is a link"])
+
+    def test_no_table_follows_one(self):
+        path, columns = self.path("table.h5"), ["t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"]
+        with h5py.File(path, "w") as file:
+            for name in columns[:-1]:
+                file[name] = np.ones(3)
+            file["qz"] = h5py.ExternalLink(self.target, "/qz")
+        config = self.config(with_values(SCAN, trajectory={"type": "table", "path": path}))
+        self.refuse(1, "scan-sim", "--terrain", self.chain.terrain, "-c", config, "-o", self.path("out.h5"),
+                    words=[path + ": /qz is a link to another file"])
+
+    def test_recorded_names_are_not_opened(self):
+        """The configuration, the inputs and the chain of each file name a pipe."""
+        def poisoned(source, **keys):
+            path = self.copy(source, os.path.basename(source))
+            with h5py.File(path, "a") as file:
+                texts = file["provenance"]
+                for name in ("inputs_json", "chain_json"):
+                    texts[name][()] = json.dumps(with_paths(json.loads(texts[name].asstr()[()]), self.target))
+                texts["config_json"][()] = json.dumps({**json.loads(texts["config_json"].asstr()[()]), **keys})
+            return path
+        terrain = poisoned(self.chain.terrain, base=[{"type": "dem", "path": self.target}])
+        scan = poisoned(self.chain.scan, trajectory={"type": "table", "path": self.target})
+        dem = poisoned(self.chain.dem)
+        judged = poisoned(self.chain.eval, region={"shape": "mask", "path": self.target, "layer": "in_region"})
+        run = lambda name, *arguments: self.succeed(name, *arguments, "-c", self.chain.config(name), "-o", self.path("out.h5"), "-O")
+        run("scan-sim", "--terrain", terrain)
+        run("regrid", scan, "--terrain", self.chain.terrain)
+        run("dem-eval", dem, "--report", self.path("report.html"))
+        for path in (terrain, scan, dem, judged):
+            self.succeed("landfall-info", path)
+            self.succeed("landfall-export", path, "-o", self.path("out.csv"), "-O")
+
+    def test_a_filter_of_a_plug_in_loads_none(self):
+        """32001 is Blosc's. Where plug-ins are, lies a pipe."""
+        path, plugins = self.copy(self.chain.terrain, "blosc.h5"), self.path("plugins")
+        os.mkdir(plugins)
+        os.mkfifo(os.path.join(plugins, "libblosc.so"))
+        with h5py.File(path, "a") as file:
+            properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            properties.set_chunk((4,))
+            properties.set_filter(32001, h5py.h5z.FLAG_OPTIONAL, (2,))
+            h5py.h5d.create(file.id, b"extra", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((8,)), properties)
+        self.refuse(1, "landfall-info", path, env={**os.environ, "HDF5_PLUGIN_PATH": plugins},
+                    words=["/extra is stored by filter 32001", "loads no plug-ins"])
+
+    def test_what_a_file_claims_costs_nothing(self):
+        claims = {"a gigantic layer": ({"shape": (1 << 20, 1 << 20), "chunks": (256, 256)}, "claims more values"),
+                  "a gigantic column": ({"shape": (1 << 40,), "chunks": (65536,)}, "claims more values"),
+                  "a gigantic text": ({"shape": (), "dtype": f"S{GIB}"}, "claims more values"),
+                  "a crowd of chunks": ({"shape": (1 << 20,), "chunks": (1,)}, "more than 2^16 chunks"),
+                  "a gigantic chunk": ({"shape": (1 << 14, 1 << 14), "chunks": (1 << 14, 1 << 14)}, "chunks of 2048 MiB")}
+        for name, (shape, words) in claims.items():
+            path = self.copy(self.chain.dem, "claims.h5")
+            with h5py.File(path, "a") as file:
+                file.create_dataset(name, **{"dtype": "f8", **shape})
+            self.refuse(1, "landfall-info", path, words=[f"/{name} ", words])
+
+    def test_no_reader_can_forget(self):
+        """Files are opened where they are screened, and rasters where they are guarded."""
+        places = {}
+        for top in ("lib", "tools"):
+            for path in pathlib.Path(os.environ["LANDFALL_ROOT"], top).rglob("*.cpp"):
+                for call in re.findall(r"\b(H5Fopen|H5Dread|GDALOpenEx|GDALOpen|GDALDataset::Open)\(", path.read_text()):
+                    places.setdefault(call, set()).add(path.name)
+        self.assertEqual(places, {"H5Fopen": {"h5_reading.cpp"}, "H5Dread": {"h5_reading.cpp"},
+                                  "GDALDataset::Open": {"file_guard.cpp"}})
+
+    def test_a_chunk_of_too_few_bytes_is_damaged(self):
+        """HDF5 1.10 reads what is missing from behind the chunk's memory."""
+        def shorten(source, name, dataset, **form):
+            path = self.copy(source, name)
+            with h5py.File(path, "a") as file:
+                values, attributes = file[dataset][()], dict(file[dataset].attrs)
+                del file[dataset]
+                made = file.create_dataset(dataset, data=values, chunks=values.shape, **form)
+                made.attrs.update(attributes)
+                made.id.write_direct_chunk((0,) * values.ndim, zlib.compress(b"12345678"))
+            return path
+        big_endian = {"dtype": ">f8", "compression": 1}
+        terrain = shorten(self.chain.terrain, "terrain.h5", "z", **big_endian)
+        scan = shorten(self.chain.scan, "scan.h5", "points/z_est", **big_endian)
+        dem = shorten(self.chain.dem, "dem.h5", "z_est", **big_endian)
+        out = ["-o", self.path("out.h5")]
+        for name, *arguments in [("scan-sim", "--terrain", terrain, *out), ("regrid", scan, *out), ("dem-eval", dem, *out),
+                                 ("landfall-info", terrain), ("landfall-info", scan), ("landfall-info", dem),
+                                 ("landfall-export", dem, "-o", self.path("out.tif"))]:
+            with self.subTest([name, *arguments]):
+                self.refuse(1, name, *arguments, words=["is damaged"], output=out[1])
+
+    def test_what_is_whole_is_read(self):
+        """A hard link, a group in itself, and a layer of nothing but fill values."""
+        path = self.copy(self.chain.dem, "whole.h5")
+        with h5py.File(path, "a") as file:
+            file["again"] = file["z_est"]
+            circle = file.create_group("circle")
+            circle["circle"] = circle
+            file.create_dataset("empty", file["z_est"].shape, "f8", chunks=(64, 64), fillvalue=np.nan)
+        self.succeed("landfall-info", path)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,189 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rasters lead to nothing but what is part of them, unless --follow-links says so.
+
+What must not be opened is a pipe: opening it would not return.
+"""
+import os
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import ToolTest
+
+SIZE = 9
+VALUES = np.arange(SIZE * SIZE, dtype=">i2").reshape(SIZE, SIZE)
+HEAD = f'<VRTDataset rasterXSize="{SIZE}" rasterYSize="{SIZE}">'
+SOURCE = '<SimpleSource><SourceFilename relativeToVRT="{1}">{0}</SourceFilename><SourceBand>1</SourceBand></SimpleSource>'
+RAW = ('<SourceFilename relativeToVRT="{1}">{0}</SourceFilename><ImageOffset>0</ImageOffset><PixelOffset>2</PixelOffset>'
+       f'<LineOffset>{2 * SIZE}</LineOffset><ByteOrder>MSB</ByteOrder>')
+PYTHON = ('<PixelFunctionType>f</PixelFunctionType><PixelFunctionLanguage>Python</PixelFunctionLanguage><PixelFunctionCode>'
+          "<![CDATA[\nimport os\ndef f(*words, **more):\n    os.mkdir({0!r})\n]]></PixelFunctionCode>")
+LABEL = """PDS_VERSION_ID = PDS3
+RECORD_TYPE = FIXED_LENGTH
+RECORD_BYTES = 18
+FILE_RECORDS = 9
+^IMAGE = "{}"
+OBJECT = IMAGE
+ LINES = 9
+ LINE_SAMPLES = 9
+ SAMPLE_TYPE = MSB_INTEGER
+ SAMPLE_BITS = 16
+ BANDS = 1
+ BAND_STORAGE_TYPE = BAND_SEQUENTIAL
+END_OBJECT = IMAGE
+END
+"""
+OVERVIEWS = '<PAMDataset><Metadata domain="OVERVIEWS"><MDI key="OVERVIEW_FILE">{}</MDI></Metadata></PAMDataset>'
+
+
+def vrt(content, subclass="", data_type="Int16"):
+    return f'{HEAD}<VRTRasterBand dataType="{data_type}" band="1"{subclass}>{content}</VRTRasterBand></VRTDataset>'
+
+
+def raw_vrt(name, relative=1):
+    return vrt(RAW.format(name, relative), ' subClass="VRTRawRasterBand"')
+
+
+class Rasters(ToolTest):
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("data"))
+        self.out = self.path("out.h5")
+
+    def write(self, name, content):
+        path = self.path("data/" + name)
+        with open(path, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def pipe(self, name="data/secret.img"):
+        os.mkfifo(self.path(name))
+        return self.path(name)
+
+    def grid(self, name="tile.asc"):
+        rows = "\n".join(" ".join(map(str, row)) for row in VALUES)
+        return self.write(name, f"ncols {SIZE}\nnrows {SIZE}\nxllcorner 0\nyllcorner 0\ncellsize 1\n{rows}\n")
+
+    def arguments(self, path, *more):
+        return ["--from", path, "--horizontal-scale", "1", "--interpolation", "nearest", "--datum", "none", "-o", self.out,
+                "-O", *more]
+
+    def assert_loads(self, path, *more, **options):
+        self.succeed("terrain-gen", *self.arguments(path, *more), **options)
+        with h5py.File(self.out) as file:
+            np.testing.assert_array_equal(file["z"][()][::-1], VALUES)
+
+    def assert_refused(self, path, *words, **options):
+        self.refuse(1, "terrain-gen", *self.arguments(path), words=words or ["leads to another file", "--follow-links"],
+                    output=self.out, **options)
+
+    def test_a_vrt_opens_no_other_file(self):
+        pipe = self.pipe()
+        os.symlink(pipe, self.path("data/link.img"))
+        os.mkdir(self.path("far"))
+        os.mkfifo(self.path("far/link.tif"))
+        os.symlink(self.path("far/link.tif"), self.path("data/link.1.tif"))
+        for name, text in {"relative": vrt(SOURCE.format("secret.img", 1)), "absolute": vrt(SOURCE.format(pipe, 0)),
+                           "upwards": vrt(SOURCE.format("../data/secret.img", 1)), "raw": raw_vrt("secret.img"),
+                           "link": raw_vrt("link.1.tif"), "nested": vrt(SOURCE.format("nested.1.vrt", 1)),
+                           "nested.1": vrt(SOURCE.format("secret.img", 1)),
+                           "zipped": vrt(SOURCE.format(f"/vsizip/{pipe}/a.tif", 0)),
+                           "part": vrt(SOURCE.format(f"/vsisubfile/0_100,{pipe}", 0)),
+                           "layer": vrt(SOURCE.format(f'NETCDF:"{pipe}":z', 0)),
+                           "layer5": vrt(SOURCE.format(f'HDF5:"{pipe}"://z', 0))}.items():
+            with self.subTest(name):
+                self.assert_refused(self.write(name + ".vrt", text), name + ".vrt: ")
+        self.assert_refused(self.path("data/relative.vrt"))
+        self.assert_refused(vrt(SOURCE.format(pipe, 0)))
+
+    def test_the_standard_input_and_memory_are_no_files(self):
+        read, write = os.pipe()  # nothing comes, and it does not end
+        self.addCleanup(os.close, read)
+        self.addCleanup(os.close, write)
+        for name in ("/vsistdin/", "/vsistdin?buffer_limit=10", "MEM:::DATAPOINTER=4096,PIXELS=9,LINES=9"):
+            path = self.write("source.vrt", vrt(SOURCE.format(name, 0)))
+            for follow in ([], ["--follow-links"]):
+                result = self.start(read, *self.arguments(path, *follow))
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.check_message("terrain-gen", result.stderr, ["source.vrt: "])
+
+    def start(self, stdin, *arguments):
+        import subprocess  # pylint: disable=import-outside-toplevel
+        from harness import tool  # pylint: disable=import-outside-toplevel
+        return subprocess.run([tool("terrain-gen"), *arguments], stdin=stdin, capture_output=True, text=True, timeout=60,
+                              check=False)
+
+    def test_sources_are_followed_where_it_is_allowed(self):
+        self.grid()
+        self.write("values.bin", VALUES.tobytes())
+        for name, text in {"mosaic.vrt": vrt(SOURCE.format("tile.asc", 1)), "outer.vrt": vrt(SOURCE.format("mosaic.vrt", 1)),
+                           "raw.vrt": raw_vrt("values.bin")}.items():
+            path = self.write(name, text)
+            self.assert_refused(path)
+            self.assert_loads(path, "--follow-links")
+            os.remove(self.out)
+
+    def test_what_is_part_of_a_raster_is_read(self):
+        """A detached image, a header beside the values, an archive's member, a VRT of its own values."""
+        self.write("product.img", VALUES.tobytes())
+        self.assert_loads(self.write("PRODUCT.LBL", LABEL.format("product.img")))
+        self.write("terrain.hdr", "ENVI\nsamples = 9\nlines = 9\nbands = 1\ndata type = 2\ninterleave = bsq\nbyte order = 1\n")
+        self.assert_loads(self.write("terrain.dat", VALUES.tobytes()))
+        self.write("own.bin", VALUES.tobytes())
+        self.assert_loads(self.write("own.vrt", raw_vrt("own.bin")))
+        import zipfile  # pylint: disable=import-outside-toplevel
+        with zipfile.ZipFile(self.path("data/a.zip"), "w") as archive:
+            archive.write(self.grid(), "tile.asc")
+        self.assert_loads(f"/vsizip/{self.path('data/a.zip')}/tile.asc")
+
+    def test_a_label_opens_no_other_file(self):
+        self.pipe()
+        self.assert_refused(self.write("label.lbl", LABEL.format("SECRET.IMG")), "label.lbl: ")
+        self.assert_refused(self.write("label.lbl", LABEL.format("secret.img")))
+
+    def test_overviews_in_other_files_are_left_alone(self):
+        """An old output is there, so that all files of the raster are asked for."""
+        pipe = self.pipe()
+        self.write("../out.h5", "old")
+        for name in (pipe, f'HDF5:&quot;{pipe}&quot;://z'):
+            self.write("tile.asc.aux.xml", OVERVIEWS.format(name))
+            self.assert_loads(self.grid())
+        path = self.path("data/layer.h5")
+        with h5py.File(path, "w") as file:
+            file["z"] = VALUES
+        self.write("layer.h5.aux.xml", OVERVIEWS.format(name))
+        self.assert_loads(path)
+
+    def test_python_in_a_raster_does_not_run(self):
+        hacked = self.path("hacked")
+        path = self.write("python.vrt", vrt(PYTHON.format(hacked), ' subClass="VRTDerivedRasterBand"'))
+        for follow in ([], ["--follow-links"]):
+            self.refuse(1, "terrain-gen", *self.arguments(path, *follow), words=["python.vrt: "],
+                        env={**os.environ, "GDAL_VRT_ENABLE_PYTHON": "YES"})
+        self.assertFalse(os.path.exists(hacked))
+
+    def test_only_formats_of_rasters_are_opened(self):
+        for name, text in {"service.xml": "<GDAL_WMS><Service name='TMS'><ServerUrl>http://127.0.0.1:9/</ServerUrl></Service></GDAL_WMS>",
+                           "index.gti": "<GDALTileIndexDataset><IndexDataset>secret.img</IndexDataset></GDALTileIndexDataset>"}.items():
+            self.assert_refused(self.write(name, text), name + ": no raster format")
+
+    def test_an_hdf5_raster_is_screened(self):
+        target, path = self.pipe(), self.path("data/layers.h5")
+        layout = h5py.VirtualLayout((SIZE, SIZE), "f8")
+        layout[...] = h5py.VirtualSource(target, "z", (SIZE, SIZE))
+        with h5py.File(path, "w") as file:
+            file.create_virtual_dataset("z", layout)
+        for name in (f'NETCDF:"{path}":z', f'HDF5:"{path}"://z', path):
+            self.assert_refused(name, path + ": /z is a virtual dataset, of " + target)
+
+    def test_a_header_costs_what_it_holds(self):
+        """10^6 x 10^6 pixels of which there is none."""
+        path = self.write("huge.hdr", "ENVI\nsamples = 1000000\nlines = 1000000\nbands = 1\ndata type = 5\ninterleave = bsq\n")
+        self.assert_refused(self.write("huge.dat", b"\0" * 64), "huge.dat: ")
+        self.assertTrue(os.path.exists(path))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the tests run the tools and read their files, and the tiny case that they share."""
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+BIN = os.environ["LANDFALL_BIN"]
+SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # such a build takes many times the time and memory
+LONGEST_S = 1200 if SANITIZED else 120
+TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval"]
+
+# 400 pulses of 8 x 8 pixels from 50 m: 25,600 rays on a 12 m square of relief.
+TERRAIN = {
+    "grid": {"half_width_m": 6, "resolution_m": 0.1},
+    "base": {"type": "plane", "elevation_m": 0.25, "slope_x": 0.05, "slope_y": -0.03},
+    "features": [{"type": "cone", "x_m": 1.5, "y_m": 0.5, "radius_m": 1, "height_m": 1.5},
+                 {"type": "hemisphere", "x_m": -2, "y_m": -1, "radius_m": 0.8},
+                 {"type": "pyramid", "x_m": -1, "y_m": 2, "base_width_m": 1.2, "height_m": 0.7, "yaw_deg": 30}],
+}
+SCAN = {
+    "detector": {"rows": 8, "columns": 8, "ifov_rad": 0.0011, "subpixels": 1, "roll_deg": 5},
+    "laser": {"pulse_rate_hz": 2000, "scan_time_s": 0.2},
+    "scanner": {"type": "fsm", "incidence_deg": 20, "fold_azimuth_deg": 10,
+                "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 4}},
+    "mount": {"position_m": [0.3, -0.2, -0.5], "rpy_deg": [180, 0, 0]},
+    "trajectory": {"type": "constant_velocity", "position_m": [0.5, -0.3, 50], "velocity_mps": [0.4, 0.2, -5],
+                   "rpy_deg": [0.5, -0.4, 20], "rpy_rate_degps": [0.3, 0.2, -1]},
+    "noise": {"range_sigma_m": 0.01, "range_bias_m": 0.002, "dead_pixel_frac": 0.03, "dropout_frac": 0.05},
+    "navigation_error": {"position_m": [0.02, -0.03, 0.05], "velocity_mps": [0.1, 0.05, -0.1],
+                         "rpy_rad": [1e-4, -2e-4, 3e-4], "rpy_rate_radps": [1e-3, 5e-4, -1e-3]},
+    "seed": 7,
+}
+REGRID = {"resolution_m": 0.1, "half_width_m": 5}
+EVAL = {"region_radius_m": 4, "footprint_m": 0.7, "quantile": 0.95,
+        "limits": {"invalid_frac": 0.01, "hole_bins": 10, "distance_bins": 1, "relative_elevation_m": 0.05,
+                   "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1, "absolute_horizontal_frac": 0.95}}
+CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL}
+
+# Inputs that need not exist: a wrong flag or configuration is refused before any is opened.
+INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
+          "dem-eval": ["/nowhere/dem.h5"]}
+
+
+def tool(name):
+    return os.path.join(BIN, name)
+
+
+def run(name, *arguments, stdin="", **options):
+    """Runs a tool off any terminal; the result has returncode, stdout and stderr (text)."""
+    return subprocess.run([tool(name), *map(str, arguments)], input=stdin, capture_output=True, text=True,
+                          timeout=LONGEST_S, **options)
+
+
+def with_values(config, **values):
+    """A copy of the configuration in which a__b=c sets the key b of the object a."""
+    copy = json.loads(json.dumps(config))
+    for path, value in values.items():
+        *folders, key = path.split("__")
+        target = copy
+        for folder in folders:
+            target = target[folder]
+        target[key] = value
+    return copy
+
+
+def read_bytes(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def columns(path, group="/"):
+    """The datasets of a group (or of the root) as arrays."""
+    with h5py.File(path) as file:
+        return {name: item[()] for name, item in file[group].items() if isinstance(item, h5py.Dataset) and item.shape}
+
+
+def config_of(path):
+    with h5py.File(path) as file:
+        return json.loads(file["provenance/config_json"].asstr()[()])
+
+
+def returns_of(path):
+    points = columns(path, "points")
+    keep = np.isin(points["status"], [0, 6])
+    return {name: values[keep] for name, values in points.items()}
+
+
+class ToolTest(unittest.TestCase):
+    """A test with an empty folder of its own, and checks in the words of the contract."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="landfall-")
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def config(self, value, name="config.json"):
+        """Writes a configuration, given as a text or as a value, and returns its path."""
+        path = self.path(name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(value if isinstance(value, str) else json.dumps(value))
+        return path
+
+    def entries(self):
+        """Every name in the folder, hidden ones too."""
+        return sorted(os.listdir(self.folder))
+
+    def succeed(self, name, *arguments, **options):
+        """Runs a tool that must do its work and say nothing on stderr."""
+        result = run(name, *arguments, **options)
+        self.assertEqual((result.returncode, result.stderr), (0, ""), f"{name} {arguments}")
+        return result
+
+    def refuse(self, code, name, *arguments, words=(), output=None, **options):
+        """Runs a tool that must fail with `code` and one line that begins with its name and holds `words`."""
+        result = run(name, *arguments, **options)
+        self.assertEqual(result.returncode, code, f"{name} {arguments}: {result.stderr}")
+        self.assertEqual(result.stdout, "", f"{name} {arguments}")
+        self.check_message(name, result.stderr, words)
+        if output is not None:
+            self.assertFalse(os.path.exists(output), f"{output} was left behind")
+        self.assertEqual([entry for entry in self.entries() if entry.endswith(".part")], [])
+        return result
+
+    def check_message(self, name, message, words):
+        self.assertRegex(message, rf"\A{name}: [^\n]+\n\Z")
+        self.assertNotIn("internal error", message)
+        for word in words:
+            self.assertIn(word, message)
+
+
+class Chain:
+    """The tiny case's four files, made once per test module in a folder that remove() deletes."""
+
+    def __init__(self, **scan_values):
+        self.folder = tempfile.mkdtemp(prefix="landfall-chain-")
+        self.terrain, self.scan, self.dem, self.eval, self.metrics = map(
+            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "metrics.json"])
+        for name, config in CONFIGS.items():
+            with open(self.config(name), "w", encoding="utf-8") as file:
+                json.dump(with_values(config, **(scan_values if name == "scan-sim" else {})), file)
+        for name in TOOLS:
+            result = run(name, *self.arguments(name))
+            if (result.returncode, result.stdout, result.stderr) != (0, "", ""):
+                raise AssertionError(f"{name}: exit {result.returncode}: {result.stdout}{result.stderr}")
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def config(self, name):
+        return self.path(name + ".json")
+
+    def output(self, name):
+        return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval]))[name]
+
+    def inputs(self, name):
+        """Arguments of a tool apart from its output."""
+        return {"terrain-gen": [], "scan-sim": ["--terrain", self.terrain],
+                "regrid": [self.scan, "--terrain", self.terrain],
+                "dem-eval": [self.dem]}[name] + ["-c", self.config(name)]
+
+    def arguments(self, name):
+        extra = ["--metrics", self.metrics] if name == "dem-eval" else []
+        return self.inputs(name) + ["-o", self.output(name)] + extra
+
+    def remove(self):
+        shutil.rmtree(self.folder)
+
+
+class ChainTest(ToolTest):
+    """Tests that share one Chain; nothing may write into its folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.chain = Chain()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.chain.remove()

@@ -1,0 +1,54 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random small configurations through the whole chain, every number computed a second time in numpy.
+
+LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurations (50), LANDFALL_PROOF_ONLY one case of
+them. `chain_test.py --write` also writes the table of docs/quality/proof.md.
+"""
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+from oracle import cases, comparison
+
+from oracle.ledger import Ledger
+
+SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261121"))
+COUNT = int(os.environ.get("LANDFALL_PROOF_CASES", "50"))
+ONLY = os.environ.get("LANDFALL_PROOF_ONLY")
+PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "quality", "proof.md")
+WRITE = "--write" in sys.argv
+
+
+class Chain(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="landfall-proof-")
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def test_every_number_of_every_case(self):
+        ledger, dealer = Ledger(), cases.Dealer(SEED, self.folder)
+        with comparison.inside(self.folder):
+            for number in range(COUNT):
+                case = dealer.case()
+                if ONLY is None or int(ONLY) == number:
+                    ledger.case = f"{number} {case['dealt']} {case['options']}"
+                    comparison.run_chain(case)
+                    comparison.check(case, ledger)
+        print(f"seed {SEED}, {COUNT} configurations", *ledger.table(), sep="\n")
+        self.assertEqual(ledger.failures, [], "\n".join(ledger.failures))
+        if WRITE:
+            write_table(ledger)
+
+
+def write_table(ledger):
+    with open(PAGE, encoding="utf-8") as file:
+        before, _ = file.read().split("\n| quantity | values |")
+    with open(PAGE, "w", encoding="utf-8") as file:
+        print(before, *ledger.table(), sep="\n", file=file)
+
+
+if __name__ == "__main__":
+    sys.argv = [argument for argument in sys.argv if argument != "--write"]
+    unittest.main()
