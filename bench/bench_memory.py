@@ -8,7 +8,7 @@
 Each row of the table is a ladder of six sizes, three times the one before. The peak is that of the process (ru_maxrss).
 The fit makes the sum of squares of the relative deviations least; the last column is the largest of them. Where the last
 two peaks differ by less than a tenth (batches go through a pipeline, which is full), the size from which on memory is
-constant is fitted too. --write puts the table into docs/performance.md and the picture into
+constant is fitted too. --write puts the table into docs/quality/performance.md and the picture into
 docs/images/memory.png; --save keeps what was measured and --load takes it from there. It takes 2 GB of the disk and
 some minutes; --largest 0.1 makes all sizes a tenth.
 """
@@ -22,7 +22,7 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PAGE = os.path.join(ROOT, "docs", "performance.md")
+PAGE = os.path.join(ROOT, "docs", "quality", "performance.md")
 PICTURE = os.path.join(ROOT, "docs", "images", "memory.png")
 HEADING = "## Memory"
 SITE_M = 100  # edge

@@ -24,7 +24,7 @@ constexpr const char* kExamples = R"(Examples:
   dem-eval dem.h5 --metrics-only --require-pass > metrics.json
   dem-eval dem.h5 -o eval.h5 --table --set region_radius_m=40 --set limits.relative_elevation_m=0.03
 Exit: 3 where --require-pass is given and a requirement is missed or cannot be judged.
-Configuration: --print-schema, man dem-eval, docs/dem-eval.md.)";
+Configuration: --print-schema, man dem-eval, docs/user/dem-eval.md.)";
 
 constexpr const char* kDescription =
     R"(Compares a DEM with the truth that regrid wrote beside it, over a region about the intended landing site: share of bins without an elevation, size of the holes and distance across them, mean error and relative error of every footprint that a lander may stand on. Each is held against its limit.

@@ -17,7 +17,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-export dem.h5 -o dem.tif --layers z_est,count       GIS
   landfall-export eval.h5 -o eval.csv --layers fail
   landfall-export eval.h5 -o eval.png --layers rel_z           a picture to look at
-docs/landfall-export.md tells what becomes what.)";
+docs/user/landfall-export.md tells what becomes what.)";
 
 void bind(CLI::App& app, ExportOptions& o) {
   app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation or plan")

@@ -15,7 +15,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
   landfall-info huge.h5 --no-statistics --config
-Keys of --json: docs/landfall-info.md.)";
+Keys of --json: docs/user/landfall-info.md.)";
 
 constexpr const char* kDescription =
     R"(Prints for each file its kind and origin, extent and frame, statistics of every layer and column, what became of a scan's pulses, the verdicts of an evaluation, the configuration where it differs from the defaults, and every step that led to the file.

@@ -23,7 +23,8 @@ constexpr const char* kExamples = R"(Examples:
   regrid scan.h5 -o dem.h5 --set resolution_m=0.1 --layers z_est,count
   regrid scan.h5 --terrain terrain.h5 -o dem.h5 --uncertainty \
     --navigation-sigma velocity_mps=0.3,0.3,0.7
-Without --terrain there is no z_true. Configuration: --print-schema, man regrid, docs/regrid.md.)";
+Without --terrain there is no z_true.
+Configuration: --print-schema, man regrid, docs/user/regrid.md.)";
 
 constexpr const char* kDescription =
     R"(Grids the estimated points of one or more scans: each return adds to the bin whose centre is nearest, weighted by its distance from that centre, or by another method. With the terrain the DEM also holds the true elevation of each bin, which dem-eval compares with.

@@ -28,7 +28,7 @@ constexpr const char* kExamples = R"(Examples:
   scan-sim --terrain terrain.h5 -o flash.h5 --set 'scanner={"type":"flash"}' --set detector.rows=128
   scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2 --set noise.range_sigma_m=0.02
   scan-sim -c scan.json --plan -o plan.h5
-Configuration: --print-schema, man scan-sim, docs/scan-sim.md.)";
+Configuration: --print-schema, man scan-sim, docs/user/scan-sim.md.)";
 
 constexpr const char* kDescription =
     R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and what the lander's navigation believes. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.

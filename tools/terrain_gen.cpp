@@ -21,7 +21,7 @@ constexpr const char* kExamples = R"(Examples:
   terrain-gen --from itokawa.obj -o itokawa.h5 --set mesh.scale_m=1000
   terrain-gen --from europa.h5 -o europa.tif
 By the output's extension: .h5 terrain, .tif (.tiff) cloud-optimized GeoTIFF, .obj or .ply mesh.
-Configuration: --print-schema, man terrain-gen, docs/terrain-gen.md.)";
+Configuration: --print-schema, man terrain-gen, docs/user/terrain-gen.md.)";
 
 constexpr const char* kDescription =
     R"(Writes the terrain that scan-sim scans and regrid compares with: elevations on a regular grid, or a triangle mesh.

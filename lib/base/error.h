@@ -6,7 +6,7 @@
 
 namespace landfall {
 
-/// What every tool tells its caller (docs/cli.md).
+/// What every tool tells its caller (docs/user/cli.md).
 enum class ExitCode : int {
   done = 0,
   data_failed = 1,         ///< an input's content is wrong, or reading or writing failed

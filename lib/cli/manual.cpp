@@ -202,7 +202,7 @@ std::string manual_page(const CLI::App& app, const Tool& tool) {
   text += ".SH DESCRIPTION\n" + paragraphs(tool.description.empty() ? tool.summary : tool.description);
   text += option_section(options) + configuration_section(tool) + exit_section(tool) + example_section(tool);
   text +=
-      ".SH FILES\nEvery file is HDF5; what it holds is in docs/files/ of the documentation, and\n.BR "
+      ".SH FILES\nEvery file is HDF5; what it holds is in docs/user/files/ of the documentation, and\n.BR "
       "landfall\\-info (1)\nprints it.\n";
   return text + see_also(tool);
 }

@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// A plan in numbers, as /plan_json has them (files/field_json.h); docs/scan-sim.md says what each is.
+/// A plan in numbers, as /plan_json has them (files/field_json.h); docs/user/scan-sim.md says what each is.
 struct PlanMetrics {
   struct Pulses {
     std::int64_t pulse_count = 0;

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// How returns make a map; docs/regrid.md says what each layer then means.
+/// How returns make a map; docs/user/regrid.md says what each layer then means.
 enum class Method {
   bilinear_nearest,  ///< weighted mean of the returns in a bin: the paper's (WeightedMeanAccumulator)
   bilinear4,         ///< each return at the four centres around it (BilinearAccumulator)

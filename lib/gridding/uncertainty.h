@@ -38,7 +38,7 @@ struct BinVariances {
 };
 
 /// The 1-sigma of a DEM's cells as a map reader meets them: of e = H(X, Y) - z_est, the terrain under the
-/// bin's centre minus the map. docs/uncertainty.md derives it.
+/// bin's centre minus the map. docs/user/uncertainty.md derives it.
 ///
 /// With the slope g, J = (-g_x, -g_y, 1), the normalised weights w_k of the bin's N returns, the mean time t
 /// since the scan began, r the bin (X, Y, z_est) seen from the BODY's estimated origin at that time (attitude

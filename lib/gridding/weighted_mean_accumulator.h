@@ -20,7 +20,7 @@ namespace landfall {
 /// A return lands in one bin, the one whose centre is nearest in x and in y by its estimated position
 /// (GridSpec::bin_of); it never spreads to neighbours. Its weight is w = (1 - p)(1 - q), p = |x_est - X|/s, q
 /// likewise in y, (X, Y) the bin's centre, s the bin's edge: weights lie in [1/4, 1]. The paper leaves the
-/// division by s unsaid (docs/decisions.md).
+/// division by s unsaid (docs/reference/decisions.md).
 ///
 /// Sums are in double and each bin adds its returns in the order they came in: the same bits at any number of
 /// threads and for any cutting into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched

@@ -13,7 +13,7 @@
 #include <vector>
 
 /// landfall's lidar inside another simulator: the host moves the lander and holds the scene, pulse by pulse.
-/// This header needs nothing but the standard library. See docs/module.md.
+/// This header needs nothing but the standard library. See docs/user/module.md.
 namespace landfall::lidar {
 
 /// Metres, or a unit vector. Frame D: x right on the map, y up on the map, z up.

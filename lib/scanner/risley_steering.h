@@ -48,7 +48,7 @@ struct RisleyReach {
 };
 
 /// The closed forms of a pair of wedges for the beam that comes in along +z_L, in all four configurations
-/// (docs/lidar/scanner-risley.md derives them). Behind prism 1 the beam is (m u(theta_1), w), behind prism 2
+/// (docs/user/lidar/scanner-risley.md derives them). Behind prism 1 the beam is (m u(theta_1), w), behind prism 2
 /// (m u(theta_1) + h sin(wedge_2) u(theta_2), z), u(a) = (cos a, sin a): m is a constant, and h a function of
 /// theta_2 - theta_1 one way, of the deflection alone the other way.
 ///

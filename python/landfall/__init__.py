@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""landfall from Python: opens its files and runs its tools (docs/python.md).
+"""landfall from Python: opens its files and runs its tools (docs/user/python.md).
 
     import landfall
     dem = landfall.open("dem.h5")                     # an xarray.Dataset

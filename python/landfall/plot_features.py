@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws every shape of a terrain (docs/terrain): seen from above, lit from the north-west, and cut along the dashed line."""
+"""Draws every shape of a terrain (docs/user/terrain): seen from above, lit from the north-west, and cut along the dashed line."""
 import json
 import os
 import tempfile

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of a DEM's elevation error z_corrected removes (docs/uncertainty.md).
+"""How much of a DEM's elevation error z_corrected removes (docs/user/uncertainty.md).
 
 DEM.h5 is of features on flat ground at z = 0, made with --terrain and --corrected. Judges it with z_est, then with z_corrected in
 its place, and writes corrected.csv into the output folder: e_z where the terrain is above the ground, and dem-eval's verdict.

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of a landing map Risley prisms cover: four constant rates and a steered spiral (docs/lidar/risley-coverage.md).
+"""How much of a landing map Risley prisms cover: four constant rates and a steered spiral (docs/user/lidar/risley-coverage.md).
 
 The paper's lidar and descent over flat ground. Prints the table and draws the covered bins.
 """

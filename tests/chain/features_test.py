@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every feature of a terrain: the example of its page (docs/terrain) and variants of it against a formula in numpy."""
+"""Every feature of a terrain: the example of its page (docs/user/terrain) and variants of it against a formula in numpy."""
 import glob
 import json
 import os
@@ -12,7 +12,7 @@ import numpy as np
 
 from harness import ToolTest, columns, read_bytes, run
 
-PAGES = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "terrain")
+PAGES = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "terrain")
 PENITENTE_STREAM = 20
 SLOPE = 0.1
 

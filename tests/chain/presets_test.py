@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The presets of studies/presets and the patterns' defaults cover what the pages of docs/lidar say."""
+"""The presets of studies/presets and the patterns' defaults cover what the pages of docs/user/lidar say."""
 import glob
 import json
 import os
@@ -10,7 +10,7 @@ import unittest
 from harness import ToolTest
 
 ROOT = os.environ["LANDFALL_ROOT"]
-PAGE = os.path.join(ROOT, "docs", "lidar", "presets.md")
+PAGE = os.path.join(ROOT, "docs", "user", "lidar", "presets.md")
 ROW = re.compile(r"^\| `([\w-]+)` \| ([\d,]+) \| ([\d.]+) \| ([\d.]+) m, ([\d.]+) m \| ([\d.]+) \| ([\d.]+) % \|$", re.MULTILINE)
 
 
@@ -51,7 +51,7 @@ class PatternPages(ToolTest):
     def test_the_uncovered_shares_are_those_of_plans(self):
         for page, pattern, words, uncovered_percent, rounding in UNCOVERED:
             with self.subTest(pattern):
-                with open(os.path.join(ROOT, "docs", "lidar", page), encoding="utf-8") as file:
+                with open(os.path.join(ROOT, "docs", "user", "lidar", page), encoding="utf-8") as file:
                     self.assertIn(words, file.read())
                 plan = json.loads(self.succeed("scan-sim", "--plan", "--json", "--set", "scanner=" + FSM % pattern).stdout)
                 self.assertAlmostEqual(100 * plan["plan"]["coverage"]["uncovered_frac"], uncovered_percent, delta=rounding)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rasters and meshes of testdata/, and real ones in the folder LANDFALL_DATA, through terrain-gen: loaded as other readers have them,
-or refused with a reason, quickly and in little memory. docs/terrain-files.md is what comes out.
+or refused with a reason, quickly and in little memory. docs/user/terrain-files.md is what comes out.
 
 usage: raster_files_test.py [--write]   --write renews the table
 """
@@ -23,7 +23,7 @@ from raster_readers import Cells, Degrees, Turned
 ROOT = os.environ["LANDFALL_ROOT"]
 TESTDATA = os.path.join(ROOT, "testdata")
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(ROOT, "..", "shared", "data"))
-TABLE = os.path.join(ROOT, "docs", "terrain-files.md")
+TABLE = os.path.join(ROOT, "docs", "user", "terrain-files.md")
 LIMIT_S, LIMIT_MB = (60, 5000) if SANITIZED else (2, 500)
 MESHES = (".obj", ".off", ".ply", ".stl")
 EXACT = ["--interpolation", "nearest", "--datum", "none"]
@@ -244,12 +244,12 @@ REAL_FILES = {
 WAYS = [f"{site}{scale}{center}" for site in ["", "--half-width 1 --resolution 1", "--half-width 60 --resolution 0.05"]
         for scale in ["", " --horizontal-scale 1", " --horizontal-scale 1000"]
         for center in ["", " --center-pixel 2,2 --datum none --interpolation nearest"]]
-HEAD = """# Which raster files load
+HEAD = """# How raster and mesh files load
 
-What `terrain-gen --from FILE` makes of the small files of [testdata](../testdata/README.md), and of 36 others: real elevation models, unusual and
-malformed ones from GDAL's own tests. `tests/chain/raster_files_test.py --write` writes the tables; the test compares all nodes of what loads
-with other readers (numpy on the bytes, ncdump, Pillow) and runs every malformed raster in 18 ways. Seconds and MB (peak, at most) are of one run
-and vary.
+How `terrain-gen --from FILE` loads the small files of [testdata](../../testdata/README.md) and 36 others: real elevation models, and unusual and
+malformed files from GDAL's own tests. `tests/chain/raster_files_test.py --write` writes the tables. The test compares every node of the files that
+load with other readers (numpy on the bytes, ncdump, Pillow), and runs every malformed raster in 18 ways. Seconds and MB (peak, upper bound) are from one
+run and vary.
 """
 COLUMNS = """
 | file | what it is | outcome | how, or why not | s | MB |

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trajectories through the chain: attitude conventions, a rover, an attitude limit cycle.
 
-The Python of docs/lidar/trajectory-table.md is run as it stands there. LANDFALL_TEST_SEED sets the attitudes.
+The Python of docs/user/lidar/trajectory-table.md is run as it stands there. LANDFALL_TEST_SEED sets the attitudes.
 """
 import json
 import os
@@ -16,7 +16,7 @@ from harness import CONFIGS, ToolTest, columns, returns_of
 from oracle import surface
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
-PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "lidar", "trajectory-table.md")
+PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "lidar", "trajectory-table.md")
 
 
 def blocks(language):

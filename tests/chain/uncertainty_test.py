@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""regrid --uncertainty and --corrected against a plain numpy reading of docs/uncertainty.md."""
+"""regrid --uncertainty and --corrected against a plain numpy reading of docs/user/uncertainty.md."""
 import json
 import unittest
 

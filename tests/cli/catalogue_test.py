@@ -4,7 +4,7 @@
 
 usage: catalogue_test.py [--write]
 
---write takes the messages as they are now into the catalogue, and writes docs/errors.md: look at the difference.
+--write takes the messages as they are now into the catalogue, and writes docs/user/errors.md: look at the difference.
 
 A case has the command (`run`), the `text` on stderr, and what it needs besides: `files` (name and content), `stdin`,
 `stdout`, `env`, `limit` (of the process: file_bytes, memory_bytes). It runs in a folder with the files of
@@ -34,7 +34,7 @@ from harness import SANITIZED, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
-PAGE = os.path.join(ROOT, "docs", "errors.md")
+PAGE = os.path.join(ROOT, "docs", "user", "errors.md")
 LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
 # Words of libraries and of our own code, which say nothing to a user.
 JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", "internal error", "0x", "bad_alloc",
@@ -43,11 +43,13 @@ JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", 
 
 HEAD = """# Error messages
 
-Every error is one line on stderr that begins with the tool's name; there is no output then, and an old one is as it was.
-The exit code tells the kind: 1 the content of a data file is wrong, or reading or writing failed; 2 an option or the
-configuration; 3 `dem-eval --require-pass` and the DEM does not pass ([cli.md](cli.md)).
+Every error message, with its cause and its remedy. To find yours, search this page for a few of its words.
 
-This page is written from tests/cli/catalogue.json, whose test provokes each of these messages.
+An error is one line on stderr that begins with the tool's name. No output is written then, and an existing output is unchanged. The exit code
+gives the kind of error ([cli.md](cli.md)): 1, the content of a data file is wrong, or reading or writing failed; 2, an option or the configuration
+is wrong; 3, `dem-eval --require-pass` was given and the DEM does not pass.
+
+A test writes this page from tests/cli/catalogue.json and provokes each of its messages.
 """
 
 

@@ -96,7 +96,7 @@ class Help(ToolTest):
         for name in ALL:
             pages = ""
             for page in ("cli", name):
-                with open(os.path.join(ROOT, "docs", page + ".md"), encoding="utf-8") as file:
+                with open(os.path.join(ROOT, "docs", "user", page + ".md"), encoding="utf-8") as file:
                     pages += file.read()
             for option in options_in(self.succeed(name, "--help").stdout):
                 self.assertRegex(pages, rf"(?<![\w-]){option}(?![\w-])", name)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints the commands of the block of a page that says `<!-- bare: NAME -->` (page.py): bare_block.py docs/install.md NAME"""
+"""Prints the commands of the block annotated with `<!-- bare: NAME -->` (page.py): bare_block.py docs/user/install.md NAME"""
 import sys
 
 import page as pages

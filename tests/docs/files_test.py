@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pages of docs/files against real files: every dataset and key is described with its type and unit, and nothing else is."""
+"""Compares the pages of docs/user/files with real files: they describe every dataset and key with type and unit, and nothing else."""
 import itertools
 import json
 import os
@@ -17,7 +17,7 @@ BIN = os.environ["LANDFALL_BIN"]
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
         "--set", 'scanner.pattern={"type":"line_search","rows":20,"columns":20,"half_width_m":4}']
 MAP = ["--set", "half_width_m=5", "--set", "resolution_m=0.1"]
-# Commands that make the files, and the page of each: between them they write every dataset there is.
+# The commands that make the files, and the page of each; together they write every dataset.
 RUNS = {
     "terrain.h5": ("terrain.md", ["terrain-gen", "--half-width", "6", "--resolution", "0.1", "--set",
                                   'features=[{"type":"cone","radius_m":1,"height_m":0.5}]']),
@@ -33,13 +33,13 @@ BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}
 
 
 def rows(name):
-    """The table rows of a page: its cells, without those of the head."""
-    text = pages.Page(os.path.join("docs", "files", name)).prose.values()
+    """The cells of the table rows of a page, without the header rows."""
+    text = pages.Page(os.path.join("docs", "user", "files", name)).prose.values()
     return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in text if line.startswith("| `")]
 
 
 def described(name):
-    """{dataset: (type, unit)} of a page."""
+    """{dataset: (type, unit)} as described by a page."""
     found = {}
     for first, *others in rows(name):
         for dataset in re.findall(r"`(/[^`]+)`", first):
@@ -103,7 +103,7 @@ class Files(unittest.TestCase):
                 self.assertEqual(sorted(set(described(page)) - there), [])
 
     def test_root_attributes(self):
-        text = "\n".join(pages.Page("docs/files/README.md").prose.values())
+        text = "\n".join(pages.Page("docs/user/files/README.md").prose.values())
         for name, (page, _) in RUNS.items():
             if page:
                 with h5py.File(self.path(name)) as file:
@@ -111,7 +111,7 @@ class Files(unittest.TestCase):
                     self.assertIn(f"`{file.attrs['format_name'].removeprefix('landfall')}`", text.replace("`landfall.", "`."))
 
     def test_attributes_of_points(self):
-        text = "\n".join(pages.Page("docs/files/scan.md").prose.values())
+        text = "\n".join(pages.Page("docs/user/files/scan.md").prose.values())
         with h5py.File(self.path("scan.h5")) as file:
             self.assertEqual([key for key in file["points"].attrs if f"`{key}`" not in text], [])
             for value, meaning in enumerate(file["points/status"].attrs["flag_meanings"].split()):

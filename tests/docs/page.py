@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A page of the documentation as the tests see it: its fenced blocks, what comments say about them, headings and links.
+"""Parses a page of the documentation: its fenced blocks, the comments that annotate them, headings and links.
 
-A comment on a line of its own says something about what follows it:
+A comment on its own line annotates the next block:
 
-    <!-- setup: COMMANDS -->      shell commands, of one line or more, that run here and that no reader sees
-    <!-- long: REASON -->         the next block is run where LANDFALL_TEST_LONG=1 is set, and skipped with a message else
-    <!-- long setup: COMMANDS --> setup commands for such blocks, run with them only
-    <!-- bare: NAME -->           the next block is run by scripts/test-deb in a bare Debian 12 (bare_block.py)
-    <!-- all tests -->            the next block runs all tests, this one among them: .ci/run does
+    <!-- setup: COMMANDS -->      shell commands, on one or more lines, that run here and are not shown to readers
+    <!-- long: REASON -->         the next block runs only with LANDFALL_TEST_LONG=1; otherwise it is listed as skipped
+    <!-- long setup: COMMANDS --> setup commands for such blocks, run only together with them
+    <!-- bare: NAME -->           scripts/test-deb runs the next block in a bare Debian 12 (bare_block.py)
+    <!-- all tests -->            the next block runs all tests, including this one; .ci/run runs it
     <!-- file: NAME -->           the next block is the content of the file NAME
-    <!-- check: TOOL -->          the next block is a configuration: TOOL --check must take it
-    <!-- output -->               the next block is what the block before it printed; a line `...` stands for any lines,
-                                  revisions, ids and sizes of files may be others
+    <!-- check: TOOL -->          the next block is a configuration that TOOL --check must accept
+    <!-- output -->               the next block is the output of the previous one; a line `...` matches any lines, and
+                                  revisions, ids and file sizes may differ
 """
 import os
 import re
@@ -33,19 +33,19 @@ class Block:
 
     @property
     def is_command(self):
-        """A block that shows a reader what to run."""
+        """Whether the block shows commands to a reader."""
         return self.language in RUN_LANGUAGES and "file" not in self.notes
 
     @property
     def is_run(self):
-        """Whether this run of the tests runs it."""
+        """Whether this run of the tests executes it."""
         if self.language in ("setup", "long setup"):
             return LONG or self.language == "setup"
         return self.is_command and not RUN_ELSEWHERE & self.notes.keys() and (LONG or "long" not in self.notes)
 
 
 class Page:
-    """`name` is relative to the repository; `blocks` in their order; `prose` the lines outside of blocks, by number."""
+    """`name` is relative to the repository; `blocks` are in order; `prose` maps line numbers to lines outside of blocks."""
 
     def __init__(self, name, text=None):
         self.name, self.blocks, self.prose, self.faults = name, [], {}, []
@@ -93,7 +93,7 @@ class Page:
         text = "\n".join(self._lines[first:end + 1])
         match = COMMENT.match(text[:text.find("-->")].rstrip())
         if not match:
-            self.faults.append(f"{self.name}:{first + 1}: a comment that says nothing known: {self._lines[first]}")
+            self.faults.append(f"{self.name}:{first + 1}: an unknown comment: {self._lines[first]}")
         elif match[1] in ("setup", "long setup"):
             lines_before = text[:match.start(2)].count("\n")
             self.blocks.append(Block(match[1], first + 1 + lines_before, match[2] + "\n", {}))
@@ -102,7 +102,7 @@ class Page:
         return end + 1
 
     def anchors(self):
-        """Of all headings, as GitHub makes them."""
+        """The anchors of all headings, as GitHub makes them."""
         found = {}
         for line in self.prose.values():
             heading = re.match(r"#+ +(.*)$", line)
@@ -113,14 +113,14 @@ class Page:
         return {f"{anchor}-{again}" if again else anchor for anchor, count in found.items() for again in range(count + 1)}
 
     def links(self):
-        """(line, target) of each link and image, other sites' left out."""
+        """(line, target) of each link and image, except those to other sites."""
         return [(number, match[2]) for number, line in self.prose.items() for match in LINK.finditer(re.sub(r"`[^`]*`", "``", line))
                 if not re.match(r"[a-z]+:", match[2])]
 
 
 def names():
     """Every page, relative to the repository."""
-    found = ["README.md"]
+    found = ["CONTRIBUTING.md", "README.md"]
     for folder, _, files in os.walk(os.path.join(ROOT, "docs")):
         found += [os.path.relpath(os.path.join(folder, name), ROOT) for name in files if name.endswith(".md")]
     return sorted(found)

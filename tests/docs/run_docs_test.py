@@ -3,7 +3,7 @@
 """Runs every command of the documentation: the blocks of each page, in order, in one new folder.
 
     run_docs_test.py GROUP            the pages of a group, as ctest does
-    run_docs_test.py PAGE ...         README.md, docs/cli.md, ...
+    run_docs_test.py PAGE ...         README.md, docs/user/cli.md, ...
     run_docs_test.py --write PAGE ... also writes what the commands print into the blocks that show it
     LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also the blocks that take minutes, with the time that each took
 
@@ -26,8 +26,9 @@ ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 HERE = os.path.dirname(os.path.abspath(__file__))
 # Pages of a group run one after the other, groups beside each other; the last group has all pages that no other has.
-GROUPS = {"readme": r"README", "lidar": r"docs/lidar/", "terrain": r"docs/terrain/", "files": r"docs/files/", "studies": r"docs/studies/",
-          "guides": r"docs/(tutorial|usability|gallery)", "tools": r""}
+GROUPS = {"readme": r"(docs/)?\w+\.md$", "lidar": r"docs/user/lidar/", "terrain": r"docs/user/terrain/", "files": r"docs/user/files/",
+          "studies": r"docs/user/studies/", "guides": r"docs/user/(tutorial|usability|gallery)", "tools": r"docs/user/",
+          "quality": r"docs/(reference|quality)/"}
 PAGE_TIMEOUT_S = 7200 if pages.LONG else 300
 # Replays what earlier blocks of the page define, without what they print.
 REPLAY = "import contextlib, os\nwith open(os.devnull, 'w') as _null, contextlib.redirect_stdout(_null):\n    exec({!r})\n"
@@ -38,7 +39,7 @@ def group_of(name):
 
 
 def python_commands(blocks, number, folder):
-    """Writes a Python block, and gives the command that runs it."""
+    """Writes a Python block to a file, and returns the command that runs it."""
     earlier = [block.text for block in blocks[:number] if block.language == "python" and block.is_run]
     text = "".join(REPLAY.format(text) for text in earlier) + blocks[number].text
     with open(os.path.join(folder, f"{number}.py"), "w", encoding="utf-8") as file:
@@ -47,7 +48,7 @@ def python_commands(blocks, number, folder):
 
 
 def commands_of(blocks, number, folder):
-    """What a block asks bash to do; empty for one that is only to be read."""
+    """The bash commands of a block; empty for one that is only shown."""
     block = blocks[number]
     text = ""
     if "file" in block.notes or "check" in block.notes:
@@ -64,7 +65,7 @@ def commands_of(blocks, number, folder):
 
 
 class Run:
-    """One page in bash: `code`, the number of the block that failed, and what each block printed."""
+    """Runs one page in bash: the exit `code`, and what each block printed."""
 
     def __init__(self, page):
         self.blocks = page.blocks
@@ -114,32 +115,32 @@ class Run:
         self.last = max(self.printed, default=None)
 
     def output_before(self, number):
-        """What the command before `number` that a reader sees printed; None where this run leaves it out."""
+        """The output of the last visible command before block `number`; None if this run skips it."""
         before = max((n for n in range(number) if self.blocks[n].is_command or self.blocks[n].notes.keys() & {"file", "check"}), default=None)
         return self.printed.get(before)
 
     def is_shown(self, number):
-        """Whether block `number` shows what was printed."""
+        """Whether block `number` shows the actual output."""
         printed = self.output_before(number)
         return printed is None or shows(self.blocks[number].text, printed)
 
 
 def steady(text):
-    """Without what another version of the program prints differently: its revision, and the ids and sizes of files that hold it."""
+    """The text without revisions, file ids and file sizes, which differ between versions."""
     for pattern in (r"\(git [^)]*\)", r"\b([0-9a-f]{32}|[0-9a-f]{12})\b", r"\b[\d.]+ [kM]B\b"):
         text = re.sub(pattern, "?", text)
     return text
 
 
 def shows(shown, printed):
-    """Whether `shown` is `printed` but for what `steady` leaves out; a line `...` of the former stands for any lines of the latter."""
+    """Whether `shown` equals `printed` except for what `steady` removes; a line `...` in `shown` matches any lines."""
     shown, printed = steady(shown), steady(printed)
     pattern = "".join(r"(?:.*\n)*?" if line.strip() == "..." else re.escape(line.rstrip()) + r" *\n" for line in shown.splitlines())
     return re.fullmatch(pattern, printed if printed.endswith("\n") or not printed else printed + "\n") is not None
 
 
 def rewrite(page, run):
-    """Writes the outputs into the page that are no longer as it shows them."""
+    """Updates the output blocks of the page that differ from the actual output."""
     path = os.path.join(ROOT, page.name)
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")

@@ -1,16 +1,40 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the pages hold, without running it: no command escapes run_docs_test.py, and every link leads somewhere."""
+"""Checks the pages without running them: run_docs_test.py sees every command, and every link and cited file exists."""
 import os
 import re
+import sys
 import unittest
 
 import page as pages
 
 ROOT = pages.ROOT
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+# pylint: disable=wrong-import-position
+import check_includes
+
 COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+|make|cmake|ctest|cpack|python3|\w+\.py|gdal\w+|gmt|"
                      r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/|python/commands/|studies/runners/)\w)")
+CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
+CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|schemas|scripts|studies|testdata|tests|tools)/[\w./-]*\w")
+# Records of past runs, with the names of that time.
+RECORDS = {"docs/quality/coverage.md", "docs/quality/fuzzing.md", "docs/quality/mutation.md"}
+# Installed below a prefix, or made by a build.
+ELSEWHERE = re.compile(r"lib/(landfall|cmake|python3)(/|$)|bench/bench_(eval|grid|rays)$")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
+
+
+def read(name):
+    with open(os.path.join(ROOT, name), encoding="utf-8") as file:
+        return file.read()
+
+
+def source_files():
+    """Sources and pages, relative to the repository."""
+    for top in CITING:
+        for folder, _, files in os.walk(os.path.join(ROOT, top)):
+            yield from (os.path.relpath(os.path.join(folder, name), ROOT) for name in files
+                        if name.endswith((".cpp", ".h", ".md", ".py", ".txt", ".cmake")))
 
 
 class Structure(unittest.TestCase):
@@ -23,7 +47,7 @@ class Structure(unittest.TestCase):
                    for block in page.blocks if block.language not in LANGUAGES | {"setup", "long setup"}]
         self.assertEqual(faults, [])
 
-    def test_no_command_stands_outside_of_a_shell_block(self):
+    def test_no_command_is_outside_of_a_shell_block(self):
         found = [f"{page.name}:{number}: {line.strip()}" for page in self.pages.values() for number, line in page.prose.items()
                  if COMMAND.match(line)]
         found += [f"{page.name}:{block.line}: {line}" for page in self.pages.values() for block in page.blocks
@@ -35,13 +59,13 @@ class Structure(unittest.TestCase):
         return [(page, block) for page in self.pages.values() for block in page.blocks if note in block.notes]
 
     def test_every_command_is_run(self):
-        """By run_docs_test.py at each time or when asked, by scripts/test-deb, or, the one of all tests, by CI itself."""
+        """By run_docs_test.py, always or on request, by scripts/test-deb, or, for the one that runs all tests, by CI."""
         for page, block in self.blocks_with("long"):
             self.assertNotEqual(block.notes["long"], "", f"{page.name}:{block.line}: without a reason")
         with open(os.path.join(ROOT, "scripts", "test-deb"), encoding="utf-8") as file:
             run_in_bare = re.findall(r'^page \w+ "(.*)"$', file.read(), re.MULTILINE)
         self.assertEqual(sorted(block.notes["bare"] for _, block in self.blocks_with("bare")), sorted(run_in_bare))
-        self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/install.md"})
+        self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/user/install.md"})
 
     def test_ci_runs_what_runs_all_tests(self):
         [(_, block)] = self.blocks_with("all tests")
@@ -75,6 +99,43 @@ class Structure(unittest.TestCase):
         folder = os.path.join(ROOT, "docs", "images")
         shown = {os.path.basename(target) for page in self.pages.values() for _, target in page.links()}
         self.assertEqual(sorted(set(os.listdir(folder)) - shown), [])
+
+    def test_cited_files_exist(self):
+        """Except paths with a NAME for the reader to fill in: lib/scanner/NAME.h."""
+        found = [(page.name, path) for page in self.pages.values() if page.name not in RECORDS for line in page.prose.values()
+                 for path in CITED.findall(pages.LINK.sub("", line)) if "NAME" not in path and not ELSEWHERE.match(path)]
+        self.assertGreater(len(found), 100)
+        self.assertEqual([where for where in found if not os.path.exists(os.path.join(ROOT, where[1]))], [])
+
+    def test_the_layers_are_those_of_the_check_of_includes(self):
+        shown = {folder: int(level) for level, folders in re.findall(r"^ +(\d)((?: +[a-z0-9_]+)+)$", read("docs/architecture.md"), re.M)
+                 for folder in folders.split()}
+        self.assertEqual(shown, check_includes.LEVELS)
+
+    def test_decisions_are_in_order_below_their_subjects(self):
+        """And the index at the top of the page lists each of them with its subject."""
+        page = self.pages["docs/reference/decisions.md"]
+        numbers, index, subject = {}, {}, None
+        for line in page.prose.values():
+            heading, decision = re.match(r"## (.*)$", line), re.match(r"- \*\*D(\d+) ", line)
+            row = re.match(r"\| \[(.*)\]\(#.*\) \| (.*) \|$", line)
+            subject = heading[1] if heading else subject
+            if decision:
+                numbers.setdefault(subject, []).append(int(decision[1]))
+            if row:
+                ends = [re.findall(r"D(\d+)", part) for part in row[2].split(", ")]
+                index[row[1]] = [number for end in ends for number in range(int(end[0]), int(end[-1]) + 1)]
+        self.assertEqual(index, numbers)
+        self.assertEqual([name for name, group in numbers.items() if group != sorted(group)], [])
+        every = [number for group in numbers.values() for number in group]
+        self.assertEqual(len(every), len(set(every)))
+
+    def test_every_cited_decision_exists(self):
+        text = "\n".join(self.pages["docs/reference/decisions.md"].prose.values())
+        there = {f"D{number}" for number in re.findall(r"^- \*\*D(\d+) ", text, re.M)}
+        cited = {(name, number) for name in source_files() for number in re.findall(r"(?<![\w.])D[1-9]\d{0,2}(?![\w.]\w)", read(name))}
+        self.assertGreater(len(cited), 50)
+        self.assertEqual(sorted((name, number) for name, number in cited if number not in there), [])
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/reliability.md: each stands below the heading of its kind."""
+"""The tables of docs/quality/reliability.md: each stands below the heading of its kind."""
 import os
 
-PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "reliability.md")
+PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "quality", "reliability.md")
 HEADINGS = {"calls": "## Every call fails once", "disks": "## Full disks", "folders": "## Folders and other writers",
             "signals": "## Signals", "resources": "## Memory, threads, descriptors", "surroundings": "## Surroundings",
             "studies": "## Studies", "limits": "## Limits"}
@@ -32,7 +32,7 @@ def write_table(kind, lines):
     with open(PAGE, encoding="utf-8") as file:
         text = file.read()
     if HEADINGS[kind] not in text.split("\n"):
-        print(f"docs/reliability.md has no heading {HEADINGS[kind]}: no table is written")
+        print(f"docs/quality/reliability.md has no heading {HEADINGS[kind]}: no table is written")
         return
     with open(PAGE, "w", encoding="utf-8") as file:
         file.write(with_table(text, HEADINGS[kind], lines))

@@ -6,7 +6,7 @@
 
 Every chain is terrain-gen, scan-sim, regrid and dem-eval with a seed that comes again every `--seeds` chains, in turns with one thread
 and with two: equal seeds must give equal bytes. Watched: exit codes, stderr, files that are left, shared memory and semaphores of
-this machine, peak memory and CPU time of every process. Prints the numbers of docs/reliability.md, and ends with 1 where one is wrong.
+this machine, peak memory and CPU time of every process. Prints the numbers of docs/quality/reliability.md, and ends with 1 where one is wrong.
 """
 import argparse
 import collections

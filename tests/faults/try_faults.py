@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every tool under every kind of fault and holds each run against the promises of docs/reliability.md.
+"""Runs every tool under every kind of fault and holds each run against the promises of docs/quality/reliability.md.
 
     tests/faults/try_faults.py --bin build/release/bin              # all of it, some half an hour
     tests/faults/try_faults.py --bin build/release/bin --only signals memory
-    tests/faults/try_faults.py --bin build/release/bin --write      # also the tables of docs/reliability.md
+    tests/faults/try_faults.py --bin build/release/bin --write      # also the tables of docs/quality/reliability.md
 
 Root's rights are needed for small disks and for other users' limits. Exit 1 where a promise was broken.
 """
@@ -49,7 +49,7 @@ def parse(arguments):
     parser.add_argument("--calls", type=int, default=150, help="failing calls tried per task, of more a spread")
     parser.add_argument("--rounds", type=int, default=2, help="rounds of several writers of one output")
     parser.add_argument("--messages", action="store_true", help="also print every message that was seen")
-    parser.add_argument("--write", action="store_true", help="write the tables of docs/reliability.md")
+    parser.add_argument("--write", action="store_true", help="write the tables of docs/quality/reliability.md")
     return parser.parse_args(arguments)
 
 

@@ -3,7 +3,7 @@
 """Random small configurations through the whole chain, every number computed a second time in numpy.
 
 LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurations (50), LANDFALL_PROOF_ONLY one case of
-them. `chain_test.py --write` also writes the table of docs/proof.md.
+them. `chain_test.py --write` also writes the table of docs/quality/proof.md.
 """
 import os
 import shutil
@@ -18,7 +18,7 @@ from oracle.ledger import Ledger
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261121"))
 COUNT = int(os.environ.get("LANDFALL_PROOF_CASES", "50"))
 ONLY = os.environ.get("LANDFALL_PROOF_ONLY")
-PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "proof.md")
+PAGE = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "quality", "proof.md")
 WRITE = "--write" in sys.argv
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random draws as functions of (seed, stream, i, j): docs/draws.md, in numpy."""
+"""Random draws as functions of (seed, stream, i, j): docs/reference/draws.md, in numpy."""
 import numpy as np
 
 RANGE_NOISE, DROPOUT, DEAD_PIXEL, ENCODER, FALSE_RETURN = 1, 2, 3, 5, 6

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rigid body's descent (docs/lidar/trajectory-dynamics.md): classical Runge-Kutta in small steps."""
+"""A rigid body's descent (docs/user/lidar/trajectory-dynamics.md): classical Runge-Kutta in small steps."""
 import numpy as np
 
 from oracle import draws

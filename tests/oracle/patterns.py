@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ground aims of the patterns (docs/lidar/pattern-*.md): x, y (n,), NaN where a pulse has none."""
+"""Ground aims of the patterns (docs/user/lidar/pattern-*.md): x, y (n,), NaN where a pulse has none."""
 import numpy as np
 
 from oracle import tables

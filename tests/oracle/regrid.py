@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A DEM's layers from the returns of a scan (docs/regrid.md, docs/uncertainty.md)."""
+"""A DEM's layers from the returns of a scan (docs/user/regrid.md, docs/user/uncertainty.md)."""
 import numpy as np
 
 from oracle.frames import matrix_of_quaternion, turned
@@ -113,7 +113,7 @@ def windows(layer, radius):
 
 
 class Uncertainty:
-    """Slopes, z_corrected and the sigmas, by the formulas of docs/uncertainty.md."""
+    """Slopes, z_corrected and the sigmas, by the formulas of docs/user/uncertainty.md."""
 
     PARTS = ("position_m", "velocity_mps", "rpy_rad", "rpy_rate_radps")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mechanisms (docs/lidar/scanner-*.md): angles per pulse, and the rays that leave.
+"""Mechanisms (docs/user/lidar/scanner-*.md): angles per pulse, and the rays that leave.
 
 A scanner has `angles(scan)`: true (n, 2), believed (n, 2) and blanked (n,); and `beams(angles, pixels)`: directions
 (n, m, 3), exit points (n, m, 3) in L and lost rays (n, m).

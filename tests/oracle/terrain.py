@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Elevations of a grid's nodes from the configuration (docs/terrain-gen.md, docs/terrain/)."""
+"""Elevations of a grid's nodes from the configuration (docs/user/terrain-gen.md, docs/user/terrain/)."""
 import numpy as np
 
 from oracle import draws
@@ -7,7 +7,7 @@ from oracle.surface import Grid
 
 
 def taper(inside, width):
-    """T(s, w) of docs/terrain: 0 on the border, 1 at `width` inside it."""
+    """T(s, w) of docs/user/terrain: 0 on the border, 1 at `width` inside it."""
     t = np.minimum(1, inside / width) if width > 0 else np.ones_like(inside)
     return t * t * (3 - 2 * t)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses over time (docs/lidar/trajectory-*.md): p (n, 3) in D and R_dem_body (n, 3, 3)."""
+"""Poses over time (docs/user/lidar/trajectory-*.md): p (n, 3) in D and R_dem_body (n, 3, 3)."""
 import numpy as np
 
 from oracle import dynamics, tables

@@ -69,7 +69,7 @@ class Deb(unittest.TestCase):
         tools, module = self.contents("landfall"), self.contents("landfall-dev")
         for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
                      "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
-                     "share/doc/landfall/docs/lidar/README.md", "share/doc/landfall/changelog.gz"]:
+                     "share/doc/landfall/docs/user/lidar/README.md", "share/doc/landfall/changelog.gz"]:
             self.assertIn("./usr/" + file, tools)
         for file in ["include/landfall/lidar.h", "lib/liblandfall-lidar.a", "lib/cmake/landfall/landfallConfig.cmake"]:
             self.assertIn("./usr/" + file, module)

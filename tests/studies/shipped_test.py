@@ -13,8 +13,8 @@ from case import BIN, ROOT, StudyTest, read
 # pylint: disable=wrong-import-order
 from landfall.study import sweep
 
-PAGES = os.path.join(ROOT, "docs", "studies")
-# Measures the tools, not a lidar: docs/performance.md.
+PAGES = os.path.join(ROOT, "docs", "user", "studies")
+# Measures the tools, not a lidar: docs/quality/performance.md.
 WITHOUT_PAGE = {"example-2-draws"}
 MOST_BYTES = 200_000
 
@@ -71,7 +71,7 @@ class Shipped(StudyTest):
     def test_each_figure_is_there_and_small(self):
         for name in names():
             with self.subTest(name):
-                self.assertIn(f"](../images/study-{name}.png)", page(name))
+                self.assertIn(f"](../../images/study-{name}.png)", page(name))
                 image = read(os.path.join(ROOT, "docs", "images", f"study-{name}.png"))
                 self.assertLessEqual(len(image), MOST_BYTES)
                 self.assertEqual(image[:8], b"\x89PNG\r\n\x1a\n")

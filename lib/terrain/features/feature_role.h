@@ -12,7 +12,7 @@ struct Offset {
   double y_m = 0;
 };
 
-/// What a feature does with its relief, the height that it has at a point (docs/decisions.md, D98).
+/// What a feature does with its relief, the height that it has at a point (docs/reference/decisions.md, D98).
 enum class FeatureRole {
   adds,    ///< changes the ground: craters, pits. Where several meet, all add.
   drapes,  ///< lies on the ground point by point, as long objects do. Where several meet, the highest

@@ -14,7 +14,7 @@
 
 namespace landfall {
 
-/// The DemLoader that opens files: any raster of the formats that docs/terrain-gen.md lists, by GDAL. GDAL
+/// The DemLoader that opens files: any raster of the formats that docs/user/terrain-gen.md lists, by GDAL. GDAL
 /// brings about a hundred shared libraries along, so it lives in a plugin, landfall-gdal.so, which the first
 /// call loads. Looked for in $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and
 /// ../<libdir>/landfall), then where it was installed to.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr GIntBig kBlockCacheBytes = GIntBig{64} << 20U;
 
-/// docs/terrain-gen.md lists them.
+/// docs/user/terrain-gen.md lists them.
 constexpr const char* kRasterDrivers[] = {
     "GTiff",  "AAIGrid",     "GRASSASCIIGrid", "AIG",     "EHdr",    "ENVI", "HFA",
     "netCDF", "HDF5",        "HDF5Image",      "BAG",     "PDS",     "PDS4", "ISIS2",

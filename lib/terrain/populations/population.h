@@ -47,7 +47,7 @@ struct ScatteredObject {
 /// Draws a population on a site: a Poisson process in position and size, of density dN(>D) per area. Within
 /// each octave (2^n, 2^(n+1)] of D in metres, from the largest down, the numbers N(>D) of the objects are
 /// sums of independent exponential draws divided by the area, so that counts are Poisson's and sizes descend
-/// (docs/decisions.md, D112). Object i of an octave is a function of (seed, octave, i), whatever the other
+/// (docs/reference/decisions.md, D112). Object i of an octave is a function of (seed, octave, i), whatever the other
 /// octaves are: another least or greatest diameter only takes objects away or adds some.
 ///
 /// With overlap == false an object, as the disc of its reach, that overlaps a larger one is drawn again at

@@ -21,7 +21,7 @@ struct DiameterRange {
 //   area_fraction(range)    the share of the ground that the discs of these diameters cover where they do not
 //                           overlap: the integral of pi D^2 / 4 dN;
 //   validate(owner)         throws UsageError where a parameter makes no sense.
-// docs/decisions.md, D112, D113.
+// docs/reference/decisions.md, D112, D113.
 
 /// N(>D) = coefficient D^-exponent, D in metres, N per square metre.
 struct PowerLaw {
@@ -65,7 +65,7 @@ struct GolombekLaw {
 /// Craters of VIPER's environmental specification: as many per metre of diameter as N(>D) = 0.029174 D^-1.92
 /// has up to 80 m, and 0.156228 D^-2.389 above. These N themselves leap at 80 m, from 6.5e-6 to 4.4e-6 per
 /// square metre; here N(>D) is the sum of what is larger: 0.156228 D^-2.389 from 80 m on, and below less than
-/// the first formula by the leap, 2.0e-6 per square metre (docs/decisions.md, D114).
+/// the first formula by the leap, 2.0e-6 per square metre (docs/reference/decisions.md, D114).
 struct ViperCraterLaw {
   void validate(const std::string& /*owner*/) const {}
   [[nodiscard]] double density_per_m2(double diameter_m) const;

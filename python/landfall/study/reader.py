@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads a study file (schemas/study.schema.json, docs/studies/README.md)."""
+"""Reads a study file (schemas/study.schema.json, docs/user/studies/README.md)."""
 import hashlib
 import json
 import os

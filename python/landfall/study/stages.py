@@ -58,7 +58,7 @@ def short_hash(*texts):
 
 
 def truth_config(scan):
-    """The scan without what --ranges-from draws anew (docs/scan-sim.md)."""
+    """The scan without what --ranges-from draws anew (docs/user/scan-sim.md)."""
     truth = {key: scan[key] for key in TRUTH_KEYS if key in scan}
     pointing = {key: value for key, value in _object(scan, "pointing_error").items() if key in TRUE_POINTING}
     if pointing:

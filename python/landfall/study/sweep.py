@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans a study, shows it, and gathers its results (docs/studies/README.md).
+"""Plans a study, shows it, and gathers its results (docs/user/studies/README.md).
 
   sweep.py plan STUDY.json --out DIR --bin DIR     configurations and make rules, written only when changed
   sweep.py studies DIR                             the studies of a folder: name, number of cases, title

@@ -5,7 +5,7 @@
     mutate.py write | build | trace | run | chain | report     one after the other; each goes on where it was stopped
 
 All that is made lies in build/mutation. `report` prints the numbers, and the survivors that survivors.json has no reason for.
-docs/mutation.md says what is done and what came out.
+docs/quality/mutation.md says what is done and what came out.
 """
 import argparse
 import collections

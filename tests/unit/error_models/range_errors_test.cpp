@@ -52,7 +52,7 @@ TEST(RangeErrors, ChancesHoldUpToTheirOwnDraw) {
   }
 }
 
-// The range comes from a second draw, 2^32 pixels on (docs/draws.md).
+// The range comes from a second draw, 2^32 pixels on (docs/reference/draws.md).
 TEST(RangeErrors, AFalseRangeIsItsSecondDraw) {
   const RangeErrors errors({.false_return_frac = 1, .false_range_min_m = 100, .false_range_max_m = 300}, 3);
   const RandomField wrong(3, RandomStream::false_return);

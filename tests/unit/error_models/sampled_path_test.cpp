@@ -83,7 +83,7 @@ Eigen::Vector3d drawn(RandomStream stream, std::uint64_t step, std::uint64_t fir
           field.normal(step, first_axis + 2)};
 }
 
-// Position draws on axes 0 to 2, velocity on 3 to 5, attitude on 6 to 8 (docs/draws.md).
+// Position draws on axes 0 to 2, velocity on 3 to 5, attitude on 6 to 8 (docs/reference/draws.md).
 TEST(RandomNavigationError, EachProcessHasItsAxesAndItsTime) {
   const auto error_of = [](const RandomNavigationParameters& p) {
     return RandomNavigationError({}, p, {7, 2}).error(0.25);
