@@ -53,11 +53,11 @@ void check(const cli::CommonOptions& common, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.metrics_only && !common.view_path.empty())
     throw UsageError("--metrics-only keeps no layers for --view to show");
-  if (o.table && common.json_summary) throw UsageError("--table and --json both want stdout");
+  if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.metrics_only && common.output_path.empty())
     throw UsageError("-o/--output is required; or give --metrics-only, which keeps no layers");
-  if (o.metrics == "-") throw UsageError("--metrics wants a file; --metrics-only alone prints the metrics");
-  if (o.report == "-") throw UsageError("--report wants a file");
+  if (o.metrics == "-") throw UsageError("--metrics needs a file; --metrics-only alone prints the metrics");
+  if (o.report == "-") throw UsageError("--report needs a file");
 }
 
 /// The DEM and, where the configuration names one, the mask of its region.

@@ -33,7 +33,7 @@ void bind(CLI::App& app, ExportOptions& o) {
   app.add_option("--columns", o.columns, "Columns of a scan's points, comma-separated; default: all")
       ->type_name("NAME,...")
       ->delimiter(',');
-  app.add_option("--position", o.position, "Which places of the points: est (default) or true")
+  app.add_option("--position", o.position, "Positions of the points: est (estimated, default) or true")
       ->check(CLI::IsMember({"est", "true"}));
   app.add_option("--every", o.every, "Only the first point (line of a .csv), and every N-th after it")
       ->type_name("N")
@@ -45,7 +45,8 @@ void bind(CLI::App& app, ExportOptions& o) {
 ExitCode run(cli::Session& session, const ExportOptions& o) {
   if (o.input.empty()) throw UsageError("a file to export is required");
   const std::string& name = session.options().output_path;
-  if (name == "-" && session.options().json_summary) throw UsageError("-o - and --json both want stdout");
+  if (name == "-" && session.options().json_summary)
+    throw UsageError("-o - and --json both write to standard output");
   const OutputOptions output = name == "-" ? OutputOptions{name} : session.output({o.input});
   const FileExport file_export(o, name);
   const std::string second = file_export.second_output();

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "cli/tool.h"
-#include "config/config_place.h"
+#include "config/config_path.h"
 #include "config/dem_config.h"
 #include "config/uncertainty_config.h"
 #include "files/dem_file.h"
@@ -53,9 +53,9 @@ void bind(CLI::App& app, Options& o) {
       ->type_name("NAME,...")
       ->each([&o](const std::string& text) { o.layers = CLI::detail::split(text, ','); });
   app.add_option("--truth-at", o.truth_at,
-                 "Where z_true is taken: bin_center or centroid; wins over the config")
+                 "Where z_true is taken: bin_center or centroid; overrides the configuration")
       ->check(CLI::IsMember({"bin_center", "centroid"}));
-  app.add_option("--method", o.method, "How returns make a map; wins over the config")
+  app.add_option("--method", o.method, "How returns make a map; overrides the configuration")
       ->check(CLI::IsMember({"bilinear_nearest", "bilinear4", "mean", "min", "max", "median"}));
   app.add_flag("--other-terrain", o.other_terrain, "Allow a --terrain that is not the one that was scanned");
   app.add_flag("--corrected", o.corrected,
@@ -125,7 +125,7 @@ void open_uncertainty(const cli::Session& session, Inputs& inputs) {
     poses.push_back(read_scan_poses(scan->file()));
   }
   inputs.uncertainty = uncertainty_parameters(inputs.provenance.config, session.config_name(), origins);
-  at_place("--uncertainty: ", [&] { inputs.poses.emplace(std::move(poses)); });
+  at_path("--uncertainty: ", [&] { inputs.poses.emplace(std::move(poses)); });
   inputs.provenance.config["uncertainty"] = uncertainty_json(*inputs.uncertainty);
 }
 

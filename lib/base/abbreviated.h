@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// A text with ? for what is no printable ASCII.
+/// A text with ? for every byte that is not printable ASCII.
 inline std::string plain_ascii(std::string text) {
   for (char& c : text)
     if (c < ' ' || c > '~') c = '?';

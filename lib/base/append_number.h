@@ -11,7 +11,8 @@
 
 namespace landfall {
 
-static_assert(std::endian::native == std::endian::little, "numbers go to PLY and LAS as they are in memory");
+static_assert(std::endian::native == std::endian::little,
+              "PLY and LAS are written in the byte order of this machine");
 
 /// Appends the shortest text that reads back as the same value of its type; `nan` for any NaN.
 template <class T>

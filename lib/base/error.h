@@ -14,7 +14,7 @@ enum class ExitCode : int {
   requirement_missed = 3,  ///< --require-pass, and the DEM does not pass
 };
 
-/// The base of all errors that a user can cause or mend. The message names file, key, value, bound and what
+/// The base of all errors that a user can cause or fix. The message names file, key, value, bound and what
 /// to do.
 class Error : public std::runtime_error {
  public:

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// A 128-bit XXH3 digest, built piece by piece. It identifies files and configurations; it is no signature:
-/// whoever wants to can make two inputs collide.
+/// A 128-bit XXH3 digest, built piece by piece. It identifies files and configurations; it is not a
+/// signature: inputs that collide can be constructed.
 class Hash {
  public:
   Hash();

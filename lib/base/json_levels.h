@@ -8,8 +8,8 @@
 namespace landfall {
 
 /// For libraries that link nlohmann_json. Walks the text of JSON without building it, for Json::sax_parse():
-/// stops, and so says false, where the text is no JSON or opens more than `most` levels. What walks a JSON
-/// value calls itself level by level.
+/// stops, and so says false, where the text is not JSON or nests deeper than `most` levels. Code that
+/// walks a JSON value recurses once per level.
 class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
  public:
   using Json = nlohmann::json;
@@ -34,7 +34,7 @@ class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
   }
 
  protected:
-  /// At the first level beyond the most.
+  /// Called at the first level beyond the limit.
   virtual bool too_deep() { return false; }
 
  private:

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// One stream per cause of chance, so that switching one on or off changes no draw of another. The values are
-/// part of the files' reproducibility: never renumber.
+/// One stream per source of randomness, so that switching one on or off changes no draw of another. The
+/// values are part of the files' reproducibility: never renumber.
 enum class RandomStream : std::uint64_t {
   range_noise = 1,
   dropout = 2,

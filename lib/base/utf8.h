@@ -16,10 +16,11 @@ inline bool is_utf8(const std::string& text) {
   }
 }
 
-/// A text with U+FFFD for each byte that is no UTF-8.
+/// A text with U+FFFD for each byte that is not UTF-8.
 inline std::string as_utf8(const std::string& text) {
   if (is_utf8(text)) return text;
-  const std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string json =
+      nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return nlohmann::json::parse(json).get<std::string>();
 }
 

@@ -28,7 +28,7 @@ std::string name_of(const CLI::Option& option) {
 
 std::string wants(const CLI::App& app, const std::string& name) {
   const CLI::Option* const option = app.get_option_no_throw(name);
-  return option == nullptr ? name + " wants a value" : name_of(*option) + " wants " + wanted(*option);
+  return option == nullptr ? name + " needs a value" : name_of(*option) + " needs " + wanted(*option);
 }
 
 std::string spaced(std::string list) {
@@ -52,7 +52,7 @@ std::string not_expected(const CLI::App& app, const std::string& arguments) {
   std::vector<std::string> known;
   for (const CLI::Option* const option : app.get_options()) known.push_back(option->get_name());
   const std::string near = nearest_word(name, known);
-  return "there is no option " + name + (near.empty() ? "" : "; did you mean " + near + "?");
+  return "unknown option " + name + (near.empty() ? "" : "; did you mean " + near + "?");
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ void require_values(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     const std::vector<std::string>& values = option->results();
     if (std::ranges::find(values, "") != values.end())
-      throw UsageError(name_of(*option) + " wants " + wanted(*option));
+      throw UsageError(name_of(*option) + " needs " + wanted(*option));
   }
 }
 
@@ -72,19 +72,19 @@ std::string plain_message(const CLI::App& app, const CLI::ParseError& error) {
   if (is("The following arguments? (?:was|were) not expected: (.*)")) return not_expected(app, part[1]);
   if (is("(\\S+): 1 required .* missing")) return wants(app, part[1]);
   if (is("Could not convert: (\\S+) = (.*)"))
-    return is_flag(app, part[1]) ? part.str(1) + " takes no value"
+    return is_flag(app, part[1]) ? part.str(1) + " does not take a value"
                                  : part.str(1) + ": '" + part.str(2) + "' is not a number";
   if (is("(\\S+): Value (.*) not in range \\[?(\\S+) (?:to|-) ([^\\]\\s]+)\\]?"))
     return part.str(1) + ": " + part.str(2) + " is not in [" + part.str(3) + ", " + part.str(4) + "]";
   if (is("(\\S+): (.*) not in \\{(.*)\\}"))
     return part.str(1) + ": " + part.str(2) + " is not one of " + spaced(part[3]);
   if (is("(\\S+) requires (\\S+)")) return part.str(1) + " needs " + part.str(2);
-  if (is("(\\S+) excludes (\\S+)")) return part.str(1) + " and " + part.str(2) + " exclude each other";
+  if (is("(\\S+) excludes (\\S+)")) return part.str(1) + " and " + part.str(2) + " are mutually exclusive";
   if (is("(\\S+): At Most 1 required but received (\\d+)"))
     return part.str(1) + " stands " + part.str(2) + " times; give it once";
   if (is("(\\S+)(?:: Should be true/false or a number| was given a disallowed flag override|"
          ": too many inputs for a flag)"))
-    return part.str(1) + " takes no value";
+    return part.str(1) + " does not take a value";
   return text;
 }
 

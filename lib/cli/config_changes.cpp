@@ -32,8 +32,8 @@ Json defaults_of(const Json& choices, const std::string& schema) {
   }
 }
 
-/// What is compared at one place of the configuration.
-struct Place {
+/// What is compared at one node of the configuration.
+struct Node {
   const Json& value;
   const Json& of_choices;  ///< the defaults for its choices
   const Json& plain;       ///< the defaults without any
@@ -44,11 +44,11 @@ const Json& member(const Json& value, const std::string& key) {
   return value.is_object() && value.contains(key) ? value[key] : kNone;
 }
 
-void add_changes(const Place& place, const std::string& path, std::vector<ConfigChange>& changes) {
-  for (const auto& [key, value] : place.value.items()) {
+void add_changes(const Node& node, const std::string& path, std::vector<ConfigChange>& changes) {
+  for (const auto& [key, value] : node.value.items()) {
     const std::string name = path.empty() ? key : path + "." + key;
-    const Json& plain = member(place.plain, key);
-    const Json& expected = key == "type" ? plain : member(place.of_choices, key);
+    const Json& plain = member(node.plain, key);
+    const Json& expected = key == "type" ? plain : member(node.of_choices, key);
     if (value.is_object() && expected.is_object())
       add_changes({value, expected, plain}, name, changes);
     else if (value != expected)

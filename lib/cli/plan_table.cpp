@@ -20,9 +20,9 @@ std::string spread_line(const char* name, const BinSpread& s) {
 std::string plan_table(const PlanMetrics& plan) {
   const CoverageMetrics& coverage = plan.coverage;
   std::string text = "Time                                     pulses     seconds     share\n";
-  text += time_line("image in the region", plan.time.in_region) +
-          time_line("image partly in the region", plan.time.partly_in_region) +
-          time_line("image outside the region", plan.time.off_region) +
+  text += time_line("frame in the region", plan.time.in_region) +
+          time_line("frame partly in the region", plan.time.partly_in_region) +
+          time_line("frame outside the region", plan.time.off_region) +
           time_line("blanked", plan.time.blanked) + time_line("all", plan.time.total);
   text += print("\nRegion: %ld bins of %g m within %g m, on flat ground\n", plan.region.bin_count,
                 plan.region.resolution_m, plan.region.radius_m);
@@ -32,10 +32,10 @@ std::string plan_table(const PlanMetrics& plan) {
   text += print("  returns: %ld, of which %ld in the region and %ld the first of their bin\n",
                 plan.returns.count, plan.returns.in_region, plan.returns.first_in_bin);
   text +=
-      print("  seen by more than one image: %.2f %% of the bins\n", 100 * plan.images_per_bin.above_one_frac);
+      print("  seen by more than one frame: %.2f %% of the bins\n", 100 * plan.frames_per_bin.above_one_frac);
   text += print("\n  %-20s %8s %8s %8s %8s %8s %8s\n", "Per bin of the region", "mean", "least", "5 %",
                 "median", "95 %", "most");
-  return text + spread_line("returns", plan.returns_per_bin) + spread_line("images", plan.images_per_bin);
+  return text + spread_line("returns", plan.returns_per_bin) + spread_line("frames", plan.frames_per_bin);
 }
 
 }  // namespace landfall::cli

@@ -103,57 +103,58 @@ void bind_config(CLI::App& app, CommonOptions& o, bool has_seed) {
   app.add_option("-c,--config", o.config_path, "JSON configuration; - is standard input")
       ->type_name("FILE")
       ->group(kConfiguration);
-  app.add_option("--set", o.assignments, "Set one config value, a.b.c=JSON; repeatable, wins over the file")
+  app.add_option("--set", o.assignments,
+                 "Set a configuration value, a.b.c=JSON; repeatable, overrides the file")
       ->type_name("KEY=JSON")
       ->expected(1)
-      ->allow_extra_args(false)  // what follows is no second value, but the file to read
+      ->allow_extra_args(false)  // the next argument is the file to read, not a second value
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kConfiguration);
   if (has_seed)
-    app.add_option("--seed", o.seed, "Seed of all chance; wins over the config")
+    app.add_option("--seed", o.seed, "Random seed; overrides the configuration")
         ->type_name("N")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}))
         ->group(kConfiguration);
   app.add_flag("--check", o.check_only,
-               "Check the configuration, without the data files that it names, and stop")
+               "Validate the configuration and exit; data files that it names are not read")
       ->group(kConfiguration);
-  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and stop")
+  app.add_flag("--print-config", o.print_config, "Print the resolved configuration and exit")
       ->group(kConfiguration);
   app.add_flag("--print-schema", o.print_schema,
-               "Print the configuration's JSON schema, with every key's meaning, and stop")
+               "Print the JSON schema of the configuration, with a description of every key, and exit")
       ->group(kConfiguration);
 }
 
 void bind_output(CLI::App& app, CommonOptions& o) {
   app.add_option("-o,--output", o.output_path, "Output file")->type_name("FILE")->group(kOutput);
   app.add_flag("-O,--overwrite", o.overwrite, "Replace an existing output")->group(kOutput);
-  app.add_option("--compression", o.compression, "Deflate level of the output, 0 is none")
+  app.add_option("--compression", o.compression, "Deflate level of the output; 0: no compression")
       ->type_name("0..9")
       ->check(CLI::Range(0, 9))
       ->capture_default_str()
       ->group(kOutput);
-  app.add_flag("--json", o.json_summary, "Summary of the run on stdout: times, counts, memory")
+  app.add_flag("--json", o.json_summary, "Print a JSON summary of the run to stdout: times, counts, memory")
       ->group(kOutput);
 }
 
 void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
-  app.add_option("-t,--threads", o.threads, "Threads; 0 is all cores")
+  app.add_option("-t,--threads", o.threads, "Number of threads; 0: all cores")
       ->type_name("N")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str()
       ->group(kGeneral);
   app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress")->group(kGeneral);
-  app.add_flag("-v,--verbose", o.verbose, "Say what is done, on stderr")->group(kGeneral);
+  app.add_flag("-v,--verbose", o.verbose, "Log each phase to stderr")->group(kGeneral);
   // As a function: bound to an optional, the flag would be set to false where it is not given.
   app.add_flag_function(
          "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
-         "Show progress; default: if stderr is a terminal")
+         "Show progress; default: only if stderr is a terminal")
       ->group(kGeneral);
-  app.set_version_flag("-V,--version", source_line(tool.name), "Print the version and stop")->group(kGeneral);
+  app.set_version_flag("-V,--version", source_line(tool.name), "Print the version and exit")->group(kGeneral);
   // CLI11 has declared its own before all others.
-  app.set_help_flag("-h,--help", "Print this help and stop")->group(kGeneral);
-  app.add_flag("--print-man", o.print_man, "Print the man page and stop")->group(kHidden);
-  app.add_flag("--print-completion", o.print_completion, "Print the bash completion and stop")
+  app.set_help_flag("-h,--help", "Print this help and exit")->group(kGeneral);
+  app.add_flag("--print-man", o.print_man, "Print the man page and exit")->group(kHidden);
+  app.add_flag("--print-completion", o.print_completion, "Print the bash completion and exit")
       ->group(kHidden);
 }
 
@@ -164,7 +165,8 @@ void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
     app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")
         ->type_name("FILE")
         ->group(kOutput);
-    app.add_flag("--record-environment", o.record_environment, "Write host, time and folder into the output")
+    app.add_flag("--record-environment", o.record_environment,
+                 "Record host, time and directory in the output")
         ->group(kOutput);
   }
   bind_general(app, o, tool);
@@ -195,7 +197,7 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
   // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more.
-  // Volatile, so that the pointer is kept, by which leak checks see that this is no leak.
+  // Volatile, so that the compiler keeps the pointer and leak checkers find the object reachable.
   static const ThreadLimit* volatile const limit = new ThreadLimit(options.threads);
   static_cast<void>(limit);
   install_signal_cleanup(tool.name);
@@ -245,7 +247,7 @@ std::string option_hint(const CLI::App& app, const Error& error) {
   return option.size() > 2 ? " (" + option + ")" : "";
 }
 
-/// One line, whatever a file's name or a key holds.
+/// One line, also where a file name or a key holds line breaks.
 int fail(const std::string& tool, std::string message, ExitCode code) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < ' ') c = '?';

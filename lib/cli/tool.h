@@ -21,7 +21,7 @@ class App;
 
 namespace landfall::cli {
 
-/// The options that all tools share (SPEC section 1).
+/// The options that all tools share (docs/user/cli.md).
 struct CommonOptions {
   std::string config_path;
   std::vector<std::string> assignments;
@@ -125,8 +125,8 @@ struct Tool {
   std::function<ExitCode(Session&)> run;
 };
 
-/// Parses, prints what was asked for, runs; owns the only catch. Exit codes by SPEC section 1; every error is
-/// one line on stderr that begins with the tool's name.
+/// Parses, prints what was asked for, runs; owns the only catch. Exit codes as in docs/user/cli.md; every
+/// error is one line on stderr that begins with the tool's name.
 int tool_main(int argc, const char* const* argv, const Tool& tool);
 
 }  // namespace landfall::cli

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "config/config_place.h"
+#include "config/config_path.h"
 
 namespace landfall {
 
@@ -37,7 +37,8 @@ void require_keys(const nlohmann::json& region, const std::string& name) {
   const std::string shape = region.at("shape");
   const auto check_key = [&](const char* key, const char* owner, bool required) {
     if (region.contains(key) && shape != owner)
-      throw UsageError(name + ": /region/" + key + ": belongs to the shape " + owner + ", not to " + shape);
+      throw UsageError(name + ": /region/" + key + ": is allowed only with the shape " + owner +
+                       ", not with " + shape);
     if (required && !region.contains(key) && shape == owner)
       throw UsageError(name + ": /region: the shape " + owner + " needs the key \"" + key + "\"");
   };
@@ -72,7 +73,7 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
   const nlohmann::json& limits = resolved.at("limits");
   FieldWalk walk{[&](const std::string& key, auto& limit) { limits.at(key).get_to(limit); }};
   EvaluationLimits::fields(walk, parameters.limits);
-  at_place(name + ": /", [&] { check(parameters); });
+  at_path(name + ": /", [&] { check(parameters); });
   return parameters;
 }
 

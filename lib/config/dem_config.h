@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// regrid.json (SPEC section 5).
+/// regrid.json (docs/user/regrid.md).
 struct RegridConfig {
   GridSpec grid;
   TruthAt truth_at = TruthAt::bin_center;
@@ -30,8 +30,8 @@ struct RegionMaskSource {
 /// Nothing for the other shapes of region.
 [[nodiscard]] std::optional<RegionMaskSource> region_mask_source(const nlohmann::json& resolved);
 
-/// eval.json (SPEC section 6). Throws UsageError also for a region without the keys of its shape, or with
-/// those of another.
+/// eval.json (docs/user/dem-eval.md). Throws UsageError also for a region without the keys of its shape, or
+/// with those of another.
 [[nodiscard]] EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std::string& name);
 
 }  // namespace landfall

@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::json;
 
 /// Empty: evenly spread, or not read because the configuration is only checked.
-std::vector<ImagePoint> places_of(const Json& json, const ComponentContext& context) {
+std::vector<ImagePoint> positions_of(const Json& json, const ComponentContext& context) {
   const Json& distribution = json.at("distribution");
   if (!distribution.is_object() || !context.load_table) return {};
   const NumberTable table =
@@ -19,7 +19,7 @@ std::vector<ImagePoint> places_of(const Json& json, const ComponentContext& cont
   return pixel_places(table, json.at("rows").get<int>(), json.at("columns").get<int>());
 }
 
-/// None where the places are in a table that is not read: whether they fold is not known then.
+/// None where the directions are in a table that is not read: whether they fold is not known then.
 RadialDistortion distortion_of(const Json& json, const ComponentContext& context) {
   if (json.at("distribution").is_object() && !context.load_table) return {};
   const Json& distortion = json.at("distortion");
@@ -53,7 +53,7 @@ Detector make_detector(const Json& json, const ComponentContext& context) {
     detector.field_of_view = FullFieldOfView{kRadiansPerDegree * x, kRadiansPerDegree * y};
   }
   detector.fill_factor = json.at("fill_factor").get<double>();
-  detector.points = places_of(json, context);
+  detector.points = positions_of(json, context);
   detector.distortion = distortion_of(json, context);
   detector.estimator = {range_rule_of(json.at("estimator")), json.at("range_resolution_m").get<double>()};
   return perspective_detector(detector);

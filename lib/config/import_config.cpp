@@ -31,7 +31,7 @@ Json pair_of(const std::string& text, const char* option) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
     throw UsageError(std::string(option) + ": '" + abbreviated(text) +
-                     "' is not two numbers with a comma between them");
+                     "' is not two numbers separated by a comma");
   return {number_of(text.substr(0, comma), option), number_of(text.substr(comma + 1), option)};
 }
 
@@ -64,7 +64,7 @@ void set_in_grid(JsonSource& source, const char* key, const std::string& text, c
   if (text.empty()) return;
   Json& grid = source.value["grid"];
   if (!grid.is_null() && !grid.is_object())
-    throw UsageError(source.name + ": /grid: is no object, so that " + option + " has no place in it");
+    throw UsageError(source.name + ": /grid: is not an object, so " + option + " cannot be set");
   grid[key] = number_of(text, option);
 }
 
@@ -77,11 +77,10 @@ bool gives_only_from(const ImportOptions& options) {
 void apply_mesh_import(JsonSource& source, const ImportOptions& options) {
   if (!gives_only_from(options))
     throw UsageError("--from " + options.from +
-                     ": a mesh takes none of the options of rasters and grids; --set mesh.scale_m, "
-                     "mesh.translate_m and mesh.rotate_rpy_deg place it");
+                     ": options of rasters and grids do not apply to a mesh; set mesh.scale_m, "
+                     "mesh.translate_m and mesh.rotate_rpy_deg instead");
   if (source.value.contains("mesh"))
-    throw UsageError(source.name +
-                     ": /mesh: the configuration has a mesh and --from names one; leave one out");
+    throw UsageError(source.name + ": /mesh: the configuration has a mesh and --from names one; remove one");
   source.value["mesh"] = {{"path", options.from}};
 }
 
@@ -92,7 +91,7 @@ void apply_import(JsonSource& source, const ImportOptions& options) {
   if (!options.from.empty()) {
     if (source.value.contains("base"))
       throw UsageError(source.name +
-                       ": /base: the configuration has a base and --from makes one; leave one out");
+                       ": /base: the configuration has a base and --from makes one; remove one");
     source.value["base"] = base_of(options);
   }
   set_in_grid(source, "half_width_m", options.half_width, "--half-width");
@@ -111,7 +110,8 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
   if (is_mesh_name(options.from)) return;
   const Json& base = source.value.at("base");
   if (!base.is_object() || base.value("path", Json()) != options.from)
-    throw UsageError("--set base: --from " + options.from + " makes the base; set keys of it (base.datum)");
+    throw UsageError("--set base: --from " + options.from +
+                     " defines the base; set its keys instead (base.datum)");
   // Refuses what is wrong anywhere, before the raster is opened; the numbers that are open have defaults
   // here.
   const Json resolved = resolve_config(source, embedded_schema("terrain"));

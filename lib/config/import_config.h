@@ -41,7 +41,7 @@ void require_plain_export(const ImportOptions& options, bool configured);
 using SiteFitter = std::function<SiteSize(const DemBase& dem, const SiteRequest& request)>;
 
 /// Fills in half width and resolution from the raster of --from where the configuration, with its
-/// assignments, leaves them open. Throws UsageError where an assignment put another base in its place, and
+/// assignments, leaves them open. Throws UsageError where an assignment replaced the base, and
 /// what `fit` throws.
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit);
 

@@ -28,7 +28,7 @@ std::string read_to_end(std::istream& stream, const std::string& name) {
   while (stream.read(block.data(), block.size()), stream.gcount() > 0)
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   const bool failed = stream.bad() || (&stream == &std::cin && std::ferror(stdin) != 0);
-  if (failed) throw UsageError(name + ": cannot be read to its end");
+  if (failed) throw UsageError(name + ": cannot be read completely");
   return text;
 }
 
@@ -45,8 +45,8 @@ std::string read_text(const std::string& path) {
 /// Deeper than any schema; what walks a configuration may call itself.
 constexpr int kMaxLevels = 64;
 
-/// Refuses what is JSON and no configuration; what is no JSON is told by parse(). nlohmann keeps the last of
-/// two equal keys; a configuration that says two things says neither. A pass of its own: the parser's
+/// Refuses JSON that is not a configuration; parse() reports text that is not JSON. nlohmann keeps the last
+/// of two equal keys; a configuration that says two things says neither. A pass of its own: the parser's
 /// callbacks take time in the square of a list.
 class StrictnessCheck final : public JsonLevels {
  public:
@@ -58,7 +58,7 @@ class StrictnessCheck final : public JsonLevels {
   }
   bool key(std::string& text) override {
     if (!keys_.back().insert(text).second)
-      throw UsageError(name_ + ": key \"" + abbreviated(text) + "\" stands twice in one object");
+      throw UsageError(name_ + ": key \"" + abbreviated(text) + "\" is given twice in one object");
     return true;
   }
   bool end_object() override {
@@ -117,18 +117,18 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   const auto [stop, error] = std::from_chars(key.data(), key.data() + key.size(), index);
   if (error != std::errc() || stop != key.data() + key.size() || index >= array.size())
     throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
-                     "' is no index of an array of " + std::to_string(array.size()));
+                     "' is not an index of an array of " + std::to_string(array.size()));
   return array[index];
 }
 
 void assign(Json& root, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw UsageError("--set " + abbreviated(assignment) + ": wanted KEY=JSON");
+    throw UsageError("--set " + abbreviated(assignment) + ": expected KEY=JSON");
   const std::string text = assignment.substr(equals + 1);
   if (!Json::accept(text))
     throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(text) +
-                     "' is not JSON (a text needs quotes: '\"" + abbreviated(text) + "\"')");
+                     "' is not JSON (a string needs quotes: '\"" + abbreviated(text) + "\"')");
   const Json value = parse(text, "--set " + abbreviated(assignment));
   Json* target = &root;
   const std::vector<std::string> keys = split(assignment.substr(0, equals));
@@ -136,11 +136,11 @@ void assign(Json& root, const std::string& assignment) {
     throw UsageError("--set: a key of " + std::to_string(keys.size()) + " parts, more than " +
                      std::to_string(kMaxLevels));
   for (const std::string& key : keys) {
-    if (key.empty()) throw UsageError("--set " + abbreviated(assignment) + ": an empty key");
+    if (key.empty()) throw UsageError("--set " + abbreviated(assignment) + ": empty key");
     if (target->is_null()) *target = Json::object();
     if (!target->is_structured())
       throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
-                       "' lies inside a plain value");
+                       "' is below a value that is neither an object nor an array");
     target = target->is_array() ? &element(*target, key, assignment) : &(*target)[key];
   }
   *target = value;

@@ -32,7 +32,8 @@ GolombekLaw golombek_law(const Json& json, const std::string& owner) {
   const double above_m = number(json, "area_fraction_above_m");
   if (json.contains("area_fraction"))
     return GolombekLaw::covering(number(json, "area_fraction"), above_m, owner + "/area_fraction");
-  if (above_m != 0) throw UsageError(owner + "/area_fraction_above_m: goes with area_fraction, not with k");
+  if (above_m != 0)
+    throw UsageError(owner + "/area_fraction_above_m: is allowed only with area_fraction, not with k");
   return {number(json, "k")};
 }
 
@@ -46,7 +47,7 @@ PowerLaw own_law(const Json& json, const std::string& owner, const std::string& 
 void require_no_own_law(const Json& json, const std::string& owner, const std::string& own) {
   for (const char* const key : {"coefficient", "exponent"})
     if (json.contains(key))
-      throw UsageError(owner + "/" + key + ": goes with model " + own + ", not with " +
+      throw UsageError(owner + "/" + key + ": is allowed only with model " + own + ", not with " +
                        json.at("model").get<std::string>());
 }
 
@@ -104,7 +105,7 @@ LinePattern lines(const Json& pattern, const std::string& owner) {
   else if (const auto* const fracture = std::get_if<Fracture>(&shape))
     made.shape = *fracture;
   else
-    throw UsageError(owner + "/feature/type: lines are ridges or fractures");
+    throw UsageError(owner + "/feature/type: must be ridge or fracture");
   made.density_per_m2 = number(pattern, "density_per_km2") / kSquareMetresPerSquareKilometre;
   made.shortest_m = pattern.contains("shortest_m")
                         ? number(pattern, "shortest_m")

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "config/config_place.h"
+#include "config/config_path.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "detector/perspective.h"
@@ -36,12 +36,12 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& scanner = resolved.at("scanner");
   const Json& navigation = resolved.at("navigation_error");
   const auto make = [&](const char* part, const auto& maker, const ComponentContext& needed) {
-    return at_place(std::string(part) + "/", [&] { return maker(resolved.at(part), needed); });
+    return at_path(std::string(part) + "/", [&] { return maker(resolved.at(part), needed); });
   };
   const PointingError pointing = make("pointing_error", make_pointing_error, context);
   const ComponentContext stamped = until_last_stamp(context, pointing);
   ScanModel model{{make("detector", make_detector, context), make("scanner", make_scanner, context),
-                   at_place("scanner/pattern/", [&] { return make_pattern(scanner, context); }),
+                   at_path("scanner/pattern/", [&] { return make_pattern(scanner, context); }),
                    mount_of(resolved.at("mount")), make("noise", make_range_errors, context), pointing},
                   make("trajectory", make_trajectory, stamped),
                   make("navigation_error", make_navigation_error, stamped),
@@ -49,7 +49,7 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
                   context.scan_time_s,
                   make("navigation_error", make_estimate, context),
                   attitude_knowledge_of(navigation)};
-  static_cast<void>(at_place("laser/", [&] { return pulse_count(model); }));
+  static_cast<void>(at_path("laser/", [&] { return pulse_count(model); }));
   return model;
 }
 
@@ -77,7 +77,7 @@ void complete_scan_config(Json& resolved) {
 }
 
 ScanModel scan_model(const Json& resolved, const std::string& name, const TableLoader& load_table) {
-  return at_place(name + ": /", [&] { return build(resolved, load_table); });
+  return at_path(name + ": /", [&] { return build(resolved, load_table); });
 }
 
 }  // namespace landfall

@@ -13,10 +13,10 @@ namespace landfall {
 /// fov_deg is given.
 void complete_scan_config(nlohmann::json& resolved);
 
-/// Builds the scan that a configuration describes (SPEC section 4); `resolved` comes from resolve_config().
-/// `load_table` reads the tables that it names; empty: the configuration is only checked, no file is
-/// opened and random errors are not drawn. Throws UsageError begun by `name` for values that are out of range
-/// or do not go together, FormatError for a table that is refused.
+/// Builds the scan that a configuration describes (docs/user/scan-sim.md); `resolved` comes from
+/// resolve_config(). `load_table` reads the tables that it names; empty: the configuration is only checked,
+/// no file is opened and random errors are not drawn. Throws UsageError begun by `name` for values that are
+/// out of range or do not go together, FormatError for a table that is refused.
 [[nodiscard]] ScanModel scan_model(const nlohmann::json& resolved, const std::string& name,
                                    const TableLoader& load_table);
 

@@ -204,7 +204,7 @@ class Resolver {
     if (size < schema.value("minItems", std::size_t{0}) || size > schema.value("maxItems", SIZE_MAX)) {
       const bool exact = schema.contains("maxItems") && schema.value("minItems", 0) == schema["maxItems"];
       fail(pointer,
-           "an array of " + std::to_string(size) + " elements; wanted " +
+           "an array of " + std::to_string(size) + " elements; expected " +
                (exact                                             ? ""
                 : size < schema.value("minItems", std::size_t{0}) ? "at least "
                                                                   : "at most ") +

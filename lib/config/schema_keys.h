@@ -24,7 +24,7 @@ struct SchemaKey {
 };
 
 /// All keys of a schema as embedded_schema() gives it, parents first, in the alphabetical order of the
-/// schema's keys. A definition that stands in several places is written out in the first; in the others its
+/// schema's keys. A definition that is used several times is written out in the first; in the others its
 /// key says where: "as features.N".
 [[nodiscard]] std::vector<SchemaKey> schema_keys(const nlohmann::json& schema);
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/parameter_check.h"
-#include "config/config_place.h"
+#include "config/config_path.h"
 #include "config/feature_config.h"
 #include "config/json_values.h"
 #include "config/schema.h"
@@ -92,8 +92,7 @@ Json resolve_terrain_config(const JsonSource& source) {
   const bool is_mesh = source.value.is_object() && source.value.contains("mesh");
   for (const char* const key : {"grid", "base", "features", "patterns"})
     if (is_mesh && source.value.contains(key))
-      throw UsageError(source.name + ": /" + key +
-                       ": stands beside /mesh, which replaces it; give one of them");
+      throw UsageError(source.name + ": /" + key + ": is mutually exclusive with /mesh; remove one");
   Json resolved = resolve_config(source, embedded_schema("terrain"));
   if (is_mesh)
     for (const char* const key : {"grid", "base", "features", "patterns", "seed"}) resolved.erase(key);
@@ -109,7 +108,7 @@ TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
   const Json& grid = resolved.at("grid");
   config.grid = GridSpec::centered(grid.at("half_width_m").get<double>(),
                                    grid.at("resolution_m").get<double>(), (name + ": /grid").c_str());
-  at_place(name + ": /", [&] {
+  at_path(name + ": /", [&] {
     config.model = model_of(resolved);
     validate(config.model, config.grid);
     for (std::size_t i = 0; i < config.model.patterns.size(); ++i)

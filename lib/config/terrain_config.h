@@ -18,7 +18,7 @@ struct MeshImport {
   MeshPlacement placement = {};
 };
 
-/// A terrain configuration (SPEC section 3), degrees turned into radians.
+/// A terrain configuration (docs/user/terrain-gen.md), degrees turned into radians.
 struct TerrainConfig {
   GridSpec grid;
   TerrainModel model;

@@ -9,7 +9,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
-#include "config/config_place.h"
+#include "config/config_path.h"
 #include "config/json_values.h"
 
 namespace landfall {
@@ -25,7 +25,7 @@ double sigma_of(const std::string& text, const std::string& assignment) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
     throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": '" + abbreviated(text) +
-                     "' is not a number; wanted KEY=SIGMA or KEY=X,Y,Z");
+                     "' is not a number; expected KEY=SIGMA or KEY=X,Y,Z");
   return value;
 }
 
@@ -40,7 +40,7 @@ std::vector<double> sigmas_of(const std::string& text, const std::string& assign
   if (sigmas.size() == 1) sigmas.assign(3, sigmas.front());
   if (sigmas.size() != 3)
     throw UsageError("--navigation-sigma " + abbreviated(assignment) + ": " + std::to_string(sigmas.size()) +
-                     " numbers; wanted 1 or 3");
+                     " numbers; expected 1 or 3");
   return sigmas;
 }
 
@@ -62,11 +62,11 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   std::optional<double> common;
   for (const ScanOrigin& scan : scans) {
     const std::optional<double> sigma = number_at(scan.config, kWhere);
-    if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not tell its range noise" + remedy);
+    if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not state its range noise" + remedy);
     for (const char* const where : {"/noise/range_sigma_per_m", "/noise/incidence_sigma_rad"})
       if (is_on(scan.config, where, 0))
-        throw UsageError("--uncertainty: " + scan.name +
-                         " has a range noise that is not the same everywhere (" + where + ")" + remedy);
+        throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" + where +
+                         ")" + remedy);
     if (common && *common != *sigma)
       throw UsageError("--uncertainty: range noise " + number_text(*common) + " m in " + scans.front().name +
                        ", " + number_text(*sigma) + " m in " + scan.name + remedy);
@@ -103,7 +103,7 @@ void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
     if (!has_no_navigation_error(scan.config))
       throw UsageError(
           "--uncertainty: " + scan.name +
-          " holds a navigation or pointing error or does not tell, and no scan tells its sigma; give "
+          " may have a navigation or pointing error of unknown sigma; give "
           "--navigation-sigma position_m=METRES (or velocity_mps=, rpy_rad=, rpy_rate_radps=; 0 for "
           "none) or /uncertainty/navigation_sigma");
 }
@@ -128,7 +128,7 @@ void add_navigation_sigma(Json& config, const std::string& assignment) {
       std::find(kNavigationKeys.begin(), kNavigationKeys.end(), key) == kNavigationKeys.end())
     throw UsageError(
         "--navigation-sigma " + abbreviated(assignment) +
-        ": wanted KEY=SIGMA or KEY=X,Y,Z; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps");
+        ": expected KEY=SIGMA or KEY=X,Y,Z; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps");
   Json& sigmas = config["uncertainty"]["navigation_sigma"];
   for (const char* const other : kNavigationKeys)
     if (!sigmas.contains(other)) sigmas[other] = {0, 0, 0};
@@ -145,7 +145,7 @@ UncertaintyParameters uncertainty_parameters(const Json& config, const std::stri
     parameters.navigation = navigation_sigma(given["navigation_sigma"]);
   else
     require_no_navigation_error(scans);
-  at_place(name + ": /uncertainty/", [&] { check(parameters); });
+  at_path(name + ": /uncertainty/", [&] { check(parameters); });
   return parameters;
 }
 

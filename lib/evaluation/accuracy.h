@@ -44,7 +44,7 @@ struct FootprintRule {
 /// From hypot(mean_x, mean_y); within the limit means at most equal to it.
 [[nodiscard]] HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m);
 
-/// hypot(x, y) per bin; NaN where either is. It takes the place of x.
+/// hypot(x, y) per bin; NaN where either is. It replaces x.
 [[nodiscard]] Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y);
 
 }  // namespace landfall

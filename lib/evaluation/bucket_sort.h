@@ -38,7 +38,7 @@ class BucketSort {
 
   struct Level {
     std::vector<TailBin> dealt;
-    std::vector<std::size_t> ends;  ///< of the buckets; while they fill, their next places
+    std::vector<std::size_t> ends;  ///< of the buckets; while they fill, their next free elements
   };
 
   void sort(std::span<TailBin> bins, std::size_t level);

@@ -35,19 +35,19 @@ class SetDrawer {
     sets_.assign((static_cast<std::size_t>(line.count) + 1) * words, 0);
   }
 
-  void add_to_all(std::size_t place) { flip(0, place); }
+  void add_to_all(std::size_t rank) { flip(0, rank); }
 
   /// To the windows that reach half_bins to either side.
-  void add(std::int64_t bin, std::int64_t half_bins, std::size_t place) {
+  void add(std::int64_t bin, std::int64_t half_bins, std::size_t rank) {
     const WindowRange range = line_.windows_with(bin, half_bins);
-    flip(range.begin, place);
-    flip(range.end, place);
+    flip(range.begin, rank);
+    flip(range.end, rank);
   }
 
   /// The same where perhaps no window does.
-  void add_if_reached(std::int64_t bin, std::int64_t half_bins, std::size_t place) {
+  void add_if_reached(std::int64_t bin, std::int64_t half_bins, std::size_t rank) {
     if (bin + half_bins >= line_.first && bin - half_bins < line_.first + line_.count)
-      add(bin, half_bins, place);
+      add(bin, half_bins, rank);
   }
 
   void sum() {
@@ -55,8 +55,8 @@ class SetDrawer {
   }
 
  private:
-  void flip(std::size_t window, std::size_t place) {
-    sets_[window * words_ + place / 64] ^= std::uint64_t{1} << (place % 64);
+  void flip(std::size_t window, std::size_t rank) {
+    sets_[window * words_ + rank / 64] ^= std::uint64_t{1} << (rank % 64);
   }
 
   std::vector<std::uint64_t>& sets_;

@@ -28,8 +28,8 @@ struct Tile {
 /// column's: for a square, the bins that lie in the rows and in the columns of the window; for another
 /// footprint the row's set holds all bins, and the columns' sets are drawn anew for each row of windows.
 ///
-/// Places in the sorted list count from kPad. kPad places of +infinity stand before the first bin and kPad of
-/// -infinity behind the last; the two places next to the bins are members of every window, so that a search
+/// Ranks in the sorted list count from kPad. kPad elements of +infinity precede the first bin and kPad of
+/// -infinity follow the last; the two elements next to the bins are members of every window, so that a search
 /// for a member always ends.
 class ErrorTail {
  public:
@@ -46,7 +46,7 @@ class ErrorTail {
   [[nodiscard]] std::size_t size() const { return bins.size(); }
   /// In descending order, with the padding.
   [[nodiscard]] const double* values() const { return values_.data(); }
-  /// The sets of the row that was entered, or of a column, words() long; bit p is place p.
+  /// The sets of the row that was entered, or of a column, words() long; bit p is rank p.
   [[nodiscard]] const std::uint64_t* row_set() const { return set(row_sets_, entered_set_); }
   [[nodiscard]] const std::uint64_t* col_set(std::int64_t col) const { return set(col_sets_, col); }
   [[nodiscard]] std::size_t words() const { return words_; }
@@ -97,32 +97,32 @@ void collect_tails(const Grid<double>& error, const Tile& reached, const TailBou
 #endif
 }
 
-/// The members of one window in one tail. Places are padded places of the tail.
+/// The members of one window in one tail. Ranks are those of the padded tail.
 class TailMembers {
  public:
   /// In the tail's entered row.
   TailMembers(const ErrorTail& tail, std::int64_t col) : row_(tail.row_set()), col_(tail.col_set(col)) {}
 
-  /// A padding place is one of them.
-  [[nodiscard]] std::size_t count_before(std::size_t place) const {
-    const std::size_t word = place / 64;
-    std::size_t count = count_bits(in_word(word) & ~from(place));
+  /// A padding element is one of them.
+  [[nodiscard]] std::size_t count_before(std::size_t rank) const {
+    const std::size_t word = rank / 64;
+    std::size_t count = count_bits(in_word(word) & ~from(rank));
     for (std::size_t w = 0; w < word; ++w) count += count_bits(in_word(w));
     return count;
   }
 
-  /// The first member at the place or behind it.
-  [[nodiscard]] std::size_t next(std::size_t place) const {
-    std::size_t word = place / 64;
-    std::uint64_t set = in_word(word) & from(place);
+  /// The first member at the rank or after it.
+  [[nodiscard]] std::size_t next(std::size_t rank) const {
+    std::size_t word = rank / 64;
+    std::uint64_t set = in_word(word) & from(rank);
     while (set == 0) set = in_word(++word);
     return word * 64 + static_cast<std::size_t>(std::countr_zero(set));
   }
 
-  /// The last member before the place.
-  [[nodiscard]] std::size_t previous(std::size_t place) const {
-    std::size_t word = place / 64;
-    std::uint64_t set = in_word(word) & ~from(place);
+  /// The last member before the rank.
+  [[nodiscard]] std::size_t previous(std::size_t rank) const {
+    std::size_t word = rank / 64;
+    std::uint64_t set = in_word(word) & ~from(rank);
     while (set == 0) set = in_word(--word);
     return word * 64 + 63 - static_cast<std::size_t>(std::countl_zero(set));
   }
@@ -148,8 +148,8 @@ class TailMembers {
             word * 64 + 63 - static_cast<std::size_t>(std::countl_zero(set)), count_bits(set)};
   }
   [[nodiscard]] std::uint64_t in_word(std::size_t word) const { return row_[word] & col_[word]; }
-  /// The bits of the place's word from the place on.
-  static std::uint64_t from(std::size_t place) { return ~std::uint64_t{0} << (place % 64); }
+  /// The bits of the rank's word from the rank on.
+  static std::uint64_t from(std::size_t rank) { return ~std::uint64_t{0} << (rank % 64); }
 
   const std::uint64_t* row_;
   const std::uint64_t* col_;

@@ -45,7 +45,7 @@ struct CoverageMetrics {
 
 /// Over the footprints with a value; all null when there is none.
 struct AbsoluteMetrics {
-  std::optional<double> p95_m;   ///< 0.95 quantile of |mean|, whatever EvaluationParameters::quantile says
+  std::optional<double> p95_m;   ///< 0.95 quantile of |mean|, independent of EvaluationParameters::quantile
   std::optional<double> mean_m;  ///< signed
   std::optional<double> max_m;   ///< of |mean|
   LANDFALL_FIELDS(p95_m, mean_m, max_m)
@@ -149,7 +149,7 @@ inline constexpr std::array<RequirementInfo, 6> kRequirementInfo = {
     {{"coverage", "invalid bins of the region", RequirementUnit::fraction, false,
       &RequirementMetrics::coverage},
      {"hole_size", "largest hole", RequirementUnit::bins, false, &RequirementMetrics::hole_size},
-     {"hole_distance", "farthest invalid bin from a valid one", RequirementUnit::bins, false,
+     {"hole_distance", "largest distance to a valid bin", RequirementUnit::bins, false,
       &RequirementMetrics::hole_distance},
      {"relative_elevation", "footprints over the limit, z", RequirementUnit::footprints, false,
       &RequirementMetrics::relative_elevation},

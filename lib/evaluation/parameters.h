@@ -28,7 +28,7 @@ struct EvaluationParameters {
   RegionShape region_shape = RegionShape::circle;
   double region_radius_m = 50;      ///< of the circle about the origin, the intended landing site
   double region_half_width_m = 50;  ///< of the square about the origin
-  double footprint_m = 1.7;  ///< edge of the square, or diameter of the disc, that the lander stands on
+  double footprint_m = 1.7;         ///< edge of the square, or diameter of the disc, of the lander
   FootprintShape footprint_shape = FootprintShape::square;
   double quantile = 0.95;  ///< of |e - mean| in a footprint (Eq. 12)
   EvaluationLimits limits;

@@ -8,8 +8,9 @@
 
 namespace landfall {
 
-/// One window in one tail: a place that parts the window's members in taken (before it) and left. Deviations
-/// are value - centre, rounded once; they do not increase along the tail. The padding deviates by infinity.
+/// One window in one tail: a rank that splits the window's members into taken (before it) and left.
+/// Deviations are value - centre, rounded once; they do not increase along the tail. The padding deviates by
+/// infinity.
 class TailCursor {
  public:
   struct Window {
@@ -17,43 +18,43 @@ class TailCursor {
     double centre = 0;     ///< the window's mean times the tail's sign
   };
 
-  TailCursor(const ErrorTail& tail, const Window& window, std::size_t place)
-      : values_(tail.values()), members_(tail, window.col), centre_(window.centre), place_(place) {}
+  TailCursor(const ErrorTail& tail, const Window& window, std::size_t rank)
+      : values_(tail.values()), members_(tail, window.col), centre_(window.centre), rank_(rank) {}
 
-  [[nodiscard]] std::size_t count_taken() const { return members_.count_before(place_); }
+  [[nodiscard]] std::size_t count_taken() const { return members_.count_before(rank_); }
   /// Of the first member left.
-  [[nodiscard]] double next_deviation() const { return deviation(members_.next(place_)); }
+  [[nodiscard]] double next_deviation() const { return deviation(members_.next(rank_)); }
   /// Of the last member taken.
-  [[nodiscard]] double previous_deviation() const { return deviation(members_.previous(place_)); }
+  [[nodiscard]] double previous_deviation() const { return deviation(members_.previous(rank_)); }
 
   /// Takes members that are left, at least one, none of the padding: one, or as many as are at hand if there
   /// are at most `most` of them and none deviates by less than `least`. Returns how many.
   std::size_t take(std::size_t most, double least) {
-    const std::size_t first = members_.next(place_);
+    const std::size_t first = members_.next(rank_);
     if (most > kFew) {
       const TailMembers::Run run = members_.rest_of_word(first);
       const double deviation_of_last = deviation(run.last);
       if (run.count <= most && deviation_of_last >= least && std::isfinite(deviation_of_last)) {
-        place_ = run.last + 1;
+        rank_ = run.last + 1;
         return run.count;
       }
     }
-    place_ = first + 1;
+    rank_ = first + 1;
     return 1;
   }
 
   /// The reverse: gives back members that were taken, none of which deviates by more than `largest`.
   std::size_t give_back(std::size_t most, double largest) {
-    const std::size_t last = members_.previous(place_);
+    const std::size_t last = members_.previous(rank_);
     if (most > kFew) {
       const TailMembers::Run run = members_.start_of_word(last);
       const double deviation_of_first = deviation(run.first);
       if (run.count <= most && deviation_of_first <= largest && std::isfinite(deviation_of_first)) {
-        place_ = run.first;
+        rank_ = run.first;
         return run.count;
       }
     }
-    place_ = last;
+    rank_ = last;
     return 1;
   }
 
@@ -61,12 +62,12 @@ class TailCursor {
   /// Up to so many members are moved over one at a time.
   static constexpr std::size_t kFew = 8;
 
-  [[nodiscard]] double deviation(std::size_t place) const { return values_[place] - centre_; }
+  [[nodiscard]] double deviation(std::size_t rank) const { return values_[rank] - centre_; }
 
   const double* values_;
   TailMembers members_;
   double centre_;
-  std::size_t place_;
+  std::size_t rank_;
 };
 
 }  // namespace landfall

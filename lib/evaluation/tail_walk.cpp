@@ -15,21 +15,21 @@ namespace landfall::HWY_NAMESPACE {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Moves a place so that exactly the values before it deviate from the centre by more than the limit, which
+/// Moves a rank so that exactly the values before it deviate from the centre by more than the limit, which
 /// is finite. Both tails are parted by the rounded deviation itself: a sum like centre + limit has a rounding
 /// of its own, under which the tails would disagree about nearly equal deviations. Most moves are short: the
-/// sixteen values around the place are compared without a branch.
-inline std::size_t part(const ErrorTail& tail, std::size_t place, double centre, double limit) {
+/// sixteen values around the rank are compared without a branch.
+inline std::size_t part(const ErrorTail& tail, std::size_t rank, double centre, double limit) {
   constexpr std::size_t kReach = 8;
   static_assert(kReach <= ErrorTail::kPad / 2);
   const double* const values = tail.values();
-  const double* const around = values + place - kReach;
+  const double* const around = values + rank - kReach;
   const auto centres = hn::Set(D(), centre);
   const auto limits = hn::Set(D(), limit);
   std::size_t above = 0;
   for (std::size_t i = 0; i < 2 * kReach; i += hn::Lanes(D()))
     above += hn::CountTrue(D(), hn::Gt(hn::Sub(hn::LoadU(D(), around + i), centres), limits));
-  if (above > 0 && above < 2 * kReach) return place - kReach + above;
+  if (above > 0 && above < 2 * kReach) return rank - kReach + above;
   const double* const end = values + tail.size() + 2 * ErrorTail::kPad;
   const double* const parted =
       std::partition_point(values, end, [&](double v) { return v - centre > limit; });
@@ -53,7 +53,7 @@ class Walk {
     double below = 0;  ///< -infinity when the tails hold too few bins
     double above = 0;
   };
-  struct Places {
+  struct Ranks {
     std::size_t upper = ErrorTail::kPad;
     std::size_t lower = ErrorTail::kPad;
   };
@@ -68,7 +68,7 @@ class Walk {
   double floor_;
   std::vector<double>& above_;
   WalkOutcome outcome_;
-  Places places_;  ///< where the last window was parted
+  Ranks ranks_;  ///< where the last window was parted
   std::int32_t rank_count_ = 0;
   QuantileRank rank_;  ///< of rank_count_ values
 };
@@ -87,10 +87,10 @@ inline void Walk::walk_row(ErrorTails& tails, const Tile& tile, std::int64_t row
     if (!is_pending(input_, result_, bin)) continue;
     look_up_rank(bin);
     const double mean = input_.windows.mean.at(bin);
-    places_ = {part(tails.upper, places_.upper, mean, predicted),
-               part(tails.lower, places_.lower, -mean, predicted)};
-    left = settle(
-        bin, find({tails.upper, {col, mean}, places_.upper}, {tails.lower, {col, -mean}, places_.lower}));
+    ranks_ = {part(tails.upper, ranks_.upper, mean, predicted),
+              part(tails.lower, ranks_.lower, -mean, predicted)};
+    left = settle(bin,
+                  find({tails.upper, {col, mean}, ranks_.upper}, {tails.lower, {col, -mean}, ranks_.lower}));
     above = left;
   }
 }
@@ -104,7 +104,7 @@ inline void Walk::look_up_rank(BinIndex bin) {
 
 /// Everything above the lower order statistic is taken; the members at the border are the two.
 inline Walk::OrderStatistics Walk::find(TailCursor upper, TailCursor lower) const {
-  // One padding place in each tail is always taken.
+  // One padding element in each tail is always taken.
   const std::size_t target = static_cast<std::size_t>(rank_count_) - 1 - rank_.below + 2;
   std::size_t taken = upper.count_taken() + lower.count_taken();
   while (taken > target) {

@@ -44,7 +44,7 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   if (!o.format.empty()) return o.format;
   if (named.empty())
     throw UsageError("output " + output + ": extension '" + extension +
-                     "' is none of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
+                     "' is not one of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
   return named;
 }
 
@@ -76,7 +76,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                             {o.keep_misses, "--keep-misses", "csv", ""}};
   for (const Option& option : options)
     if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
-      throw UsageError(std::string(option.name) + " has no part in the export of a " +
+      throw UsageError(std::string(option.name) + " does not apply to the export of a " +
                        (is_scan ? "scan" : "grid") + " to ." + o.format);
 }
 
@@ -89,22 +89,22 @@ PointReader::Pass ply_pass(const PointReader& points, const ExportOptions& o) {
   return pass;
 }
 
-/// The .xmf, and beside it the places that it refers to, which get their name before it.
+/// The .xmf, and beside it the positions that it refers to, which get their name before it.
 void export_points_xdmf(const PointReader& points, const ExportOptions& o, const OutputOptions& output,
                         const std::string& tool, ByteSink& sink) {
   // A scan's own rows cannot be left out of what only refers to them.
   if (points.count({true, 1}) != points.row_count())
     throw UsageError(points.file().name() +
                      " keeps points without a return, which an .xmf cannot leave out; export .ply");
-  const std::filesystem::path file = xdmf_places(output.path);
-  const PointPlaces places = places_of(points, o.position, xdmf_reference(o.input, output.path));
-  OutputPath places_output(file, output.overwrite);
-  write_point_places(places_output, places, tool, output.compression);
+  const std::filesystem::path file = xdmf_positions(output.path);
+  const PointPositions positions = positions_of(points, o.position, xdmf_reference(o.input, output.path));
+  OutputPath positions_output(file, output.overwrite);
+  write_point_positions(positions_output, positions, tool, output.compression);
   std::vector<ContentInfo> columns = points.columns();
   std::erase_if(columns, [](const ContentInfo& column) { return column.name == "t"; });
-  sink.write(points_xdmf(columns, places, file.filename().string()));
+  sink.write(points_xdmf(columns, positions, file.filename().string()));
   sink.flush();
-  places_output.commit();
+  positions_output.commit();
 }
 
 void export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool, ByteSink& sink,
@@ -167,7 +167,7 @@ FileExport::FileExport(ExportOptions options, const std::string& output)
 }
 
 std::string FileExport::second_output() const {
-  return kind_ == "scan" && options_.format == "xmf" ? xdmf_places(output_).string() : "";
+  return kind_ == "scan" && options_.format == "xmf" ? xdmf_positions(output_).string() : "";
 }
 
 void FileExport::write(const OutputOptions& output, const std::string& tool,

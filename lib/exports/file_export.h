@@ -29,7 +29,7 @@ class FileExport {
   /// landfall-export has it, and FormatError where the input is no landfall file.
   FileExport(ExportOptions options, const std::string& output);
 
-  /// A second output, beside the first: the points' places of an .xmf. Empty: none.
+  /// A second output, beside the first: the points' positions of an .xmf. Empty: none.
   [[nodiscard]] std::string second_output() const;
 
   /// Writes `output`, whose path is that of the constructor; `tool` is what the file says it comes from.

@@ -15,7 +15,7 @@ LandfallFileReader require_grid(LandfallFileReader file) {
   if (has_grid(file)) return file;
   if (kind_of(file) == "terrain")
     file.fail("is a mesh terrain, which has no layers; terrain-gen --from FILE -o mesh.ply exports it");
-  file.fail("has no layers (dem-eval --metrics-only keeps none)");
+  file.fail("has no layers (it was made with dem-eval --metrics-only)");
 }
 
 std::vector<const char*> main_layers(const std::string& kind) {
@@ -38,7 +38,7 @@ GridSource::GridSource(const std::filesystem::path& path)
       kind_(kind_of(file_)),
       reader_(file_),
       layers_(layers_of(file_, reader_.spec())) {
-  if (layers_.empty()) file_.fail("has a grid without a layer");
+  if (layers_.empty()) file_.fail("has a grid but no layer");
 }
 
 const ContentInfo& GridSource::main_layer() const {
@@ -52,7 +52,7 @@ std::vector<ContentInfo> GridSource::choose(const std::vector<std::string>& name
   if (names.empty()) return {main_layer()};
   if (names.size() == 1 && names.front() == "all") return layers_;
   if (std::find(names.begin(), names.end(), "all") != names.end())
-    throw UsageError("--layers names all and others; all stands alone");
+    throw UsageError("--layers: all cannot be combined with other names");
   std::vector<ContentInfo> chosen;
   for (const std::string& name : names) {
     const auto is_it = [&name](const ContentInfo& layer) { return layer.name == name; };

@@ -55,7 +55,7 @@ struct Extent {
   }
 };
 
-/// The estimated places of the returns; of the false ones, which may lie far off, only where there are no
+/// The estimated positions of the returns; of the false ones, which may lie far off, only where there are no
 /// others. Throws FormatError without any.
 Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
   Extent of_true;

@@ -18,7 +18,7 @@ namespace landfall {
 /// A picture of any landfall file, seen from above, north up, at most 1100 pixels a side and its labels.
 /// - A grid: the layer `layer`; empty: its main one (GridSource::main_layer).
 /// - A scan: the mean of the column `layer` (the greatest, of flags) over the returns of each pixel at their
-///   estimated place, in the frame of the true ones; empty: z_est; `count`: how many returns.
+///   estimated position, in the frame of the true ones; empty: z_est; `count`: how many returns.
 /// - A mesh terrain: H(x, y), the only layer `z`.
 /// Throws UsageError for a layer that the file does not have, FormatError as its readers do.
 [[nodiscard]] RgbImage quick_look(const std::filesystem::path& input, const std::string& layer,

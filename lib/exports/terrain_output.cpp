@@ -23,7 +23,7 @@ Format format_of(const std::filesystem::path& output) {
   if (extension == ".tif" || extension == ".tiff") return Format::geotiff;
   if (extension == ".obj" || extension == ".ply") return Format::mesh;
   throw UsageError("output " + output.string() + ": extension '" + extension +
-                   "' is none of .h5 (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
+                   "' is not one of .h5 (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
 }
 
 /// Where an exported terrain comes from.

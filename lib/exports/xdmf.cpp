@@ -76,27 +76,27 @@ std::string xdmf_reference(const fs::path& data, const fs::path& xdmf) {
   return relative.empty() || *relative.begin() == ".." ? target.string() : relative.string();
 }
 
-fs::path xdmf_places(const fs::path& xdmf) { return xdmf.string() + ".h5"; }
+fs::path xdmf_positions(const fs::path& xdmf) { return xdmf.string() + ".h5"; }
 
-PointPlaces places_of(const PointReader& points, const std::string& position, const std::string& scan) {
-  PointPlaces places{scan, {}, h5::Type::float32, points.row_count(), points.file().file_id()};
-  std::ranges::copy(position_columns(position), places.columns.begin());
-  for (const std::string& column : places.columns)
-    if (points.column(column).type == h5::Type::float64) places.type = h5::Type::float64;
-  return places;
+PointPositions positions_of(const PointReader& points, const std::string& position, const std::string& scan) {
+  PointPositions positions{scan, {}, h5::Type::float32, points.row_count(), points.file().file_id()};
+  std::ranges::copy(position_columns(position), positions.columns.begin());
+  for (const std::string& column : positions.columns)
+    if (points.column(column).type == h5::Type::float64) positions.type = h5::Type::float64;
+  return positions;
 }
 
-std::string points_xdmf(const std::vector<ContentInfo>& columns, const PointPlaces& places,
-                        const std::string& places_file) {
-  const std::string count = std::to_string(places.rows);
-  const std::string root = places_file + ":/";
+std::string points_xdmf(const std::vector<ContentInfo>& columns, const PointPositions& positions,
+                        const std::string& positions_file) {
+  const std::string count = std::to_string(positions.rows);
+  const std::string root = positions_file + ":/";
   std::string content = "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + count +
                         "\" NodesPerElement=\"1\">\n        " +
-                        data_item({"row", row_type(places.rows), "", ""}, count + " 1", root) +
+                        data_item({"row", row_type(positions.rows), "", ""}, count + " 1", root) +
                         "\n      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n        " +
-                        data_item({"position", places.type, "", ""}, count + " 3", root) +
+                        data_item({"position", positions.type, "", ""}, count + " 3", root) +
                         "\n      </Geometry>\n";
-  for (const ContentInfo& column : columns) content += attribute(column, count, places.scan + ":/points/");
+  for (const ContentInfo& column : columns) content += attribute(column, count, positions.scan + ":/points/");
   return document("points", content);
 }
 

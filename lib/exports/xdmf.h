@@ -7,7 +7,7 @@
 
 #include "exports/point_reader.h"
 #include "files/contents.h"
-#include "files/point_places.h"
+#include "files/point_positions.h"
 
 namespace landfall {
 
@@ -16,18 +16,18 @@ namespace landfall {
 [[nodiscard]] std::string xdmf_reference(const std::filesystem::path& data,
                                          const std::filesystem::path& xdmf);
 
-/// The file of the points' places (files/point_places.h) that belongs to an .xmf: its name and .h5.
-[[nodiscard]] std::filesystem::path xdmf_places(const std::filesystem::path& xdmf);
+/// The file of the points' positions (files/point_positions.h) that belongs to an .xmf: its name and .h5.
+[[nodiscard]] std::filesystem::path xdmf_positions(const std::filesystem::path& xdmf);
 
-/// The places of a scan's points: its columns x, y and z of `position` ("est" or "true"), float64 unless all
-/// of them are float32. `scan` is its xdmf_reference().
-[[nodiscard]] PointPlaces places_of(const PointReader& points, const std::string& position,
-                                    const std::string& scan);
+/// The positions of a scan's points: its columns x, y and z of `position` ("est" or "true"), float64 unless
+/// all of them are float32. `scan` is its xdmf_reference().
+[[nodiscard]] PointPositions positions_of(const PointReader& points, const std::string& position,
+                                          const std::string& scan);
 
-/// XDMF 3 over the points of a scan: a vertex at each of the places, which are in `places_file` beside the
-/// .xmf; every column is an attribute, which the scan holds.
-[[nodiscard]] std::string points_xdmf(const std::vector<ContentInfo>& columns, const PointPlaces& places,
-                                      const std::string& places_file);
+/// XDMF 3 over the points of a scan: a vertex at each of the positions, which are in `positions_file` beside
+/// the .xmf; every column is an attribute, which the scan holds.
+[[nodiscard]] std::string points_xdmf(const std::vector<ContentInfo>& columns,
+                                      const PointPositions& positions, const std::string& positions_file);
 
 /// XDMF 3 over a grid: an image of one layer of cells in z, its nodes the bin centres, every layer an
 /// attribute.

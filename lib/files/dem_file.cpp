@@ -11,7 +11,7 @@
 namespace landfall {
 namespace {
 
-/// Part of a row of the map, and the place of its values in a tile.
+/// Part of a row of the map, and the offset of its values in a tile.
 struct Strip {
   const GridSpec& spec;
   const DemRequest& request;
@@ -75,7 +75,7 @@ void put_z_true(const Strip& strip, GridLayerWriter::TileValues& tile) {
 Layer z_true(TruthAt truth_at) {
   return {"z_true",
           h5::Type::float64,
-          {"m", truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true place"
+          {"m", truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true position"
                                                 : "true elevation at the mean true position"},
           put_z_true,
           terrain_missing};
@@ -161,7 +161,7 @@ void check_layers(const DemRequest& request) {
     if (layer == layers.end()) {
       std::string list;
       for (const std::string& known : dem_layer_names()) list += (list.empty() ? "" : ", ") + known;
-      throw UsageError("--layers: '" + name + "' is no layer; known: " + list);
+      throw UsageError("--layers: '" + name + "' is not a layer; known layers: " + list);
     }
     const std::string option = layer->missing(request);
     if (!option.empty()) throw UsageError("--layers: " + name + " needs " + option);

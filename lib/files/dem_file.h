@@ -28,11 +28,11 @@ struct DemRequest {
 /// The names that a DEM may have, in the order of the file.
 [[nodiscard]] const std::vector<std::string>& dem_layer_names();
 
-/// Throws UsageError for a name that is no layer, or for one that the request cannot make: truth without a
+/// Throws UsageError for a name that is not a layer, or for one that the request cannot make: truth without a
 /// terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
 void check_layers(const DemRequest& request);
 
-/// Writes dem.h5 (SPEC sections 5 and 8), tile by tile, and commits.
+/// Writes dem.h5 (docs/user/files/dem.md), tile by tile, and commits.
 void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemRequest& request,
                const std::string& crs_wkt, const ProgressCallback& progress = {});
 

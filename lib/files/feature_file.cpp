@@ -107,7 +107,7 @@ std::vector<FeatureRecord> read_features(const LandfallFileReader& file) {
   for (std::size_t i = 0; i < count; ++i) {
     if (kind[i] < 0 || static_cast<std::size_t>(kind[i]) >= kinds.size())
       table.fail_reading("kind", "row " + std::to_string(i) + " has the value " + std::to_string(kind[i]) +
-                                     ", of which flag_meanings says nothing");
+                                     ", which flag_meanings does not list");
     records.push_back({kinds[static_cast<std::size_t>(kind[i])],
                        reals[0][i],
                        reals[1][i],

@@ -32,7 +32,7 @@ void prepare(GridLayerWriter::TileValues& values, h5::Type type, std::size_t cou
 }
 
 h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& values,
-                      const std::string& place) {
+                      const std::string& located_at) {
   const std::string axis = name;
   h5::Handle dataset =
       h5::create_dataset(root, axis, h5::Type::float64, {.size = {values.size()}, .chunk = {}});
@@ -40,7 +40,7 @@ h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& v
     throw IoError("writing /" + axis + " failed: " + h5::failure_reason());
   H5DSset_scale(dataset.get(), name);
   h5::write_attribute(dataset.get(), "units", std::string("m"));
-  h5::write_attribute(dataset.get(), "long_name", axis + " in the DEM frame, " + place);
+  h5::write_attribute(dataset.get(), "long_name", axis + " in the DEM frame, " + located_at);
   h5::write_attribute(dataset.get(), "standard_name", "projection_" + axis + "_coordinate");
   h5::write_attribute(dataset.get(), "axis", std::string(axis == "x" ? "X" : "Y"));
   return dataset;
@@ -115,15 +115,15 @@ GridSpec read_spec(const LandfallFileReader& file) {
 }  // namespace
 
 GridLayerWriter::GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec,
-                                 const std::string& crs_wkt, const std::string& place)
+                                 const std::string& crs_wkt, const std::string& located_at)
     : root_(file.root()), compression_(file.compression()), spec_(spec) {
   std::vector<double> x(static_cast<std::size_t>(spec.cols));
   std::vector<double> y(static_cast<std::size_t>(spec.rows));
   for (std::int64_t c = 0; c < spec.cols; ++c) x[static_cast<std::size_t>(c)] = spec.x(c);
   for (std::int64_t r = 0; r < spec.rows; ++r) y[static_cast<std::size_t>(r)] = spec.y(r);
   h5::write_attribute(root_, "resolution_m", spec.resolution_m);
-  x_ = write_axis(root_, "x", x, place);
-  y_ = write_axis(root_, "y", y, place);
+  x_ = write_axis(root_, "x", x, located_at);
+  y_ = write_axis(root_, "y", y, located_at);
   write_crs(root_, crs_wkt);
 }
 

@@ -16,13 +16,13 @@
 
 namespace landfall {
 
-/// The grid part of a file: coordinates /x and /y, /crs, and layers at the root (SPEC section 8's measured
-/// rules), so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
+/// The grid part of a file: coordinates /x and /y, /crs, and layers at the root (docs/user/files/README.md),
+/// so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
 class GridLayerWriter {
  public:
-  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `place` says what the coordinates are of.
+  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `located_at` says what the coordinates locate.
   GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
-                  const std::string& place = "bin centre");
+                  const std::string& located_at = "bin centre");
 
   struct LayerText {
     std::string units;

@@ -43,11 +43,11 @@ bool is_input_list(const Json& inputs) {
          });
 }
 
-/// Null where there is no such dataset or it is no JSON; throws FormatError where it is there but is no text.
+/// Null where there is no such dataset or it is not JSON; throws FormatError where it exists but is not text.
 Json json_of(const std::string& file, hid_t provenance, const std::string& name) {
   const std::optional<std::string> text = h5::read_text(provenance, name);
   if (!text && h5::exists(provenance, name))
-    throw FormatError(file + ": /provenance/" + name + " is no text");
+    throw FormatError(file + ": /provenance/" + name + " is not text");
   return stored_json<Json>(text);
 }
 
@@ -103,10 +103,10 @@ LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
   std::string wanted;
   for (const char* const kind : kinds)
     wanted += (wanted.empty() ? "landfall." : " or landfall.") + std::string(kind);
-  if (!format) fail("is no landfall file (it has no attribute format_name); wanted " + wanted);
+  if (!format) fail("is not a landfall file (it has no attribute format_name); expected " + wanted);
   const auto matches = [&](const char* kind) { return *format == "landfall." + std::string(kind); };
   if (std::none_of(kinds.begin(), kinds.end(), matches))
-    fail("is a " + shown_word(*format) + " file; wanted " + wanted);
+    fail("is a " + shown_word(*format) + " file; expected " + wanted);
   const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");
   if (version.substr(0, 2) != "1.")
     fail("format_version '" + shown_word(version) + "' is not 1.x, which this version reads");

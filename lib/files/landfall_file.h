@@ -12,8 +12,8 @@
 
 namespace landfall {
 
-/// What every landfall file shares (SPEC section 8): root attributes, /provenance, and a name under which it
-/// appears only when it is complete.
+/// What every landfall file shares (docs/user/files/README.md): root attributes, /provenance, and a name
+/// under which it appears only when it is complete.
 class LandfallFileWriter {
  public:
   /// `kind` is terrain, scan, dem, evaluation or plan. Refuses before any work is done: UsageError where the
@@ -22,7 +22,7 @@ class LandfallFileWriter {
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] int compression() const { return compression_; }
-  /// Marks the file complete, flushes and renames it. Throws IoError when the disk refuses.
+  /// Marks the file complete, flushes and renames it. Throws IoError when writing fails.
   void commit();
 
  private:

@@ -86,7 +86,7 @@ void write_mesh_terrain(LandfallFileWriter& file, const IndexedTriangles& mesh) 
 
 std::shared_ptr<const TriangleMesh> read_mesh_terrain(const LandfallFileReader& file) {
   const h5::Handle group = h5::open_group(file.root(), "mesh");
-  if (!group) file.fail("/mesh is no group");
+  if (!group) file.fail("/mesh is not a group");
   const auto coordinates = read_rows<double>(file, group.get(), "vertices");
   const auto corners = read_rows<std::int32_t>(file, group.get(), "triangles");
   IndexedTriangles mesh;

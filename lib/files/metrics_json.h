@@ -7,8 +7,8 @@
 
 namespace landfall {
 
-/// metrics.json (SPEC section 6): plain numbers in a stable order, null for what is not known or not finite.
-/// Without truth the structure stays and its numbers are null.
+/// metrics.json (docs/user/files/metrics.md): plain numbers in a stable order, null for what is not known or
+/// not finite. Without truth the structure stays and its numbers are null.
 [[nodiscard]] nlohmann::ordered_json metrics_json(const Metrics& metrics);
 
 /// The metrics of a file. Throws nlohmann::json::exception where a key is missing or has another type; an

@@ -35,7 +35,7 @@ PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, 
           .returns = {plan.return_count(), plan.region_return_count(), bins - coverage.invalid_count},
           .coverage = coverage,
           .returns_per_bin = spread_over_region(plan.count(), plan.region()),
-          .images_per_bin = spread_over_region(plan.images(), plan.region())};
+          .frames_per_bin = spread_over_region(plan.frames(), plan.region())};
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_r
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary) {
   GridLayerWriter layers(file, plan.region().spec(), "");
   layers.write("count", plan.count(), {"1", "returns in the bin"});
-  layers.write("images", plan.images(), {"1", "pulses with a return in the bin"});
+  layers.write("frames", plan.frames(), {"1", "pulses with a return in the bin"});
   layers.write("first_seen", plan.first_seen_s(), {"s", "time of the first return"});
   layers.write("in_region", plan.region(), {"1", "bins that the scan is for", {0, 1}, "outside inside"});
   layers.write("hole_id", summary.hole_id, {"1", "hole of uncovered bins in the region, 0 outside holes"});

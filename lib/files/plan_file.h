@@ -39,7 +39,7 @@ struct PlanMetrics {
   Returns returns;
   CoverageMetrics coverage;  ///< of the bins with a return
   BinSpread returns_per_bin;
-  BinSpread images_per_bin;
+  BinSpread frames_per_bin;
 
   static void fields(auto& walk, auto& m) {
     walk.all("region, time, returns", std::tie(m.region, m.time, m.returns));
@@ -50,9 +50,9 @@ struct PlanMetrics {
                std::tie(m.coverage.hole_count, m.coverage.largest_hole_bins, m.coverage.max_distance_bins));
     });
     walk("returns_per_bin", m.returns_per_bin);
-    walk.inside("images_per_bin", [&] {
-      BinSpread::fields(walk, m.images_per_bin);
-      walk("overlap_frac", m.images_per_bin.above_one_frac);
+    walk.inside("frames_per_bin", [&] {
+      BinSpread::fields(walk, m.frames_per_bin);
+      walk("overlap_frac", m.frames_per_bin.above_one_frac);
     });
   }
 };
@@ -66,7 +66,7 @@ struct PlanSummary {
 /// `radius_m` is that of the plan's region.
 [[nodiscard]] PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_rate_hz);
 
-/// Writes the layers count, images, first_seen, in_region and hole_id, and the metrics as /plan_json;
+/// Writes the layers count, frames, first_seen, in_region and hole_id, and the metrics as /plan_json;
 /// commits.
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary);
 

@@ -24,7 +24,7 @@ struct Provenance {
   nlohmann::json options = nullptr;
   std::vector<InputRecord> inputs = {};
   /// The upstream steps, oldest first, each {"tool", "version", "file_id", "config", "inputs"}; a file
-  /// reached by two ways stands once.
+  /// reached by two ways is listed once.
   nlohmann::json chain = nlohmann::json::array();
   /// Host, clock, paths: only where the user asked by --record-environment. Null otherwise; no part of the
   /// file_id.

@@ -117,7 +117,7 @@ void RangeFile::require_match(const Provenance& provenance) const {
   const std::string turned = turned_beams_differ(theirs, provenance.config);
   if (!turned.empty()) refuse(turned);
   if (inputs_of_truth(step.value("inputs", Json())) != inputs_of_truth(provenance.as_step().at("inputs")))
-    refuse("its terrain or a table (trajectory, pixels, ...) is another file than this run's");
+    refuse("its terrain or a table (trajectory, pixels, ...) differs from this run's");
   require_complete_ranges();
 }
 
@@ -200,7 +200,7 @@ std::vector<double> RangeFile::by_pixel(const PulseRows& rows, std::span<const d
       if (row < 0 || row >= rows.total) file_.fail("/pulses/point_begin does not fit /points");
       const std::int32_t where = pixel[static_cast<std::size_t>(row)];
       if (where < 0 || static_cast<std::size_t>(where) >= pixel_count)
-        file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is no pixel of the detector");
+        file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is not a pixel of the detector");
       result[pulse * pixel_count + static_cast<std::size_t>(where)] = range_m[static_cast<std::size_t>(row)];
     }
   return result;

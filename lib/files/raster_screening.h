@@ -7,8 +7,8 @@
 namespace landfall {
 
 /// Before GDAL opens a raster: throws FormatError where an HDF5 file that its name leads to
-/// (named_dem_files() of terrain/gdal/gdal_loader.h) is none that h5::screen_file() (file_screening.h) lets
-/// through. Files of other formats are not opened.
+/// (named_dem_files() of terrain/gdal/gdal_loader.h) is not one that h5::screen_file() (file_screening.h)
+/// lets through. Files of other formats are not opened.
 void screen_raster(const DemBase& dem, RasterLinks links);
 
 }  // namespace landfall

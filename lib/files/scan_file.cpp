@@ -152,7 +152,7 @@ void ScanWriter::refuse_without_return() const {
     if (count(info.status) > 0)
       causes += (causes.empty() ? "" : ", ") + std::to_string(count(info.status)) + info.cause;
   throw FormatError("the scan has no return: " + causes +
-                    (count(PointStatus::miss) > 0 ? "; does it look at the terrain?" : ""));
+                    (count(PointStatus::miss) > 0 ? "; does the lidar point at the terrain?" : ""));
 }
 
 void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> dead_map) {
@@ -216,7 +216,7 @@ bool ScanReader::all_valid(const PointColumns& points, std::size_t first, std::s
 void ScanReader::fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const {
   if (!has_pulse(i))
     file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse_[i]) +
-               " is no row of /pulses (" + std::to_string(pulse_times_s_.size()) + ")");
+               " is not a row of /pulses (" + std::to_string(pulse_times_s_.size()) + ")");
   const auto* const bad =
       std::ranges::find_if_not(kCoordinates, [&](auto member) { return is_finite((points.*member)[i]); });
   file_.fail("/points/" + std::string(name_of(*bad)) + "[" + std::to_string(row) +

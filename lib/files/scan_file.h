@@ -23,7 +23,7 @@ struct ScanFileOptions {
   bool single_precision = false;  ///< coordinates and ranges as float32
 };
 
-/// Writes scan.h5 (SPEC section 8) batch by batch, in bounded memory.
+/// Writes scan.h5 (docs/user/files/scan.md) batch by batch, in bounded memory.
 class ScanWriter {
  public:
   /// `crs_wkt` is the site frame, from the terrain.

@@ -80,12 +80,12 @@ NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const 
 std::string raster_id(const DemRaster& raster) {
   Hash hash;
   hash.update(raster.crs_wkt).update(std::as_bytes(std::span(raster.samples.values)));
-  std::vector<double> place = {static_cast<double>(raster.samples.size.cols)};
+  std::vector<double> numbers = {static_cast<double>(raster.samples.size.cols)};
   for (const SitePoint& point : {SitePoint{0, 0}, SitePoint{1, 0}, SitePoint{0, 1}}) {
     const PixelPosition pixel = raster.mapping.pixel(point);
-    place.insert(place.end(), {pixel.col, pixel.row});
+    numbers.insert(numbers.end(), {pixel.col, pixel.row});
   }
-  return hash.update(std::as_bytes(std::span(place))).hex();
+  return hash.update(std::as_bytes(std::span(numbers))).hex();
 }
 
 TerrainIdentity read_terrain_identity(const std::filesystem::path& path) {

@@ -15,7 +15,7 @@
 
 namespace landfall {
 
-/// Writes terrain.h5: /x /y /z (float64), the site frame (SPEC section 8) and the list of objects
+/// Writes terrain.h5: /x /y /z (float64), the site frame (docs/user/files/terrain.md) and the list of objects
 /// (feature_file.h).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
@@ -30,7 +30,7 @@ struct NodeCounts {
 NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
                          const ProgressCallback& progress = {});
 
-/// The id of an imported raster: a hash of what was read of it, samples, place and frame. Files beside the
+/// The id of an imported raster: a hash of what was read of it, samples, position and frame. Files beside the
 /// named one (a world file, the parts of a VRT) count through what they change; the file's name does not.
 [[nodiscard]] std::string raster_id(const DemRaster& raster);
 

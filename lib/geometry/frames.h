@@ -26,7 +26,7 @@ struct Vector {
   friend bool operator==(const Vector&, const Vector&) = default;
 };
 
-/// A unit vector in frame F. Whoever makes one from components answers for its length.
+/// A unit vector in frame F. Code that makes one from components must normalise it.
 template <class F>
 struct Direction {
   Eigen::Vector3d v = Eigen::Vector3d::UnitZ();

@@ -12,12 +12,12 @@ namespace landfall {
 namespace {
 
 /// A coordinate among the centres: the one at or before it, and how far it lies towards the next, in [0, 1).
-struct Place {
+struct CentrePair {
   std::int64_t before;
   double fraction;
 };
 
-Place place_of(double coordinate_m, double resolution_m, std::int64_t first) {
+CentrePair centres_around(double coordinate_m, double resolution_m, std::int64_t first) {
   constexpr double kLimit = 0x1p61;
   const double steps = coordinate_m / resolution_m;
   const double whole = std::floor(steps);
@@ -25,9 +25,9 @@ Place place_of(double coordinate_m, double resolution_m, std::int64_t first) {
   return {static_cast<std::int64_t>(whole) - first, steps - whole};
 }
 
-/// True where one of the two centres around the place is in the grid and has a weight.
-bool reaches(const Place& place, std::int64_t size) {
-  return (place.before >= 0 && place.before < size) || (place.before == -1 && place.fraction > 0);
+/// True where one of the two centres around a point is in the grid and has a weight.
+bool reaches(const CentrePair& pair, std::int64_t size) {
+  return (pair.before >= 0 && pair.before < size) || (pair.before == -1 && pair.fraction > 0);
 }
 
 }  // namespace
@@ -46,15 +46,15 @@ void BilinearAccumulator::add_pass(const GridPoints& points) {
   std::vector<std::size_t> outside(points.size() / kPointsPerCount + 1);
   parallel_for(points.size(), kPointsPerCount, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Place x = place_of(points.x_est[i], grid.resolution_m, grid.first_col);
-      const Place y = place_of(points.y_est[i], grid.resolution_m, grid.first_row);
+      const CentrePair x = centres_around(points.x_est[i], grid.resolution_m, grid.first_col);
+      const CentrePair y = centres_around(points.y_est[i], grid.resolution_m, grid.first_row);
       if (!reaches(x, grid.cols) || !reaches(y, grid.rows)) ++outside[begin / kPointsPerCount];
     }
   });
   const auto rows = [&](bool north) {
     return [&points, &grid, north](std::size_t begin, std::size_t end, std::int32_t* row) {
       for (std::size_t i = begin; i < end; ++i) {
-        const Place y = place_of(points.y_est[i], grid.resolution_m, grid.first_row);
+        const CentrePair y = centres_around(points.y_est[i], grid.resolution_m, grid.first_row);
         const std::int64_t found = y.before + (north ? 1 : 0);
         const bool counts = found >= 0 && found < grid.rows && (!north || y.fraction > 0);
         row[i - begin] = counts ? static_cast<std::int32_t>(found) : -1;
@@ -83,8 +83,8 @@ void BilinearAccumulator::add_band(const GridPoints& points, std::size_t band) {
 
 void BilinearAccumulator::add_to_row(const GridPoints& points, std::size_t i, bool north) {
   const GridSpec& grid = spec();
-  const Place x = place_of(points.x_est[i], grid.resolution_m, grid.first_col);
-  const Place y = place_of(points.y_est[i], grid.resolution_m, grid.first_row);
+  const CentrePair x = centres_around(points.x_est[i], grid.resolution_m, grid.first_col);
+  const CentrePair y = centres_around(points.y_est[i], grid.resolution_m, grid.first_row);
   const std::int64_t row = y.before + (north ? 1 : 0);
   const double row_weight = north ? y.fraction : 1 - y.fraction;
   const auto add_to = [&](std::int64_t col, double weight) {

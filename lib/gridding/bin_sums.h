@@ -25,7 +25,7 @@ struct BinSums {
 };
 static_assert(sizeof(BinSums) == 80);
 
-/// The values that the sums stand for: weighted means, and z_est exact where all elevations are equal.
+/// The values of the sums: weighted means, and z_est exact where all elevations are equal.
 [[nodiscard]] BinValues values_of(const BinSums& sums);
 
 /// Adds one return to its bin.

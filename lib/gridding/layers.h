@@ -9,7 +9,7 @@ namespace landfall {
 
 /// Where a bin's true elevation is taken.
 enum class TruthAt {
-  bin_center,  ///< under the true place of the bin's centre
+  bin_center,  ///< under the true position of the bin's centre
   centroid,    ///< at the weighted mean of the true positions
 };
 

@@ -28,7 +28,7 @@ struct TimedPose {
 /// The pose at any time of one scan, or of several that follow one another.
 class PoseTrack {
  public:
-  /// At least one scan. Scans with the same poses at the same times stand for one. Throws FormatError, naming
+  /// At least one scan. Scans with the same poses at the same times count as one. Throws FormatError, naming
   /// the scan, where a scan has no pose, times that are not finite and ascending, or a pose that is not
   /// finite; UsageError where two scans overlap in time with different poses: one time would have two poses.
   explicit PoseTrack(std::vector<ScanPoses> scans);

@@ -12,7 +12,7 @@ namespace landfall {
 
 /// Sorts a batch of points into bands of neighbouring rows, so that bands can be summed in parallel while
 /// each bin still sees its points in the order they came in: sums do not depend on the number of threads.
-/// Whatever gathers points by bin, by whichever method, starts here.
+/// The first step of every gridding method.
 class RowPartition {
  public:
   /// The most points of one batch: their numbers are kept in 32 bits.

@@ -12,8 +12,8 @@
 namespace landfall {
 
 /// Shares out points by square tiles of the grid, so that parts can be summed in parallel while each bin
-/// still sees its points in the order they came in. Tiles go to parts as by chance: a scan line, whatever its
-/// direction, meets all parts, and many points in a row belong to one.
+/// still sees its points in the order they came in. Tiles are assigned to parts pseudo-randomly: a scan line,
+/// whatever its direction, meets all parts, and many points in a row belong to one.
 class TilePartition {
  public:
   /// Asks for at least `least_parts` parts, of which there are at most 64. The grid's rows and columns lie

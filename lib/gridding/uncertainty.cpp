@@ -93,8 +93,8 @@ UncertaintyMap::Sight UncertaintyMap::sight(BinIndex bin) const {
   const BinSums& sums = bins_.bins()[spec.index(bin)];
   Sight sight;
   sight.pose = poses_.at(sums.w_t / sums.weight);
-  const Point<DemFrame> place{{spec.x(bin.col), spec.y(bin.row), sums.z_first + sums.w_dz / sums.weight}};
-  sight.lever = place - sight.pose.position;
+  const Point<DemFrame> point{{spec.x(bin.col), spec.y(bin.row), sums.z_first + sums.w_dz / sums.weight}};
+  sight.lever = point - sight.pose.position;
   sight.beam = Direction<DemFrame>::of(sight.lever);
   return sight;
 }

@@ -33,7 +33,7 @@ std::vector<Member> members_of(hid_t group) {
   return members;
 }
 
-/// Empty for what is no number.
+/// Empty for a type that is not a number.
 std::string type_name(hid_t dataset) {
   const h5::Handle type(H5Dget_type(dataset), H5Tclose);
   const std::string bits = std::to_string(8 * H5Tget_size(type.get()));

@@ -27,7 +27,7 @@ struct DatasetEntry {
 /// Those of a group, in the order in which they were made; texts, scalars and subgroups are left out.
 [[nodiscard]] std::vector<DatasetEntry> list_datasets(hid_t group);
 
-/// The names of the groups that stand in a group, in that order.
+/// The names of the groups in a group, in that order.
 [[nodiscard]] std::vector<std::string> list_groups(hid_t group);
 
 }  // namespace landfall

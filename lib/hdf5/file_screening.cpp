@@ -30,7 +30,7 @@ constexpr std::size_t kMaxObjects = std::size_t{1} << 20U;
 constexpr double kMaxSmallChunks = 0x1p16;
 constexpr double kSmallChunkBytes = 2048;
 constexpr const char* kAdvice =
-    "; landfall opens no file that another one names: copy the data into one file";
+    "; landfall does not open files named by other files: copy the data into one file";
 
 struct Link {
   std::string name;
@@ -170,8 +170,8 @@ class Screening {
       fail(path + " is a link to another file, " + external_target(group, link.name) + kAdvice);
     if (link.type == H5L_TYPE_SOFT)
       fail(path + " is a soft link, to " + soft_target(group, link.name) +
-           "; landfall follows no links: put the object itself in its place");
-    fail(path + " is a user-defined link; landfall follows no links: put the object itself in its place");
+           "; landfall does not follow links: replace the link by the object");
+    fail(path + " is a user-defined link; landfall does not follow links: replace the link by the object");
   }
 
   void screen_object(hid_t group, const std::string& name, const std::string& path) {
@@ -192,14 +192,15 @@ class Screening {
     if (H5Pget_layout(properties) == H5D_VIRTUAL)
       fail(path + " is a virtual dataset, of " + first_virtual_source(properties) + kAdvice);
     if (H5Pget_external_count(properties) > 0)
-      fail(path + " keeps its values in another file, " + first_external_file(properties) + kAdvice);
+      fail(path + " stores its values in another file, " + first_external_file(properties) + kAdvice);
   }
 
   void screen_filters(hid_t properties, const std::string& path) const {
     for (const Filter& filter : filters_in(properties))
       if (filter.id >= 0 && H5Zfilter_avail(filter.id) <= 0)
         fail(path + " is stored by filter " + text_of(filter) +
-             ", which is none of HDF5's own; landfall loads no plug-ins: store it with deflate");
+             ", which is not one of HDF5's own filters; landfall does not load plug-ins: store it with "
+             "deflate");
   }
 
   void screen_sizes(hid_t dataset, hid_t properties, const std::string& path) const {
@@ -212,8 +213,8 @@ class Screening {
            " MiB, more than 256; store it in smaller ones");
     const auto stored = static_cast<double>(stored_bytes(dataset));
     if (bytes * product(size) > std::max(kMaxUnstoredBytes, stored * kDeflateAtMost))
-      fail(path + " claims more values than the " + std::to_string(std::int64_t(stored)) +
-           " bytes that are stored of it can hold; it is damaged or not whole");
+      fail(path + " declares more values than the " + std::to_string(std::int64_t(stored)) +
+           " bytes stored for it can hold; it is damaged or truncated");
     if (chunk && chunk_bytes < kSmallChunkBytes && chunk_count(size, *chunk) > kMaxSmallChunks)
       fail(path + " is stored in more than 2^16 chunks of less than 2 KiB; store it in larger ones");
   }

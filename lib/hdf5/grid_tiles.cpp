@@ -78,7 +78,7 @@ struct LoadedTile {
   StoredChunk chunk;
 };
 
-/// Decodes the tile into `values` and puts the bins that lie in the layer in their place.
+/// Decodes the tile into `values` and copies the bins that lie in the layer.
 template <class T>
 bool place_tile(const LoadedTile& loaded, BinIndex tile, const ChunkFormat& format, std::vector<T>& values,
                 Grid<T>& layer) {
@@ -141,12 +141,12 @@ bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part, const Prog
     return loaded;
   };
   tbb::enumerable_thread_specific<std::vector<T>> values;  // kept from tile to tile
-  const auto place = [&](const LoadedTile& loaded) {
+  const auto scatter = [&](const LoadedTile& loaded) {
     if (!place_tile(loaded, part.tile, chunks->format, values.local(), layer)) good = false;
   };
   tbb::parallel_pipeline(kTilesPerThread * thread_count(),
                          tbb::make_filter<void, LoadedTile>(filter_mode::serial_in_order, load) &
-                             tbb::make_filter<LoadedTile, void>(filter_mode::parallel, place));
+                             tbb::make_filter<LoadedTile, void>(filter_mode::parallel, scatter));
   return good;
 }
 

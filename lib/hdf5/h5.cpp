@@ -59,7 +59,7 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
 std::mutex close_lock;
 std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
 
-/// H5Dclose that remembers its first failure; what its file has closed already is none.
+/// H5Dclose that remembers its first failure; closing what the file has already closed is not a failure.
 herr_t close_written(hid_t dataset) {
   if (H5Iis_valid(dataset) <= 0) return -1;
   const herr_t result = H5Dclose(dataset);

@@ -61,8 +61,8 @@ void initialise();
 /// HDF5 1.10 crashes if it cannot have what it needs for its own start, for an open file or for a chunk.
 inline constexpr std::size_t kHeadroom = std::size_t{8} << 20U;
 
-/// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types (SPEC section
-/// 8).
+/// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types
+/// (docs/user/files/README.md).
 enum class Type { float64, float32, int64, int32, int8 };
 [[nodiscard]] hid_t native(Type type);
 [[nodiscard]] std::size_t size_of(Type type);
@@ -138,7 +138,7 @@ Handle open_file(const std::filesystem::path& path);
 
 /// What follows answers "nothing" only where there is nothing of that name, or something of another kind (a
 /// number where a text is wanted, two values where one is). Each throws FormatError, naming file and object,
-/// where that cannot be told or read. Of a text, bytes that are no UTF-8 become U+FFFD.
+/// where that cannot be told or read. Of a text, bytes that are not UTF-8 become U+FFFD.
 [[nodiscard]] bool exists(hid_t parent, const std::string& name);
 [[nodiscard]] Handle open_dataset(hid_t parent, const std::string& name);
 [[nodiscard]] Handle open_group(hid_t parent, const std::string& name);
@@ -151,8 +151,8 @@ Handle open_file(const std::filesystem::path& path);
 [[nodiscard]] std::optional<std::string> read_text(hid_t parent, const std::string& name);
 
 /// H5Dread() of the values that `selection`, of the dataset's space, holds (H5S_ALL: of all) into those of
-/// `memory`, once each chunk that it touches is known to be whole (chunk_check.h). False where HDF5 fails or a
-/// chunk is damaged; reading_failure() tells why. Throws FormatError for a filter whose chunks cannot be
+/// `memory`, once each chunk that it touches is known to be whole (chunk_check.h). False where HDF5 fails or
+/// a chunk is damaged; reading_failure() tells why. Throws FormatError for a filter whose chunks cannot be
 /// looked at.
 [[nodiscard]] bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values);
 [[nodiscard]] bool read_values(hid_t dataset, hid_t type, void* values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What h5.h reads. "It is not there" is an answer of its own: whatever keeps HDF5 from giving one is an
+// What h5.h reads. "It is not there" is an answer of its own: any failure of HDF5 to answer is an
 // error, for a result without what could not be read would look like that of another file.
 #include <algorithm>
 #include <span>
@@ -105,7 +105,7 @@ Handle open_file(const std::filesystem::path& path) {
   }
   const std::string reason = system_reason();
   if (!reason.empty()) throw FormatError(path.string() + ": reading failed: " + reason);
-  if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is no HDF5 file");
+  if (H5Fis_hdf5(path.c_str()) <= 0) throw FormatError(path.string() + ": is not an HDF5 file");
   throw FormatError(path.string() + ": is an HDF5 file that is truncated or damaged; make it again");
 }
 

@@ -63,7 +63,7 @@ class TableWriter {
   TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
 
   /// From now on the columns named are copied chunk by chunk, as `source` stores them, and their rows are
-  /// left aside, which may then be none: for columns that are known to come out the same as in an earlier
+  /// ignored, and may be empty: for columns that are known to come out the same as in an earlier
   /// file. Call before the first rows; `source` must live until finish(), which throws FormatError unless it
   /// has as many rows. A column that is stored otherwise there, in type, chunks or filters, is written as
   /// before; false where there is such a column.
@@ -74,7 +74,7 @@ class TableWriter {
   [[nodiscard]] std::vector<ChunkPtr> take(std::span<const ColumnRows> rows);
   /// Compresses on all threads. Throws FormatError where a column to copy cannot be read.
   void encode(TableChunk& chunk) const;
-  /// Throws IoError when the disk refuses.
+  /// Throws IoError when writing fails.
   void write(ChunkPtr chunk);
   /// take(), encode() and write().
   void append(std::span<const ColumnRows> rows);

@@ -25,7 +25,7 @@ std::string read_bytes(const fs::path& path) {
   std::string bytes(fs::file_size(path), '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))
-    throw FormatError(name + ": cannot be read to its end");
+    throw FormatError(name + ": cannot be read completely");
   return bytes;
 }
 
@@ -51,7 +51,7 @@ std::string_view off_keyword(MeshText& text) {
   const std::string_view keyword = word_of_next_line(text, "its keyword OFF");
   const bool known =
       keyword == "OFF" || keyword == "COFF" || keyword == "NOFF" || keyword == "CNOFF" || keyword == "STOFF";
-  if (!known) text.fail("is no OFF file that is read: it begins with '" + shown_word(keyword) + "'");
+  if (!known) text.fail("is not a supported OFF file: it begins with '" + shown_word(keyword) + "'");
   return keyword;
 }
 
@@ -86,7 +86,7 @@ PolygonSoup parse_ascii_stl(std::string_view bytes, const std::string& name) {
   text.skip_line();
   for (std::string_view word = text.word(); !is_keyword(word, "endsolid"); word = text.word()) {
     if (!is_keyword(word, "facet"))
-      text.fail(word.empty() ? "ends before 'endsolid'" : "'" + shown_word(word) + "' is no facet");
+      text.fail(word.empty() ? "ends before 'endsolid'" : "'" + shown_word(word) + "' is not a facet");
     text.skip_line();  // its normal
     expect_word(text, "outer");
     expect_word(text, "loop");
@@ -178,7 +178,8 @@ PolygonSoup parse_stl(std::string_view bytes, const std::string& name) {
       throw FormatError(name + ": a binary STL file of " + std::to_string(count) + " facets, but there are " +
                         std::to_string(bytes.size()) + " bytes, enough for " + std::to_string(held));
   }
-  if (!says_solid) throw FormatError(name + ": is no STL file: neither begins with 'solid' nor has a header");
+  if (!says_solid)
+    throw FormatError(name + ": is not an STL file: it neither begins with 'solid' nor has a header");
   return parse_ascii_stl(bytes, name);
 }
 
@@ -192,7 +193,7 @@ MeshFile read_mesh_file(const fs::path& path) {
                                            : nullptr;
   if (parse == nullptr)
     throw FormatError(name + ": '" + shown_word(extension) +
-                      "' is no mesh that is read: .obj, .ply, .off or .stl");
+                      "' is not a supported mesh format: use .obj, .ply, .off or .stl");
   const std::string bytes = read_bytes(path);
   return {parse(bytes, name), Hash().update(std::as_bytes(std::span(bytes))).hex()};
 }

@@ -65,14 +65,14 @@ Type type_of(MeshText& text) {
   const std::string_view word = text.word_of_line();
   for (const TypeName& known : kTypeNames)
     if (known.name == word) return known.type;
-  text.fail("'" + shown_word(word) + "' is no type of PLY");
+  text.fail("'" + shown_word(word) + "' is not a PLY type");
 }
 
 Encoding encoding_of(MeshText& text) {
   const std::string_view word = text.word_of_line();
   if (word == "ascii") return Encoding::text;
   if (word == "binary_little_endian") return Encoding::little_endian;
-  if (word != "binary_big_endian") text.fail("'" + shown_word(word) + "' is no format of PLY");
+  if (word != "binary_big_endian") text.fail("'" + shown_word(word) + "' is not a PLY format");
   return Encoding::big_endian;
 }
 
@@ -83,7 +83,7 @@ void add_property(MeshText& text, std::vector<Element>& elements) {
   if (after_list.word_of_line() == "list") {
     text = after_list;
     property.length = type_of(text);
-    if (*property.length >= Type::float32) text.fail("a list's length is no integer type");
+    if (*property.length >= Type::float32) text.fail("the length of a list has no integer type");
   }
   property.type = type_of(text);
   property.name = text.word_of_line();
@@ -92,7 +92,7 @@ void add_property(MeshText& text, std::vector<Element>& elements) {
 
 Header read_header(std::string_view bytes, const std::string& name) {
   MeshText text(bytes, name);
-  if (text.word_of_line() != "ply") text.fail("is no PLY file: it does not begin with 'ply'");
+  if (text.word_of_line() != "ply") text.fail("is not a PLY file: it does not begin with 'ply'");
   Header header;
   bool has_format = false;
   for (;;) {
@@ -111,7 +111,7 @@ Header read_header(std::string_view bytes, const std::string& name) {
     } else if (keyword == "property") {
       add_property(text, header.elements);
     } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-      text.fail("'" + shown_word(keyword) + "' does not belong into a PLY header");
+      text.fail("'" + shown_word(keyword) + "' does not belong in a PLY header");
     }
   }
   if (!has_format) text.fail("the header names no format");
@@ -136,7 +136,7 @@ class Values {
   std::int64_t next_integer(Type type) {
     const double value = next(type);
     if (!(std::abs(value) < 0x1p53) || value != std::floor(value))
-      fail("a length or number that is no integer");
+      fail("a length or number that is not an integer");
     return static_cast<std::int64_t>(value);
   }
 
@@ -222,7 +222,7 @@ void require_room(const Values& values, const Element& element) {
 void add_polygon(const std::vector<double>& numbers, const Values& values, PolygonSoup& soup) {
   for (const double number : numbers) {
     const bool is_whole = std::abs(number) < 0x1p53 && number == std::floor(number);
-    if (!is_whole) values.fail("a facet's corner is no integer");
+    if (!is_whole) values.fail("the corner of a facet is not an integer");
     soup.corners.push_back(
         point_number(static_cast<std::int64_t>(number), [&](const std::string& what) { values.fail(what); }));
   }

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 std::string system_message(int error_number) { return std::generic_category().message(error_number); }
 
 /// Where a process number means something: this machine, or the container on it. Eight hexadecimal digits.
-std::string place() {
+std::string machine() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
   std::error_code unknown;
@@ -33,13 +33,13 @@ std::string place() {
   return Hash().update(std::string_view(host.data())).update(numbers.string()).hex().substr(0, 8);
 }
 
-/// ".NAME.PLACE-", what the temporary files of this place begin with.
+/// ".NAME.MACHINE-", what the temporary files of this machine begin with.
 std::string part_prefix(const std::string& output_name) {
-  static const std::string here = place();
+  static const std::string here = machine();
   return "." + output_name + "." + here + "-";
 }
 
-/// The process number in ".NAME.PLACE-PID.part", 0 where it is not such a name.
+/// The process number in ".NAME.MACHINE-PID.part", 0 where it is not such a name.
 int owner_of_part(const std::string& file, const std::string& prefix) {
   const std::string suffix = ".part";
   if (file.size() <= prefix.size() + suffix.size() || file.compare(0, prefix.size(), prefix) != 0) return 0;
@@ -77,13 +77,13 @@ void flush_to_disk(const fs::path& file) {
 void require_usable_output(const fs::path& path, bool overwrite) {
   std::error_code ignored;
   if (path.empty() || path.filename().empty())
-    throw UsageError("output '" + path.string() + "' names no file");
+    throw UsageError("output '" + path.string() + "' does not name a file");
   if (fs::is_directory(path, ignored)) throw UsageError("output " + path.string() + " is a directory");
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, ignored))
-    throw UsageError("output " + path.string() + ": folder " + folder.string() + " does not exist");
+    throw UsageError("output " + path.string() + ": directory " + folder.string() + " does not exist");
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
-    throw UsageError("output " + path.string() + " is no regular file");
+    throw UsageError("output " + path.string() + " is not a regular file");
   if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
     throw UsageError("output " + path.string() + " exists; use -O to overwrite it");
 }
@@ -115,7 +115,7 @@ void OutputPath::commit() {
   } else if (::link(temporary_.c_str(), path_.c_str()) == 0) {  // unlike rename, refuses an existing name
     ::unlink(temporary_.c_str());
   } else if (errno == EEXIST) {
-    throw UsageError("output " + path_.string() + " appeared while this ran; use -O to overwrite it");
+    throw UsageError("output " + path_.string() + " was created during this run; use -O to overwrite it");
   } else if (::rename(temporary_.c_str(), path_.c_str()) != 0) {  // file systems without hard links
     throw IoError("output " + path_.string() + ": renaming failed: " + system_message(errno));
   }

@@ -16,15 +16,16 @@ struct OutputOptions {
 /// An output that appears whole under its name or not at all.
 ///
 /// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
-/// it. Until then whatever stood under the name stays untouched; a run that fails, or is ended by SIGINT or
-/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.PLACE-PID.part` file may remain; the next run
-/// for that name removes it if its process is gone. PLACE stands for the machine or container, for process
-/// numbers come again elsewhere: what others left in a shared folder may still be written to, and is not
-/// touched.
+/// it. Until then an existing file of that name stays untouched; a run that fails, or is ended by SIGINT or
+/// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.MACHINE-PID.part` file may remain; the next
+/// run for that name removes it if its process is gone. MACHINE identifies the machine or container, because
+/// process numbers repeat elsewhere: files of other machines in a shared directory may still be in use, and
+/// are not touched.
 class OutputPath {
  public:
-  /// Throws UsageError where `path` exists and `overwrite` is false, is there but no regular file (a
-  /// directory, a pipe, a device), or has no folder to stand in. A symbolic link is replaced, not followed.
+  /// Throws UsageError where `path` exists and `overwrite` is false, exists but is not a regular file (a
+  /// directory, a pipe, a device), or its directory does not exist. A symbolic link is replaced, not
+  /// followed.
   OutputPath(std::filesystem::path path, bool overwrite);
   ~OutputPath();
   OutputPath(const OutputPath&) = delete;
@@ -33,9 +34,9 @@ class OutputPath {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
   /// Puts the temporary file, which must be closed, on the disk. A run of several outputs does so with all of
-  /// them before the first gets its name. Throws IoError when the disk refuses.
+  /// them before the first gets its name. Throws IoError when writing fails.
   void flush();
-  /// Flushes where that was not done, and gives the output its name. Throws IoError when the disk refuses,
+  /// Flushes where that was not done, and gives the output its name. Throws IoError when writing fails,
   /// UsageError when another process made the output meanwhile and `overwrite` is false.
   void commit();
 
@@ -55,7 +56,7 @@ class OutputPath {
 void require_usable_output(const std::filesystem::path& path, bool overwrite);
 
 /// Writes these bytes as the whole of the temporary file and flushes it; the caller commits. Throws IoError
-/// when the disk refuses.
+/// when writing fails.
 void write_text(OutputPath& output, const std::string& text);
 
 }  // namespace landfall

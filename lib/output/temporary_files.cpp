@@ -70,7 +70,7 @@ extern "C" void interrupt(int signal_number) {
   die_of(signal_number);
 }
 
-/// Whoever closed the pipe knows that it is over.
+/// The process that closed the pipe knows that the run has ended.
 extern "C" void end_silently(int signal_number) {
   remove_temporaries();
   die_of(signal_number);

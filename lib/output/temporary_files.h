@@ -13,8 +13,8 @@ void forget_temporary_file(const std::string& path);
 
 /// On SIGINT, SIGTERM, SIGHUP and SIGXCPU: removes the registered files, says so in one line begun by
 /// `program`, ends by that signal. On SIGPIPE the same without the line. A file-size limit (ulimit -f)
-/// becomes a failed write, as a full disk is. SIGQUIT, which asks for a core, leaves the files to whoever
-/// looks at that.
+/// becomes a failed write, as a full disk is. SIGQUIT, which asks for a core, keeps the files for
+/// debugging.
 void install_signal_cleanup(const std::string& program);
 
 /// Where `new` finds no memory: removes the registered files, says so in one line begun by `program`, ends

@@ -13,7 +13,7 @@ enum class Colors {
 
 /// The colour of a fraction in [0, 1]; beyond it that of the nearer end.
 [[nodiscard]] Rgb color_of(double fraction, Colors colors);
-/// What stands for no value: no colour of the map is near it.
+/// The colour of a missing value, unlike any colour of the map.
 [[nodiscard]] Rgb no_value_color(Colors colors);
 
 }  // namespace landfall

@@ -21,7 +21,7 @@ namespace landfall {
 /// 1e-15 rad. Triangles with a NaN corner are left out. O(log triangles) per ray; the tree takes 72 bytes per
 /// triangle, the triangles themselves are made from the terrain when needed.
 ///
-/// Progress: the triangles are counted to a tenth; building the tree, most of the time, tells nothing until
+/// Progress: the triangles are counted to a tenth; building the tree, most of the time, reports nothing until
 /// it is done.
 [[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
                                                           const ProgressCallback& progress = {});

@@ -15,7 +15,7 @@ struct Ray {
 
 /// Finds where rays first meet the terrain. Every engine answers the same: |range - exact intersection with
 /// the stored surface| <= 1e-6 m, and no leaks: a ray through a shared edge or vertex hits. Surfaces are
-/// two-sided. Holes (NaN) and whatever lies outside the terrain are misses. An engine is immutable once
+/// two-sided. Holes (NaN) and points outside the terrain are misses. An engine is immutable once
 /// built: any number of threads may use it.
 class RayEngine {
  public:

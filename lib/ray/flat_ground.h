@@ -6,7 +6,7 @@
 
 namespace landfall {
 
-/// Level ground without end, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to
+/// Infinite level ground, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to
 /// rounding. Rays that run level or away from it miss.
 class FlatGround final : public TerrainSurface, public RayEngine {
  public:
@@ -14,7 +14,7 @@ class FlatGround final : public TerrainSurface, public RayEngine {
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
   [[nodiscard]] double elevation(double /*x_m*/, double /*y_m*/) const override { return elevation_m_; }
   [[nodiscard]] double highest_m() const override { return elevation_m_; }
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& /*place*/) const override {
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& /*point*/) const override {
     return Eigen::Vector3d::UnitZ();
   }
 

@@ -26,8 +26,8 @@ std::pair<double, double> certain_range(std::int64_t begin, std::int64_t end, st
 std::pair<std::int64_t, std::int64_t> tiles_around(double low, double high, std::int64_t count,
                                                    std::int64_t first_node, double resolution_m,
                                                    std::int64_t tile) {
-  const auto node = [&](double place) {
-    const double number = std::floor(place / resolution_m) - static_cast<double>(first_node);
+  const auto node = [&](double point) {
+    const double number = std::floor(point / resolution_m) - static_cast<double>(first_node);
     return static_cast<std::int64_t>(std::clamp(number, 0.0, static_cast<double>(count - 1)));
   };
   const std::int64_t begin = std::max<std::int64_t>(node(low) - 2, 0) / tile * tile;
@@ -171,19 +171,19 @@ bool WindowedTerrain::off_terrain(double x_m, double y_m) const {
 
 double WindowedTerrain::elevation(double x_m, double y_m) const {
   if (off_terrain(x_m, y_m)) return std::numeric_limits<double>::quiet_NaN();
-  const GroundBox place{x_m, x_m, y_m, y_m};
+  const GroundBox box{x_m, x_m, y_m, y_m};
   auto window = current();
-  if (!window || !window->certain.contains(place)) window = holding(place);
+  if (!window || !window->certain.contains(box)) window = holding(box);
   return window->surface->elevation(x_m, y_m);
 }
 
-Eigen::Vector3d WindowedTerrain::normal(const Eigen::Vector3d& place) const {
-  if (off_terrain(place.x(), place.y()))
+Eigen::Vector3d WindowedTerrain::normal(const Eigen::Vector3d& point) const {
+  if (off_terrain(point.x(), point.y()))
     return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  const GroundBox box{place.x(), place.x(), place.y(), place.y()};
+  const GroundBox box{point.x(), point.x(), point.y(), point.y()};
   auto window = current();
   if (!window || !window->certain.contains(box)) window = holding(box);
-  return window->surface->normal(place);
+  return window->surface->normal(point);
 }
 
 }  // namespace landfall

@@ -16,7 +16,7 @@
 
 namespace landfall {
 
-/// Bounds of places, metres, inclusive; empty where low > high.
+/// Bounds of points, metres, inclusive; empty where low > high.
 struct GroundBox {
   double low_x = std::numeric_limits<double>::infinity();
   double high_x = -std::numeric_limits<double>::infinity();
@@ -33,11 +33,11 @@ struct GroundBox {
 using EngineMaker =
     std::function<std::unique_ptr<const RayEngine>(std::shared_ptr<const TriangulatedGrid> surface)>;
 
-/// A large terrain as a surface and as an engine, through one window that grows as places and rays need it.
+/// A large terrain as a surface and as an engine, through one window that grows as points and rays need it.
 ///
 /// No answer depends on the window. The nodes' positions do not (CellOrigin); and an answer is given only
 /// when the window certainly holds all that decides it. A ray can meet the surface only between the
-/// elevations lowest_m and highest_m of the terrain: the places above which it enters and leaves these, or
+/// elevations lowest_m and highest_m of the terrain: the points above which it enters and leaves these, or
 /// hits, must lie in the window. A window is a rectangle, so what the ray crosses between them does as well.
 /// A window ends a cell short of its border, and nowhere where that is the terrain's. Answers are those of
 /// make_heightfield_engine() for the whole terrain with CellOrigin::of_windows(), bit for bit.
@@ -46,13 +46,13 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   /// Throws UsageError unless CellOrigin::has_windows(terrain.spec).
   WindowedTerrain(LargeTerrain terrain, EngineMaker make_engine);
 
-  /// Has the window hold these places, as far as they lie on the terrain.
+  /// Has the window hold these points, as far as they lie on the terrain.
   void require(const GroundBox& box) const;
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
   [[nodiscard]] double highest_m() const override { return terrain_.highest_m; }
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& place) const override;
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
 
   /// The nodes that are in memory; none at first.
   [[nodiscard]] GridSpec window() const;

@@ -13,7 +13,7 @@ namespace landfall::html_report {
 [[nodiscard]] std::string html_text(std::string_view text);
 
 /// JSON that may stand within a <script> element: every < is \u003c, so that neither </script> nor <!-- ends
-/// or changes it. Bytes that are no UTF-8 become U+FFFD; a number that is not finite is null.
+/// or changes it. Bytes that are not UTF-8 become U+FFFD; a number that is not finite is null.
 [[nodiscard]] std::string script_json(const nlohmann::ordered_json& value, int indent = -1);
 
 /// RFC 4648, padded, one line.

@@ -51,8 +51,8 @@ Histogram histogram(const Grid<T>& layer, const BinMask& region, std::size_t cla
     std::vector<std::int64_t> count(classes, 0);
     for (std::size_t i = begin; i < end; ++i) {
       if (!counts(layer, region, i)) continue;
-      const double place = (static_cast<double>(layer.values()[i]) - found.low) * per_class;
-      ++count[classes == 1 ? 0 : std::min(static_cast<std::size_t>(place), classes - 1)];
+      const double position = (static_cast<double>(layer.values()[i]) - found.low) * per_class;
+      ++count[classes == 1 ? 0 : std::min(static_cast<std::size_t>(position), classes - 1)];
     }
     return count;
   };

@@ -59,7 +59,7 @@ std::string provenance_html(const nlohmann::json& steps) {
   return text + "</tbody></table></div>\n" + configurations;
 }
 
-/// Scripts of data are no programs: the browser leaves them alone.
+/// Data in script elements is not executed by the browser.
 std::string data_html(const ReportData& data) {
   std::string text =
       "<script type=\"application/json\" id=\"report-data\">" + script_json(data.values) + "</script>\n";

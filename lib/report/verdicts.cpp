@@ -23,7 +23,7 @@ std::string shown(const std::optional<double>& value, RequirementUnit unit) {
   return value && std::isfinite(*value) ? number(*value, unit) : "\u2013";
 }
 
-/// Zero is no negative zero.
+/// Removes the sign of a negative zero.
 std::optional<double> margin(const Requirement& r, bool at_least) {
   if (!r.value) return std::nullopt;
   const double difference = at_least ? *r.value - r.limit : r.limit - *r.value;

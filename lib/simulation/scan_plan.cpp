@@ -13,7 +13,7 @@ namespace landfall {
 ScanPlan::ScanPlan(Grid<std::int8_t> region)
     : region_(std::move(region)),
       count_(region_.spec()),
-      images_(region_.spec()),
+      frames_(region_.spec()),
       first_seen_s_(region_.spec(), std::numeric_limits<float>::quiet_NaN()),
       last_pulse_(region_.spec(), -1) {}
 
@@ -52,7 +52,7 @@ void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double t_s) {
   if (count++ == 0) first_seen_s_.values()[bin] = static_cast<float>(t_s);
   if (last_pulse_.values()[bin] == pulse) return;
   last_pulse_.values()[bin] = pulse;
-  ++images_.values()[bin];
+  ++frames_.values()[bin];
 }
 
 ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region, std::int64_t points_per_batch,

@@ -34,7 +34,7 @@ class ScanPlan {
   /// Returns in each bin.
   [[nodiscard]] const Grid<std::int32_t>& count() const { return count_; }
   /// Pulses that have a return in the bin: more than one is overlap.
-  [[nodiscard]] const Grid<std::int32_t>& images() const { return images_; }
+  [[nodiscard]] const Grid<std::int32_t>& frames() const { return frames_; }
   /// When the bin was first seen, seconds, as the pulse table's t; NaN where never.
   [[nodiscard]] const Grid<float>& first_seen_s() const { return first_seen_s_; }
   [[nodiscard]] const PulseBudget& pulses() const { return pulses_; }
@@ -46,7 +46,7 @@ class ScanPlan {
 
   Grid<std::int8_t> region_;
   Grid<std::int32_t> count_;
-  Grid<std::int32_t> images_;
+  Grid<std::int32_t> frames_;
   Grid<float> first_seen_s_;
   Grid<std::int32_t> last_pulse_;  ///< that had a return in the bin, -1 before any
   PulseBudget pulses_;

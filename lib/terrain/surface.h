@@ -22,7 +22,7 @@ class TerrainSurface {
   /// edge or node of one of those that share it. NaN where there is no triangle.
   [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& point) const = 0;
 
-  /// Whether all that lies below elevation() is underground: no lidar can be there.
+  /// Whether everything below elevation() is underground, where no lidar can be.
   [[nodiscard]] virtual bool is_ground_below() const { return true; }
 
  protected:

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// Torque that nobody commanded, about the axes of B.
+/// Disturbance torque about the axes of B.
 struct DisturbanceTorque {
   Vector<BodyFrame> torque_nm{};        ///< constant
   Vector<BodyFrame> torque_sigma_nm{};  ///< of a normal draw per control period and axis

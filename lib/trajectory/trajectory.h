@@ -15,7 +15,7 @@ class Trajectory {
 
   /// Throws FormatError, naming the time and the span, outside [earliest_time_s(), end_time_s()].
   [[nodiscard]] virtual Pose pose(double t_s) const = 0;
-  /// What was planned for that time, whatever the lander does: where patterns aim from.
+  /// What was planned for that time, independent of the real motion: patterns aim from it.
   [[nodiscard]] virtual Pose nominal_pose(double t_s) const { return pose(t_s); }
   /// t0: the time of the first pulse.
   [[nodiscard]] virtual double start_time_s() const = 0;

@@ -29,7 +29,7 @@ bool has_all(const NumberTable& table, const Names& names) {
   const auto is_there = [&](const std::string& name) { return table.has(name); };
   if (std::ranges::none_of(names, is_there)) return false;
   for (const std::string& name : names)
-    if (!table.has(name)) table.fail("no column " + name + ", but others of " + list_of(names));
+    if (!table.has(name)) table.fail("no column " + name + ", but has others of " + list_of(names));
   return true;
 }
 
@@ -76,8 +76,8 @@ AttitudeReader attitude_reader(const NumberTable& table) {
   for (const AttitudeColumns& columns : attitude_columns()) {
     if (!has_all(table, columns.names)) continue;
     if (found != nullptr)
-      table.fail("has the attitude twice: keep one of " + list_of(kQuaternion) + ", " +
-                 list_of(kRollPitchYaw) + " and " + list_of(kRodrigues));
+      table.fail("has two attitudes: keep one of " + list_of(kQuaternion) + ", " + list_of(kRollPitchYaw) +
+                 " and " + list_of(kRodrigues));
     found = columns.read;
   }
   if (found == nullptr)

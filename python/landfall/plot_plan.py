@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws a plan made by scan-sim --plan: returns and images per bin, when each bin is seen, and the time budget."""
+"""Draws a plan made by scan-sim --plan: returns and frames per bin, when each bin is seen, and the time budget."""
 import json
 import os
 
@@ -9,7 +9,7 @@ from landfall import command, files, maps, plots, reduction
 from landfall.errors import DataError
 
 CELLS = 620  # blocks along a panel's edge
-BUDGET = [("in_region", "image in the region", "#0072b2"),
+BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),
           ("off_region", "outside the region", "#e69f00"),
           ("blanked", "blanked", "#999999")]
@@ -31,9 +31,9 @@ def read(path):
     """(grid, layers by name, the plan in numbers)."""
     with files.open_landfall(path, "landfall.plan") as file:
         grid = files.read_grid(file)
-        layers = {name: files.read_layer(file, grid, name) for name in ("count", "images", "first_seen", "in_region")}
+        layers = {name: files.read_layer(file, grid, name) for name in ("count", "frames", "first_seen", "in_region")}
         if "plan_json" not in file or any(layer is None for layer in layers.values()):
-            raise DataError(f"{path}: needs count, images, first_seen, in_region and plan_json")
+            raise DataError(f"{path}: needs count, frames, first_seen, in_region and plan_json")
         return grid, layers, json.loads(file["plan_json"].asstr()[()])
 
 
@@ -76,16 +76,16 @@ def draw_histogram(ax, plan, layers):
 
 
 def draw(grid, layers, plan, options):
-    coverage, images = plan["coverage"], plan["images_per_bin"]
+    coverage, frames = plan["coverage"], plan["frames_per_bin"]
     title = (f"{os.path.basename(options.plan)}: {plots.percent(coverage['uncovered_frac'])} of the region uncovered "
              f"({plots.bins(coverage['uncovered_count'])} in {plots.counted(coverage['hole_count'], 'hole')}), "
-             f"{plots.percent(images['overlap_frac'])} seen by more than one image")
+             f"{plots.percent(frames['overlap_frac'])} seen by more than one frame")
     figure, axes = maps.new_figure((2, 3), (18.5, 11.2), title)
     radius_m = plan["region"]["radius_m"]
-    known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "images")}
+    known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "frames")}
     for ax, name, style in [
             (axes[0, 0], "count", ("returns per bin", "viridis", "", max(2, plan["returns_per_bin"]["p95"]))),
-            (axes[0, 1], "images", ("images per bin (overlap)", "cividis", "", max(2, images["p95"])))]:
+            (axes[0, 1], "frames", ("frames per bin (overlap)", "cividis", "", max(2, frames["p95"])))]:
         draw_map(ax, grid, known[name], style, layers, radius_m)
     draw_map(axes[0, 2], grid, layers["first_seen"],
              ("when each bin is first seen", "plasma", "s", max(np.nanmax(layers["first_seen"], initial=0), 1e-9)),

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layout of the four files, dataset by dataset, and that other programs open them (SPEC section 8)."""
+"""The layout of the four files, dataset by dataset, and that other programs open them."""
 import json
 import os
 import re

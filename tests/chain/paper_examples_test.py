@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The paper's three examples at full size, run as a user runs them: by Makefile.studies.
 
-Numbers come from SPEC section 9: what the paper fixes, and what two independent codes of ours agree on. The paper's own
+Numbers come from docs/reference/paper.md: what the paper fixes, and what two independent codes of ours agree on. The paper's own
 1,681 failing footprints depend on cone positions that it does not publish; nothing here asserts them.
 """
 import json

@@ -31,19 +31,19 @@ class Plan(ChainTest):
         col, row = (np.floor(points[name][returned] / 0.1 + 0.5).astype(int) + 50 for name in ("x_true", "y_true"))
         pulse = points["pulse"][returned]
         kept = (col >= 0) & (col <= 100) & (row >= 0) & (row <= 100)
-        count, images = np.zeros((101, 101), int), np.zeros((101, 101), int)
+        count, frames = np.zeros((101, 101), int), np.zeros((101, 101), int)
         np.add.at(count, (row[kept], col[kept]), 1)
         of_pulse = np.unique(np.stack([pulse, row, col])[:, kept], axis=1)
-        np.add.at(images, tuple(of_pulse[1:]), 1)
+        np.add.at(frames, tuple(of_pulse[1:]), 1)
         np.testing.assert_array_equal(layers["count"], count)
-        np.testing.assert_array_equal(layers["images"], images)
+        np.testing.assert_array_equal(layers["frames"], frames)
         first = np.full((101, 101), np.inf)
         np.minimum.at(first, (row[kept], col[kept]), pulses["t"][pulse[kept]])
         np.testing.assert_array_equal(layers["first_seen"],
                                       np.where(count > 0, first, np.nan).astype(np.float32))
-        self.check_numbers(layers, count, images, pulse, row, col)
+        self.check_numbers(layers, count, frames, pulse, row, col)
 
-    def check_numbers(self, layers, count, images, pulse, row, col):
+    def check_numbers(self, layers, count, frames, pulse, row, col):
         with h5py.File(self.path("plan.h5")) as file:
             plan = json.loads(file["plan_json"].asstr()[()])
             self.assertEqual((file.attrs["format_name"], file.attrs["complete"]), ("landfall.plan", 1))
@@ -55,7 +55,7 @@ class Plan(ChainTest):
         self.assertGreater(plan["coverage"]["uncovered_count"], 0)
         np.testing.assert_array_equal(layers["hole_id"] > 0, (count == 0) & region)
         self.assertAlmostEqual(plan["returns_per_bin"]["mean"], count[region].mean(), delta=1e-12)
-        self.assertAlmostEqual(plan["images_per_bin"]["overlap_frac"], (images[region] > 1).mean(), delta=1e-12)
+        self.assertAlmostEqual(plan["frames_per_bin"]["overlap_frac"], (frames[region] > 1).mean(), delta=1e-12)
         inside = np.hypot(row - 50, col - 50) < 50
         per_pulse = np.stack([np.bincount(pulse, minlength=400), np.bincount(pulse, inside, minlength=400)])
         self.assertEqual([plan["time"][kind]["pulse_count"] for kind in
@@ -72,7 +72,7 @@ class Plan(ChainTest):
 
     def test_it_prints_a_table_or_json(self):
         text = self.plan().stdout
-        for words in ("image in the region", "uncovered:", "Per bin of the region"):
+        for words in ("frame in the region", "uncovered:", "Per bin of the region"):
             self.assertIn(words, text)
         self.assertEqual(self.entries(), ["config.json"])
         summary = json.loads(self.plan("--json").stdout)

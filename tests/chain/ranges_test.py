@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""--ranges-from: the errors of an earlier scan drawn anew (SPEC section 4)."""
+"""--ranges-from: the errors of an earlier scan drawn anew."""
 import json
 import unittest
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Equal input, seed and version give equal bytes, at any number of threads (SPEC section 8)."""
+"""Equal input, seed and version give equal bytes, at any number of threads."""
 import unittest
 
 import h5py

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the four tools share (SPEC section 1): options, exit codes, messages, refusals."""
+"""What the four tools share (docs/user/cli.md): options, exit codes, messages, refusals."""
 import json
 import os
 import shutil
@@ -149,22 +149,22 @@ class Usage(ToolTest):
         for name, argument in [("regrid", "scans"), ("dem-eval", "dem")]:
             self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} wants a file\n")
         result = self.refuse(2, "terrain-gen", "--from", "a.tif", "--center", "")
-        self.assertEqual(result.stderr, "terrain-gen: --center wants X,Y\n")
+        self.assertEqual(result.stderr, "terrain-gen: --center needs X,Y\n")
         self.refuse(2, "regrid", "scan.h5", "--layers", "", words=["--layers wants NAME,..."])
         self.refuse(2, "regrid", "scan.h5", "--set", "", words=["--set wants KEY=JSON"])
 
     def test_refusals_of_a_command_line_in_plain_words(self):
         for arguments, message in [
-                (["--outptu", "x"], "there is no option --outptu; did you mean --output?"),
+                (["--outptu", "x"], "unknown option --outptu; did you mean --output?"),
                 (["surplus"], "'surplus' is one argument too many"),
                 (["-o"], "--output wants a file"),
                 (["-t", "x"], "--threads: x is not in [0, 4096]"),
                 (["-t", "5000"], "--threads: 5000 is not in [0, 4096]"),
                 (["--band", "1"], "--band needs --from"),
                 (["--from", "a", "--center", "1,2", "--center-pixel", "1,2"],
-                 "--center and --center-pixel exclude each other"),
-                (["-o", "a", "-o", "b"], "--output stands 2 times; give it once"),
-                (["--json=maybe"], "--json takes no value")]:
+                 "--center and --center-pixel are mutually exclusive"),
+                (["-o", "a", "-o", "b"], "--output is given 2 times; give it once"),
+                (["--json=maybe"], "--json does not take a value")]:
             result = self.refuse(2, "terrain-gen", *arguments)
             self.assertEqual(result.stderr, f"terrain-gen: {message} (see --help)\n")
         self.refuse(2, "scan-sim", "--engine", "magic",
@@ -212,7 +212,7 @@ class Output(ChainTest):
     def test_only_a_regular_file_is_replaced(self):
         os.mkfifo(self.path("pipe.h5"))
         for name in TOOLS:
-            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path("pipe.h5"), "-O", words=["pipe.h5 is no regular file"])
+            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path("pipe.h5"), "-O", words=["pipe.h5 is not a regular file"])
         self.assertTrue(stat.S_ISFIFO(os.stat(self.path("pipe.h5")).st_mode))
 
     def test_an_existing_output_is_refused_and_left_alone(self):

@@ -160,7 +160,7 @@ class Assignments(ToolTest):
             self.addCleanup(os.close, folder)
             result = subprocess.run([tool(name), "-c", "-", "--check"], stdin=folder, capture_output=True, text=True, timeout=60,
                                     check=False)
-            self.assertEqual((result.returncode, result.stderr), (2, f"{name}: standard input: cannot be read to its end\n"))
+            self.assertEqual((result.returncode, result.stderr), (2, f"{name}: standard input: cannot be read completely\n"))
 
     def test_config_through_a_pipe(self):
         for name in TOOLS:

@@ -275,7 +275,7 @@ class Refusals(InfoTest):
         os.mkfifo(self.path("fifo"))
         self.refused(self.path("fifo"), "no regular file")
         self.refused("/dev/null", "no regular file")
-        self.refused(self.config("{}"), "is no HDF5 file")
+        self.refused(self.config("{}"), "is not an HDF5 file")
         with h5py.File(self.path("other.h5"), "w") as file:
             file["x"] = np.arange(3)
         self.refused(self.path("other.h5"), "is no landfall file")

@@ -398,7 +398,7 @@ class DemEval(ChainTest):
     def test_report_must_differ_from_the_other_files(self):
         shutil.copy(self.chain.dem, self.path("d.h5"))
         for arguments, word in ((["-o", self.path("e.h5"), "--report", self.path("d.h5")], "d.h5 is an input of this run"),
-                                (["-o", self.path("e.h5"), "--report", "-"], "--report wants a file")):
+                                (["-o", self.path("e.h5"), "--report", "-"], "--report needs a file")):
             self.refuse(2, "dem-eval", self.path("d.h5"), "-O", *arguments, words=[word])
             self.assertEqual(self.entries(), ["d.h5"])
         self.assertEqual(read_bytes(self.path("d.h5")), read_bytes(self.chain.dem))

@@ -62,7 +62,7 @@ def with_paths(tree, path):
 
 # What is done to a file, and words of the refusal.
 WAYS = {external_link: ["is a link to another file, ", ":/z", "one file"], soft_link: ["is a soft link, to /elsewhere"],
-        virtual: ["is a virtual dataset, of "], external_values: ["keeps its values in another file, "],
+        virtual: ["is a virtual dataset, of "], external_values: ["stores its values in another file, "],
         external_group: ["is a link to another file, "]}
 
 

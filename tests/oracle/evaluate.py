@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers, holes and metrics of an evaluation from a DEM's layers (SPEC section 6, docs/user/dem-eval.md)."""
+"""Layers, holes and metrics of an evaluation from a DEM's layers (docs/user/dem-eval.md)."""
 import numpy as np
 
 from oracle.regrid import windows

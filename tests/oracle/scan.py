@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scan with --keep-misses, column by column, from its configuration and the true surface (SPEC section 4)."""
+"""A scan with --keep-misses, column by column, from its configuration and the true surface (docs/user/scan-sim.md)."""
 import numpy as np
 
 from oracle import detector, draws, navigation, patterns, scanners, trajectory

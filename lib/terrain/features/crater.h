@@ -18,7 +18,7 @@ namespace landfall {
 ///
 /// The floor is level at depth_m below the rim, where the first would go deeper: the rim keeps its height.
 /// As published, the pieces meet at 0.98 and end in 0 at 1.5 (both within 1e-9 D), but fall by 0.00418947 D
-/// at 1.02. Degradation is cheap: all of it is multiplied by `freshness`.
+/// at 1.02. Degradation multiplies the whole profile by `freshness`.
 struct Crater {
   static constexpr const char* kName = "crater";
   static constexpr FeatureRole kRole = FeatureRole::adds;
@@ -39,7 +39,7 @@ struct Crater {
   /// diameter_m, and the freshness in (0, 1].
   void validate(const std::string& owner) const;
   [[nodiscard]] double reach_m() const { return 0.75 * diameter_m; }
-  /// The height is minus the depth that is left, rim to floor.
+  /// The height is minus the remaining depth, rim to floor.
   [[nodiscard]] FeatureSize size() const { return {diameter_m, -freshness * full_depth_m(), 0}; }
   [[nodiscard]] double relief_m(const Offset& offset) const;
   friend bool operator==(const Crater&, const Crater&) = default;

@@ -39,14 +39,14 @@ struct Feature {
   friend bool operator==(const Feature&, const Feature&) = default;
 };
 
-/// The site that a pattern (pattern.h) fills, metres, frame D, and its chance.
+/// The site that a pattern (pattern.h) fills, metres, frame D, and its random seed.
 struct PatternSite {
   double west_m = 0;
   double east_m = 0;
   double south_m = 0;
   double north_m = 0;
   std::uint64_t seed = 1;
-  std::uint64_t pattern = 0;  ///< its number: patterns of one seed draw independently
+  std::uint64_t pattern = 0;  ///< its number: patterns of one seed are independent
 
   [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }
 };

@@ -17,13 +17,13 @@ enum class FeatureRole {
   adds,    ///< changes the ground: craters, pits. Where several meet, all add.
   drapes,  ///< lies on the ground point by point, as long objects do. Where several meet, the highest
            ///< counts.
-  stands,  ///< stands on the ground under its own centre, and shows where it is higher than all else.
+  stands,  ///< rests on the ground under its own centre; visible where it is higher than everything else.
 };
 
-/// The relief outside a feature's footprint.
+/// The relief outside the footprint of a feature.
 inline constexpr double kNoRelief = std::numeric_limits<double>::quiet_NaN();
 
-/// What a list of objects says of one. Metres; counter-clockwise from +x.
+/// An object in a list of objects. Metres; counter-clockwise from +x.
 struct FeatureSize {
   double diameter_m = 0;  ///< the greatest extent along the ground
   double height_m = 0;    ///< above the ground; below it where negative (a crater's depth)

@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// A pattern stands for many features: features() lists them in a fixed order, a pure function of pattern and
+/// A pattern generates many features: features() lists them in a fixed order, a pure function of pattern and
 /// site. kByChance tells whether their positions are drawn. A new pattern is a file and a name in this list.
 using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern, LinePattern>;
 

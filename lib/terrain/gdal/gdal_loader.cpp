@@ -62,8 +62,8 @@ const GdalPlugin& find_plugin() {
     if (fs::exists(file, missing)) return plugin_at(file);
     tried += (tried.empty() ? "" : ", ") + file.string();
   }
-  throw IoError("the GDAL plugin, landfall-gdal.so, is not there; tried " + tried +
-                "; LANDFALL_PLUGIN_DIR can name its folder");
+  throw IoError("cannot find the GDAL plugin landfall-gdal.so; tried " + tried +
+                "; set LANDFALL_PLUGIN_DIR to its directory");
 }
 
 /// Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.

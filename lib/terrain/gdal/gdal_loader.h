@@ -14,9 +14,9 @@
 
 namespace landfall {
 
-/// The DemLoader that opens files: any raster of the formats that docs/user/terrain-gen.md lists, by GDAL. GDAL
-/// brings about a hundred shared libraries along, so it lives in a plugin, landfall-gdal.so, which the first
-/// call loads. Looked for in $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and
+/// The DemLoader that opens files: any raster of the formats that docs/user/terrain-gen.md lists, by GDAL.
+/// GDAL brings about a hundred shared libraries along, so it lives in a plugin, landfall-gdal.so, which the
+/// first call loads. Looked for in $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and
 /// ../<libdir>/landfall), then where it was installed to.
 ///
 /// Holes are NaN: what the band's nodata value, its mask or alpha band, or NaN says. Scale and offset are
@@ -32,7 +32,7 @@ namespace landfall {
 ///
 /// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
 /// both kinds of centre at once; FormatError where the raster cannot be opened or read, needs a file that is
-/// no part of it, is complex-valued, is smaller than 2 x 2, has no usable georeference, or does not hold all
+/// not part of it, is complex-valued, is smaller than 2 x 2, has no usable georeference, or does not hold all
 /// of the site, and without the plugin, naming the raster and the paths tried. From any thread, one call at
 /// a time: GDAL has one list of drivers, and reading a raster changes it.
 [[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
@@ -58,7 +58,7 @@ namespace landfall {
 /// Writes grids as the bands of a cloud-optimized GeoTIFF: deflate with a predictor, tiles of 512 x 512, each
 /// node the centre of its pixel, row 0 the northern. Bands of a TIFF have one type: float64 if a band is or
 /// if there are float32 and int32, else float32, int32, or int16 for int8. Floating-point files have nodata
-/// NaN, integer ones none. Overviews hold the mean of the nodes that are no holes, those of integers, which
+/// NaN, integer ones none. Overviews hold the mean of the nodes that are not holes, those of integers, which
 /// may be flags, their middle node. The grids are not copied: tiles and GDAL's block cache (64 MiB) are all
 /// that it needs besides. `path` is written in place and holds nothing useful after a failure.
 ///

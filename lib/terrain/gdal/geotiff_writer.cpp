@@ -64,7 +64,7 @@ struct Level {
         cols{spec.cols, coarser(spec.cols, number)} {}
 };
 
-/// The mean of a pixel's nodes that are no holes. Row 0 is the northern one.
+/// The mean of a pixel's nodes that are not holes. Row 0 is the northern one.
 template <class T>
 double mean_of(const Grid<T>& nodes, const Level& level, std::int64_t row, std::int64_t col) {
   const std::int64_t last = nodes.spec().rows - 1;

@@ -57,8 +57,7 @@ std::string promised_format(const std::string& path) {
     throw FormatError(dem.path + ": GDAL cannot open it (" + reason + "); get or export it again");
   if (is_mesh_name(dem.path))
     throw FormatError(
-        dem.path +
-        R"(: is a mesh by its name; a mesh is configured as "mesh": {"path": ..}, not as a raster)");
+        dem.path + R"(: is a mesh by its extension; configure it as "mesh": {"path": ..}, not as a raster)");
   const std::string format = promised_format(dem.path);
   if (!format.empty())
     throw FormatError(dem.path + ": begins as a " + format +
@@ -123,9 +122,10 @@ void require_usable(const OpenRaster& raster, const DemBase& dem) {
 
 void refuse_link(const FileGuard& guard, const DemBase& dem) {
   if (const std::optional<std::string> file = guard.refused())
-    throw ParameterError<FormatError>(dem.path + ": leads to another file, " + *file +
-                                          "; make one file of all by gdal_translate, or follow its links",
-                                      "follow_links");
+    throw ParameterError<FormatError>(
+        dem.path + ": refers to another file, " + *file +
+            "; merge them into one file with gdal_translate, or follow its links",
+        "follow_links");
 }
 
 OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors) {

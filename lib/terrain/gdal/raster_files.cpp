@@ -74,7 +74,7 @@ bool is_vrt(const std::string& path) {
          head_of(path).find("<VRTDataset") != std::string::npos;
 }
 
-/// Null for what is no VRT.
+/// Null for a file that is not a VRT.
 Xml vrt_of(const std::string& name) {
   CPLXMLNode* tree = nullptr;
   if (name.find("<VRTDataset") != std::string::npos)

@@ -3,7 +3,7 @@
 
 namespace landfall {
 
-/// What becomes of the files that a raster names, such as the sources of a VRT, and that are no part of it.
+/// How to treat files that a raster refers to but that do not belong to it, such as the sources of a VRT.
 ///
 /// Part of a raster are the file itself, and files in its folder whose names begin with its own up to the
 /// last dot: the image of a detached label, headers, world files, masks. Of an archive it is the archive, of

@@ -81,7 +81,7 @@ bool is_shift_of(OGRSpatialReference site, OGRSpatialReference crs, const MapPoi
 }
 
 /// The same projection in metres with its false origin moved to the site centre; the local CRS where the
-/// projection has no false origin or something else stands in the way.
+/// projection has no false origin or PROJ refuses.
 std::string shifted_wkt(const OGRSpatialReference& crs, const MapPoint& center) {
   if (!crs.IsProjected()) return kLocalSiteCrsWkt;
   const double metres_per_unit = crs.GetLinearUnits();

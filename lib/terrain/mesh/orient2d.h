@@ -10,7 +10,7 @@ namespace landfall {
 ///
 /// The sign is exact (Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
 /// predicates", 1997: a filter, then expansions), the value is within 2^-20 of itself. Exchanging two points
-/// changes the sign and nothing else that matters. Coordinates must be finite and below 1e150; differences
+/// changes only the sign. Coordinates must be finite and below 1e150; differences
 /// below 1e-130 may count as 0.
 [[nodiscard]] double orient2d(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c);
 

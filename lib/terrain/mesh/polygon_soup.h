@@ -13,7 +13,7 @@
 
 namespace landfall {
 
-/// Polygons as a mesh file has them: in its own units, with vertices that may be there twice, or for nothing.
+/// Polygons as a mesh file has them: in its own units, whose vertices may be repeated or unused.
 struct PolygonSoup {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::uint32_t> corners;     ///< numbers of points, polygon after polygon
@@ -25,8 +25,8 @@ struct PolygonSoup {
   }
 };
 
-/// Where a mesh stands in frame D: a point p of the file comes to R (scale_m p) + translate_m, R as D7 has
-/// it.
+/// The placement of a mesh in frame D: a point p of the file comes to R (scale_m p) + translate_m, R as D7
+/// has it.
 struct MeshPlacement {
   double scale_m = 1;  ///< metres per unit of the file
   RollPitchYaw rotate = {};

@@ -54,7 +54,7 @@ void LinePattern::require_bounded(const PatternSite& site) const {
   if (expected <= kMaxLines) return;
   throw UsageError("patterns/" + std::to_string(site.pattern) + ": about " +
                    number_text(std::round(expected)) + " lines would be drawn, more than " +
-                   number_text(kMaxLines) + "; take a lower density");
+                   number_text(kMaxLines) + "; use a lower density");
 }
 
 std::vector<Feature> LinePattern::features(const PatternSite& site) const {

@@ -16,8 +16,8 @@ namespace landfall {
 using LineShape = std::variant<Ridge, Fracture>;
 
 /// Copies of a ridge or fracture at uniform positions, as a Poisson process of a density per area: lengths
-/// even from shortest_m to the shape's own, yaws even within +-yaw_spread_rad of the shape's own. Those whose
-/// centre is off the site, but which may reach into it, are listed as well.
+/// uniform from shortest_m to the shape's own, yaws uniform within +-yaw_spread_rad of the shape's own. Those
+/// whose centre is off the site, but which may reach into it, are listed as well.
 struct LinePattern {
   static constexpr bool kByChance = true;
 

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-// Patterns that scatter objects by chance. validate() throws UsageError where a parameter makes no sense;
+// Patterns that scatter objects randomly. validate() throws UsageError where a parameter makes no sense;
 // features() lists the objects in descending order of diameter, a pure function of pattern and site, and
 // throws UsageError as PopulationSampler does; require_bounded() throws it where that is known before a draw.
 
@@ -28,7 +28,7 @@ struct RockPattern {
 };
 
 /// Boxes of ice, their centres on the site: the diameter is the length, the width 0.8 of it, heights as
-/// those of rocks, any yaw, tilts even within +-max_tilt_rad.
+/// those of rocks, any yaw, tilts uniform within +-max_tilt_rad.
 struct IceBlockPattern {
   static constexpr bool kByChance = true;
 
@@ -45,7 +45,7 @@ struct IceBlockPattern {
   friend bool operator==(const IceBlockPattern&, const IceBlockPattern&) = default;
 };
 
-/// Craters of the fresh depth of their size, degraded by a freshness that is even in [freshness_min, 1].
+/// Craters of the fresh depth of their size, degraded by a freshness that is uniform in [freshness_min, 1].
 /// Those whose centre is off the site, but whose rim or ejecta reach into it, are listed as well, so that
 /// the site's edge has as many as its middle.
 struct CraterPattern {

@@ -151,7 +151,7 @@ void PopulationSampler::spread(std::vector<ScatteredObject>& objects) const {
       if (++attempt == kAttempts)
         throw UsageError(name() + "/overlap: a " + kind_.name + " of " + number_text(object.diameter_m) +
                          " m finds no free position in " + std::to_string(kAttempts) +
-                         " draws; allow overlap, raise min_diameter_m or take a lower density");
+                         " draws; allow overlap, raise min_diameter_m or use a lower density");
       object.point = draw_point(object.key, attempt, box);
     }
   }

@@ -13,7 +13,7 @@
 
 namespace landfall {
 
-/// Objects scattered by chance: how many of which size per area, and where.
+/// Randomly scattered objects: their number per area and size, and their region.
 struct Population {
   SizeLaw law;
   DiameterRange diameters;
@@ -32,7 +32,7 @@ struct Population {
 /// What the objects of a population are.
 struct PopulationKind {
   const char* name;     ///< of one, for messages: "rock"
-  RandomStream stream;  ///< their chance
+  RandomStream stream;  ///< of their draws
   double reach;         ///< of an object about its centre, in diameters
   bool from_outside;    ///< objects whose centre is off the site count where they reach into it
 };
@@ -47,8 +47,8 @@ struct ScatteredObject {
 /// Draws a population on a site: a Poisson process in position and size, of density dN(>D) per area. Within
 /// each octave (2^n, 2^(n+1)] of D in metres, from the largest down, the numbers N(>D) of the objects are
 /// sums of independent exponential draws divided by the area, so that counts are Poisson's and sizes descend
-/// (docs/reference/decisions.md, D112). Object i of an octave is a function of (seed, octave, i), whatever the other
-/// octaves are: another least or greatest diameter only takes objects away or adds some.
+/// (docs/reference/decisions.md, D112). Object i of an octave is a function of (seed, octave, i), whatever
+/// the other octaves are: another least or greatest diameter only takes objects away or adds some.
 ///
 /// With overlap == false an object, as the disc of its reach, that overlaps a larger one is drawn again at
 /// another position, up to 1000 times.

@@ -31,7 +31,7 @@ struct SiteRaster {
 /// a half width that is given; the half width the largest multiple of the resolution whose square lies inside
 /// the raster.
 ///
-/// The message begins with `what`. Throws UsageError where a half width that nobody gave would make more than
+/// The message begins with `what`. Throws UsageError where a default half width would make more than
 /// 2^26 nodes, FormatError where not one cell fits around the centre.
 [[nodiscard]] SiteSize fit_site(const SiteRaster& raster, Interpolation method, const SiteRequest& request,
                                 const std::string& what);

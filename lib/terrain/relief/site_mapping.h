@@ -28,7 +28,7 @@ struct MapPoint {
 class GeoTransform {
  public:
   explicit GeoTransform(const std::array<double, 6>& coefficients);
-  /// False where cells have no area or a coefficient is not finite: there is no way back to pixels then.
+  /// False where cells have no area or a coefficient is not finite: it has no inverse then.
   [[nodiscard]] bool invertible() const;
   [[nodiscard]] MapPoint map_point(const PixelPosition& pixel) const;
   [[nodiscard]] PixelPosition pixel(const MapPoint& point) const;

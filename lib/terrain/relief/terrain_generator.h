@@ -29,12 +29,12 @@ void validate(const TerrainModel& model, const GridSpec& spec);
 /// Builds a gridded terrain: the sum of the bases at each node, then the features (feature_field.h). Fractal
 /// base number i (counted among all bases) draws its own waves; one without a longest wavelength those that
 /// no DEM has, shorter than twice the finest posting. Holes of any base are holes of the terrain, whatever
-/// stands there.
+/// is there.
 ///
 /// Throws UsageError as validate(), and, without a DEM, for an elevation farther than 1e12 m from 0;
 /// FormatError for such an elevation with a DEM, where a DEM is refused (no finite node, NaN at the centre
 /// with Datum::center, a node outside the raster, or by the loader itself) or a standing feature's centre is
-/// on a hole; both name the culprit. The result does not depend on the number of threads.
+/// on a hole; both name the cause. The result does not depend on the number of threads.
 [[nodiscard]] GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec,
                                                 const DemLoader& load_dem,
                                                 const ProgressCallback& progress = {});

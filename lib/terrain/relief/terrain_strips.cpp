@@ -242,7 +242,7 @@ void TerrainStrips::require_elevations(const Grid<double>& z) const {
           << z.at(*node) << " m, farther than 1e12 m from 0";
   if (dems_.empty()) throw UsageError(message.str() + "; lower what the base or the features add there");
   throw FormatError(dems_.front().raster.source.path + ": " + message.str() +
-                    "; is it a value for holes that the raster does not name (gdal_translate -a_nodata)?");
+                    "; is it a nodata value that the raster does not declare (gdal_translate -a_nodata)?");
 }
 
 void TerrainStrips::require_relief() const {

@@ -34,9 +34,9 @@ TEST(ImportConfig, SizesGoIntoTheGrid) {
 TEST(ImportConfig, AGridThatIsNoneIsRefused) {
   const Json config = {{"grid", 5}};
   EXPECT_EQ(refused(config, sizes("60", "")),
-            "c.json: /grid: is no object, so that --half-width has no place in it");
+            "c.json: /grid: is not an object, so --half-width cannot be set");
   EXPECT_EQ(refused(config, sizes("", "1")),
-            "c.json: /grid: is no object, so that --resolution has no place in it");
+            "c.json: /grid: is not an object, so --resolution cannot be set");
 }
 
 }  // namespace

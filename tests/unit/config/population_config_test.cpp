@@ -107,7 +107,7 @@ TEST(PopulationConfig, RefusalsNameFilePatternAndKey) {
   EXPECT_THAT(refusal(R"({"type": "golombek_rocks", "area_fraction": 0.5, "area_fraction_above_m": 1})"),
               HasSubstr("c.json: /patterns/0/area_fraction: rocks of 1 m and more cover at most"));
   EXPECT_THAT(refusal(R"({"type": "power_law_rocks", "exponent": 2})"),
-              HasSubstr("/patterns/0/exponent: goes with model custom, not with viper"));
+              HasSubstr("/patterns/0/exponent: is allowed only with model custom, not with viper"));
   EXPECT_THAT(refusal(R"({"type": "power_law_rocks", "model": "custom", "exponent": 2})"),
               HasSubstr("/patterns/0/model: custom needs coefficient and exponent"));
   EXPECT_THAT(refusal(R"({"type": "craters", "model": "production"})"), HasSubstr("production needs"));

@@ -50,7 +50,7 @@ TEST(Schema, AMessageNamesFilePathValueAndBound) {
   EXPECT_EQ(refusal("scan", R"({"detector": {"rows": 1.5}})"),
             "c.json: /detector/rows: 1.5 is of type number, not integer");
   EXPECT_EQ(refusal("scan", R"({"mount": {"rpy_deg": [1, 2]}})"),
-            "c.json: /mount/rpy_deg: an array of 2 elements; wanted 3");
+            "c.json: /mount/rpy_deg: an array of 2 elements; expected 3");
   EXPECT_EQ(refusal("terrain", R"({"features": [{"type": "cone", "radius_m": 3}]})"),
             "c.json: /features/0: needs the key \"height_m\"");
 }

@@ -62,7 +62,7 @@ TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
   };
   for (const std::string key : {"grid", "base", "features", "patterns"})
     EXPECT_EQ(refused(R"({"mesh": {"path": "m.obj"}, ")" + key + R"(": {}})"),
-              "c.json: /" + key + ": stands beside /mesh, which replaces it; give one of them");
+              "c.json: /" + key + ": is mutually exclusive with /mesh; remove one");
   EXPECT_THAT(refused(R"({"mesh": {}})"), HasSubstr("/mesh: needs the key \"path\""));
   EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 0}})"), HasSubstr("/mesh/scale_m"));
   EXPECT_THAT(

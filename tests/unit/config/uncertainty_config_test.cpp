@@ -159,7 +159,7 @@ TEST(NavigationSigmaOption, RefusesWhatItCannotRead) {
   EXPECT_THAT(refused("position=0.5"), HasSubstr("KEY is position_m"));
   EXPECT_THAT(refused("position_m=0.5x"), HasSubstr("'0.5x' is not a number"));
   EXPECT_THAT(refused("position_m="), HasSubstr("'' is not a number"));
-  EXPECT_THAT(refused("position_m=1,2"), HasSubstr("2 numbers; wanted 1 or 3"));
+  EXPECT_THAT(refused("position_m=1,2"), HasSubstr("2 numbers; expected 1 or 3"));
   EXPECT_THAT(refused("position_m=1,2,3,4"), HasSubstr("4 numbers"));
 }
 

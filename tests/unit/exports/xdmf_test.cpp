@@ -29,9 +29,9 @@ TEST(Xdmf, NamesDataFromTheFolderOfALinkThatItReplaces) {
 TEST(Xdmf, PlacesPointsByOneDatasetAndNamesThem) {
   const std::vector<ContentInfo> columns = {{"x_est", h5::Type::float32, "m", ""},
                                             {"status", h5::Type::int8, "1", ""}};
-  const PointPlaces places{"a&b.h5", {"x_est", "y_est", "z_est"}, h5::Type::float32, 7, ""};
-  EXPECT_EQ(xdmf_places("c/p.xmf"), "c/p.xmf.h5");
-  const std::string text = points_xdmf(columns, places, "p.xmf.h5");
+  const PointPositions positions{"a&b.h5", {"x_est", "y_est", "z_est"}, h5::Type::float32, 7, ""};
+  EXPECT_EQ(xdmf_positions("c/p.xmf"), "c/p.xmf.h5");
+  const std::string text = points_xdmf(columns, positions, "p.xmf.h5");
   EXPECT_THAT(text, HasSubstr(R"(TopologyType="Polyvertex" NumberOfElements="7")"));
   EXPECT_THAT(text,
               HasSubstr(R"(Dimensions="7 1" NumberType="Int" Precision="4" Format="HDF">p.xmf.h5:/row<)"));
@@ -47,11 +47,11 @@ TEST(Xdmf, PlacesPointsByOneDatasetAndNamesThem) {
 TEST(Xdmf, ReadsThePlacesOfAScan) {
   const TemporaryFolder folder;
   SmallScan().write(folder / "scan.h5");
-  const PointPlaces places = places_of(PointReader(folder / "scan.h5"), "true", "s.h5");
-  EXPECT_EQ(places.columns, (std::array<std::string, 3>{"x_true", "y_true", "z_true"}));
-  EXPECT_EQ(places.type, h5::Type::float64);
-  EXPECT_EQ(places.rows, 5U);
-  EXPECT_EQ(places.scan, "s.h5");
+  const PointPositions positions = positions_of(PointReader(folder / "scan.h5"), "true", "s.h5");
+  EXPECT_EQ(positions.columns, (std::array<std::string, 3>{"x_true", "y_true", "z_true"}));
+  EXPECT_EQ(positions.type, h5::Type::float64);
+  EXPECT_EQ(positions.rows, 5U);
+  EXPECT_EQ(positions.scan, "s.h5");
 }
 
 TEST(Xdmf, PlacesAGridByOriginAndStepSlowestFirst) {

@@ -120,13 +120,13 @@ TEST(GridFile, RefusesTheWrongFile) {
   const TemporaryFolder folder;
   EXPECT_THAT(reading_fails(folder / "none.h5"), HasSubstr("no such file"));
   std::ofstream(folder / "text.h5") << "no HDF5";
-  EXPECT_THAT(reading_fails(folder / "text.h5"), HasSubstr("is no HDF5 file"));
+  EXPECT_THAT(reading_fails(folder / "text.h5"), HasSubstr("is not an HDF5 file"));
   write(folder / "a.h5", GridSpec::centered(3, 0.25), provenance());
   std::filesystem::resize_file(folder / "a.h5", std::filesystem::file_size(folder / "a.h5") / 2);
   EXPECT_THAT(reading_fails(folder / "a.h5"), HasSubstr("is truncated or damaged"));
   LandfallFileWriter scan({folder / "scan.h5", false, 1}, "scan", provenance());
   scan.commit();
-  EXPECT_THAT(reading_fails(folder / "scan.h5"), HasSubstr("is a landfall.scan file; wanted landfall.dem"));
+  EXPECT_THAT(reading_fails(folder / "scan.h5"), HasSubstr("is a landfall.scan file; expected landfall.dem"));
 }
 
 TEST(GridFile, AnUncommittedFileDoesNotExist) {

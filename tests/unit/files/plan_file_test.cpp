@@ -19,7 +19,7 @@ PlanMetrics some_plan() {
   plan.coverage.largest_hole_bins = 7;
   plan.coverage.max_distance_bins = 2.5;
   plan.returns_per_bin = {1.5, 0, 0, 1, 3, 4, 0.125};
-  plan.images_per_bin = {1.25, 0, 0, 1, 2, 3, 0.5};
+  plan.frames_per_bin = {1.25, 0, 0, 1, 2, 3, 0.5};
   return plan;
 }
 
@@ -36,7 +36,7 @@ TEST(PlanJson, HasItsKeysInOrder) {
       R"("coverage":{"uncovered_count":300,"uncovered_frac":0.25,"hole_count":5,)"
       R"("largest_hole_bins":7,"max_distance_bins":2.5},)"
       R"("returns_per_bin":{"mean":1.5,"min":0,"p05":0,"median":1,"p95":3,"max":4},)"
-      R"("images_per_bin":{"mean":1.25,"min":0,"p05":0,"median":1,"p95":2,"max":3,"overlap_frac":0.5}})");
+      R"("frames_per_bin":{"mean":1.25,"min":0,"p05":0,"median":1,"p95":2,"max":3,"overlap_frac":0.5}})");
 }
 
 TEST(PlanJson, ReadsWhatItWrote) {
@@ -44,12 +44,12 @@ TEST(PlanJson, ReadsWhatItWrote) {
   const PlanMetrics plan = fields_from<PlanMetrics>(json);
   EXPECT_EQ(fields_json(plan).dump(), json.dump());
   EXPECT_EQ(plan.coverage.invalid_count, 300);
-  EXPECT_EQ(plan.images_per_bin.above_one_frac, 0.5);
+  EXPECT_EQ(plan.frames_per_bin.above_one_frac, 0.5);
 }
 
 TEST(PlanJson, RefusesWhatItDoesNotWrite) {
   auto json = fields_json(some_plan());
-  json.at("images_per_bin").erase("overlap_frac");
+  json.at("frames_per_bin").erase("overlap_frac");
   EXPECT_THROW(static_cast<void>(fields_from<PlanMetrics>(json)), nlohmann::json::exception);
   EXPECT_THROW(static_cast<void>(fields_from<PlanMetrics>(nlohmann::ordered_json())),
                nlohmann::json::exception);

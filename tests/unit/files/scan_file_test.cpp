@@ -114,7 +114,7 @@ TEST(ScanReader, NamesTheRowOfAPulseThatIsNotThere) {
   for (const int pulse : {-1, 2})
     EXPECT_THAT(failure({.options = {.keep_misses = true},
                          .change = [&](PulseBatch& b) { b.points.pulse[4] = pulse; }}),
-                EndsWith("/points/pulse[4] = " + std::to_string(pulse) + " is no row of /pulses (2)"));
+                EndsWith("/points/pulse[4] = " + std::to_string(pulse) + " is not a row of /pulses (2)"));
 }
 
 std::vector<DatasetEntry> datasets_of(const std::filesystem::path& path, const char* group) {
@@ -163,7 +163,7 @@ TEST(ScanWriter, TellsWhyThereIsNoReturn) {
                              b.points.status = {miss, miss, dropout, dead, blanked, lost_in_optics};
                            }}),
               EndsWith("the scan has no return: 2 misses, 1 dropouts, 1 of dead pixels, 1 of blanked pulses, "
-                       "1 lost in the scanner (total reflection); does it look at the terrain?"));
+                       "1 lost in the scanner (total reflection); does the lidar point at the terrain?"));
 }
 
 }  // namespace

@@ -188,16 +188,17 @@ TEST_F(MeshFileTest, RefusesWhatIsNoFileOrNoMesh) {
   fs::create_directory(folder_ / "folder.obj");
   EXPECT_EQ(refusal_of(folder_ / "folder.obj"), "is a directory");
   ASSERT_EQ(mkfifo((folder_ / "pipe.ply").c_str(), 0600), 0);
-  EXPECT_EQ(refusal_of(folder_ / "pipe.ply"), "is no regular file");
-  EXPECT_EQ(refusal("t.stp", ""), "'.stp' is no mesh that is read: .obj, .ply, .off or .stl");
-  EXPECT_EQ(refusal("t", ""), "'' is no mesh that is read: .obj, .ply, .off or .stl");
+  EXPECT_EQ(refusal_of(folder_ / "pipe.ply"), "is not a regular file");
+  EXPECT_EQ(refusal("t.stp", ""), "'.stp' is not a supported mesh format: use .obj, .ply, .off or .stl");
+  EXPECT_EQ(refusal("t", ""), "'' is not a supported mesh format: use .obj, .ply, .off or .stl");
   for (const char* const name : {"t.obj", "t.ply", "t.off", "t.stl"}) {
     EXPECT_NE(refusal(name, ""), "accepted");
     EXPECT_NE(refusal(name, std::string(4096, '\0')), "accepted");
     EXPECT_NE(refusal(name, std::string(4096, '\xff')), "accepted");
   }
-  EXPECT_EQ(refusal("t.ply", ascii_stl()), "line 1: is no PLY file: it does not begin with 'ply'");
-  EXPECT_EQ(refusal("t.stl", "OFF\n3 1 0\n"), "is no STL file: neither begins with 'solid' nor has a header");
+  EXPECT_EQ(refusal("t.ply", ascii_stl()), "line 1: is not a PLY file: it does not begin with 'ply'");
+  EXPECT_EQ(refusal("t.stl", "OFF\n3 1 0\n"),
+            "is not an STL file: it neither begins with 'solid' nor has a header");
 }
 
 TEST_F(MeshFileTest, RefusesBadObj) {
@@ -239,7 +240,7 @@ TEST_F(MeshFileTest, RefusesBadOffAndStl) {
 
 TEST_F(MeshFileTest, RefusesBadPly) {
   EXPECT_EQ(refusal("t.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), "line 4: ends within the header");
-  EXPECT_THAT(refusal("t.ply", ply_header("ebcdic")), HasSubstr("'ebcdic' is no format of PLY"));
+  EXPECT_THAT(refusal("t.ply", ply_header("ebcdic")), HasSubstr("'ebcdic' is not a PLY format"));
   EXPECT_THAT(refusal("t.ply", ply_header("binary_little_endian", "4000000000000")),
               HasSubstr("elements 'camera', more than the file has left"));
   std::string claims = binary_ply(false);

@@ -60,7 +60,7 @@ TEST_F(ScanPipeline, APlanHasEveryPulse) {
   const ScanPlan plan = plan_scan(simulation_, Grid<std::int8_t>(GridSpec::centered(1, 1), 1), 7);
   EXPECT_EQ(plan.return_count(), 100);
   EXPECT_EQ(plan.pulses(), (PulseBudget{.in_region = 100}));
-  EXPECT_EQ(plan.images().at({1, 1}), 100);
+  EXPECT_EQ(plan.frames().at({1, 1}), 100);
 }
 
 // The first batch fails when later ones wait for it before the last stage, where oneTBB itself destroys

@@ -46,7 +46,7 @@ TEST(ScanPlan, CountsReturnsImagesAndFirstSights) {
   plan.add(batch_of(0, {{{0, 0}, {0.4, -0.4}, {1, 0}}, {{0, 0}, {0, 1}}}));
   plan.add(batch_of(2, {{{0, 0}, {0, 0, miss}, {9, 9}}}));
   EXPECT_THAT(plan.count().values(), ElementsAre(0, 0, 0, 0, 4, 1, 0, 1, 0));
-  EXPECT_THAT(plan.images().values(), ElementsAre(0, 0, 0, 0, 3, 1, 0, 1, 0));
+  EXPECT_THAT(plan.frames().values(), ElementsAre(0, 0, 0, 0, 3, 1, 0, 1, 0));
   EXPECT_EQ(plan.first_seen_s().at({1, 1}), 0);
   EXPECT_EQ(plan.first_seen_s().at({2, 1}), 0.1F);
   EXPECT_TRUE(std::isnan(plan.first_seen_s().at({0, 0})));

@@ -112,13 +112,14 @@ TEST(TrajectoryColumns, RefusesAnAttitudeThatIsMissingIncompleteOrGivenTwice) {
   EXPECT_THAT(message_of({}),
               testing::HasSubstr("a.csv: has no attitude: add the columns qw,qx,qy,qz, or roll_deg"));
   EXPECT_THAT(message_of({{"qw", {1, 1}}, {"qx", {0, 0}}, {"qy", {0, 0}}}),
-              testing::HasSubstr("a.csv: no column qz, but others of qw,qx,qy,qz"));
+              testing::HasSubstr("a.csv: no column qz, but has others of qw,qx,qy,qz"));
   Columns twice = kRollPitchYaw;
   for (const char* const name : {"mrp_1", "mrp_2", "mrp_3"}) twice[name] = {0, 0};
   EXPECT_THAT(message_of(twice), testing::HasSubstr("has the attitude twice"));
   Columns half = kRollPitchYaw;
   half["vx_mps"] = {0, 0};
-  EXPECT_THAT(message_of(half), testing::HasSubstr("no column vy_mps, but others of vx_mps,vy_mps,vz_mps"));
+  EXPECT_THAT(message_of(half),
+              testing::HasSubstr("no column vy_mps, but has others of vx_mps,vy_mps,vz_mps"));
 }
 
 }  // namespace

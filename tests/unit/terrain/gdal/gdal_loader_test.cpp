@@ -100,7 +100,7 @@ TEST_F(LoadDem, RefusesAPipe) {
   for (const std::string& path : {pipe, vrt}) {
     dem.path = path;
     EXPECT_THAT([&] { (void)dem_loader(RasterLinks::followed)(dem, GridSpec::centered(1, 1)); },
-                ::testing::ThrowsMessage<FormatError>(pipe + ": is no regular file"));
+                ::testing::ThrowsMessage<FormatError>(pipe + ": is not a regular file"));
   }
 }
 

@@ -20,8 +20,8 @@ using ::testing::StartsWith;
 
 class GdalPluginFile : public ::testing::Test {
  protected:
-  /// What load_dem() says of any raster in a process of `program`, gdal_refusal or a copy of it: a process loads the
-  /// plugin once.
+  /// What load_dem() says of any raster in a process of `program`, gdal_refusal or a copy of it: a process
+  /// loads the plugin once.
   [[nodiscard]] std::string refusal(const fs::path& program, const fs::path& plugin_folder) const {
     const fs::path said = folder_ / "refusal";
     const std::string command =
@@ -44,7 +44,7 @@ TEST_F(GdalPluginFile, ThatIsMissing) {
   fs::create_directory(copy.parent_path());
   fs::copy_file(program_, copy);
   EXPECT_THAT(refusal(copy, "/nowhere"),
-              AllOf(StartsWith("any.tif: the GDAL plugin, landfall-gdal.so, is not there; tried "),
+              AllOf(StartsWith("any.tif: cannot find the GDAL plugin landfall-gdal.so; tried "),
                     HasSubstr("/nowhere/landfall-gdal.so"),
                     HasSubstr((folder_ / "lib/landfall/landfall-gdal.so").lexically_normal().string()),
                     HasSubstr("LANDFALL_PLUGIN_DIR")));

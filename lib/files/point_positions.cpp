@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/point_places.h"
+#include "files/point_positions.h"
 
 #include <algorithm>
 #include <limits>
@@ -32,31 +32,31 @@ std::string source_name(const std::string& file) {
 }
 
 /// A column of the virtual dataset is a column of the scan.
-void map_columns(hid_t properties, hid_t space, const PointPlaces& places) {
-  const hsize_t rows = places.rows;
-  const std::string scan = source_name(places.scan);
+void map_columns(hid_t properties, hid_t space, const PointPositions& positions) {
+  const hsize_t rows = positions.rows;
+  const std::string scan = source_name(positions.scan);
   const h5::Handle source(H5Screate_simple(1, &rows, nullptr), H5Sclose);
-  for (hsize_t axis = 0; axis < places.columns.size(); ++axis) {
+  for (hsize_t axis = 0; axis < positions.columns.size(); ++axis) {
     const std::array<hsize_t, 2> start = {0, axis};
     const std::array<hsize_t, 2> count = {rows, 1};
-    const std::string dataset = "/points/" + places.columns[axis];
+    const std::string dataset = "/points/" + positions.columns[axis];
     require(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
                 H5Pset_virtual(properties, space, scan.c_str(), dataset.c_str(), source.get()) >= 0,
             "/position");
   }
 }
 
-void write_position(hid_t root, const PointPlaces& places) {
-  const std::array<hsize_t, 2> size = {places.rows, places.columns.size()};
+void write_position(hid_t root, const PointPositions& positions) {
+  const std::array<hsize_t, 2> size = {positions.rows, positions.columns.size()};
   const h5::Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
   const h5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
-  // Where the scan is not found there are no places, rather than zeros.
+  // Where the scan is not found the file has no positions, rather than zeros.
   const double nan = std::numeric_limits<double>::quiet_NaN();
   H5Pset_fill_value(properties.get(), H5T_NATIVE_DOUBLE, &nan);
-  map_columns(properties.get(), space.get(), places);
+  map_columns(properties.get(), space.get(), positions);
   H5Sselect_all(space.get());
-  const h5::Handle dataset(H5Dcreate2(root, "position", h5::native(places.type), space.get(), H5P_DEFAULT,
+  const h5::Handle dataset(H5Dcreate2(root, "position", h5::native(positions.type), space.get(), H5P_DEFAULT,
                                       properties.get(), H5P_DEFAULT),
                            H5Dclose);
   require(static_cast<bool>(dataset), "/position");
@@ -88,14 +88,14 @@ void write_row(hid_t root, std::size_t rows, int compression) {
   }
 }
 
-void write_file(const std::filesystem::path& path, const PointPlaces& places, const std::string& tool,
+void write_file(const std::filesystem::path& path, const PointPositions& positions, const std::string& tool,
                 int compression) {
   h5::Handle file = h5::create_file(path);
-  h5::write_attribute(file.get(), "title", std::string("Places of a scan's points, for XDMF"));
+  h5::write_attribute(file.get(), "title", std::string("Positions of a scan's points, for XDMF"));
   h5::write_attribute(file.get(), "source", source_line(tool));
-  h5::write_attribute(file.get(), "scan_file_id", places.scan_id);
-  write_position(file.get(), places);
-  write_row(file.get(), places.rows, compression);
+  h5::write_attribute(file.get(), "scan_file_id", positions.scan_id);
+  write_position(file.get(), positions);
+  write_row(file.get(), positions.rows, compression);
   if (const std::optional<std::string> failure = h5::close_file(file))
     throw IoError("closing failed: " + *failure);
 }
@@ -106,10 +106,10 @@ h5::Type row_type(std::size_t rows) {
   return rows <= std::size_t{std::numeric_limits<std::int32_t>::max()} ? h5::Type::int32 : h5::Type::int64;
 }
 
-void write_point_places(OutputPath& output, const PointPlaces& places, const std::string& tool,
-                        int compression) {
+void write_point_positions(OutputPath& output, const PointPositions& positions, const std::string& tool,
+                           int compression) {
   try {
-    write_file(output.temporary(), places, tool, compression);
+    write_file(output.temporary(), positions, tool, compression);
   } catch (const IoError& error) {
     throw IoError("output " + output.path().string() + ": " + error.what());
   }

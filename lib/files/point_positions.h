@@ -9,9 +9,9 @@
 
 namespace landfall {
 
-/// The places of a scan's points, in the shape that readers of XDMF share: one dataset of N x 3, where the
+/// The positions of a scan's points, in the shape that readers of XDMF share: one dataset of N x 3, where the
 /// scan has three columns.
-struct PointPlaces {
+struct PointPositions {
   std::string scan;                    ///< the scan as seen from the folder of the file, or absolute
   std::array<std::string, 3> columns;  ///< of its /points: x, y and z
   h5::Type type = h5::Type::float64;   ///< of `position`: float64 or float32
@@ -25,9 +25,9 @@ struct PointPlaces {
 /// Writes a small HDF5 file of two datasets, whole or not at all:
 /// `/position`, N x 3, virtual (HDF5 1.10): it holds no coordinate, but says where in the scan they are;
 /// `/row`, N x 1 of row_type(): 0, 1, ..., the point that each vertex stands on.
-/// It is written and flushed when this returns; the caller commits. Throws IoError naming the output when the
-/// disk refuses.
-void write_point_places(OutputPath& output, const PointPlaces& places, const std::string& tool,
-                        int compression);
+/// It is written and flushed when this returns; the caller commits. Throws IoError naming the output when
+/// writing fails.
+void write_point_positions(OutputPath& output, const PointPositions& positions, const std::string& tool,
+                           int compression);
 
 }  // namespace landfall

@@ -7,14 +7,14 @@
 
 namespace landfall {
 
-/// Calls work(). Its UsageErrors begin with a parameter of its own; here they get the place of that in the
+/// Calls work(). Its UsageErrors begin with a parameter of its own; here they get its path in the
 /// configuration: "scan.json: /", "noise/".
 template <class Work>
-auto at_place(const std::string& place, const Work& work) {
+auto at_path(const std::string& path, const Work& work) {
   try {
     return work();
   } catch (const UsageError& error) {
-    throw UsageError(place + error.what());
+    throw UsageError(path + error.what());
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/point_places.h"
+#include "files/point_positions.h"
 
 #include <gtest/gtest.h>
 
@@ -40,21 +40,21 @@ std::vector<double> read(const std::filesystem::path& path, const char* dataset)
   return values;
 }
 
-PointPlaces places(const std::string& scan) {
+PointPositions positions(const std::string& scan) {
   return {scan, {"x", "y", "z"}, h5::Type::float64, kRows, "id"};
 }
 
-void write_places(const std::filesystem::path& path, const PointPlaces& places) {
+void write_places(const std::filesystem::path& path, const PointPositions& positions) {
   OutputPath output(path, false);
-  write_point_places(output, places, "tool", 1);
+  write_point_positions(output, positions, "tool", 1);
   output.commit();
 }
 
-TEST(PointPlaces, ShowTheColumnsSideBySideWithoutHoldingThem) {
+TEST(PointPositions, ShowTheColumnsSideBySideWithoutHoldingThem) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "below");
   write_scan(folder / "below/50%b.h5");  // a pattern, were it not escaped
-  write_places(folder / "p.h5", places("below/50%b.h5"));
+  write_places(folder / "p.h5", positions("below/50%b.h5"));
   const std::vector<double> position = read(folder / "p.h5", "position");
   const std::vector<double> row = read(folder / "p.h5", "row");
   ASSERT_EQ(position.size(), 3 * kRows);
@@ -68,37 +68,37 @@ TEST(PointPlaces, ShowTheColumnsSideBySideWithoutHoldingThem) {
   EXPECT_LT(std::filesystem::file_size(folder / "p.h5"), kRows);
 }
 
-TEST(PointPlaces, MayBeFewerThanAChunk) {
+TEST(PointPositions, MayBeFewerThanAChunk) {
   const TemporaryFolder folder;
-  PointPlaces one = places("scan.h5");
+  PointPositions one = positions("scan.h5");
   one.rows = 1;
   write_places(folder / "p.h5", one);
   EXPECT_EQ(read(folder / "p.h5", "row"), std::vector<double>{0});
 }
 
-TEST(PointPlaces, AreNoneWhereTheScanIsNot) {
+TEST(PointPositions, AreNoneWhereTheScanIsNot) {
   const TemporaryFolder folder;
-  write_places(folder / "p.h5", places("gone.h5"));
+  write_places(folder / "p.h5", positions("gone.h5"));
   for (const double value : read(folder / "p.h5", "position")) ASSERT_TRUE(std::isnan(value));
 }
 
-TEST(PointPlaces, HaveEqualBytes) {
+TEST(PointPositions, HaveEqualBytes) {
   const TemporaryFolder folder;
-  write_places(folder / "p.h5", places("scan.h5"));
-  write_places(folder / "q.h5", places("scan.h5"));
+  write_places(folder / "p.h5", positions("scan.h5"));
+  write_places(folder / "q.h5", positions("scan.h5"));
   EXPECT_EQ(read_file(folder / "p.h5"), read_file(folder / "q.h5"));
 }
 
-TEST(PointPlaces, AppearWholeOrNotAtAll) {
+TEST(PointPositions, AppearWholeOrNotAtAll) {
   const TemporaryFolder folder;
-  write_places(folder / "p.h5", places("scan.h5"));
+  write_places(folder / "p.h5", positions("scan.h5"));
   const std::string before = read_file(folder / "p.h5");
-  EXPECT_THROW(write_places(folder / "p.h5", places("other.h5")), UsageError);
+  EXPECT_THROW(write_places(folder / "p.h5", positions("other.h5")), UsageError);
   EXPECT_EQ(read_file(folder / "p.h5"), before);
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-TEST(PointPlaces, CountRowsInTheSmallestTypeThatHoldsThem) {
+TEST(PointPositions, CountRowsInTheSmallestTypeThatHoldsThem) {
   EXPECT_EQ(row_type(2147483647), h5::Type::int32);
   EXPECT_EQ(row_type(2147483648), h5::Type::int64);
 }
