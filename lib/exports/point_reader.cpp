@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
+#include "files/scan_file.h"
 #include "hdf5/column_reader.h"
 #include "simulation/pulse_batch.h"
 
@@ -48,12 +49,9 @@ ColumnTarget resized(ColumnValues& values, std::size_t count) {
 }
 
 std::vector<double> pulse_times(const LandfallFileReader& file) {
-  if (!h5::exists(file.root(), "pulses")) return {};
-  const TableReader pulses(file.root(), "pulses", file.name());
-  if (!pulses.has(kTime)) return {};
-  std::vector<double> times(pulses.row_count(kTime));
-  pulses.read(kTime, 0, std::span(times));
-  return times;
+  const bool has_times =
+      h5::exists(file.root(), "pulses") && TableReader(file.root(), "pulses", file.name()).has(kTime);
+  return has_times ? read_pulse_times(file) : std::vector<double>();
 }
 
 }  // namespace

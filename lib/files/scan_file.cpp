@@ -84,13 +84,6 @@ void write_detector(LandfallFileWriter& file, const Detector& detector,
               rows, file.compression());
 }
 
-std::vector<double> read_pulse_times(const LandfallFileReader& file) {
-  const TableReader pulses(file.root(), "pulses", file.name());
-  std::vector<double> times(pulses.row_count("t"));
-  pulses.read("t", 0, std::span(times));
-  return times;
-}
-
 constexpr std::array<const char*, 6> kCoordinates = {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true"};
 
 using Coordinates = std::array<std::vector<double>*, 6>;
@@ -212,6 +205,15 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   h5::write_attribute(points_.group(), "false_return_count", count(PointStatus::false_return));
   write_detector(file_, detector, dead_map);
   file_.commit();
+}
+
+std::vector<double> read_pulse_times(const LandfallFileReader& scan) {
+  const TableReader pulses(scan.root(), "pulses", scan.name());
+  std::vector<double> times(pulses.row_count("t"));
+  pulses.read("t", 0, std::span(times));
+  const auto bad = std::ranges::find_if_not(times, is_finite);
+  if (bad != times.end()) scan.fail("/pulses/t[" + std::to_string(bad - times.begin()) + "] is not finite");
+  return times;
 }
 
 ScanReader::ScanReader(const std::filesystem::path& path)

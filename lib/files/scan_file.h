@@ -58,10 +58,14 @@ struct ScanPoints {
   [[nodiscard]] std::size_t size() const { return x_est.size(); }
 };
 
+/// The times of all pulses. Throws FormatError, naming the row, for one that is not finite.
+[[nodiscard]] std::vector<double> read_pulse_times(const LandfallFileReader& scan);
+
 /// Reads a scan.h5 in pieces, on all threads, in bounded memory.
 class ScanReader {
  public:
-  /// Throws FormatError unless the columns that a DEM needs are there, of one length.
+  /// Throws FormatError unless the columns that a DEM needs are there, of one length, and all pulses have a
+  /// time.
   explicit ScanReader(const std::filesystem::path& path);
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
