@@ -133,8 +133,7 @@ std::string position_of(const Options& o) { return o.position.empty() ? "est" : 
 
 /// x, y and z first, then the others.
 PointReader::Pass ply_pass(const PointReader& points, const Options& o) {
-  PointReader::Pass pass{{}, {true, o.every}, 3};
-  for (const char* const axis : {"x_", "y_", "z_"}) pass.columns.push_back(axis + position_of(o));
+  PointReader::Pass pass{position_columns(position_of(o)), {true, o.every}, 3};
   for (const std::string& name : chosen_columns(points, o))
     if (std::find(pass.columns.begin(), pass.columns.begin() + 3, name) == pass.columns.begin() + 3)
       pass.columns.push_back(name);

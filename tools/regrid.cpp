@@ -208,9 +208,8 @@ void grid_pass(const Inputs& inputs, Sums& sums, const ProgressCallback& progres
       todo.size(), slots.size(),
       [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
       [&](std::size_t i, std::size_t slot) {
-        const ScanPoints& p = slots[slot];
-        const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
-        sums.bins->add(points, static_cast<std::int64_t>(todo[i].begin));
+        const GridPoints points = slots[slot].view();
+        sums.bins->add(points);
         if (sums.moments) sums.moments->add(points, *sums.nearest);
         report(progress, sums.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
       });

@@ -126,11 +126,8 @@ void count_rays(cli::Session& session, const Simulation& simulation, std::option
 }
 
 void count_points(cli::Session& session, const ScanWriter& writer) {
-  session.count("return_count", writer.count(PointStatus::returned));
-  session.count("miss_count", writer.count(PointStatus::miss));
-  session.count("dropout_count", writer.count(PointStatus::dropout));
-  session.count("dead_count", writer.count(PointStatus::dead));
-  session.count("false_return_count", writer.count(PointStatus::false_return));
+  for (const PointStatusInfo& info : kPointStatuses)
+    if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
 }
 
 /// The options that change what the scan file holds; null where none does.

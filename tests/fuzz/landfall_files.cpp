@@ -124,10 +124,10 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   const GridSpec grid = regrid_config(provenance.config, "config").grid;
   ScanPoints p;
   scan.read(0, scan.row_count(), p);
-  const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
+  const GridPoints points = p.view();
   WeightedMeanAccumulator bins(grid);
   MomentAccumulator moments(grid);
-  bins.add(points, 0);
+  bins.add(points);
   moments.add(points, bins);
   const Grid<Slope> slopes = slope_layer(bins);
   const PoseTrack poses({read_scan_poses(scan.file())});

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "error_models/navigation_error.h"
-#include "point_columns.h"
+#include "return_columns.h"
 
 namespace landfall {
 namespace {
@@ -32,7 +32,7 @@ struct Scene {
       : bins(accumulated(spec, points)),
         moments(spec),
         poses({{"a.h5", {start_s, start_s + 10}, {body, body}, {attitude_of(rpy), attitude_of(rpy)}}}) {
-    moments.add(PointColumns(points).view(), bins);
+    moments.add(ReturnColumns(points).view(), bins);
     slopes = slope_layer(bins);
     map.emplace(bins, moments, slopes, poses, parameters);
   }
