@@ -46,7 +46,9 @@ struct Scan {
     for (std::size_t c = 0; c < 7; ++c) columns[c][i] = values[c];
   }
   [[nodiscard]] GridPoints points() const {
-    return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5], columns[6]};
+    GridPoints::Columns views;
+    std::ranges::copy(columns, views.begin());
+    return GridPoints::of(views);
   }
 };
 
@@ -113,11 +115,11 @@ void run(benchmark::State& state, Method method, bool in_order, std::int64_t rep
   for (auto _ : state) {
     state.PauseTiming();
     std::unique_ptr<Accumulator> bins = make_accumulator(method, spec);
-    bins->add(points, 0);  // the map's pages
+    bins->add(points);  // the map's pages
     state.ResumeTiming();
     for (std::int64_t i = 0; i < repeats; ++i)
       for (std::size_t begin = 0; begin < points.size(); begin += kBatch)
-        bins->add(points.subset(begin, std::min(kBatch, points.size() - begin)), 0);
+        bins->add(points.subset(begin, std::min(kBatch, points.size() - begin)));
     state.PauseTiming();
     bins.reset();
     state.ResumeTiming();

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "base/error.h"
+#include "config/config_place.h"
 
 namespace landfall {
 
@@ -72,11 +72,7 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
   const nlohmann::json& limits = resolved.at("limits");
   FieldWalk walk{[&](const std::string& key, auto& limit) { limits.at(key).get_to(limit); }};
   EvaluationLimits::fields(walk, parameters.limits);
-  try {
-    check(parameters);
-  } catch (const UsageError& error) {
-    throw UsageError(name + ": /" + error.what());
-  }
+  at_place(name + ": /", [&] { check(parameters); });
   return parameters;
 }
 

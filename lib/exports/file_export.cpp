@@ -82,8 +82,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
 
 /// x, y and z first, then the others.
 PointReader::Pass ply_pass(const PointReader& points, const ExportOptions& o) {
-  PointReader::Pass pass{{}, {true, o.every}, 3};
-  for (const char* const axis : {"x_", "y_", "z_"}) pass.columns.push_back(axis + o.position);
+  PointReader::Pass pass{position_columns(o.position), {true, o.every}, 3};
   for (const std::string& name : points.choose(o.columns))
     if (std::find(pass.columns.begin(), pass.columns.begin() + 3, name) == pass.columns.begin() + 3)
       pass.columns.push_back(name);

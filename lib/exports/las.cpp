@@ -7,7 +7,7 @@
 #include "base/append_number.h"
 #include "base/error.h"
 #include "base/number_text.h"
-#include "simulation/pulse_batch.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
@@ -117,8 +117,8 @@ std::string las_header(const LasContent& content) {
 
 void write_points_las(const PointReader& points, const std::string& position, std::size_t every,
                       const std::string& software, ByteSink& sink, const ProgressCallback& progress) {
-  static_cast<void>(points.column("t"));
-  PointReader::Pass pass{{"x_" + position, "y_" + position, "z_" + position}, {true, every}, 3};
+  static_cast<void>(points.column(name_of(&PulseColumns::t)));
+  PointReader::Pass pass{position_columns(position), {true, every}, 3};
   const Extent extent = extent_of(points, pass, [&](double f) { report(progress, f / 4); });
   if (extent.count == 0) points.file().fail("holds no return");
   if (extent.count > kMaxPoints)
@@ -127,7 +127,7 @@ void write_points_las(const PointReader& points, const std::string& position, st
   const LasContent content{LasGrid::fitting(extent.box, points.file().name()), extent.box, extent.count,
                            software, points.file().file_id().substr(0, 256)};
   sink.write(las_header(content));
-  pass.columns.insert(pass.columns.end(), {"t", "status"});
+  pass.columns.insert(pass.columns.end(), {name_of(&PulseColumns::t), name_of(&PointColumns::status)});
   const auto encode = [&content](const PointBatch& batch, std::span<const std::uint32_t> rows,
                                  std::string& out) {
     for (const std::uint32_t row : rows) append_point(out, content.grid, batch, row);

@@ -2,6 +2,7 @@
 #include "exports/ply.h"
 
 #include "base/append_number.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
@@ -20,7 +21,7 @@ const char* ply_type(h5::Type type) {
 }
 
 std::string property_name(const ContentInfo& column) {
-  return "scalar_" + (column.name == "range_measured" ? "range_meas" : column.name);
+  return "scalar_" + (column.name == name_of(&PointColumns::range_measured) ? "range_meas" : column.name);
 }
 
 void append_value(std::string& out, const PointBatch& batch, std::size_t c, std::size_t row, h5::Type type) {

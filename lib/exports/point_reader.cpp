@@ -8,8 +8,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
+#include "files/scan_file.h"
 #include "hdf5/column_reader.h"
-#include "simulation/pulse_batch.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
@@ -19,7 +20,9 @@ constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
 /// Rows that one thread encodes at a time.
 constexpr std::size_t kPieceRows = 8192;
 
-constexpr const char* kTime = "t";
+constexpr const char* kTime = name_of(&PulseColumns::t);
+constexpr const char* kPulse = name_of(&PointColumns::pulse);
+constexpr const char* kStatus = name_of(&PointColumns::status);
 
 bool is_real(const ContentInfo& column) {
   return column.type == h5::Type::float64 || column.type == h5::Type::float32;
@@ -48,12 +51,9 @@ ColumnTarget resized(ColumnValues& values, std::size_t count) {
 }
 
 std::vector<double> pulse_times(const LandfallFileReader& file) {
-  if (!h5::exists(file.root(), "pulses")) return {};
-  const TableReader pulses(file.root(), "pulses", file.name());
-  if (!pulses.has(kTime)) return {};
-  std::vector<double> times(pulses.row_count(kTime));
-  pulses.read(kTime, 0, std::span(times));
-  return times;
+  const bool has_times =
+      h5::exists(file.root(), "pulses") && TableReader(file.root(), "pulses", file.name()).has(kTime);
+  return has_times ? read_pulse_times(file) : std::vector<double>();
 }
 
 }  // namespace
@@ -67,17 +67,20 @@ PointReader::PointReader(const std::filesystem::path& path)
       points_(file_.root(), "points", file_.name()),
       columns_(columns_of(points_)),
       pulse_times_s_(pulse_times(file_)),
-      row_count_(points_.row_count("status")) {
-  for (const char* const name : {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true"}) {
-    const auto is_it = [name](const ContentInfo& column) { return column.name == name && is_real(column); };
+      row_count_(points_.row_count(kStatus)) {
+  for (const auto member : kCoordinates) {
+    const std::string name = name_of(member);
+    const auto is_it = [&](const ContentInfo& column) { return column.name == name && is_real(column); };
     if (std::none_of(columns_.begin(), columns_.end(), is_it))
-      file_.fail("no floating-point column /points/" + std::string(name));
+      file_.fail("no floating-point column /points/" + name);
   }
   for (const ContentInfo& column : columns_)
     if (points_.row_count(column.name) != row_count_)
       file_.fail("/points/" + column.name + " has another length than /points/status");
-  if (!pulse_times_s_.empty() && points_.has("pulse") && !points_.has(kTime))
-    columns_.push_back({kTime, h5::Type::float64, "s", "time of the pulse"});
+  if (!pulse_times_s_.empty() && points_.has(kPulse) && !points_.has(kTime)) {
+    const auto& time = std::get<0>(kPulseColumns);
+    columns_.push_back({time.name, h5::Type::float64, time.units, time.long_name});
+  }
 }
 
 const ContentInfo& PointReader::column(const std::string& name) const {
@@ -105,7 +108,7 @@ std::size_t PointReader::count(const PointSelection& selection) const {
   if (selection.only_returns) {
     selected = 0;
     std::vector<std::int8_t> status(std::min(row_count_, kBatchRows));
-    ColumnReader reader(points_, {"status"});
+    ColumnReader reader(points_, {kStatus});
     for (std::size_t begin = 0; begin < row_count_; begin += kBatchRows) {
       const std::span rows(status.data(), std::min(kBatchRows, row_count_ - begin));
       const ColumnTarget target = rows;
@@ -158,8 +161,8 @@ class PointReader::BatchSource {
         wants_time_ = true;
       else
         names.push_back(name);
-    if (wants_time_) names.emplace_back("pulse");
-    if (pass.selection.only_returns) names.emplace_back("status");
+    if (wants_time_) names.emplace_back(kPulse);
+    if (pass.selection.only_returns) names.emplace_back(kStatus);
     return names;
   }
 
@@ -181,7 +184,7 @@ class PointReader::BatchSource {
     for (const std::uint32_t i : batch.selected) {
       const std::int32_t pulse = pulse_[i];
       if (pulse < 0 || static_cast<std::size_t>(pulse) >= reader_.pulse_times_s_.size())
-        fail(batch, "pulse", i, "is " + std::to_string(pulse) + ", which /pulses does not have");
+        fail(batch, kPulse, i, "is " + std::to_string(pulse) + ", which /pulses does not have");
       times[i] = reader_.pulse_times_s_[static_cast<std::size_t>(pulse)];
     }
   }
@@ -205,6 +208,11 @@ class PointReader::BatchSource {
   std::vector<std::int32_t> pulse_;
   std::vector<std::int8_t> status_;
 };
+
+std::vector<std::string> position_columns(const std::string& position) {
+  const auto* const first = kCoordinates.begin() + (position == "true" ? 3 : 0);
+  return {name_of(first[0]), name_of(first[1]), name_of(first[2])};
+}
 
 void PointReader::read(const Pass& pass, const std::function<void(const PointBatch& batch)>& use,
                        const ProgressCallback& progress) const {

@@ -81,6 +81,9 @@ class PointReader {
   std::size_t row_count_ = 0;
 };
 
+/// The columns of where the points are (`position` "est") or truly are ("true"): x, y and z.
+[[nodiscard]] std::vector<std::string> position_columns(const std::string& position);
+
 /// Appends the bytes of the rows at these positions of a batch to `out`.
 using EncodeRows =
     std::function<void(const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out)>;

@@ -11,11 +11,13 @@
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
 #include "files/terrain_file.h"
-#include "simulation/pulse_batch.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
 
+constexpr const char* kXEst = name_of(&PointColumns::x_est);
+constexpr const char* kYEst = name_of(&PointColumns::y_est);
 constexpr std::int64_t kMaxPixels = 1100;
 constexpr std::int64_t kMeshPixels = 500;  ///< each is a search in the mesh
 
@@ -59,7 +61,7 @@ Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
   Extent of_true;
   Extent of_all;
   points.read(
-      {{"x_est", "y_est", "status"}, {true, 1}, 2},
+      {{kXEst, kYEst, name_of(&PointColumns::status)}, {true, 1}, 2},
       [&](const PointBatch& batch) {
         for (const std::uint32_t i : batch.selected) {
           of_all.add(batch.real(0)[i], batch.real(1)[i]);
@@ -77,7 +79,7 @@ RgbImage scan_picture(const PointReader& points, const std::string& layer, const
   const bool counts = layer == "count";
   const bool flags = !counts && keeps_greatest(points.column(layer));
   PointMap map(extent.box, extent.count, kMaxPixels, flags ? Reduction::greatest : Reduction::mean);
-  PointReader::Pass pass{{"x_est", "y_est"}, {true, 1}, 2};
+  PointReader::Pass pass{{kXEst, kYEst}, {true, 1}, 2};
   if (!counts) pass.columns.push_back(layer);
   points.read(
       pass,
@@ -150,7 +152,7 @@ RgbImage quick_look(const std::filesystem::path& input, const std::string& layer
     const LandfallFileReader file(input, {"terrain", "scan", "dem", "evaluation", "plan"});
     if (kind_of(file) == "scan") {
       const PointReader points(input);
-      return scan_picture(points, layer.empty() ? "z_est" : layer, progress);
+      return scan_picture(points, layer.empty() ? name_of(&PointColumns::z_est) : layer, progress);
     }
     is_mesh = kind_of(file) == "terrain" && !has_grid(file);
   }

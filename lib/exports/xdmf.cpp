@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exports/xdmf.h"
 
+#include <algorithm>
+
 #include "base/number_text.h"
 
 namespace landfall {
@@ -78,10 +80,9 @@ fs::path xdmf_places(const fs::path& xdmf) { return xdmf.string() + ".h5"; }
 
 PointPlaces places_of(const PointReader& points, const std::string& position, const std::string& scan) {
   PointPlaces places{scan, {}, h5::Type::float32, points.row_count(), points.file().file_id()};
-  for (std::size_t axis = 0; axis < places.columns.size(); ++axis) {
-    places.columns[axis] = "xyz"[axis] + ("_" + position);
-    if (points.column(places.columns[axis]).type == h5::Type::float64) places.type = h5::Type::float64;
-  }
+  std::ranges::copy(position_columns(position), places.columns.begin());
+  for (const std::string& column : places.columns)
+    if (points.column(column).type == h5::Type::float64) places.type = h5::Type::float64;
   return places;
 }
 

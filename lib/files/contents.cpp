@@ -5,37 +5,35 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string_view>
+#include <tuple>
 
 #include "base/error.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
 
-/// The order in which names are told, as the tools write them; HDF5 itself only keeps them by name.
-constexpr std::array kOrder = {"x_est",       "y_est",       "z_est",
-                               "z",           "count",       "weight_sum",
-                               "x_true",      "y_true",      "z_true",
-                               "x_est_mean",  "y_est_mean",  "t_mean",
-                               "z_spread",    "z_corrected", "z_true_map",
-                               "z_sigma_abs", "z_sigma_rel", "xy_sigma",
-                               "e_x",         "e_y",         "e_z",
-                               "abs_x",       "abs_y",       "abs_z",
-                               "rel_x",       "rel_y",       "rel_z",
-                               "images",      "first_seen",  "in_region",
-                               "invalid",     "hole_id",     "distance_to_valid",
-                               "fail",        "range_true",  "range_measured",
-                               "pulse",       "pixel",       "status"};
+/// The order in which layers are told, as the tools write them; HDF5 itself only keeps them by name.
+constexpr std::array kLayerOrder = {
+    // terrain and DEM
+    "z_est", "z", "count", "weight_sum", "x_true", "y_true", "z_true", "x_est_mean", "y_est_mean", "t_mean",
+    "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel", "xy_sigma",
+    // evaluation and plan
+    "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "images", "first_seen",
+    "in_region", "invalid", "hole_id", "distance_to_valid", "fail"};
 
-std::size_t rank_of(const std::string& name) {
-  const auto* const found = std::find(kOrder.begin(), kOrder.end(), std::string_view(name));
-  return static_cast<std::size_t>(found - kOrder.begin());
-}
+constexpr auto kColumnOrder =
+    std::apply([](const auto&... column) { return std::array{column.name...}; }, kPointColumns);
 
-bool told_before(const ContentInfo& a, const ContentInfo& b) {
-  const std::size_t rank_a = rank_of(a.name);
-  const std::size_t rank_b = rank_of(b.name);
-  return rank_a != rank_b ? rank_a < rank_b : a.name < b.name;
+/// Puts the names of `order` first, as there, and sorts the others.
+void sort_by(std::span<const char* const> order, std::vector<ContentInfo>& contents) {
+  const auto rank = [&](const ContentInfo& content) {
+    const auto found = std::find(order.begin(), order.end(), std::string_view(content.name));
+    return std::pair(found - order.begin(), std::string_view(content.name));
+  };
+  std::ranges::sort(contents, {}, rank);
 }
 
 std::optional<h5::Type> integer_type(std::size_t size, bool is_signed) {
@@ -99,9 +97,9 @@ std::vector<std::string> names_in(const NamedGroup& group) {
   return names;
 }
 
-/// The numeric datasets of a group whose extent satisfies `wanted`. What cannot be opened is an error: an
-/// export would go without it.
-std::vector<ContentInfo> datasets(const NamedGroup& group,
+/// The numeric datasets of a group whose extent satisfies `wanted`, sorted by `order`. What cannot be opened
+/// is an error: an export would go without it.
+std::vector<ContentInfo> datasets(const NamedGroup& group, std::span<const char* const> order,
                                   const std::function<bool(std::span<const hsize_t>)>& wanted) {
   std::vector<ContentInfo> result;
   for (const std::string& name : names_in(group)) {
@@ -115,7 +113,7 @@ std::vector<ContentInfo> datasets(const NamedGroup& group,
     if (rank < 0 || !type || !wanted(std::span(size.data(), static_cast<std::size_t>(rank)))) continue;
     result.push_back({name, *type, text_of(object.get(), "units"), text_of(object.get(), "long_name")});
   }
-  std::sort(result.begin(), result.end(), told_before);
+  sort_by(order, result);
   return result;
 }
 
@@ -139,14 +137,14 @@ bool has_grid(const LandfallFileReader& file) {
 }
 
 std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpec& spec) {
-  return datasets({file.root(), file.name() + ": /"}, [&spec](std::span<const hsize_t> size) {
+  return datasets({file.root(), file.name() + ": /"}, kLayerOrder, [&spec](std::span<const hsize_t> size) {
     return size.size() == 2 && size[0] == static_cast<hsize_t>(spec.rows) &&
            size[1] == static_cast<hsize_t>(spec.cols);
   });
 }
 
-std::vector<ContentInfo> columns_of(const TableReader& table) {
-  return datasets({table.group(), table.file() + ": " + table.path_of("")},
+std::vector<ContentInfo> columns_of(const TableReader& points) {
+  return datasets({points.group(), points.file() + ": " + points.path_of("")}, kColumnOrder,
                   [](std::span<const hsize_t> size) { return size.size() == 1; });
 }
 

@@ -33,7 +33,8 @@ struct ContentInfo {
 /// left out; control characters in texts become spaces.
 [[nodiscard]] std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpec& spec);
 
-/// The columns of a table: its one-dimensional numeric datasets, in the same order.
-[[nodiscard]] std::vector<ContentInfo> columns_of(const TableReader& table);
+/// The columns of a scan's points: the one-dimensional numeric datasets, in the order of kPointColumns, then
+/// the others.
+[[nodiscard]] std::vector<ContentInfo> columns_of(const TableReader& points);
 
 }  // namespace landfall

@@ -16,6 +16,7 @@
 #include "hdf5/dataset_list.h"
 #include "hdf5/table.h"
 #include "hdf5/value_statistics.h"
+#include "returns/point_status.h"
 
 namespace landfall {
 namespace {
@@ -188,10 +189,11 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
     json["t_last_s"] = number(t[0]);
   }
   const TableReader points(file.root(), "points", file.name());
-  for (const char* const name :
-       {"return_count", "miss_count", "dropout_count", "dead_count", "false_return_count"}) {
-    const auto count = h5::read_number_attribute(points.group(), name);
-    json[name] = count && std::abs(*count) < 0x1p62 ? Json(static_cast<std::int64_t>(*count)) : Json(nullptr);
+  for (const PointStatusInfo& info : kPointStatuses) {
+    if (!info.is_counted()) continue;
+    const auto count = h5::read_number_attribute(points.group(), info.count_name);
+    json[info.count_name] =
+        count && std::abs(*count) < 0x1p62 ? Json(static_cast<std::int64_t>(*count)) : Json(nullptr);
   }
   json["misses_kept"] = h5::read_number_attribute(points.group(), "misses_kept").value_or(0) == 1;
   return json;

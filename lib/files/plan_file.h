@@ -57,13 +57,17 @@ struct PlanMetrics {
   }
 };
 
-/// `coverage` is that of the plan's bins.
-[[nodiscard]] PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, double radius_m,
-                                       double pulse_rate_hz);
+/// What a plan says of its region.
+struct PlanSummary {
+  PlanMetrics metrics;
+  Grid<std::int32_t> hole_id;  ///< of the bins without a return (Coverage)
+};
+
+/// `radius_m` is that of the plan's region.
+[[nodiscard]] PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_rate_hz);
 
 /// Writes the layers count, images, first_seen, in_region and hole_id, and the metrics as /plan_json;
 /// commits.
-void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const Grid<std::int32_t>& hole_id,
-                const PlanMetrics& metrics);
+void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary);
 
 }  // namespace landfall

@@ -6,11 +6,17 @@
 
 #include "base/error.h"
 #include "files/crs.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr const char* kRange = name_of(&PointColumns::range_true);
+constexpr const char* kPixel = name_of(&PointColumns::pixel);
+constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
+constexpr const char* kCount = name_of(&PulseColumns::point_count);
 
 /// The value at a path such as /noise/dropout_frac, null where there is none: a foreign file's configuration
 /// may have any shape.
@@ -85,12 +91,12 @@ RangeFile::RangeFile(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
       pulses_(file_.root(), "pulses", file_.name()),
-      range_and_pixel_(points_, {"range_true", "pixel"}),
-      begin_and_count_(pulses_, {"point_begin", "point_count"}),
-      pulse_count_(pulses_.row_count("point_begin")) {
-  if (pulse_count_ != pulses_.row_count("point_count"))
+      range_and_pixel_(points_, {kRange, kPixel}),
+      begin_and_count_(pulses_, {kBegin, kCount}),
+      pulse_count_(pulses_.row_count(kBegin)) {
+  if (pulse_count_ != pulses_.row_count(kCount))
     file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
-  if (points_.row_count("range_true") != points_.row_count("pixel"))
+  if (points_.row_count(kRange) != points_.row_count(kPixel))
     file_.fail("/points/range_true and /points/pixel differ in length");
 }
 
@@ -121,7 +127,7 @@ void RangeFile::require_complete_ranges() const {
         "--ranges-from " + file_.name() +
         ": the ranges of its dropped and dead pixels are missing; make it with --keep-misses, or with "
         "/noise/dropout_frac and /noise/dead_pixel_frac 0");
-  if (points_.element_size("range_true") != sizeof(double))
+  if (points_.element_size(kRange) != sizeof(double))
     throw UsageError("--ranges-from " + file_.name() + ": its ranges are in single precision (--float32)");
 }
 
@@ -135,8 +141,8 @@ bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
   return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
 }
 
-TerrainInput RangeFile::terrain() const {
-  TerrainInput terrain{nullptr, nullptr, nullptr, read_crs(file_.root()), "", Json::array()};
+TerrainIdentity RangeFile::terrain() const {
+  TerrainIdentity terrain{read_crs(file_.root())};
   if (file_.chain().empty()) return terrain;
   for (const Json& input : file_.chain().back().value("inputs", Json::array()))
     if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");

@@ -14,54 +14,44 @@
 namespace landfall {
 namespace {
 
-std::vector<ColumnSpec> point_columns(bool single_precision) {
-  const h5::Type real = single_precision ? h5::Type::float32 : h5::Type::float64;
-  return {{"x_est", real, "m", "estimated x in the DEM frame"},
-          {"y_est", real, "m", "estimated y in the DEM frame"},
-          {"z_est", real, "m", "estimated z in the DEM frame"},
-          {"x_true", real, "m", "true x in the DEM frame"},
-          {"y_true", real, "m", "true y in the DEM frame"},
-          {"z_true", real, "m", "true z in the DEM frame"},
-          {"range_true", real, "m", "true range"},
-          {"range_measured", real, "m", "measured range"},
-          {"pulse", h5::Type::int32, "1", "row in /pulses"},
-          {"pixel", h5::Type::int32, "1", "row * columns + column on the detector"},
-          {"status",
-           h5::Type::int8,
-           "1",
-           "what became of the pixel at this pulse",
-           {0, 1, 2, 3, 4, 5, 6},
-           "return miss dropout dead blanked total_reflection false_return"}};
+/// How a column is described in the file.
+template <class Table, class T>
+ColumnSpec spec_of(const Column<Table, T>& column, bool single_precision) {
+  if constexpr (std::is_same_v<T, PointStatus>) {
+    ColumnSpec spec{column.name, h5::Type::int8, column.units, column.long_name};
+    for (const PointStatusInfo& info : kPointStatuses) {
+      spec.flag_values.push_back(static_cast<std::int8_t>(info.status));
+      spec.flag_meanings += (spec.flag_meanings.empty() ? "" : " ") + std::string(info.meaning);
+    }
+    return spec;
+  } else {
+    const bool as_float = std::is_same_v<T, double> && single_precision;
+    return {column.name, as_float ? h5::Type::float32 : h5::TypeOf<T>::value, column.units, column.long_name};
+  }
 }
 
-std::vector<ColumnSpec> pulse_columns() {
-  const auto real = [](const char* name, const char* units, const char* long_name) {
-    return ColumnSpec{name, h5::Type::float64, units, long_name};
-  };
-  return {real("t", "s", "time of the pulse"),
-          real("angle_1", "rad", "scanner angle 1"),
-          real("angle_2", "rad", "scanner angle 2"),
-          real("px_true", "m", "true body position x"),
-          real("py_true", "m", "true body position y"),
-          real("pz_true", "m", "true body position z"),
-          real("qw_true", "1", "true attitude, quaternion DEM <- body, scalar"),
-          real("qx_true", "1", "true attitude, quaternion DEM <- body, x"),
-          real("qy_true", "1", "true attitude, quaternion DEM <- body, y"),
-          real("qz_true", "1", "true attitude, quaternion DEM <- body, z"),
-          real("px_est", "m", "estimated body position x"),
-          real("py_est", "m", "estimated body position y"),
-          real("pz_est", "m", "estimated body position z"),
-          real("qw_est", "1", "estimated attitude, quaternion DEM <- body, scalar"),
-          real("qx_est", "1", "estimated attitude, quaternion DEM <- body, x"),
-          real("qy_est", "1", "estimated attitude, quaternion DEM <- body, y"),
-          real("qz_est", "1", "estimated attitude, quaternion DEM <- body, z"),
-          {"point_count", h5::Type::int32, "1", "rows of the pulse in /points"},
-          {"point_begin", h5::Type::int64, "1", "first row of the pulse in /points"}};
+template <class Columns>
+std::vector<ColumnSpec> specs_of(const Columns& columns, bool single_precision) {
+  std::vector<ColumnSpec> specs;
+  for_each_column(columns, [&](const auto& column) { specs.push_back(spec_of(column, single_precision)); });
+  return specs;
 }
 
-std::span<const std::int8_t> as_int8(const std::vector<PointStatus>& statuses) {
-  static_assert(sizeof(PointStatus) == 1);
-  return {reinterpret_cast<const std::int8_t*>(statuses.data()), statuses.size()};
+/// The rows of every column, in the order of specs_of().
+template <class Columns, class Table>
+std::vector<ColumnRows> rows_of(const Columns& columns, const Table& table) {
+  std::vector<ColumnRows> all;
+  for_each_column(columns, [&](const auto& column) {
+    using Value = typename std::decay_t<decltype(column)>::Value;
+    const std::vector<Value>& rows = table.*column.rows;
+    if constexpr (std::is_same_v<Value, PointStatus>) {
+      static_assert(sizeof(PointStatus) == 1);
+      all.emplace_back(std::span(reinterpret_cast<const std::int8_t*>(rows.data()), rows.size()));
+    } else {
+      all.emplace_back(std::span(rows));
+    }
+  });
+  return all;
 }
 
 void write_detector(LandfallFileWriter& file, const Detector& detector,
@@ -84,25 +74,6 @@ void write_detector(LandfallFileWriter& file, const Detector& detector,
               rows, file.compression());
 }
 
-std::vector<double> read_pulse_times(const LandfallFileReader& file) {
-  const TableReader pulses(file.root(), "pulses", file.name());
-  std::vector<double> times(pulses.row_count("t"));
-  pulses.read("t", 0, std::span(times));
-  return times;
-}
-
-constexpr std::array<const char*, 6> kCoordinates = {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true"};
-
-using Coordinates = std::array<std::vector<double>*, 6>;
-
-Coordinates coordinates(ScanPoints& p) {
-  return {&p.x_est, &p.y_est, &p.z_est, &p.x_true, &p.y_true, &p.z_true};
-}
-
-std::array<std::span<const double>, 6> coordinates(const ScanPoints& p) {
-  return {p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true};
-}
-
 bool is_finite(double value) { return std::abs(value) <= std::numeric_limits<double>::max(); }
 
 void move_rows(std::vector<double>& column, std::size_t from, std::size_t count, std::size_t to) {
@@ -111,10 +82,19 @@ void move_rows(std::vector<double>& column, std::size_t from, std::size_t count,
             column.begin() + static_cast<std::ptrdiff_t>(to));
 }
 
+/// The columns that a DEM is made from.
+std::vector<std::string> columns_of_a_dem() {
+  std::vector<std::string> names;
+  for (const auto member : kCoordinates) names.emplace_back(name_of(member));
+  names.emplace_back(name_of(&PointColumns::pulse));
+  names.emplace_back(name_of(&PointColumns::status));
+  return names;
+}
+
 /// Moves the first kept[i] rows of piece i up against those before it, and cuts what is left over.
 void close_gaps(ScanPoints& points, std::size_t rows_per_piece, std::span<const std::size_t> kept) {
   std::vector<std::vector<double>*> columns = {&points.t};
-  for (std::vector<double>* const column : coordinates(points)) columns.push_back(column);
+  for (const auto member : kCoordinates) columns.push_back(&(points.columns.*member));
   parallel_for(columns.size(), 1, [&](std::size_t c, std::size_t) {
     std::size_t end = 0;
     for (std::size_t piece = 0; piece < kept.size(); ++piece) {
@@ -130,14 +110,17 @@ void close_gaps(ScanPoints& points, std::size_t rows_per_piece, std::span<const 
 ScanWriter::ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options, const std::string& crs_wkt)
     : file_(file),
       options_(options),
-      points_(file.root(), "points", point_columns(options.single_precision), file.compression()),
-      pulses_(file.root(), "pulses", pulse_columns(), file.compression()) {
+      points_(file.root(), "points", specs_of(kPointColumns, options.single_precision), file.compression()),
+      pulses_(file.root(), "pulses", specs_of(kPulseColumns, false), file.compression()) {
   write_crs(file.root(), crs_wkt);
 }
 
 bool ScanWriter::copy_truth(const TableReader& source) {
-  constexpr std::array kUnchanged = {"x_true", "y_true", "z_true", "range_true", "pulse", "pixel"};
-  return points_.copy_columns(source, kUnchanged);
+  std::vector<const char*> unchanged;
+  for_each_column(kPointColumns, [&](const auto& column) {
+    if (column.effect == ErrorEffect::unchanged) unchanged.push_back(column.name);
+  });
+  return points_.copy_columns(source, unchanged);
 }
 
 SinkWork ScanWriter::take(PulseBatch& batch) {
@@ -145,8 +128,13 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
   for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] += counts[i];
   if (!options_.keep_misses) batch.keep_returns();
   // Both tables are written in the order of the batches, for the file's layout follows from it.
-  const Chunks pulses = take_pulses(batch.pulses);
-  const Chunks points = take_points(batch.points);
+  auto next = static_cast<std::int64_t>(points_.row_count());
+  for (std::size_t i = 0; i < batch.pulses.size(); ++i) {
+    batch.pulses.point_begin[i] = next;
+    next += batch.pulses.point_count[i];
+  }
+  const Chunks pulses = pulses_.take(rows_of(kPulseColumns, batch.pulses));
+  const Chunks points = points_.take(rows_of(kPointColumns, batch.points));
   if (pulses.empty() && points.empty()) return {};
   return {[this, pulses, points] {
             for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.encode(*chunk);
@@ -158,44 +146,11 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
           }};
 }
 
-ScanWriter::Chunks ScanWriter::take_points(const PointColumns& points) {
-  std::vector<ColumnRows> rows;
-  PointColumns::for_each(points, [&](const char*, const auto& column) {
-    using Value = typename std::decay_t<decltype(column)>::value_type;
-    if constexpr (std::is_same_v<Value, PointStatus>) {
-      rows.emplace_back(as_int8(column));
-    } else {
-      rows.emplace_back(std::span<const Value>(column));
-    }
-  });
-  return points_.take(rows);
-}
-
-ScanWriter::Chunks ScanWriter::take_pulses(const PulseColumns& pulses) {
-  std::vector<std::int64_t> begin;
-  auto next = static_cast<std::int64_t>(points_.row_count());
-  for (const std::int32_t count : pulses.point_count) {
-    begin.push_back(next);
-    next += count;
-  }
-  std::vector<ColumnRows> rows;
-  PulseColumns::for_each(pulses, [&](const char*, const auto& column) {
-    rows.emplace_back(std::span<const typename std::decay_t<decltype(column)>::value_type>(column));
-  });
-  rows.emplace_back(std::span<const std::int64_t>(begin));
-  return pulses_.take(rows);
-}
-
 void ScanWriter::refuse_without_return() const {
   std::string causes;
-  const auto name = [&](PointStatus status, const char* what) {
-    if (count(status) > 0) causes += (causes.empty() ? "" : ", ") + std::to_string(count(status)) + what;
-  };
-  name(PointStatus::miss, " misses");
-  name(PointStatus::dropout, " dropouts");
-  name(PointStatus::dead, " of dead pixels");
-  name(PointStatus::blanked, " of blanked pulses");
-  name(PointStatus::lost_in_optics, " lost in the scanner (total reflection)");
+  for (const PointStatusInfo& info : kPointStatuses)
+    if (count(info.status) > 0)
+      causes += (causes.empty() ? "" : ", ") + std::to_string(count(info.status)) + info.cause;
   throw FormatError("the scan has no return: " + causes +
                     (count(PointStatus::miss) > 0 ? "; does it look at the terrain?" : ""));
 }
@@ -205,55 +160,66 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   points_.finish();
   pulses_.finish();
   h5::write_attribute(points_.group(), "misses_kept", std::int64_t{options_.keep_misses ? 1 : 0});
-  h5::write_attribute(points_.group(), "return_count", count(PointStatus::returned));
-  h5::write_attribute(points_.group(), "miss_count", count(PointStatus::miss));
-  h5::write_attribute(points_.group(), "dropout_count", count(PointStatus::dropout));
-  h5::write_attribute(points_.group(), "dead_count", count(PointStatus::dead));
-  h5::write_attribute(points_.group(), "false_return_count", count(PointStatus::false_return));
+  for (const PointStatusInfo& info : kPointStatuses)
+    if (info.is_counted()) h5::write_attribute(points_.group(), info.count_name, count(info.status));
   write_detector(file_, detector, dead_map);
   file_.commit();
+}
+
+std::vector<double> read_pulse_times(const LandfallFileReader& scan) {
+  const TableReader pulses(scan.root(), "pulses", scan.name());
+  const std::string name = name_of(&PulseColumns::t);
+  std::vector<double> times(pulses.row_count(name));
+  pulses.read(name, 0, std::span(times));
+  const auto bad = std::ranges::find_if_not(times, is_finite);
+  if (bad != times.end())
+    scan.fail(pulses.path_of(name) + "[" + std::to_string(bad - times.begin()) + "] is not finite");
+  return times;
 }
 
 ScanReader::ScanReader(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
-      columns_(points_, {"x_est", "y_est", "z_est", "x_true", "y_true", "z_true", "pulse", "status"}),
+      columns_(points_, columns_of_a_dem()),
       pulse_times_s_(read_pulse_times(file_)),
       crs_wkt_(read_crs(file_.root())),
-      row_count_(points_.row_count("pulse")) {
-  for (const char* const column : kCoordinates)
+      row_count_(points_.row_count(name_of(&PointColumns::pulse))) {
+  for (const std::string& column : columns_of_a_dem())
     if (points_.row_count(column) != row_count_)
-      file_.fail("columns /points/pulse and /points/" + std::string(column) + " differ in length");
-  if (points_.row_count("status") != row_count_)
-    file_.fail("columns /points/pulse and /points/status differ in length");
+      file_.fail("columns /points/pulse and /points/" + column + " differ in length");
 }
 
-bool ScanReader::is_valid(const ScanPoints& points, std::size_t i) const {
-  if (!is_return(PointStatus{status_[i]})) return true;
-  return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size() &&
-         std::ranges::all_of(coordinates(points), [i](auto column) { return is_finite(column[i]); });
+bool ScanReader::has_pulse(std::size_t i) const {
+  return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
 }
 
-bool ScanReader::all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const {
+bool ScanReader::is_valid(const PointColumns& points, std::size_t i) const {
+  return !is_return(PointStatus{status_[i]}) ||
+         (has_pulse(i) &&
+          std::ranges::all_of(kCoordinates, [&](auto member) { return is_finite((points.*member)[i]); }));
+}
+
+bool ScanReader::all_valid(const PointColumns& points, std::size_t first, std::size_t end) const {
   bool valid = true;  // no early exit: the loops then run as fast as memory
   for (std::size_t i = first; i < end; ++i) valid &= is_return(PointStatus{status_[i]});
-  for (std::size_t i = first; i < end; ++i)
-    valid &= pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
-  for (const std::span<const double> column : coordinates(points))
+  for (std::size_t i = first; i < end; ++i) valid &= has_pulse(i);
+  for (const auto member : kCoordinates) {
+    const std::span<const double> column = points.*member;
     for (std::size_t i = first; i < end; ++i) valid &= is_finite(column[i]);
+  }
   if (valid) return true;
   for (std::size_t i = first; i < end; ++i)
     if (!is_valid(points, i)) return false;
   return true;
 }
 
-void ScanReader::fail_at_row(const ScanPoints& points, std::size_t i, std::size_t row) const {
-  if (pulse_[i] < 0 || static_cast<std::size_t>(pulse_[i]) >= pulse_times_s_.size())
+void ScanReader::fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const {
+  if (!has_pulse(i))
     file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse_[i]) +
                " is no row of /pulses (" + std::to_string(pulse_times_s_.size()) + ")");
-  std::size_t c = 0;
-  while (is_finite(coordinates(points)[c][i])) ++c;
-  file_.fail("/points/" + std::string(kCoordinates[c]) + "[" + std::to_string(row) +
+  const auto* const bad =
+      std::ranges::find_if_not(kCoordinates, [&](auto member) { return is_finite((points.*member)[i]); });
+  file_.fail("/points/" + std::string(name_of(*bad)) + "[" + std::to_string(row) +
              "] of a return is not finite");
 }
 
@@ -264,7 +230,7 @@ std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std:
     if (!is_return(PointStatus{status_[i]})) continue;
     points.t[next] = pulse_times_s_[static_cast<std::size_t>(pulse_[i])];
     if (next != i)
-      for (std::vector<double>* const column : coordinates(points)) (*column)[next] = (*column)[i];
+      for (const auto member : kCoordinates) (points.columns.*member)[next] = (points.columns.*member)[i];
     ++next;
   }
   return next - first;
@@ -272,10 +238,10 @@ std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std:
 
 void ScanReader::read(std::size_t begin, std::size_t count, ScanPoints& points) {
   constexpr std::size_t kRowsPerPiece = 1U << 14U;
-  std::vector<ColumnTarget> targets;
-  for (std::vector<double>* const column : coordinates(points)) {
-    column->resize(count);
-    targets.emplace_back(std::span(*column));
+  std::vector<ColumnTarget> targets;  // in the order of columns_of_a_dem()
+  for (const auto member : kCoordinates) {
+    (points.columns.*member).resize(count);
+    targets.emplace_back(std::span(points.columns.*member));
   }
   points.t.resize(count);
   pulse_.resize(count);
@@ -287,12 +253,12 @@ void ScanReader::read(std::size_t begin, std::size_t count, ScanPoints& points) 
   std::vector<char> valid(kept.size());
   parallel_for(count, kRowsPerPiece, [&](std::size_t first, std::size_t end) {
     const std::size_t piece = first / kRowsPerPiece;
-    valid[piece] = all_valid(points, first, end) ? 1 : 0;
+    valid[piece] = all_valid(points.columns, first, end) ? 1 : 0;
     if (valid[piece] != 0) kept[piece] = keep_returns(points, first, end);
   });
   const auto bad_piece = static_cast<std::size_t>(std::ranges::find(valid, 0) - valid.begin());
   for (std::size_t i = bad_piece * kRowsPerPiece; i < count; ++i)
-    if (!is_valid(points, i)) fail_at_row(points, i, begin + i);
+    if (!is_valid(points.columns, i)) fail_at_row(points.columns, i, begin + i);
   close_gaps(points, kRowsPerPiece, kept);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -9,8 +10,10 @@
 #include <vector>
 
 #include "files/landfall_file.h"
+#include "gridding/grid_points.h"
 #include "hdf5/column_reader.h"
 #include "hdf5/table.h"
+#include "returns/columns.h"
 #include "simulation/scan_pipeline.h"
 
 namespace landfall {
@@ -42,8 +45,6 @@ class ScanWriter {
  private:
   [[noreturn]] void refuse_without_return() const;
   using Chunks = std::vector<TableWriter::ChunkPtr>;
-  [[nodiscard]] Chunks take_points(const PointColumns& points);
-  [[nodiscard]] Chunks take_pulses(const PulseColumns& pulses);
 
   LandfallFileWriter& file_;
   ScanFileOptions options_;
@@ -52,16 +53,22 @@ class ScanWriter {
   std::array<std::int64_t, kPointStatusCount> counts_{};
 };
 
-/// Rows of a scan that hold a return, as regrid wants them; t is the pulse's time.
+/// Rows of a scan that hold a return, as a DEM is made from them: of the columns only kCoordinates.
 struct ScanPoints {
-  std::vector<double> x_est, y_est, z_est, x_true, y_true, z_true, t;
-  [[nodiscard]] std::size_t size() const { return x_est.size(); }
+  PointColumns columns;
+  std::vector<double> t;  ///< the time of the pulse
+
+  [[nodiscard]] GridPoints view() const { return GridPoints::of(columns, t); }
 };
+
+/// The times of all pulses. Throws FormatError, naming the row, for one that is not finite.
+[[nodiscard]] std::vector<double> read_pulse_times(const LandfallFileReader& scan);
 
 /// Reads a scan.h5 in pieces, on all threads, in bounded memory.
 class ScanReader {
  public:
-  /// Throws FormatError unless the columns that a DEM needs are there, of one length.
+  /// Throws FormatError unless the columns that a DEM needs are there, of one length, and all pulses have a
+  /// time.
   explicit ScanReader(const std::filesystem::path& path);
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
@@ -73,9 +80,10 @@ class ScanReader {
   void read(std::size_t begin, std::size_t count, ScanPoints& points);
 
  private:
-  [[nodiscard]] bool is_valid(const ScanPoints& points, std::size_t i) const;
-  [[nodiscard]] bool all_valid(const ScanPoints& points, std::size_t first, std::size_t end) const;
-  [[noreturn]] void fail_at_row(const ScanPoints& points, std::size_t i, std::size_t row) const;
+  [[nodiscard]] bool has_pulse(std::size_t i) const;
+  [[nodiscard]] bool is_valid(const PointColumns& points, std::size_t i) const;
+  [[nodiscard]] bool all_valid(const PointColumns& points, std::size_t first, std::size_t end) const;
+  [[noreturn]] void fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const;
   std::size_t keep_returns(ScanPoints& points, std::size_t first, std::size_t end) const;
 
   LandfallFileReader file_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/scan_poses.h"
 
-#include <array>
 #include <span>
 
 #include "hdf5/table.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
@@ -25,18 +25,18 @@ std::vector<double> read_thinned(const TableReader& pulses, const char* column) 
 
 ScanPoses read_scan_poses(const LandfallFileReader& scan) {
   const TableReader pulses(scan.root(), "pulses", scan.name());
-  ScanPoses poses{scan.name(), read_thinned(pulses, "t"), {}, {}};
-  std::array<std::vector<double>, 7> columns;
-  constexpr std::array<const char*, 7> kNames = {"px_est", "py_est", "pz_est", "qw_est",
-                                                 "qx_est", "qy_est", "qz_est"};
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    columns[c] = read_thinned(pulses, kNames[c]);
-    if (columns[c].size() != poses.t_s.size())
-      scan.fail("columns /pulses/t and /pulses/" + std::string(kNames[c]) + " differ in length");
+  ScanPoses poses{scan.name(), read_thinned(pulses, name_of(&PulseColumns::t)), {}, {}};
+  PulseColumns p;
+  for (const auto member :
+       {&PulseColumns::px_est, &PulseColumns::py_est, &PulseColumns::pz_est, &PulseColumns::qw_est,
+        &PulseColumns::qx_est, &PulseColumns::qy_est, &PulseColumns::qz_est}) {
+    p.*member = read_thinned(pulses, name_of(member));
+    if ((p.*member).size() != poses.t_s.size())
+      scan.fail("columns /pulses/t and /pulses/" + std::string(name_of(member)) + " differ in length");
   }
   for (std::size_t i = 0; i < poses.t_s.size(); ++i) {
-    poses.position_m.emplace_back(columns[0][i], columns[1][i], columns[2][i]);
-    poses.attitude.emplace_back(columns[3][i], columns[4][i], columns[5][i], columns[6][i]);
+    poses.position_m.emplace_back(p.px_est[i], p.py_est[i], p.pz_est[i]);
+    poses.attitude.emplace_back(p.qw_est[i], p.qx_est[i], p.qy_est[i], p.qz_est[i]);
   }
   return poses;
 }

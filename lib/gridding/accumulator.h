@@ -41,10 +41,8 @@ class Accumulator {
   Accumulator(const Accumulator&) = delete;
   Accumulator& operator=(const Accumulator&) = delete;
 
-  /// Adds returns; those that reach no bin are counted, not an error. Throws FormatError, naming the first
-  /// row and its column, if any of the seven coordinates is not finite; rows are numbered from
-  /// first_row_number. What the batch added before is then unspecified.
-  virtual void add(const GridPoints& points, std::int64_t first_row_number) = 0;
+  /// Adds returns; those that reach no bin are counted, not an error.
+  virtual void add(const GridPoints& points) = 0;
 
   /// To be called after all returns. True where the method must see all of them once more, in the same order.
   virtual bool end_pass() { return false; }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "gridding/finite_points.h"
 #include "gridding/nearest_bins.h"
 
 namespace landfall {
@@ -36,27 +35,22 @@ bool reaches(const Place& place, std::int64_t size) {
 BilinearAccumulator::BilinearAccumulator(const GridSpec& spec)
     : Accumulator(spec), bins_(this->spec().size()), south_(spec), north_(spec) {}
 
-void BilinearAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
+void BilinearAccumulator::add(const GridPoints& points) {
   for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPass)
-    add_pass(points.subset(begin, std::min(kPointsPerPass, points.size() - begin)),
-             first_row_number + static_cast<std::int64_t>(begin));
+    add_pass(points.subset(begin, std::min(kPointsPerPass, points.size() - begin)));
 }
 
-void BilinearAccumulator::add_pass(const GridPoints& points, std::int64_t first_row_number) {
-  constexpr std::size_t kPointsPerCheck = std::size_t{1} << 16U;
+void BilinearAccumulator::add_pass(const GridPoints& points) {
+  constexpr std::size_t kPointsPerCount = std::size_t{1} << 16U;
   const GridSpec& grid = spec();
-  std::vector<char> finite(points.size() / kPointsPerCheck + 1, 1);
-  std::vector<std::size_t> outside(finite.size());
-  parallel_for(points.size(), kPointsPerCheck, [&](std::size_t begin, std::size_t end) {
-    const std::size_t piece = begin / kPointsPerCheck;
+  std::vector<std::size_t> outside(points.size() / kPointsPerCount + 1);
+  parallel_for(points.size(), kPointsPerCount, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Place x = place_of(points.x_est[i], grid.resolution_m, grid.first_col);
       const Place y = place_of(points.y_est[i], grid.resolution_m, grid.first_row);
-      if (!is_finite(points, i)) finite[piece] = 0;
-      if (!reaches(x, grid.cols) || !reaches(y, grid.rows)) ++outside[piece];
+      if (!reaches(x, grid.cols) || !reaches(y, grid.rows)) ++outside[begin / kPointsPerCount];
     }
   });
-  if (std::ranges::find(finite, 0) != finite.end()) throw_first_not_finite(points, first_row_number);
   const auto rows = [&](bool north) {
     return [&points, &grid, north](std::size_t begin, std::size_t end, std::int32_t* row) {
       for (std::size_t i = begin; i < end; ++i) {

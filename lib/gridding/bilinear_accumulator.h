@@ -20,11 +20,11 @@ class BilinearAccumulator final : public Accumulator {
  public:
   explicit BilinearAccumulator(const GridSpec& spec);
 
-  void add(const GridPoints& points, std::int64_t first_row_number) override;
+  void add(const GridPoints& points) override;
   void values(BinIndex first, std::span<BinValues> out) const override;
 
  private:
-  void add_pass(const GridPoints& points, std::int64_t first_row_number);
+  void add_pass(const GridPoints& points);
   void add_band(const GridPoints& points, std::size_t band);
   void add_to_row(const GridPoints& points, std::size_t i, bool north);
 

@@ -59,10 +59,9 @@ struct Block {
   std::array<BinSums*, kBlock> sums;
 };
 
-/// Bins and weights. True if all coordinates are finite.
-HWY_INLINE bool PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t count, const LaneGrid& grid,
+/// Bins and weights.
+HWY_INLINE void PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t count, const LaneGrid& grid,
                            BinWeights weights, Block& block) {
-  V not_finite = hn::Zero(D());  // a number that is not finite minus itself is NaN
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     const V x = LoadAt(p.x_est, begin + i);
     const V y = LoadAt(p.y_est, begin + i);
@@ -78,13 +77,7 @@ HWY_INLINE bool PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t c
     const V weight =
         weights == BinWeights::equal ? constant(1) : hn::Mul(Nearness(u, nearest_x), Nearness(v, nearest_y));
     hn::Store(weight, D(), block.weight.data() + i);
-    not_finite = hn::Add(not_finite, hn::Add(hn::Sub(x, x), hn::Sub(y, y)));
-    for (const std::span<const double> column : {p.z_est, p.x_true, p.y_true, p.z_true, p.t}) {
-      const V values = LoadAt(column, begin + i);
-      not_finite = hn::Add(not_finite, hn::Sub(values, values));
-    }
   }
-  return hn::AllTrue(D(), hn::Eq(not_finite, hn::Zero(D())));
 }
 
 /// Asks for the memory of the bins. Returns how many returns lie outside; these
@@ -139,16 +132,17 @@ HWY_INLINE void AddBlock(std::size_t count, const Block& block) {
   }
 }
 
-/// The columns must be readable up to a whole number of vectors.
-HWY_INLINE void AddReadable(const GridPoints& p, std::size_t count, const LaneGrid& grid, BinWeights weights,
-                            std::span<BinSums> bins, AddedReturns& added) {
+/// The columns must be readable up to a whole number of vectors. Returns how many lie outside.
+HWY_INLINE std::size_t AddReadable(const GridPoints& p, std::size_t count, const LaneGrid& grid,
+                                   BinWeights weights, std::span<BinSums> bins) {
+  std::size_t outside = 0;
   std::array<Block, 2> blocks;
   BinSums sink{};
   const auto prepare = [&](std::size_t begin) HWY_ATTR {
     const std::size_t size = std::min(kBlock, count - begin);
     Block& block = blocks[begin / kBlock % 2];
-    added.finite &= PlaceBlock(p, begin, size, grid, weights, block);
-    added.outside += AskForBins(size, bins, sink, block);
+    PlaceBlock(p, begin, size, grid, weights, block);
+    outside += AskForBins(size, bins, sink, block);
   };
   if (count > 0) prepare(0);
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
@@ -159,23 +153,23 @@ HWY_INLINE void AddReadable(const GridPoints& p, std::size_t count, const LaneGr
     MultiplyBlock(p, begin, size, block);
     AddBlock(size, block);
   }
+  return outside;
 }
 
-AddedReturns AddReturns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
-                        std::span<BinSums> bins) {
-  AddedReturns added;
+std::size_t AddReturns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
+                       std::span<BinSums> bins) {
   const LaneGrid grid(spec);
   const std::size_t whole = points.size() / hn::Lanes(D()) * hn::Lanes(D());
-  AddReadable(points, whole, grid, weights, bins, added);
+  const std::size_t outside = AddReadable(points, whole, grid, weights, bins);
   const GridPoints rest = points.subset(whole, points.size() - whole);
-  if (rest.size() == 0) return added;
+  if (rest.size() == 0) return outside;
   std::array<std::array<double, kMaxLanes>, 7> padded{};
-  const std::array<std::span<const double>, 7> columns = {rest.x_est,  rest.y_est,  rest.z_est, rest.x_true,
-                                                          rest.y_true, rest.z_true, rest.t};
-  for (std::size_t c = 0; c < columns.size(); ++c) std::ranges::copy(columns[c], padded[c].begin());
-  AddReadable({padded[0], padded[1], padded[2], padded[3], padded[4], padded[5], padded[6]}, rest.size(),
-              grid, weights, bins, added);
-  return added;
+  GridPoints::Columns columns = rest.columns();
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    std::ranges::copy(columns[c], padded[c].begin());
+    columns[c] = padded[c];
+  }
+  return outside + AddReadable(GridPoints::of(columns), rest.size(), grid, weights, bins);
 }
 
 using Tile = hn::Rebind<std::uint32_t, D>;
@@ -248,8 +242,8 @@ namespace landfall {
 HWY_EXPORT(AddReturns);
 HWY_EXPORT(FindParts);
 
-AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
-                         std::span<BinSums> bins) {
+std::size_t add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
+                        std::span<BinSums> bins) {
   assert(bins.size() == spec.size());
   return HWY_DYNAMIC_DISPATCH(AddReturns)(points, spec, weights, bins);
 }

@@ -13,16 +13,11 @@ namespace landfall {
 
 enum class BinWeights { bilinear, equal };
 
-struct AddedReturns {
-  std::size_t outside = 0;  ///< returns in no bin
-  bool finite = true;       ///< all seven coordinates of all returns
-};
-
 /// Adds the returns, in their order, to the bins in which they lie (row-major, those of `spec`, at most
-/// 2^31 - 1), as add_return() with the weight of WeightedMeanAccumulator: the same bits. In SIMD lanes by
-/// run-time dispatch. The grid's first row and column lie within +-2^52.
-AddedReturns add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
-                         std::span<BinSums> bins);
+/// 2^31 - 1), as add_return() with the weight of WeightedMeanAccumulator: the same bits. Returns how many lie
+/// in no bin. In SIMD lanes by run-time dispatch. The grid's first row and column lie within +-2^52.
+std::size_t add_returns(const GridPoints& points, const GridSpec& spec, BinWeights weights,
+                        std::span<BinSums> bins);
 
 /// How bins are shared out: among 2^part_bits parts, by tiles of 2^tile_bits x 2^tile_bits bins.
 struct Tiling {

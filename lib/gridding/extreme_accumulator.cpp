@@ -9,11 +9,11 @@ namespace landfall {
 ExtremeAccumulator::ExtremeAccumulator(const GridSpec& spec, Which which)
     : Accumulator(spec), which_(which), bins_(this->spec().size()), nearest_(spec) {}
 
-void ExtremeAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
+void ExtremeAccumulator::add(const GridPoints& points) {
   const std::span<Bin> bins = bins_.values();
-  const std::size_t outside = nearest_.for_each(points, first_row_number,
-                                                [&](const GridSpec&, const GridPoints& piece, std::size_t i,
-                                                    std::size_t bin) { add_point(piece, i, bins[bin]); });
+  const std::size_t outside =
+      nearest_.for_each(points, [&](const GridSpec&, const GridPoints& piece, std::size_t i,
+                                    std::size_t bin) { add_point(piece, i, bins[bin]); });
   count_points(points.size(), outside);
 }
 

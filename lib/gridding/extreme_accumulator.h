@@ -16,7 +16,7 @@ class ExtremeAccumulator final : public Accumulator {
   enum class Which { lowest, highest };
   ExtremeAccumulator(const GridSpec& spec, Which which);
 
-  void add(const GridPoints& points, std::int64_t first_row_number) override;
+  void add(const GridPoints& points) override;
   void values(BinIndex first, std::span<BinValues> out) const override;
 
  private:

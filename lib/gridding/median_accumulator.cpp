@@ -10,7 +10,6 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "gridding/finite_points.h"
 
 namespace landfall {
 
@@ -20,19 +19,17 @@ MedianAccumulator::MedianAccumulator(const GridSpec& spec, std::int64_t points_a
       bins_(this->spec().size()),
       row_counts_(static_cast<std::size_t>(spec.rows)) {}
 
-void MedianAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
+void MedianAccumulator::add(const GridPoints& points) {
   if (pass_ == 0) {
-    count_row(points, first_row_number);
+    count_row(points);
   } else {
     gather(points);
   }
 }
 
-void MedianAccumulator::count_row(const GridPoints& points, std::int64_t first_row_number) {
+void MedianAccumulator::count_row(const GridPoints& points) {
   std::size_t outside = 0;
-  bool all_finite = true;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    all_finite &= is_finite(points, i);
     const BinIndex bin = spec().bin_of(points.x_est[i], points.y_est[i]);
     if (spec().contains(bin)) {
       ++row_counts_[static_cast<std::size_t>(bin.row)];
@@ -40,7 +37,6 @@ void MedianAccumulator::count_row(const GridPoints& points, std::int64_t first_r
       ++outside;
     }
   }
-  if (!all_finite) throw_first_not_finite(points, first_row_number);
   count_points(points.size(), outside);
 }
 

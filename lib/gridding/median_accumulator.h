@@ -24,7 +24,7 @@ class MedianAccumulator final : public Accumulator {
   static constexpr std::int64_t kPointsAtATime = std::int64_t{1} << 21U;
   explicit MedianAccumulator(const GridSpec& spec, std::int64_t points_at_a_time = kPointsAtATime);
 
-  void add(const GridPoints& points, std::int64_t first_row_number) override;
+  void add(const GridPoints& points) override;
   /// Throws FormatError, after the first pass, where one row of bins holds more than points_at_a_time
   /// returns.
   bool end_pass() override;
@@ -44,7 +44,7 @@ class MedianAccumulator final : public Accumulator {
     float spread;
     std::int32_t count;
   };
-  void count_row(const GridPoints& points, std::int64_t first_row_number);
+  void count_row(const GridPoints& points);
   void gather(const GridPoints& points);
   void plan();
   void find_medians();

@@ -36,7 +36,7 @@ void MomentAccumulator::add(const GridPoints& points, const WeightedMeanAccumula
     const double w = (1 - std::abs(dx) / spec.resolution_m) * (1 - std::abs(dy) / spec.resolution_m);
     add_return(dx, dy, piece.z_est[i] - sums[bin].z_first, w, moments[bin]);
   };
-  static_cast<void>(nearest_.for_each(points, 0, add_point));
+  static_cast<void>(nearest_.for_each(points, add_point));
 }
 
 }  // namespace landfall

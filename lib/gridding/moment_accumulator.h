@@ -28,8 +28,8 @@ class MomentAccumulator {
  public:
   explicit MomentAccumulator(const GridSpec& spec);
 
-  /// Adds returns that `bins` already holds: call it with each batch after bins.add(), which refuses what is
-  /// not finite and fixes z_first.
+  /// Adds returns that `bins` already holds: call it with each batch after bins.add(), which fixes
+  /// z_first.
   void add(const GridPoints& points, const WeightedMeanAccumulator& bins);
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }

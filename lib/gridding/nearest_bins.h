@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "gridding/finite_points.h"
 #include "gridding/grid_points.h"
 #include "gridding/row_partition.h"
 
@@ -23,15 +22,13 @@ class NearestBins {
   explicit NearestBins(const GridSpec& spec) : spec_(spec), partition_(spec) {}
 
   /// Calls add(spec, points, i, bin) for every return i in a bin (its row-major number), bands of rows in
-  /// parallel, each bin's returns in order. Returns how many lie in none. Throws as Accumulator::add.
+  /// parallel, each bin's returns in order. Returns how many lie in none.
   template <class Add>
-  std::size_t for_each(const GridPoints& points, std::int64_t first_row_number, const Add& add) {
+  std::size_t for_each(const GridPoints& points, const Add& add) {
     std::size_t outside = 0;
     for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPass) {
       const GridPoints piece = points.subset(begin, std::min(kPointsPerPass, points.size() - begin));
-      bool finite = true;
-      outside += thread_count() == 1 ? add_in_order(piece, add, finite) : add_by_bands(piece, add, finite);
-      if (!finite) throw_first_not_finite(piece, first_row_number + static_cast<std::int64_t>(begin));
+      outside += thread_count() == 1 ? add_in_order(piece, add) : add_by_bands(piece, add);
     }
     return outside;
   }
@@ -41,11 +38,10 @@ class NearestBins {
   // sees that a weight divides by the same resolution as the search for the bin.
 
   template <class Add>
-  std::size_t add_in_order(const GridPoints& points, const Add& add, bool& finite) {
+  std::size_t add_in_order(const GridPoints& points, const Add& add) {
     const GridSpec spec = spec_;
     std::size_t outside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      finite &= is_finite(points, i);
       const BinIndex bin = spec.bin_of(points.x_est[i], points.y_est[i]);
       if (spec.contains(bin)) {
         add(spec, points, i, spec.index(bin));
@@ -57,7 +53,7 @@ class NearestBins {
   }
 
   template <class Add>
-  std::size_t add_by_bands(const GridPoints& points, const Add& add, bool& finite) {
+  std::size_t add_by_bands(const GridPoints& points, const Add& add) {
     const GridSpec spec = spec_;
     bins_.resize(points.size());
     partition_.assign(points.size(), [&, spec](std::size_t begin, std::size_t end, std::int32_t* rows) {
@@ -68,17 +64,10 @@ class NearestBins {
         rows[i - begin] = inside ? static_cast<std::int32_t>(bin.row) : -1;
       }
     });
-    std::vector<char> band_finite(partition_.band_count() + 1, 1);
     parallel_for(partition_.band_count(), 1, [&, spec](std::size_t band, std::size_t) {
-      bool all_finite = true;
-      for (const std::uint32_t i : partition_.points_of_band(band)) {
-        all_finite &= is_finite(points, i);
+      for (const std::uint32_t i : partition_.points_of_band(band))
         add(spec, points, i, static_cast<std::size_t>(bins_[i]));
-      }
-      band_finite[band] = all_finite ? 1 : 0;
     });
-    for (const std::uint32_t i : partition_.outside_points()) finite &= is_finite(points, i);
-    finite &= std::ranges::find(band_finite, 0) == band_finite.end();
     return partition_.outside_count();
   }
 

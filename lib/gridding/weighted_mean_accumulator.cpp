@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <utility>
+#include <numeric>
 #include <vector>
 
 #include "base/parallel.h"
-#include "gridding/finite_points.h"
 
 namespace landfall {
 namespace {
@@ -36,12 +35,13 @@ class GatheredPoints {
   }
   /// Copies and forgets the points noted; what is returned is valid until the next call.
   GridPoints take(const GridPoints& p) {
-    const std::array<std::span<const double>, 7> from = {p.x_est,  p.y_est,  p.z_est, p.x_true,
-                                                         p.y_true, p.z_true, p.t};
-    for (std::size_t c = 0; c < from.size(); ++c)
-      for (std::size_t i = 0; i < count_; ++i) columns_[c][i] = from[c][numbers_[i]];
-    const auto& c = columns_;
-    return GridPoints{c[0], c[1], c[2], c[3], c[4], c[5], c[6]}.subset(0, std::exchange(count_, 0));
+    GridPoints::Columns columns = p.columns();
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      for (std::size_t i = 0; i < count_; ++i) columns_[c][i] = columns[c][numbers_[i]];
+      columns[c] = std::span(columns_[c]).first(count_);
+    }
+    count_ = 0;
+    return GridPoints::of(columns);
   }
 
  private:
@@ -58,46 +58,35 @@ std::size_t run_length(std::span<const std::uint64_t> part, std::size_t first) {
   return (end - first) * kPointsPerWord;
 }
 
-void merge(const AddedReturns& more, AddedReturns& all) {
-  all.outside += more.outside;
-  all.finite &= more.finite;
-}
-
 }  // namespace
 
 WeightedMeanAccumulator::WeightedMeanAccumulator(const GridSpec& spec, Weights weights)
     : Accumulator(spec), weights_(weights), bins_(spec.size()) {}
 
-void WeightedMeanAccumulator::add(const GridPoints& points, std::int64_t first_row_number) {
+void WeightedMeanAccumulator::add(const GridPoints& points) {
   std::size_t outside = 0;
   for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPass) {
     const GridPoints piece = points.subset(begin, std::min(kPointsPerPass, points.size() - begin));
-    const AddedReturns added =
-        thread_count() == 1 ? add_returns(piece, spec(), weights_, bins_.values()) : add_piece(piece);
-    if (!added.finite) throw_first_not_finite(piece, first_row_number + static_cast<std::int64_t>(begin));
-    outside += added.outside;
+    outside += thread_count() == 1 ? add_returns(piece, spec(), weights_, bins_.values()) : add_piece(piece);
   }
   count_points(points.size(), outside);
 }
 
-AddedReturns WeightedMeanAccumulator::add_piece(const GridPoints& points) {
+std::size_t WeightedMeanAccumulator::add_piece(const GridPoints& points) {
   if (!partition_) partition_.emplace(spec(), kPartsPerThread * thread_count());
   partition_->assign(points.x_est, points.y_est);
-  std::vector<AddedReturns> added(partition_->part_count());
-  parallel_for(added.size(), 1, [&](std::size_t part, std::size_t) {
-    added[part] = add_part(points, partition_->points_of_part(part));
+  std::vector<std::size_t> outside(partition_->part_count());
+  parallel_for(outside.size(), 1, [&](std::size_t part, std::size_t) {
+    outside[part] = add_part(points, partition_->points_of_part(part));
   });
-  AddedReturns all;
-  for (const AddedReturns& of_part : added) merge(of_part, all);
-  return all;
+  return std::accumulate(outside.begin(), outside.end(), std::size_t{0});
 }
 
-AddedReturns WeightedMeanAccumulator::add_part(const GridPoints& points,
-                                               std::span<const std::uint64_t> part) {
-  AddedReturns all;
+std::size_t WeightedMeanAccumulator::add_part(const GridPoints& points, std::span<const std::uint64_t> part) {
+  std::size_t outside = 0;
   GatheredPoints gathered;
   const auto add = [&](const GridPoints& some) {
-    merge(add_returns(some, spec(), weights_, bins_.values()), all);
+    outside += add_returns(some, spec(), weights_, bins_.values());
   };
   for (std::size_t word = 0; word < part.size();) {
     if (part[word] == 0) {
@@ -116,7 +105,7 @@ AddedReturns WeightedMeanAccumulator::add_part(const GridPoints& points,
     }
   }
   add(gathered.take(points));
-  return all;
+  return outside;
 }
 
 void WeightedMeanAccumulator::values(BinIndex first, std::span<BinValues> out) const {

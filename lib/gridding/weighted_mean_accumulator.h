@@ -30,15 +30,15 @@ class WeightedMeanAccumulator final : public Accumulator {
   using Weights = BinWeights;
   explicit WeightedMeanAccumulator(const GridSpec& spec, Weights weights = Weights::bilinear);
 
-  void add(const GridPoints& points, std::int64_t first_row_number) override;
+  void add(const GridPoints& points) override;
   void values(BinIndex first, std::span<BinValues> out) const override;
 
   /// Row-major, y ascending.
   [[nodiscard]] std::span<const BinSums> bins() const { return bins_.values(); }
 
  private:
-  AddedReturns add_piece(const GridPoints& points);
-  AddedReturns add_part(const GridPoints& points, std::span<const std::uint64_t> part);
+  std::size_t add_piece(const GridPoints& points);
+  std::size_t add_part(const GridPoints& points, std::span<const std::uint64_t> part);
 
   Weights weights_;
   ZeroedArray<BinSums> bins_;

@@ -30,8 +30,9 @@ struct ColumnSpec {
 };
 
 /// One column's new rows. Doubles may go into a float32 column; other types must match.
-using ColumnRows = std::variant<std::span<const double>, std::span<const std::int64_t>,
-                                std::span<const std::int32_t>, std::span<const std::int8_t>>;
+using ColumnRows =
+    std::variant<std::span<const double>, std::span<const float>, std::span<const std::int64_t>,
+                 std::span<const std::int32_t>, std::span<const std::int8_t>>;
 
 class TableReader;
 

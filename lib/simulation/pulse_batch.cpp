@@ -6,15 +6,11 @@
 namespace landfall {
 
 void PulseBatch::resize(std::size_t pulse_count, std::size_t pixel_count, PointContent content) {
-  const std::size_t rows = pulse_count * pixel_count;
-  PointColumns& p = points;
-  for (auto* const column : {&p.x_est, &p.y_est, &p.z_est, &p.range_measured}) column->resize(rows);
-  p.status.resize(rows);
-  const std::size_t truth_rows = content == PointContent::all ? rows : 0;
-  for (auto* const column : {&p.x_true, &p.y_true, &p.z_true, &p.range_true}) column->resize(truth_rows);
-  p.pulse.resize(truth_rows);
-  p.pixel.resize(truth_rows);
-  PulseColumns::for_each(pulses, [&](const char*, auto& column) { column.resize(pulse_count); });
+  for_each_column(kPointColumns, [&](const auto& column) {
+    const bool wanted = content == PointContent::all || column.effect == ErrorEffect::changed;
+    (points.*column.rows).resize(wanted ? pulse_count * pixel_count : 0);
+  });
+  for_each_column(kPulseColumns, [&](const auto& column) { (pulses.*column.rows).resize(pulse_count); });
 }
 
 std::array<std::int64_t, kPointStatusCount> PulseBatch::status_counts() const {
@@ -34,10 +30,11 @@ void PulseBatch::keep_returns() {
       if (is_return(points.status[row])) kept.push_back(row);
     count = static_cast<std::int32_t>(kept.size() - before);
   }
-  PointColumns::for_each(points, [&](const char*, auto& column) {
-    if (column.empty()) return;
-    for (std::size_t i = 0; i < kept.size(); ++i) column[i] = column[kept[i]];
-    column.resize(kept.size());
+  for_each_column(kPointColumns, [&](const auto& column) {
+    auto& rows = points.*column.rows;
+    if (rows.empty()) return;
+    for (std::size_t i = 0; i < kept.size(); ++i) rows[i] = rows[kept[i]];
+    rows.resize(kept.size());
   });
 }
 

@@ -189,6 +189,10 @@ def make_broken_landfall_files():
     edited("short_column.h5", "scan.h5", replaced("points/pulse", pulse[:-1]))
     edited("bad_pulse.h5", "scan.h5", value_at("points/pulse", 5, 12345))
     edited("not_finite.h5", "scan.h5", value_at("points/z_est", 5, np.nan))
+    with h5py.File("full_scan.h5") as file:
+        last_return = np.flatnonzero(file["points/status"][:] == 0)[-1]
+    edited("not_finite_after_misses.h5", "full_scan.h5", value_at("points/x_est", last_return, np.nan))
+    edited("no_pulse_time.h5", "full_scan.h5", value_at("pulses/t", 399, np.nan))
     damaged("damaged_points.h5", "scan.h5", "points/z_est")
     edited("no_z_est.h5", "dem.h5", removed("z_est"))
     edited("infinite_z_est.h5", "dem.h5", value_at("z_est", (50, 50), np.inf))

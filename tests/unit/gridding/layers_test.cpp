@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "map_layers.h"
-#include "point_columns.h"
+#include "return_columns.h"
 #include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {

@@ -7,25 +7,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
 #include <stdexcept>
-#include <string>
 #include <tuple>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gridding/median_accumulator.h"
 #include "map_layers.h"
-#include "point_columns.h"
+#include "return_columns.h"
 #include "test_seed.h"
 
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Method kMethods[] = {
     Method::bilinear_nearest, Method::bilinear4, Method::mean, Method::min, Method::max, Method::median};
 
@@ -101,8 +98,7 @@ std::unique_ptr<Accumulator> gathered(std::unique_ptr<Accumulator> map, const Gr
                                       std::size_t batch) {
   do {
     for (std::size_t first = 0; first < points.size(); first += batch)
-      map->add(points.subset(first, std::min(batch, points.size() - first)),
-               static_cast<std::int64_t>(first));
+      map->add(points.subset(first, std::min(batch, points.size() - first)));
   } while (map->end_pass());
   return map;
 }
@@ -133,7 +129,7 @@ class Methods : public testing::TestWithParam<Method> {};
 TEST_P(Methods, AgreesWithTheSlowOne) {
   const GridSpec spec = GridSpec::centered(2, 0.25);
   const std::vector<ReturnPoint> points = random_points(spec, 400);
-  const PointColumns columns(points);
+  const ReturnColumns columns(points);
   const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 100);
   const Members members = members_of(GetParam(), spec, points);
   ASSERT_LT(members.size(), spec.size());  // some bins are empty
@@ -156,7 +152,7 @@ TEST_P(Methods, EveryReturnIsCountedOnceInsideOrOutside) {
   std::vector<ReturnPoint> points = {
       {.x_est = 0.1},  {.x_est = 1.3}, {.x_est = 1.5}, {.y_est = -1.6}, {.x_est = -1.4, .y_est = 1.4},
       {.x_est = 1e300}};
-  const PointColumns columns(points);
+  const ReturnColumns columns(points);
   const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 4);
   // Four centres reach half a metre beyond the outer ones, bins a quarter.
   EXPECT_EQ(map->inside_count(), GetParam() == Method::bilinear4 ? 3 : 1);
@@ -165,7 +161,7 @@ TEST_P(Methods, EveryReturnIsCountedOnceInsideOrOutside) {
 
 TEST_P(Methods, SameBitsAtAnyThreadCountAndBatchSize) {
   const GridSpec spec = GridSpec::centered(10, 0.25);
-  const PointColumns columns(random_points(spec, 150'000));
+  const ReturnColumns columns(random_points(spec, 150'000));
   const GridPoints points = columns.view();
   const std::vector<BinValues> reference =
       all_values(*gathered(make_accumulator(GetParam(), spec), points, points.size()));
@@ -181,40 +177,9 @@ TEST_P(Methods, SameBitsAtAnyThreadCountAndBatchSize) {
     }
 }
 
-TEST_P(Methods, NamesTheFirstRowThatIsNotFinite) {
-  for (const std::size_t threads : {1U, 2U}) {
-    const ThreadLimit limit(threads);
-    std::vector<ReturnPoint> points(20);
-    points[7].t = kNan;
-    points[9].x_est = kNan;
-    points[12].y_true = std::numeric_limits<double>::infinity();
-    const PointColumns columns(points);
-    const auto map = make_accumulator(GetParam(), GridSpec::centered(1, 0.5));
-    try {
-      map->add(columns.view(), 1000);
-      ADD_FAILURE() << "not refused";
-    } catch (const FormatError& error) {
-      EXPECT_STREQ(error.what(), "row 1007: t is nan; the coordinates of a return must be finite");
-    }
-  }
-}
-
-// Also where every other return is finite, inside the map and outside it.
-TEST_P(Methods, NamesTheOnlyReturnThatIsNotFinite) {
-  for (const std::size_t threads : {1U, 2U})
-    for (const double x : {0.0, 99.0}) {
-      const ThreadLimit limit(threads);
-      std::vector<ReturnPoint> points(20);
-      points[7] = {.x_est = x, .z_est = kNan};
-      const PointColumns columns(points);
-      const auto map = make_accumulator(GetParam(), GridSpec::centered(1, 0.5));
-      EXPECT_THROW(map->add(columns.view(), 0), FormatError) << x << ' ' << threads;
-    }
-}
-
 // Millimetres on top of a million metres.
 TEST_P(Methods, SpreadSurvivesALargeOffset) {
-  const PointColumns columns(
+  const ReturnColumns columns(
       {{.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}, {.z_est = 1e6}, {.z_est = 1e6 + 0x1p-9}});
   const auto map = gathered(make_accumulator(GetParam(), GridSpec::centered(1, 1)), columns.view(), 3);
   EXPECT_EQ(all_values(*map)[4].z_spread, 0x1p-10);
@@ -227,7 +192,7 @@ TEST_P(Methods, InsideIsWhatReachesABin) {
   for (double x = -2.5; x <= 2.5; x += 0.25)
     for (double y = -2.5; y <= 2.5; y += 0.25) {
       const std::vector<ReturnPoint> point{{.x_est = x, .y_est = y}};
-      const PointColumns columns(point);
+      const ReturnColumns columns(point);
       const std::int64_t inside = members_of(GetParam(), spec, point).empty() ? 0 : 1;
       const auto map = gathered(make_accumulator(GetParam(), spec), columns.view(), 1);
       EXPECT_EQ(map->inside_count(), inside) << x << ' ' << y;
@@ -238,7 +203,7 @@ TEST_P(Methods, InsideIsWhatReachesABin) {
 // More than one piece of work, whose bits are those of one thread.
 TEST_P(Methods, SeveralPiecesOfWork) {
   const GridSpec spec = GridSpec::centered(2, 0.25);
-  const PointColumns columns(random_points(spec, 70'000));
+  const ReturnColumns columns(random_points(spec, 70'000));
   const auto bits = [&](std::size_t threads) {
     const ThreadLimit limit(threads);
     return all_values(*gathered(make_accumulator(GetParam(), spec), columns.view(), 70'000));
@@ -258,12 +223,9 @@ TEST_P(Methods, RefusesAGridWithoutBins) {
 
 INSTANTIATE_TEST_SUITE_P(All, Methods, testing::ValuesIn(kMethods));
 
-// More returns than are taken at a time: none is lost or seen twice, and rows are counted on. One column
-// stands for all but the times; only the last return lies in the map.
+// More returns than are taken at a time: none is lost or seen twice. One column stands for all; only the last
+// return lies in the map.
 TEST(LargeBatches, TakeMoreReturnsThanOnePass) {
-  const auto returns = [](const std::vector<double>& all, const std::vector<double>& t) {
-    return GridPoints{all, all, all, all, all, all, t};
-  };
   for (const auto& [method, threads, pass] : {std::tuple{Method::bilinear_nearest, 1U, 20U},
                                               {Method::bilinear_nearest, 2U, 20U},
                                               {Method::bilinear4, 2U, 22U},
@@ -272,19 +234,10 @@ TEST(LargeBatches, TakeMoreReturnsThanOnePass) {
     std::vector<double> column((std::size_t{1} << pass) + 7, 9.0);
     column.back() = 0;
     const auto map = make_accumulator(method, GridSpec::centered(1, 1));
-    map->add(returns(column, column), 0);
+    map->add({column, column, column, column, column, column, column});
     EXPECT_EQ(map->inside_count(), 1);
     EXPECT_EQ(map->outside_count(), std::ssize(column) - 1);
     EXPECT_EQ(all_values(*map)[4].count, 1);
-    std::vector<double> t = column;
-    t[t.size() - 2] = kNan;
-    try {
-      make_accumulator(method, GridSpec::centered(1, 1))->add(returns(column, t), 100);
-      ADD_FAILURE() << "not refused";
-    } catch (const FormatError& error) {
-      EXPECT_EQ(error.what(), "row " + std::to_string(t.size() + 98) +
-                                  ": t is nan; the coordinates of a return must be finite");
-    }
   }
 }
 
@@ -295,7 +248,7 @@ TEST(MakeAccumulator, KnowsNoOtherMethod) {
 
 TEST(BilinearAccumulator, WeightsByHand) {
   // A quarter of the way from centre (0, 0) to (1, 0), half of the way to (0, 1).
-  const PointColumns columns({{.x_est = 0.25, .y_est = 0.5, .z_est = 3}});
+  const ReturnColumns columns({{.x_est = 0.25, .y_est = 0.5, .z_est = 3}});
   const auto map = gathered(make_accumulator(Method::bilinear4, GridSpec::centered(1, 1)), columns.view(), 1);
   const std::vector<BinValues> v = all_values(*map);
   EXPECT_EQ(v[4].weight_sum, 0.375);
@@ -307,7 +260,7 @@ TEST(BilinearAccumulator, WeightsByHand) {
 }
 
 TEST(BilinearAccumulator, AReturnOnACentreCountsThereOnly) {
-  const PointColumns columns({{.x_est = 1, .y_est = -1}});
+  const ReturnColumns columns({{.x_est = 1, .y_est = -1}});
   const auto map = gathered(make_accumulator(Method::bilinear4, GridSpec::centered(1, 1)), columns.view(), 1);
   const std::vector<BinValues> v = all_values(*map);
   EXPECT_EQ(v[2].weight_sum, 1);
@@ -317,7 +270,7 @@ TEST(BilinearAccumulator, AReturnOnACentreCountsThereOnly) {
 // Passes of few returns give the bits of one pass.
 TEST(MedianAccumulator, ManyPassesGiveTheSame) {
   const GridSpec spec = GridSpec::centered(3, 0.25);
-  const PointColumns columns(random_points(spec, 3000));
+  const ReturnColumns columns(random_points(spec, 3000));
   const auto once = all_values(*gathered(std::make_unique<MedianAccumulator>(spec), columns.view(), 500));
   const auto often =
       all_values(*gathered(std::make_unique<MedianAccumulator>(spec, 150), columns.view(), 500));
@@ -329,13 +282,13 @@ TEST(MedianAccumulator, ManyPassesGiveTheSame) {
 
 TEST(MedianAccumulator, ProgressRisesToOne) {
   const GridSpec spec = GridSpec::centered(3, 0.25);
-  const PointColumns columns(random_points(spec, 3000));
+  const ReturnColumns columns(random_points(spec, 3000));
   MedianAccumulator map(spec, 500);
   double last = 0;
   int passes = 0;
   do {
     EXPECT_GE(map.progress(0), last - 1e-12);
-    map.add(columns.view(), 0);
+    map.add(columns.view());
     last = map.progress(1);
     ++passes;
   } while (map.end_pass());
@@ -344,9 +297,9 @@ TEST(MedianAccumulator, ProgressRisesToOne) {
 }
 
 TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
-  const PointColumns columns(std::vector<ReturnPoint>(11, {.y_est = -0.5}));
+  const ReturnColumns columns(std::vector<ReturnPoint>(11, {.y_est = -0.5}));
   MedianAccumulator map(GridSpec::centered(1, 0.5), 10);
-  map.add(columns.view(), 0);
+  map.add(columns.view());
   try {
     map.end_pass();
     ADD_FAILURE() << "not refused";
@@ -361,9 +314,9 @@ TEST(MedianAccumulator, RefusesARowOfTooManyReturns) {
 // The first row, too; as many as can be sorted are taken.
 TEST(MedianAccumulator, AsManyReturnsInARowAsCanBeSorted) {
   for (const std::size_t count : {10U, 11U}) {
-    const PointColumns columns(std::vector<ReturnPoint>(count, {.y_est = -1}));
+    const ReturnColumns columns(std::vector<ReturnPoint>(count, {.y_est = -1}));
     MedianAccumulator map(GridSpec::centered(1, 0.5), 10);
-    map.add(columns.view(), 0);
+    map.add(columns.view());
     if (count == 10)
       EXPECT_TRUE(map.end_pass());
     else
@@ -378,11 +331,11 @@ TEST(MedianAccumulator, GathersAsManyRowsAsFit) {
     std::vector<ReturnPoint> points;
     for (std::size_t row = 0; row < rows.size(); ++row)
       for (int i = 0; i < rows[row]; ++i) points.push_back({.y_est = static_cast<double>(row)});
-    const PointColumns columns(points);
+    const ReturnColumns columns(points);
     MedianAccumulator map(spec, 10);
     int count = -1;  // the first one counts
     do {
-      map.add(columns.view(), 0);
+      map.add(columns.view());
       ++count;
     } while (map.end_pass());
     return count;
@@ -394,13 +347,13 @@ TEST(MedianAccumulator, GathersAsManyRowsAsFit) {
 }
 
 TEST(MedianAccumulator, TheFirstPassIsATenthOfTheProgress) {
-  const PointColumns columns(std::vector<ReturnPoint>{{.y_est = 0}, {.y_est = 1}});
+  const ReturnColumns columns(std::vector<ReturnPoint>{{.y_est = 0}, {.y_est = 1}});
   MedianAccumulator map(GridSpec{1, 0, 0, 2, 1}, 1);
   EXPECT_DOUBLE_EQ(map.progress(0.5), 0.05);
-  map.add(columns.view(), 0);
+  map.add(columns.view());
   map.end_pass();
   EXPECT_DOUBLE_EQ(map.progress(0.5), 0.1 + 0.9 / 4);
-  map.add(columns.view(), 0);
+  map.add(columns.view());
   map.end_pass();
   EXPECT_DOUBLE_EQ(map.progress(0.5), 0.1 + 0.9 * 3 / 4);
 }
@@ -409,17 +362,16 @@ TEST(MedianAccumulator, TheFirstPassIsATenthOfTheProgress) {
 class CountingAccumulator : public Accumulator {
  public:
   CountingAccumulator() : Accumulator(GridSpec::centered(1, 1)) {}
-  void add(const GridPoints& /*points*/, std::int64_t count) override {
-    count_points(static_cast<std::size_t>(count), 0);
-  }
+  using Accumulator::count_points;
+  void add(const GridPoints& /*points*/) override {}
   void values(BinIndex /*first*/, std::span<BinValues> /*out*/) const override {}
 };
 
 TEST(Accumulator, RefusesMoreReturnsThanABinCanCount) {
   CountingAccumulator map;
-  map.add({}, 2147483647);
+  map.count_points(2147483647, 0);
   EXPECT_EQ(map.inside_count(), 2147483647);
-  EXPECT_THROW(map.add({}, 1), FormatError);
+  EXPECT_THROW(map.count_points(1, 0), FormatError);
 }
 
 }  // namespace

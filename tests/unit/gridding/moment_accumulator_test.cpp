@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/parallel.h"
-#include "point_columns.h"
+#include "return_columns.h"
 
 namespace landfall {
 namespace {
@@ -17,10 +17,10 @@ MomentAccumulator moments_of(const GridSpec& spec, const std::vector<ReturnPoint
                              std::size_t batch = SIZE_MAX) {
   WeightedMeanAccumulator bins(spec);
   MomentAccumulator moments(spec);
-  const PointColumns columns(points);
+  const ReturnColumns columns(points);
   for (std::size_t begin = 0; begin < points.size(); begin += std::min(batch, points.size())) {
     const GridPoints piece = columns.view().subset(begin, std::min(batch, points.size() - begin));
-    bins.add(piece, 0);
+    bins.add(piece);
     moments.add(piece, bins);
   }
   return moments;

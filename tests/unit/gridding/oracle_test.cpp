@@ -11,7 +11,7 @@
 
 #include "base/parallel.h"
 #include "map_layers.h"
-#include "point_columns.h"
+#include "return_columns.h"
 #include "test_seed.h"
 
 namespace landfall {
@@ -119,7 +119,7 @@ TEST(WeightedMeanAccumulator, AgreesWithTheSlowOne) {
 WeightedMeanAccumulator in_batches(const GridSpec& spec, const GridPoints& points, std::size_t batch) {
   WeightedMeanAccumulator bins(spec);
   for (std::size_t first = 0; first < points.size(); first += batch)
-    bins.add(points.subset(first, std::min(batch, points.size() - first)), static_cast<std::int64_t>(first));
+    bins.add(points.subset(first, std::min(batch, points.size() - first)));
   return bins;
 }
 
@@ -130,7 +130,7 @@ bool same_bits(const WeightedMeanAccumulator& a, const WeightedMeanAccumulator& 
 
 TEST(WeightedMeanAccumulator, SameBitsAtAnyThreadCountAndBatchSize) {
   const GridSpec spec = GridSpec::centered(10, 0.25);
-  const PointColumns columns(random_points(spec, 200'000));
+  const ReturnColumns columns(random_points(spec, 200'000));
   const GridPoints points = columns.view();
   const WeightedMeanAccumulator reference = in_batches(spec, points, points.size());
   for (const std::size_t threads : {1U, 2U, 3U}) {
@@ -151,7 +151,7 @@ TEST(WeightedMeanAccumulator, LongBatchesAreCutWithoutLoss) {
   const std::vector<double> zeros(kPoints, 0.0);
   const std::vector<double> ones(kPoints, 1.0);
   WeightedMeanAccumulator bins(GridSpec::centered(1, 1));
-  bins.add({zeros, zeros, ones, zeros, zeros, zeros, zeros}, 0);
+  bins.add({zeros, zeros, ones, zeros, zeros, zeros, zeros});
   EXPECT_EQ(bins.inside_count(), static_cast<std::int64_t>(kPoints));
   EXPECT_EQ(bins.bins()[4].count, static_cast<std::int32_t>(kPoints));
   EXPECT_EQ(bins.bins()[4].weight, static_cast<double>(kPoints));

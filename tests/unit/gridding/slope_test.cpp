@@ -7,7 +7,7 @@
 #include <random>
 
 #include "map_layers.h"
-#include "point_columns.h"
+#include "return_columns.h"
 
 namespace landfall {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "gridding/uncertainty.h"
-#include "point_columns.h"
+#include "return_columns.h"
 
 namespace landfall {
 namespace {
@@ -118,7 +118,7 @@ struct BinOracle {
 class UncertaintyOracle : public testing::Test {
  protected:
   UncertaintyOracle() {
-    moments_.add(PointColumns(returns()).view(), bins_);
+    moments_.add(ReturnColumns(returns()).view(), bins_);
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<ReturnPoint>> members;
     for (const ReturnPoint& p : returns()) {
       const BinIndex bin = kSpec.bin_of(p.x_est, p.y_est);

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "error_models/navigation_error.h"
-#include "point_columns.h"
+#include "return_columns.h"
 
 namespace landfall {
 namespace {
@@ -32,7 +32,7 @@ struct Scene {
       : bins(accumulated(spec, points)),
         moments(spec),
         poses({{"a.h5", {start_s, start_s + 10}, {body, body}, {attitude_of(rpy), attitude_of(rpy)}}}) {
-    moments.add(PointColumns(points).view(), bins);
+    moments.add(ReturnColumns(points).view(), bins);
     slopes = slope_layer(bins);
     map.emplace(bins, moments, slopes, poses, parameters);
   }
@@ -287,7 +287,7 @@ TEST(Uncertainty, RefusesSigmasThatAreNone) {
     return "accepted";
   };
   EXPECT_EQ(refusal({}), "accepted");
-  EXPECT_THAT(refusal({.range_sigma_m = -1}), HasSubstr("uncertainty/range_sigma_m: -1"));
+  EXPECT_THAT(refusal({.range_sigma_m = -1}), HasSubstr("range_sigma_m: -1"));
   UncertaintyParameters bad;
   bad.navigation.position_m.v.y() = -0.5;
   EXPECT_THAT(refusal(bad), HasSubstr("navigation_sigma/position_m: -0.5"));

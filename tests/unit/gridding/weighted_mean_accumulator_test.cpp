@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gridding/weighted_mean_accumulator.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "base/error.h"
-#include "gridding/finite_points.h"
-#include "point_columns.h"
+#include "return_columns.h"
 
 namespace landfall {
 namespace {
@@ -88,7 +84,7 @@ TEST(WeightedMeanAccumulator, SumsByHand) {
 
 TEST(WeightedMeanAccumulator, NothingAddedIsEmpty) {
   WeightedMeanAccumulator bins(five_by_five());
-  bins.add({}, 0);
+  bins.add({});
   EXPECT_EQ(bins.inside_count(), 0);
   EXPECT_EQ(at(bins, {2, 2}).count, 0);
   EXPECT_EQ(at(bins, {2, 2}).weight, 0);
@@ -104,47 +100,10 @@ TEST(WeightedMeanAccumulator, RefusesAnImpossibleGrid) {
   EXPECT_NO_THROW(WeightedMeanAccumulator(GridSpec{1, 0, 0, 1, 1}));
 }
 
-std::string refusal(const std::vector<ReturnPoint>& points, std::int64_t first_row_number) {
-  try {
-    WeightedMeanAccumulator bins(five_by_five());
-    const PointColumns columns(points);
-    bins.add(columns.view(), first_row_number);
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-TEST(WeightedMeanAccumulator, NamesTheRowAndColumnThatIsNotFinite) {
-  using testing::StartsWith;
-  EXPECT_THAT(refusal({{}, {}, {.x_est = kNan}}, 0), StartsWith("row 2: x_est is nan"));
-  EXPECT_THAT(refusal({{.y_est = kInfinity}}, 1000), StartsWith("row 1000: y_est is inf"));
-  EXPECT_THAT(refusal({{}, {.z_est = -kInfinity}}, 1000), StartsWith("row 1001: z_est is -inf"));
-  EXPECT_THAT(refusal({{.x_true = kNan}}, 0), StartsWith("row 0: x_true"));
-  EXPECT_THAT(refusal({{.y_true = kNan}}, 0), StartsWith("row 0: y_true"));
-  EXPECT_THAT(refusal({{.z_true = kNan}}, 0), StartsWith("row 0: z_true"));
-  EXPECT_THAT(refusal({{.t = kNan}}, 0), StartsWith("row 0: t is"));
-  EXPECT_THAT(refusal({{}, {.t = kNan}, {.x_est = kNan}}, 0), StartsWith("row 1: t"));  // the first of them
-  EXPECT_THAT(refusal({{.x_est = 99, .z_est = kNan}}, 0), StartsWith("row 0: z_est"));  // outside, too
-}
-
-TEST(WeightedMeanAccumulator, ThrowsOnlyWhereSomethingIsNotFinite) {
-  const PointColumns columns(std::vector<ReturnPoint>(3));
-  EXPECT_THROW(throw_first_not_finite(columns.view(), 0), std::logic_error);
-}
-
 TEST(WeightedMeanAccumulator, OnePassIsAllOfTheProgress) {
   WeightedMeanAccumulator bins(five_by_five());
   EXPECT_EQ(bins.progress(0.25), 0.25);
   EXPECT_FALSE(bins.end_pass());
-}
-
-// In a batch of several pieces, and past the first pass.
-TEST(WeightedMeanAccumulator, NamesTheRowInALargeBatch) {
-  std::vector<ReturnPoint> points(200'000);
-  points[150'001].z_est = kNan;
-  points[199'999].x_est = kNan;
-  EXPECT_THAT(refusal(points, 5'000'000'000), testing::StartsWith("row 5000150001: z_est is nan"));
 }
 
 }  // namespace

@@ -76,6 +76,21 @@ TEST(Table, RoundTripAtEveryLevel) {
   }
 }
 
+TEST(Table, StoresFloatsAsTheyAre) {
+  const TemporaryFolder folder;
+  const std::vector<float> values = {0.1F, -2.5F};
+  LandfallFileWriter writer({folder / "a.h5"}, "scan", {.tool = "test"});
+  const std::array<ColumnRows, 1> rows = {std::span(values)};
+  write_table(writer.root(), "points", {{"v", h5::Type::float32, "1", "v"}}, rows, 1);
+  writer.commit();
+  const LandfallFileReader file(folder / "a.h5", {"scan"});
+  const TableReader table(file.root(), "points", file.name());
+  EXPECT_EQ(table.element_size("v"), sizeof(float));
+  std::vector<double> read(2);
+  table.read("v", 0, std::span(read));
+  EXPECT_EQ(read, std::vector<double>(values.begin(), values.end()));
+}
+
 TEST(Table, BytesDependOnNeitherBatchesNorThreads) {
   const TemporaryFolder folder;
   const Rows rows = make_rows(kTableChunkRows + 5);

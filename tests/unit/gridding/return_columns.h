@@ -20,11 +20,11 @@ struct ReturnPoint {
 };
 
 /// The columns that GridPoints looks at.
-struct PointColumns {
+struct ReturnColumns {
   std::vector<double> x_est, y_est, z_est, x_true, y_true, z_true, t;
 
-  PointColumns() = default;
-  explicit PointColumns(const std::vector<ReturnPoint>& points) {
+  ReturnColumns() = default;
+  explicit ReturnColumns(const std::vector<ReturnPoint>& points) {
     for (const ReturnPoint& p : points) push_back(p);
   }
   void push_back(const ReturnPoint& p) {
@@ -41,8 +41,8 @@ struct PointColumns {
 
 inline WeightedMeanAccumulator accumulated(const GridSpec& spec, const std::vector<ReturnPoint>& points) {
   WeightedMeanAccumulator bins(spec);
-  const PointColumns columns(points);
-  bins.add(columns.view(), 0);
+  const ReturnColumns columns(points);
+  bins.add(columns.view());
   return bins;
 }
 
