@@ -189,10 +189,6 @@ ScanReader::ScanReader(const std::filesystem::path& path)
       file_.fail("columns /points/pulse and /points/" + column + " differ in length");
 }
 
-bool ScanReader::has_pulse(std::size_t i) const {
-  return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
-}
-
 bool ScanReader::is_valid(const PointColumns& points, std::size_t i) const {
   return !is_return(PointStatus{status_[i]}) ||
          (has_pulse(i) &&

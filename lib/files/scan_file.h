@@ -80,7 +80,9 @@ class ScanReader {
   void read(std::size_t begin, std::size_t count, ScanPoints& points);
 
  private:
-  [[nodiscard]] bool has_pulse(std::size_t i) const;
+  [[nodiscard]] bool has_pulse(std::size_t i) const {
+    return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
+  }
   [[nodiscard]] bool is_valid(const PointColumns& points, std::size_t i) const;
   [[nodiscard]] bool all_valid(const PointColumns& points, std::size_t first, std::size_t end) const;
   [[noreturn]] void fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const;

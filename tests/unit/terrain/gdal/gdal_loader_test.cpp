@@ -320,7 +320,7 @@ TEST_F(LoadDem, RefusesWhatTheConfigGetsWrong) {
   dem.center.reset();
   dem.center_pixel = {3, 10};
   EXPECT_THAT(refusal(dem, spec),
-              AllOf(HasSubstr("format: "), HasSubstr("21 x 21"), HasSubstr("width of 3 m")));
+              AllOf(HasSubstr("format: "), HasSubstr("21 x 21"), HasSubstr("half_width_m of 3 ")));
   dem = good;
   dem.center = {1000, 1000};
   EXPECT_THAT(refusal(dem, spec), HasSubstr("centre is outside"));
