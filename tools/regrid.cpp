@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "cli/tool.h"
+#include "config/config_place.h"
 #include "config/dem_config.h"
 #include "config/uncertainty_config.h"
 #include "files/dem_file.h"
@@ -138,7 +139,7 @@ void open_uncertainty(const cli::Session& session, Inputs& inputs) {
     poses.push_back(read_scan_poses(scan->file()));
   }
   inputs.uncertainty = uncertainty_parameters(inputs.provenance.config, session.config_name(), origins);
-  inputs.poses.emplace(std::move(poses));
+  at_place("--uncertainty: ", [&] { inputs.poses.emplace(std::move(poses)); });
   inputs.provenance.config["uncertainty"] = uncertainty_json(*inputs.uncertainty);
 }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -17,6 +18,7 @@
 #include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "base/parameter_error.h"
 #include "base/thread_refusal.h"
 #include "base/utf8.h"
 #include "cli/command_line.h"
@@ -232,6 +234,17 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
   return run_tool(tool, options);
 }
 
+/// " (--half-width)", the tool's option for the parameter half_width_m; empty where it has none.
+std::string option_hint(const CLI::App& app, const Error& error) {
+  const auto* const parameter = dynamic_cast<const SettlingParameter*>(&error);
+  if (parameter == nullptr) return "";
+  std::string option = std::string("--") + parameter->name;
+  std::replace(option.begin(), option.end(), '_', '-');
+  while (option.size() > 2 && app.get_option_no_throw(option) == nullptr)
+    option.resize(option.rfind('-'));  // the unit, if any
+  return option.size() > 2 ? " (" + option + ")" : "";
+}
+
 /// One line, whatever a file's name or a key holds.
 int fail(const std::string& tool, std::string message, ExitCode code) {
   for (char& c : message)
@@ -357,7 +370,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   } catch (const CLI::ParseError& error) {
     return fail(tool.name, plain_message(app, error) + " (see --help)", ExitCode::usage);
   } catch (const Error& error) {
-    return fail(tool.name, error.what(), error.exit_code());
+    return fail(tool.name, error.what() + option_hint(app, error), error.exit_code());
   } catch (const std::bad_alloc&) {
     return fail(tool.name, "not enough memory for this run", ExitCode::data_failed);
   } catch (const std::exception& error) {

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "base/error.h"
+#include "config/config_place.h"
 
 namespace landfall {
 
@@ -77,11 +77,7 @@ EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std
   parameters.limits.relative_horizontal_m = limits.at("relative_horizontal_m").get<double>();
   parameters.limits.absolute_horizontal_m = limits.at("absolute_horizontal_m").get<double>();
   parameters.limits.absolute_horizontal_frac = limits.at("absolute_horizontal_frac").get<double>();
-  try {
-    check(parameters);
-  } catch (const UsageError& error) {
-    throw UsageError(name + ": /" + error.what());
-  }
+  at_place(name + ": /", [&] { check(parameters); });
   return parameters;
 }
 

@@ -43,7 +43,7 @@ Detector make_detector(const Json& json, const ComponentContext& context) {
   detector.subpixels = json.at("subpixels").get<int>();
   detector.roll_rad = radians(json, "roll_deg");
   if (json.contains("ifov_rad") && json.contains("fov_deg"))
-    throw UsageError("detector: ifov_rad and fov_deg exclude each other");
+    throw UsageError("fov_deg: excludes ifov_rad; give one of them");
   if (json.contains("ifov_rad")) {
     const auto [x, y] = pair_of(json.at("ifov_rad"));
     detector.field_of_view = PixelFieldOfView{x, y};

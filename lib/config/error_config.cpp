@@ -28,7 +28,7 @@ GaussMarkovParameters gauss_markov(const Json& json) {
 
 void require_no_other_error(const Json& json) {
   const auto refuse_if = [](bool is_on, const std::string& key) {
-    if (is_on) throw UsageError("navigation_error: table and " + key + " exclude each other");
+    if (is_on) throw UsageError("table: excludes " + key + "; give one of them");
   };
   const Json none = {0, 0, 0};
   for (const char* const key : {"position_m", "velocity_mps", "rpy_rad", "rpy_rate_radps"})

@@ -44,8 +44,8 @@ std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<C
   throw std::logic_error("no maker for " + part.at("type").dump());
 }
 
-/// Each takes its part of a resolved scan configuration. All throw UsageError "part/key: ...", FormatError
-/// for a table that is refused.
+/// Each takes its part of a resolved scan configuration. All throw UsageError "key: ...", FormatError for a
+/// table that is refused.
 [[nodiscard]] Detector make_detector(const nlohmann::json& detector, const ComponentContext& context);
 [[nodiscard]] std::unique_ptr<const Scanner> make_scanner(const nlohmann::json& scanner,
                                                           const ComponentContext& context);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/error.h"
+#include "config/config_place.h"
 #include "config/json_values.h"
 #include "config/scan_components.h"
 #include "detector/perspective.h"
@@ -35,18 +35,21 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
                                  laser.at("scan_time_s").get<double>()};
   const Json& scanner = resolved.at("scanner");
   const Json& navigation = resolved.at("navigation_error");
-  const PointingError pointing = make_pointing_error(resolved.at("pointing_error"), context);
+  const auto make = [&](const char* part, const auto& maker, const ComponentContext& needed) {
+    return at_place(std::string(part) + "/", [&] { return maker(resolved.at(part), needed); });
+  };
+  const PointingError pointing = make("pointing_error", make_pointing_error, context);
   const ComponentContext stamped = until_last_stamp(context, pointing);
-  ScanModel model{{make_detector(resolved.at("detector"), context), make_scanner(scanner, context),
-                   make_pattern(scanner, context), mount_of(resolved.at("mount")),
-                   make_range_errors(resolved.at("noise"), context), pointing},
-                  make_trajectory(resolved.at("trajectory"), stamped),
-                  make_navigation_error(navigation, stamped),
+  ScanModel model{{make("detector", make_detector, context), make("scanner", make_scanner, context),
+                   at_place("scanner/pattern/", [&] { return make_pattern(scanner, context); }),
+                   mount_of(resolved.at("mount")), make("noise", make_range_errors, context), pointing},
+                  make("trajectory", make_trajectory, stamped),
+                  make("navigation_error", make_navigation_error, stamped),
                   laser.at("pulse_rate_hz").get<double>(),
                   context.scan_time_s,
-                  make_estimate(navigation, context),
+                  make("navigation_error", make_estimate, context),
                   attitude_knowledge_of(navigation)};
-  static_cast<void>(pulse_count(model));
+  static_cast<void>(at_place("laser/", [&] { return pulse_count(model); }));
   return model;
 }
 
@@ -74,11 +77,7 @@ void complete_scan_config(Json& resolved) {
 }
 
 ScanModel scan_model(const Json& resolved, const std::string& name, const TableLoader& load_table) {
-  try {
-    return build(resolved, load_table);
-  } catch (const UsageError& error) {
-    throw UsageError(name + ": /" + error.what());
-  }
+  return at_place(name + ": /", [&] { return build(resolved, load_table); });
 }
 
 }  // namespace landfall

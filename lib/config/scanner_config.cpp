@@ -67,7 +67,7 @@ std::optional<TableMirror> mirror_of(const Json& json) {
   const TableMirror mirror{radians(json, "incidence_deg"), radians(json, "fold_azimuth_deg")};
   if (json.at("mechanism") == "fsm") return mirror;
   for (const char* const key : {"incidence_deg", "fold_azimuth_deg"})
-    require(json.at(key) == 0, {"scanner", key}, json.at(key).get<double>(), "0, as mechanism gimbal asks");
+    require(json.at(key) == 0, {"", key}, json.at(key).get<double>(), "0, as mechanism gimbal asks");
   return std::nullopt;
 }
 
@@ -96,12 +96,11 @@ RisleyOptics risley_optics(const Json& json) {
 std::variant<RisleyRotation, RisleyBranch> risley_drive(const Json& json) {
   if (json.contains("pattern")) {
     for (const char* key : {"rates_hz", "phases_deg"})
-      if (json.contains(key))
-        throw UsageError(std::string("scanner: ") + key + " and pattern exclude each other");
+      if (json.contains(key)) throw UsageError(std::string(key) + ": excludes pattern; give one of them");
     return json.at("branch") == "negative" ? RisleyBranch::negative : RisleyBranch::positive;
   }
   if (json.contains("branch"))
-    throw UsageError("scanner: branch needs a pattern; without one the prisms turn at rates_hz");
+    throw UsageError("branch: needs a pattern; without one the prisms turn at rates_hz");
   const auto phases_deg = pair_of(json.at("phases_deg"));
   return RisleyRotation{pair_of(json.at("rates_hz")),
                         {kRadiansPerDegree * phases_deg[0], kRadiansPerDegree * phases_deg[1]}};

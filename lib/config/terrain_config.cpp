@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
 #include "base/parameter_check.h"
+#include "config/config_place.h"
 #include "config/feature_config.h"
 #include "config/json_values.h"
 #include "config/schema.h"
@@ -109,14 +109,12 @@ TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
   const Json& grid = resolved.at("grid");
   config.grid = GridSpec::centered(grid.at("half_width_m").get<double>(),
                                    grid.at("resolution_m").get<double>(), (name + ": /grid").c_str());
-  try {
+  at_place(name + ": /", [&] {
     config.model = model_of(resolved);
     validate(config.model, config.grid);
     for (std::size_t i = 0; i < config.model.patterns.size(); ++i)
       require_bounded(config.model.patterns[i], pattern_site(config.grid, config.model.seed, i));
-  } catch (const UsageError& error) {
-    throw UsageError(name + ": /" + error.what());
-  }
+  });
   return config;
 }
 

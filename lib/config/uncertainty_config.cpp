@@ -9,6 +9,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
+#include "config/config_place.h"
 #include "config/json_values.h"
 
 namespace landfall {
@@ -144,11 +145,7 @@ UncertaintyParameters uncertainty_parameters(const Json& config, const std::stri
     parameters.navigation = navigation_sigma(given["navigation_sigma"]);
   else
     require_no_navigation_error(scans);
-  try {
-    check(parameters);
-  } catch (const UsageError& error) {
-    throw UsageError(name + ": /" + error.what());
-  }
+  at_place(name + ": /uncertainty/", [&] { check(parameters); });
   return parameters;
 }
 

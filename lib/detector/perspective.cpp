@@ -25,13 +25,12 @@ struct Pitch {
 };
 
 double pitch_of(double ifov_rad) {
-  require_positive({"detector", "ifov_rad"}, ifov_rad);
+  require_positive({"", "ifov_rad"}, ifov_rad);
   return ifov_rad;
 }
 
 double pitch_of(double fov_rad, int pixels) {
-  require_angle(fov_rad > 0 && fov_rad < std::numbers::pi, {"detector", "fov_deg"}, fov_rad,
-                "between 0 and 180");
+  require_angle(fov_rad > 0 && fov_rad < std::numbers::pi, {"", "fov_deg"}, fov_rad, "between 0 and 180");
   return 2 * std::tan(fov_rad / 2) / pixels;
 }
 
@@ -43,21 +42,20 @@ Pitch pitch_of(const PerspectiveParameters& p) {
 }
 
 void check(const PerspectiveParameters& p) {
-  require(p.rows >= 1 && p.rows <= kMaxPixelsPerAxis, {"detector", "rows"}, p.rows, "in 1..4096");
-  require(p.columns >= 1 && p.columns <= kMaxPixelsPerAxis, {"detector", "columns"}, p.columns, "in 1..4096");
-  require(p.subpixels >= 1 && p.subpixels <= kMaxSubpixels, {"detector", "subpixels"}, p.subpixels,
-          "in 1..64");
+  require(p.rows >= 1 && p.rows <= kMaxPixelsPerAxis, {"", "rows"}, p.rows, "in 1..4096");
+  require(p.columns >= 1 && p.columns <= kMaxPixelsPerAxis, {"", "columns"}, p.columns, "in 1..4096");
+  require(p.subpixels >= 1 && p.subpixels <= kMaxSubpixels, {"", "subpixels"}, p.subpixels, "in 1..64");
   const std::int64_t samples = std::int64_t{p.rows} * p.columns * p.subpixels * p.subpixels;
-  require(samples <= kMaxSamples, {"detector", "rows x columns x subpixels^2"}, static_cast<double>(samples),
+  require(samples <= kMaxSamples, {"", "rows x columns x subpixels^2"}, static_cast<double>(samples),
           "at most 67108864");
-  require_finite({"detector", "roll_deg"}, p.roll_rad);
-  require(p.fill_factor > 0 && p.fill_factor <= 1, {"detector", "fill_factor"}, p.fill_factor, "in (0, 1]");
-  require_finite({"detector/distortion", "k1"}, p.distortion.k1);
-  require_finite({"detector/distortion", "k2"}, p.distortion.k2);
-  require_finite({"detector/distortion", "k3"}, p.distortion.k3);
+  require_finite({"", "roll_deg"}, p.roll_rad);
+  require(p.fill_factor > 0 && p.fill_factor <= 1, {"", "fill_factor"}, p.fill_factor, "in (0, 1]");
+  require_finite({"distortion", "k1"}, p.distortion.k1);
+  require_finite({"distortion", "k2"}, p.distortion.k2);
+  require_finite({"distortion", "k3"}, p.distortion.k3);
   const std::size_t pixels = static_cast<std::size_t>(p.rows) * static_cast<std::size_t>(p.columns);
-  require(p.places.empty() || p.places.size() == pixels, {"detector", "places"},
-          static_cast<double>(p.places.size()), "rows x columns");
+  require(p.places.empty() || p.places.size() == pixels, {"", "places"}, static_cast<double>(p.places.size()),
+          "rows x columns");
 }
 
 /// Offset of item `i` of `count` from their middle, in items.
@@ -141,7 +139,7 @@ void require_no_fold(const PerspectiveParameters& parameters, const PixelGrid& g
   const double radius = outer_radius(parameters, grid);
   const auto fold = fold_radius(d, radius);
   if (!fold) return;
-  throw UsageError("detector/distortion: the image folds at radius " + number_text(*fold) +
+  throw UsageError("distortion: the image folds at radius " + number_text(*fold) +
                    ", which is not beyond the detector's outer radius " + number_text(radius) +
                    " (tangent units)");
 }

@@ -60,7 +60,7 @@ std::span<const double> densest(std::span<const double> sorted, double width) {
 }  // namespace
 
 RangeEstimator::RangeEstimator(const RangeEstimatorParameters& parameters) : parameters_(parameters) {
-  require_positive({"detector", "range_resolution_m"}, parameters.range_resolution_m);
+  require_positive({"", "range_resolution_m"}, parameters.range_resolution_m);
 }
 
 double RangeEstimator::range_m(std::span<double> sample_ranges_m) const {

@@ -12,10 +12,10 @@ Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& t
 
 LinearNavigationError::LinearNavigationError(const NavigationErrorParameters& parameters)
     : parameters_(parameters) {
-  require_finite({"navigation_error", "position_m"}, parameters.position_m.v);
-  require_finite({"navigation_error", "velocity_mps"}, parameters.velocity_mps.v);
-  require_finite({"navigation_error", "rpy_rad"}, parameters.rpy);
-  require_finite({"navigation_error", "rpy_rate_radps"}, parameters.rpy_rate_radps);
+  require_finite({"", "position_m"}, parameters.position_m.v);
+  require_finite({"", "velocity_mps"}, parameters.velocity_mps.v);
+  require_finite({"", "rpy_rad"}, parameters.rpy);
+  require_finite({"", "rpy_rate_radps"}, parameters.rpy_rate_radps);
 }
 
 PoseError LinearNavigationError::error(double since_start_s) const {

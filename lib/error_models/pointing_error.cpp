@@ -14,13 +14,13 @@ PointingError::PointingError(const PointingErrorParameters& parameters, std::uin
       misalignment_(rotation_from<LidarFrame, LidarFrame>(parameters.misalignment)),
       jitter_(seed, RandomStream::pointing_jitter),
       time_stamp_(seed, RandomStream::time_stamp) {
-  require_finite({"pointing_error", "misalignment_rpy_rad"}, parameters.misalignment);
-  require_not_negative({"pointing_error", "jitter_sigma_rad"}, parameters.jitter_sigma_x_rad);
-  require_not_negative({"pointing_error", "jitter_sigma_rad"}, parameters.jitter_sigma_y_rad);
-  require(std::abs(parameters.time_stamp_bias_s) <= 1e6, {"pointing_error", "time_stamp_bias_s"},
+  require_finite({"", "misalignment_rpy_rad"}, parameters.misalignment);
+  require_not_negative({"", "jitter_sigma_rad"}, parameters.jitter_sigma_x_rad);
+  require_not_negative({"", "jitter_sigma_rad"}, parameters.jitter_sigma_y_rad);
+  require(std::abs(parameters.time_stamp_bias_s) <= 1e6, {"", "time_stamp_bias_s"},
           parameters.time_stamp_bias_s, "in [-1e6, 1e6]");
   require(parameters.time_stamp_sigma_s >= 0 && parameters.time_stamp_sigma_s <= 1e6,
-          {"pointing_error", "time_stamp_sigma_s"}, parameters.time_stamp_sigma_s, "in [0, 1e6]");
+          {"", "time_stamp_sigma_s"}, parameters.time_stamp_sigma_s, "in [0, 1e6]");
 }
 
 Rotation<LidarFrame, LidarFrame> PointingError::turn(std::int64_t pulse) const {

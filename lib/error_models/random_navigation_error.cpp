@@ -21,14 +21,14 @@ void require_sigmas(const ParameterName& name, const Eigen::Vector3d& sigmas) {
 }
 
 void check(const RandomWalkParameters& p) {
-  const std::string owner = "navigation_error/random_walk";
+  const std::string owner = "random_walk";
   require_sigmas({owner, "position_m_per_sqrt_s"}, p.position_m_per_sqrt_s.v);
   require_sigmas({owner, "velocity_mps_per_sqrt_s"}, p.velocity_mps_per_sqrt_s.v);
   require_sigmas({owner, "rpy_rad_per_sqrt_s"}, as_vector(p.rpy_rad_per_sqrt_s));
 }
 
 void check(const GaussMarkovParameters& p) {
-  const std::string owner = "navigation_error/gauss_markov";
+  const std::string owner = "gauss_markov";
   require_sigmas({owner, "position_sigma_m"}, p.position_sigma_m.v);
   require_sigmas({owner, "velocity_sigma_mps"}, p.velocity_sigma_mps.v);
   require_sigmas({owner, "rpy_sigma_rad"}, as_vector(p.rpy_sigma_rad));

@@ -27,16 +27,16 @@ RangeErrors::RangeErrors(const RangeErrorParameters& parameters, std::uint64_t s
       has_constant_sigma_(parameters.range_sigma_per_m == 0 && parameters.incidence_sigma_rad == 0),
       is_noisy_(parameters.range_sigma_m > 0 || !has_constant_sigma_) {
   const RangeErrorParameters& p = parameters;
-  require_not_negative({"noise", "range_sigma_m"}, p.range_sigma_m);
-  require_not_negative({"noise", "range_sigma_per_m"}, p.range_sigma_per_m);
-  require_not_negative({"noise", "incidence_sigma_rad"}, p.incidence_sigma_rad);
-  require_finite({"noise", "range_bias_m"}, p.range_bias_m);
-  require_fraction({"noise", "dead_pixel_frac"}, p.dead_pixel_frac);
-  require_fraction({"noise", "dropout_frac"}, p.dropout_frac);
-  require_fraction({"noise", "false_return_frac"}, p.false_return_frac);
-  require_not_negative({"noise", "false_range_m/0"}, p.false_range_min_m);
+  require_not_negative({"", "range_sigma_m"}, p.range_sigma_m);
+  require_not_negative({"", "range_sigma_per_m"}, p.range_sigma_per_m);
+  require_not_negative({"", "incidence_sigma_rad"}, p.incidence_sigma_rad);
+  require_finite({"", "range_bias_m"}, p.range_bias_m);
+  require_fraction({"", "dead_pixel_frac"}, p.dead_pixel_frac);
+  require_fraction({"", "dropout_frac"}, p.dropout_frac);
+  require_fraction({"", "false_return_frac"}, p.false_return_frac);
+  require_not_negative({"", "false_range_m/0"}, p.false_range_min_m);
   require(std::isfinite(p.false_range_max_m) && p.false_range_max_m > p.false_range_min_m,
-          {"noise", "false_range_m/1"}, p.false_range_max_m, "finite and greater than the gate's begin");
+          {"", "false_range_m/1"}, p.false_range_max_m, "finite and greater than the gate's begin");
 }
 
 bool RangeErrors::is_dead(std::int64_t pixel) const {

@@ -18,7 +18,7 @@ constexpr double kMaxSteps = 1e6;  // 24 MB per path
 }  // namespace
 
 TimeGrid TimeGrid::covering(double duration_s, double interval_s) {
-  const ParameterName name{"navigation_error", "interval_s"};
+  const ParameterName name{"", "interval_s"};
   require_positive(name, interval_s);
   const double steps = std::max(1.0, std::ceil(duration_s / interval_s));
   const std::string bound = "long enough: " + number_text(duration_s) +

@@ -43,7 +43,7 @@ PoseTrack::PoseTrack(std::vector<ScanPoses> scans) {
     if (!scans_.empty() && scan == scans_.back()) continue;
     if (!scans_.empty() && scan.t_s.front() <= scans_.back().t_s.back())
       throw UsageError(
-          "--uncertainty: " + scan.name + " overlaps " + scans_.back().name +
+          scan.name + " overlaps " + scans_.back().name +
           " in time with other poses; grid scans that follow one another, or repeat the same poses");
     scans_.push_back(std::move(scan));
   }

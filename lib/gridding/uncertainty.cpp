@@ -24,7 +24,7 @@ Eigen::Vector3d angles(const RollPitchYaw& rpy) { return {rpy.roll_rad, rpy.pitc
 void check_sigmas(const std::string& key, const Eigen::Vector3d& sigmas) {
   for (const double sigma : sigmas)
     if (!std::isfinite(sigma) || sigma < 0)
-      throw UsageError("uncertainty/" + key + ": " + number_text(sigma) + " is not finite and at least 0");
+      throw UsageError(key + ": " + number_text(sigma) + " is not finite and at least 0");
 }
 
 /// value(bin) of every bin that holds a return, NaN of the others.

@@ -61,9 +61,9 @@ IntersectAll one_by_one(Intersect intersect) {
 }
 
 TableLoader loader_of(ReadTable read_table) {
-  return [read = std::move(read_table)](const std::string& path, const std::string& role,
+  return [read = std::move(read_table)](const std::string& path, const std::string& /*role*/,
                                         const TableColumns& columns) {
-    if (!read) throw UsageError(role + ": " + path + ": the host reads no tables");
+    if (!read) throw UsageError("path: " + path + ": the host reads no tables");
     NumberTable table(path, read(path));
     for (const std::string& column : columns.required)
       if (!table.has(column)) table.fail("no column " + column);
@@ -88,6 +88,8 @@ ScanModel model_of(const std::string& text, const std::string& name, ReadTable r
   nlohmann::json config = resolve_config(parse_json(text, name), embedded_schema("scan"));
   complete_scan_config(config);
   require_no_estimate(config, name);
+  if (config.at("noise").at("incidence_sigma_rad") != 0)
+    throw UsageError(name + ": /noise/incidence_sigma_rad: needs the terrain's surface, which no host gives");
   config["trajectory"] = nlohmann::json{{"type", "constant_velocity"}};  // the host moves the lander
   config = resolve_config({name, config}, embedded_schema("scan"));
   return scan_model(config, name, loader_of(std::move(read_table)));

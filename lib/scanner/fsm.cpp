@@ -12,11 +12,10 @@ using Eigen::Vector3d;
 
 void check(const FsmParameters& p) {
   require_angle(p.max_deflection_rad > 0 && p.max_deflection_rad < std::numbers::pi - 2 * p.incidence_rad,
-                {"scanner", "max_deflection_deg"}, p.max_deflection_rad,
-                "positive and below 180 - 2 incidence_deg");
-  require_finite({"scanner", "pivot_m"}, p.pivot_m.v);
-  require_not_negative({"scanner", "focal_distance_m"}, p.focal_distance_m);
-  require_not_negative({"scanner", "encoder_sigma_rad"}, p.encoder_sigma_rad);
+                {"", "max_deflection_deg"}, p.max_deflection_rad, "positive and below 180 - 2 incidence_deg");
+  require_finite({"", "pivot_m"}, p.pivot_m.v);
+  require_not_negative({"", "focal_distance_m"}, p.focal_distance_m);
+  require_not_negative({"", "encoder_sigma_rad"}, p.encoder_sigma_rad);
 }
 
 }  // namespace

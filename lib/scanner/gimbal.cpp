@@ -10,7 +10,7 @@ namespace {
 
 double checked_limit(double max_deflection_rad) {
   require_angle(max_deflection_rad > 0 && max_deflection_rad < std::numbers::pi / 2,
-                {"scanner", "max_deflection_deg"}, max_deflection_rad, "in (0, 90)");
+                {"", "max_deflection_deg"}, max_deflection_rad, "in (0, 90)");
   return max_deflection_rad;
 }
 

@@ -16,7 +16,7 @@ double spread(double half_width_m, std::int64_t i, std::int64_t count) {
 
 LineSearch::LineSearch(const LineSearchParameters& parameters) : parameters_(parameters) {
   check_raster(order());
-  require_positive({"scanner/pattern", "half_width_m"}, parameters.half_width_m);
+  require_positive({"", "half_width_m"}, parameters.half_width_m);
 }
 
 RasterOrder LineSearch::order() const {

@@ -9,10 +9,9 @@
 namespace landfall {
 
 Lissajous::Lissajous(const LissajousParameters& parameters) : parameters_(parameters) {
-  for (const double half : parameters.half_width_m)
-    require_positive({"scanner/pattern", "half_width_m"}, half);
-  for (const double rate : parameters.rates_hz) require_not_negative({"scanner/pattern", "rates_hz"}, rate);
-  require_finite({"scanner/pattern", "phase_deg"}, parameters.phase_rad);
+  for (const double half : parameters.half_width_m) require_positive({"", "half_width_m"}, half);
+  for (const double rate : parameters.rates_hz) require_not_negative({"", "rates_hz"}, rate);
+  require_finite({"", "phase_deg"}, parameters.phase_rad);
 }
 
 std::optional<Point<DemFrame>> Lissajous::ground_aim(const PulseTime& pulse) const {

@@ -16,9 +16,9 @@ constexpr double kSettledExponent = 40;
 
 MechanismTiming::MechanismTiming(const MechanismTimingParameters& parameters) : parameters_(parameters) {
   const MechanismTimingParameters& p = parameters;
-  require_not_negative({"scanner", "turnaround_time_s"}, p.turnaround_time_s);
-  require_not_negative({"scanner", "settle_time_s"}, p.settle_time_s);
-  require(p.settle_damping > 0 && p.settle_damping < 1, {"scanner", "settle_damping"}, p.settle_damping,
+  require_not_negative({"", "turnaround_time_s"}, p.turnaround_time_s);
+  require_not_negative({"", "settle_time_s"}, p.settle_time_s);
+  require(p.settle_damping > 0 && p.settle_damping < 1, {"", "settle_damping"}, p.settle_damping,
           "in (0, 1)");
   if (p.settle_time_s == 0) return;
   const double root = std::sqrt(1 - p.settle_damping * p.settle_damping);

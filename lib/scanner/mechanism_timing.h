@@ -15,7 +15,7 @@ struct MechanismTimingParameters {
 /// How a mechanism follows a jump of its aim (a new line, the next step of a mosaic).
 class MechanismTiming {
  public:
-  /// Throws UsageError, naming the key of "scanner" and the bound, for a parameter out of range.
+  /// Throws UsageError, naming the key and the bound, for a parameter out of range.
   explicit MechanismTiming(const MechanismTimingParameters& parameters);
 
   /// True where jumps matter at all.

@@ -14,9 +14,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 MirrorFrame::MirrorFrame(double incidence_rad, double fold_azimuth_rad) {
-  require_angle(incidence_rad >= 0 && incidence_rad < std::numbers::pi / 2, {"scanner", "incidence_deg"},
+  require_angle(incidence_rad >= 0 && incidence_rad < std::numbers::pi / 2, {"", "incidence_deg"},
                 incidence_rad, "in [0, 90)");
-  require_finite({"scanner", "fold_azimuth_deg"}, fold_azimuth_rad);
+  require_finite({"", "fold_azimuth_deg"}, fold_azimuth_rad);
   const Matrix3d fold = rotation_matrix({0, 0, fold_azimuth_rad});
   incoming_ = fold * Vector3d(0, -std::sin(2 * incidence_rad), -std::cos(2 * incidence_rad));
   resting_ = (Vector3d::UnitZ() - incoming_).normalized();

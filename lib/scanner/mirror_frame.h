@@ -16,7 +16,7 @@ namespace landfall {
 /// e1 = Rz(fold_azimuth) (1, 0, 0) lies in the mirror across the plane of incidence, e2 = m0 x e1.
 class MirrorFrame {
  public:
-  /// Throws UsageError, naming the key of "scanner", unless incidence is in [0, pi/2) and the azimuth finite.
+  /// Throws UsageError, naming the key, unless incidence is in [0, pi/2) and the azimuth finite.
   MirrorFrame(double incidence_rad, double fold_azimuth_rad);
 
   [[nodiscard]] const Eigen::Vector3d& incoming() const { return incoming_; }  ///< d0

@@ -12,10 +12,10 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 void check(const PalmerParameters& p) {
-  require_angle(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < kPi / 2, {"scanner", "tilt_deg"},
-                p.tilt_rad, ">= 0 and below 90 - incidence_deg");
-  require_positive({"scanner", "rate_hz"}, p.rate_hz);
-  require_finite({"scanner", "phase_deg"}, p.phase_rad);
+  require_angle(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < kPi / 2, {"", "tilt_deg"}, p.tilt_rad,
+                ">= 0 and below 90 - incidence_deg");
+  require_positive({"", "rate_hz"}, p.rate_hz);
+  require_finite({"", "phase_deg"}, p.phase_rad);
 }
 
 }  // namespace

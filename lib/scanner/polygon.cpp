@@ -13,17 +13,17 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 void check(const PolygonParameters& p) {
-  require(p.facets >= 2 && p.facets <= 1000, {"scanner", "facets"}, p.facets, "in 2..1000");
-  require_positive({"scanner", "rate_hz"}, p.rate_hz);
-  require_finite({"scanner", "phase_deg"}, p.phase_rad);
-  require_finite({"scanner", "line_azimuth_deg"}, p.line_azimuth_rad);
-  require(p.duty_frac > 0 && p.duty_frac <= 1, {"scanner", "duty_frac"}, p.duty_frac, "in (0, 1]");
-  require_positive({"scanner", "frame_rate_hz"}, p.frame_rate_hz);
+  require(p.facets >= 2 && p.facets <= 1000, {"", "facets"}, p.facets, "in 2..1000");
+  require_positive({"", "rate_hz"}, p.rate_hz);
+  require_finite({"", "phase_deg"}, p.phase_rad);
+  require_finite({"", "line_azimuth_deg"}, p.line_azimuth_rad);
+  require(p.duty_frac > 0 && p.duty_frac <= 1, {"", "duty_frac"}, p.duty_frac, "in (0, 1]");
+  require_positive({"", "frame_rate_hz"}, p.frame_rate_hz);
   const double half_line_rad = 2 * kPi * p.duty_frac / p.facets;
-  require(half_line_rad < kPi / 2, {"scanner", "facets"}, p.facets,
+  require(half_line_rad < kPi / 2, {"", "facets"}, p.facets,
           "above 4 duty_frac: half a line must be below 90 degrees");
   require_angle(p.frame_amplitude_rad >= 0 && half_line_rad + p.frame_amplitude_rad < kPi / 2,
-                {"scanner", "frame_amplitude_deg"}, p.frame_amplitude_rad,
+                {"", "frame_amplitude_deg"}, p.frame_amplitude_rad,
                 ">= 0 and below 90 - 360 duty_frac / facets");
 }
 

@@ -11,10 +11,8 @@ constexpr int kMaxLines = 1 << 20;
 }  // namespace
 
 void check_raster(const RasterOrder& order) {
-  require(order.rows >= 1 && order.rows <= kMaxLines, {"scanner/pattern", "rows"}, order.rows,
-          "in 1..1048576");
-  require(order.columns >= 1 && order.columns <= kMaxLines, {"scanner/pattern", "columns"}, order.columns,
-          "in 1..1048576");
+  require(order.rows >= 1 && order.rows <= kMaxLines, {"", "rows"}, order.rows, "in 1..1048576");
+  require(order.columns >= 1 && order.columns <= kMaxLines, {"", "columns"}, order.columns, "in 1..1048576");
 }
 
 std::int64_t raster_steps(const RasterOrder& order) { return std::int64_t{order.rows} * order.columns; }

@@ -25,11 +25,11 @@ const RisleyParameters& checked(const RisleyParameters& parameters) {
   check(parameters.optics);
   if (const auto* rotation = std::get_if<RisleyRotation>(&parameters.drive))
     for (std::size_t i = 0; i < 2; ++i) {
-      require(std::abs(rotation->rates_hz[i]) <= 1e6, {"scanner", "rates_hz/" + std::to_string(i)},
+      require(std::abs(rotation->rates_hz[i]) <= 1e6, {"", "rates_hz/" + std::to_string(i)},
               rotation->rates_hz[i], "in [-1e6, 1e6]");
-      require_finite({"scanner", "phases_deg/" + std::to_string(i)}, rotation->phases_rad[i]);
+      require_finite({"", "phases_deg/" + std::to_string(i)}, rotation->phases_rad[i]);
     }
-  require_not_negative({"scanner", "encoder_sigma_rad"}, parameters.encoder_sigma_rad);
+  require_not_negative({"", "encoder_sigma_rad"}, parameters.encoder_sigma_rad);
   return parameters;
 }
 

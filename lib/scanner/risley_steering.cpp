@@ -31,7 +31,7 @@ void check(const RisleyOptics& optics) {
   for (std::size_t i = 0; i < optics.prisms.size(); ++i) {
     const RisleyPrism& prism = optics.prisms[i];
     const auto name = [&](const char* key) {
-      return ParameterName{"scanner", std::string(key) + "/" + std::to_string(i)};
+      return ParameterName{"", std::string(key) + "/" + std::to_string(i)};
     };
     require(prism.index > 1 && prism.index <= 10, name("index"), prism.index, "in (1, 10]");
     require_angle(prism.wedge_rad >= 0 && prism.wedge_rad < kPi / 2, name("wedge_deg"), prism.wedge_rad,
@@ -39,7 +39,7 @@ void check(const RisleyOptics& optics) {
     require(prism.thickness_m > 0 && prism.thickness_m <= 10, name("thickness_m"), prism.thickness_m,
             "in (0, 10]");
   }
-  require(optics.gap_m >= 0 && optics.gap_m <= 10, {"scanner", "gap_m"}, optics.gap_m, "in [0, 10]");
+  require(optics.gap_m >= 0 && optics.gap_m <= 10, {"", "gap_m"}, optics.gap_m, "in [0, 10]");
 }
 
 bool tilted_at_exit(RisleyConfiguration configuration, std::size_t prism) {

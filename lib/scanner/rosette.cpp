@@ -9,9 +9,9 @@
 namespace landfall {
 
 Rosette::Rosette(const RosetteParameters& parameters) : parameters_(parameters) {
-  require_positive({"scanner/pattern", "radius_m"}, parameters.radius_m);
-  for (const double rate : parameters.rates_hz) require_finite({"scanner/pattern", "rates_hz"}, rate);
-  for (const double phase : parameters.phases_rad) require_finite({"scanner/pattern", "phases_deg"}, phase);
+  require_positive({"", "radius_m"}, parameters.radius_m);
+  for (const double rate : parameters.rates_hz) require_finite({"", "rates_hz"}, rate);
+  for (const double phase : parameters.phases_rad) require_finite({"", "phases_deg"}, phase);
 }
 
 std::optional<Point<DemFrame>> Rosette::ground_aim(const PulseTime& pulse) const {

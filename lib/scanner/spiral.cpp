@@ -19,11 +19,11 @@ double share_of_way(double periods) {
 
 Spiral::Spiral(const SpiralParameters& parameters) : parameters_(parameters) {
   const SpiralParameters& p = parameters;
-  require_positive({"scanner/pattern", "radius_m"}, p.radius_m);
-  require_positive({"scanner/pattern", "pitch_m"}, p.pitch_m);
-  require(p.inner_radius_m >= 0 && p.inner_radius_m < p.radius_m, {"scanner/pattern", "inner_radius_m"},
-          p.inner_radius_m, ">= 0 and below radius_m");
-  require_positive({"scanner/pattern", "period_s"}, p.period_s);
+  require_positive({"", "radius_m"}, p.radius_m);
+  require_positive({"", "pitch_m"}, p.pitch_m);
+  require(p.inner_radius_m >= 0 && p.inner_radius_m < p.radius_m, {"", "inner_radius_m"}, p.inner_radius_m,
+          ">= 0 and below radius_m");
+  require_positive({"", "period_s"}, p.period_s);
 }
 
 std::optional<Point<DemFrame>> Spiral::ground_aim(const PulseTime& pulse) const {

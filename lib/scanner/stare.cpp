@@ -6,7 +6,7 @@
 namespace landfall {
 
 Stare::Stare(const StareParameters& parameters) : parameters_(parameters) {
-  for (const double value : parameters.aim_m) require_finite({"scanner/pattern", "aim_m"}, value);
+  for (const double value : parameters.aim_m) require_finite({"", "aim_m"}, value);
 }
 
 std::optional<Point<DemFrame>> Stare::ground_aim(const PulseTime& /*pulse*/) const {

@@ -18,9 +18,9 @@ double center(double half_width_m, std::int64_t i, int count) {
 StepStare::StepStare(const StepStareParameters& parameters) : parameters_(parameters) {
   const StepStareParameters& p = parameters;
   check_raster(order());
-  require_positive({"scanner/pattern", "half_width_m"}, p.half_width_m);
-  require(p.pulses_per_step >= 1 && p.pulses_per_step <= kMaxPulsesPerStep,
-          {"scanner/pattern", "pulses_per_step"}, p.pulses_per_step, "in 1..1048576");
+  require_positive({"", "half_width_m"}, p.half_width_m);
+  require(p.pulses_per_step >= 1 && p.pulses_per_step <= kMaxPulsesPerStep, {"", "pulses_per_step"},
+          p.pulses_per_step, "in 1..1048576");
 }
 
 RasterOrder StepStare::order() const {

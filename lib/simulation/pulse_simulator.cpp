@@ -110,7 +110,7 @@ std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
 PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine& engine, const TerrainSurface* ground)
     : lidar_(std::move(lidar)), engine_(&engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {
   if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
-    throw UsageError("noise/incidence_sigma_rad: needs the terrain's surface");
+    throw UsageError("incidence_sigma_rad: needs the terrain's surface");
 }
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,

@@ -15,12 +15,12 @@ namespace landfall {
 std::int64_t pulse_count(const ScanModel& model) {
   const double rate = model.pulse_rate_hz;
   const double time = model.scan_time_s;
-  require_positive({"laser", "pulse_rate_hz"}, rate);
-  require_positive({"laser", "scan_time_s"}, time);
+  require_positive({"", "pulse_rate_hz"}, rate);
+  require_positive({"", "scan_time_s"}, time);
   // A product such as 100 Hz x 0.29 s is a hair below the whole number that it stands for.
   const double pulses = std::floor(rate * time + 1e-9);
   require(pulses >= 1 && pulses <= std::numeric_limits<std::int32_t>::max(),
-          {"laser", "pulse_rate_hz x scan_time_s"}, pulses, "in 1..2147483647 pulses");
+          {"", "pulse_rate_hz x scan_time_s"}, pulses, "in 1..2147483647 pulses");
   const auto count = static_cast<std::int64_t>(pulses);
   if (!model.lidar.pattern) return count;
   return std::min(count, model.lidar.pattern->pulse_limit().value_or(count));

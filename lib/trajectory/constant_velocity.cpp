@@ -5,10 +5,10 @@
 
 namespace landfall {
 ConstantVelocity::ConstantVelocity(const ConstantVelocityParameters& parameters) : parameters_(parameters) {
-  require_finite({"trajectory", "position_m"}, parameters.position_m.v);
-  require_finite({"trajectory", "velocity_mps"}, parameters.velocity_mps.v);
-  require_finite({"trajectory", "rpy_deg"}, parameters.rpy);
-  require_finite({"trajectory", "rpy_rate_degps"}, parameters.rpy_rate_radps);
+  require_finite({"", "position_m"}, parameters.position_m.v);
+  require_finite({"", "velocity_mps"}, parameters.velocity_mps.v);
+  require_finite({"", "rpy_deg"}, parameters.rpy);
+  require_finite({"", "rpy_rate_degps"}, parameters.rpy_rate_radps);
 }
 
 Pose ConstantVelocity::pose(double t_s) const {

@@ -36,15 +36,15 @@ Vector<BodyFrame> torque_of(const AttitudeControl& control, const RigidBodyState
 }
 
 void require_valid(const DescentThrust& thrust, double control_period_s) {
-  require_finite({"trajectory/thrust", "descent_rate_mps"}, thrust.descent_rate_mps);
-  require_not_negative({"trajectory/thrust", "max_n"}, thrust.max_n);
-  require_not_negative({"trajectory/thrust", "gain_per_s"}, thrust.gain_per_s);
-  require(thrust.gain_per_s * control_period_s <= 1, {"trajectory/thrust", "gain_per_s"}, thrust.gain_per_s,
+  require_finite({"thrust", "descent_rate_mps"}, thrust.descent_rate_mps);
+  require_not_negative({"thrust", "max_n"}, thrust.max_n);
+  require_not_negative({"thrust", "gain_per_s"}, thrust.gain_per_s);
+  require(thrust.gain_per_s * control_period_s <= 1, {"thrust", "gain_per_s"}, thrust.gain_per_s,
           "at most 1 / control_period_s: held thrust would overshoot");
 }
 
 void require_valid(const AttitudeControl& control) {
-  const std::string owner = "trajectory/attitude_control";
+  const std::string owner = "attitude_control";
   require_finite({owner, "command_rpy_deg"}, control.command);
   require_angle(std::isfinite(control.deadband_rad) && control.deadband_rad >= 0, {owner, "deadband_deg"},
                 control.deadband_rad, "finite and >= 0");

@@ -22,21 +22,20 @@ double period_count(const DynamicsParameters& p) {
 }
 
 void check(const DynamicsParameters& p) {
-  const std::string owner = "trajectory";
-  require_finite({owner, "position_m"}, p.position_m.v);
-  require_finite({owner, "velocity_mps"}, p.velocity_mps.v);
-  require_finite({owner, "rpy_deg"}, p.rpy);
-  require_finite({owner, "rate_degps"}, p.rate_radps.v);
-  require_not_negative({owner, "gravity_mps2"}, p.gravity_mps2);
-  require_positive({owner, "control_period_s"}, p.control_period_s);
-  require_positive({owner, "duration_s"}, p.duration_s);
-  require(period_count(p) <= kMaxPeriods, {owner, "control_period_s"}, p.control_period_s,
+  require_finite({"", "position_m"}, p.position_m.v);
+  require_finite({"", "velocity_mps"}, p.velocity_mps.v);
+  require_finite({"", "rpy_deg"}, p.rpy);
+  require_finite({"", "rate_degps"}, p.rate_radps.v);
+  require_not_negative({"", "gravity_mps2"}, p.gravity_mps2);
+  require_positive({"", "control_period_s"}, p.control_period_s);
+  require_positive({"", "duration_s"}, p.duration_s);
+  require(period_count(p) <= kMaxPeriods, {"", "control_period_s"}, p.control_period_s,
           "long enough: the scan would take more than 2000000 control periods");
   require_valid(p.thrust, p.control_period_s);
   require_valid(p.attitude_control);
-  require_finite({owner + "/disturbance", "torque_nm"}, p.disturbance.torque_nm.v);
+  require_finite({"disturbance", "torque_nm"}, p.disturbance.torque_nm.v);
   for (int i = 0; i < 3; ++i)
-    require_not_negative({owner + "/disturbance", "torque_sigma_nm/" + std::to_string(i)},
+    require_not_negative({"disturbance", "torque_sigma_nm/" + std::to_string(i)},
                          p.disturbance.torque_sigma_nm.v[i]);
 }
 
@@ -66,8 +65,8 @@ RigidBodyState first_state(const DynamicsParameters& p) {
 /// Refuses a control period in which the body would turn so far that its attitude could not be interpolated.
 void require_short(double period_s, const RigidBody& body, const RigidBodyState& state, const Load& load) {
   const double gained = period_s * body.inertia_kgm2.inverse().norm() * load.torque_nm.norm();
-  require(period_s * (state.rate_radps.norm() + gained) <= kMaxTurn_rad, {"trajectory", "control_period_s"},
-          period_s, "short enough: the body could turn by more than 1 rad in it");
+  require(period_s * (state.rate_radps.norm() + gained) <= kMaxTurn_rad, {"", "control_period_s"}, period_s,
+          "short enough: the body could turn by more than 1 rad in it");
 }
 
 std::vector<RigidBodyState> integrate(const DynamicsParameters& p) {

@@ -39,23 +39,23 @@ RigidBodyState state_of(const Numbers& x) {
 }
 
 void require_real(const Eigen::Matrix3d& inertia) {
-  const ParameterName name{"trajectory", "inertia_kgm2"};
+  const ParameterName name{"", "inertia_kgm2"};
   for (int i = 0; i < 9; ++i) require_finite(name, inertia.data()[i]);
   const double skew = (inertia - inertia.transpose()).cwiseAbs().maxCoeff();
-  require(skew <= 1e-12 * inertia.cwiseAbs().maxCoeff(), {"trajectory", "inertia_kgm2 minus its transpose"},
-          skew, "0: the matrix must be symmetric");
+  require(skew <= 1e-12 * inertia.cwiseAbs().maxCoeff(), {"", "inertia_kgm2 minus its transpose"}, skew,
+          "0: the matrix must be symmetric");
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  require(moments[0] > 0, {"trajectory", "inertia_kgm2's smallest principal moment"}, moments[0], "positive");
+  require(moments[0] > 0, {"", "inertia_kgm2's smallest principal moment"}, moments[0], "positive");
   require(moments[2] <= (moments[0] + moments[1]) * (1 + 1e-12),
-          {"trajectory", "inertia_kgm2's largest principal moment"}, moments[2],
+          {"", "inertia_kgm2's largest principal moment"}, moments[2],
           "at most the sum of the other two, as a real body's is");
 }
 
 }  // namespace
 
 RigidBodyMotion::RigidBodyMotion(const RigidBody& body) : body_(body) {
-  require_positive({"trajectory", "mass_kg"}, body.mass_kg);
+  require_positive({"", "mass_kg"}, body.mass_kg);
   require_real(body.inertia_kgm2);
   inverse_inertia_ = body.inertia_kgm2.inverse();
 }

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/parameter_error.h"
 #include "base/regular_file.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/mesh/mesh_name.h"
@@ -121,8 +122,9 @@ void require_usable(const OpenRaster& raster, const DemBase& dem) {
 
 void refuse_link(const FileGuard& guard, const DemBase& dem) {
   if (const std::optional<std::string> file = guard.refused())
-    throw FormatError(dem.path + ": leads to another file, " + *file +
-                      ", which is opened only with --follow-links; or gdal_translate makes one file of all");
+    throw ParameterError<FormatError>(dem.path + ": leads to another file, " + *file +
+                                          "; make one file of all by gdal_translate, or follow its links",
+                                      "follow_links");
 }
 
 OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors) {

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -130,10 +131,11 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
 
 double unreferenced_scale(const DemBase& dem) {
   if (!dem.horizontal_scale_m)
-    throw UsageError(
+    throw ParameterError<UsageError>(
         dem.path +
-        ": has no CRS; horizontal_scale_m (--horizontal-scale) must say how many metres a unit of "
-        "its coordinates (a pixel, without a georeference) is, or gdal_translate -a_srs give it a CRS");
+            ": has no CRS; give it one by gdal_translate -a_srs, or say how many metres a unit of its "
+            "coordinates (a pixel, without a georeference) is by horizontal_scale_m",
+        "horizontal_scale_m");
   if (!(std::isfinite(*dem.horizontal_scale_m) && *dem.horizontal_scale_m > 0))
     throw UsageError(dem.path + ": horizontal_scale_m is not finite and positive");
   return *dem.horizontal_scale_m;

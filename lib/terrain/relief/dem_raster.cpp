@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -150,14 +151,16 @@ void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Int
           << " m, does not lie inside the raster of " << size.cols << " x " << size.rows << " pixels; ";
   const std::int64_t half =
       largest_half(mapping, size, method, site.resolution_m, std::max(site.rows, site.cols));
-  if (half < 0)
+  if (half < 0) {
     message << "its centre is outside too: give another center";
-  else if (half == 0)
+  } else if (half == 0) {
     message << "not one cell of " << site.resolution_m
             << " m fits around this centre: give another center or a finer resolution";
-  else
-    message << "around this centre a half width of " << static_cast<double>(half) * site.resolution_m
-            << " m would fit (grid.half_width_m, --half-width)";
+  } else {
+    message << "around this centre a half_width_m of " << static_cast<double>(half) * site.resolution_m
+            << " would fit";
+    throw ParameterError<FormatError>(message.str(), "half_width_m");
+  }
   throw FormatError(message.str());
 }
 

@@ -100,7 +100,7 @@ TEST(ErrorConfig, ATableExcludesOtherNavigationErrors) {
         R"("rpy_rate_radps": [1, 0, 0])", R"("random_walk": {"rpy_rad_per_sqrt_s": [0, 1, 0]})",
         R"("gauss_markov": {"velocity_sigma_mps": [0, 1, 0]})"})
     EXPECT_THAT(refusal_of(R"({"navigation_error": {"table": "a.csv", )" + std::string(other) + "}}"),
-                HasSubstr("c.json: /navigation_error: table and "))
+                HasSubstr("c.json: /navigation_error/table: excludes "))
         << other;
 }
 

@@ -102,10 +102,10 @@ TEST(RisleyConfig, RotationAndPatternExcludeEachOther) {
     EXPECT_THAT([&] { static_cast<void>(model_of(scanner)); }, ThrowsMessage<UsageError>(HasSubstr(text)));
   };
   refused(R"({"type": "risley", "rates_hz": [1, 2], "pattern": {"type": "line_search"}})",
-          "c.json: /scanner: rates_hz and pattern exclude each other");
+          "c.json: /scanner/rates_hz: excludes pattern; give one of them");
   refused(R"({"type": "risley", "phases_deg": [1, 2], "pattern": {"type": "line_search"}})",
-          "c.json: /scanner: phases_deg and pattern exclude each other");
-  refused(R"({"type": "risley", "branch": "positive"})", "c.json: /scanner: branch needs a pattern");
+          "c.json: /scanner/phases_deg: excludes pattern; give one of them");
+  refused(R"({"type": "risley", "branch": "positive"})", "c.json: /scanner/branch: needs a pattern");
 }
 
 TEST(RisleyConfig, ValuesOutOfRangeAreRefusedByKey) {

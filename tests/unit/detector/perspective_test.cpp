@@ -200,7 +200,7 @@ TEST(Perspective, RefusesAnImageThatFolds) {
     static_cast<void>(perspective_detector(parameters));
     FAIL();
   } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("detector/distortion: the image folds at radius 0.249"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("distortion: the image folds at radius 0.249"));
     EXPECT_THAT(error.what(), testing::HasSubstr("outer radius 0.25 "));
   }
 }

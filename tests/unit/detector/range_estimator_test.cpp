@@ -104,7 +104,7 @@ TEST(RangeEstimator, RefusesAResolutionOutOfRange) {
     static_cast<void>(RangeEstimator({strongest, -1}));
     FAIL();
   } catch (const UsageError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("detector/range_resolution_m: -1 is not finite"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("range_resolution_m: -1 is not finite"));
   }
 }
 

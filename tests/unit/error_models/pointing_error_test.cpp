@@ -126,8 +126,8 @@ TEST(PointingError, RefusesWhatIsOutOfRange) {
       EXPECT_THAT(error.what(), testing::HasSubstr(message));
     }
   };
-  refused({.misalignment = {0, std::nan(""), 0}}, "pointing_error/misalignment_rpy_rad/1");
-  refused({.jitter_sigma_x_rad = -1}, "pointing_error/jitter_sigma_rad: -1 is not finite and >= 0");
+  refused({.misalignment = {0, std::nan(""), 0}}, "misalignment_rpy_rad/1");
+  refused({.jitter_sigma_x_rad = -1}, "jitter_sigma_rad: -1 is not finite and >= 0");
   refused({.jitter_sigma_y_rad = HUGE_VAL}, "jitter_sigma_rad");
   refused({.time_stamp_bias_s = HUGE_VAL}, "time_stamp_bias_s");
   refused({.time_stamp_bias_s = -1.5e6}, "time_stamp_bias_s: -1500000 is not in [-1e6, 1e6]");

@@ -194,7 +194,7 @@ TEST(RandomNavigationError, RefusesWhatIsOutOfRange) {
     }
   };
   refused({.random_walk = {.position_m_per_sqrt_s = {{0, -1, 0}}}},
-          "navigation_error/random_walk/position_m_per_sqrt_s/1: -1 is not finite and >= 0");
+          "random_walk/position_m_per_sqrt_s/1: -1 is not finite and >= 0");
   refused({.random_walk = {.velocity_mps_per_sqrt_s = {{HUGE_VAL, 0, 0}}}}, "velocity_mps_per_sqrt_s/0");
   refused({.random_walk = {.rpy_rad_per_sqrt_s = {0, 0, -1}}}, "rpy_rad_per_sqrt_s/2");
   refused({.gauss_markov = {.position_sigma_m = {{0, 0, std::nan("")}}}}, "position_sigma_m/2");
@@ -204,7 +204,7 @@ TEST(RandomNavigationError, RefusesWhatIsOutOfRange) {
   refused({.gauss_markov = {.velocity_time_s = -1}}, "velocity_time_s");
   refused({.gauss_markov = {.rpy_sigma_rad = {-1, 0, 0}}}, "rpy_sigma_rad/0");
   refused({.gauss_markov = {.rpy_time_s = HUGE_VAL}}, "rpy_time_s");
-  refused({.interval_s = 0}, "navigation_error/interval_s: 0 is not finite and positive");
+  refused({.interval_s = 0}, "interval_s: 0 is not finite and positive");
   refused({.interval_s = 1.9e-6},
           "long enough: 2 s, the scan and its time-stamp errors, would have more than a million steps");
 }

@@ -287,7 +287,7 @@ TEST(Uncertainty, RefusesSigmasThatAreNone) {
     return "accepted";
   };
   EXPECT_EQ(refusal({}), "accepted");
-  EXPECT_THAT(refusal({.range_sigma_m = -1}), HasSubstr("uncertainty/range_sigma_m: -1"));
+  EXPECT_THAT(refusal({.range_sigma_m = -1}), HasSubstr("range_sigma_m: -1"));
   UncertaintyParameters bad;
   bad.navigation.position_m.v.y() = -0.5;
   EXPECT_THAT(refusal(bad), HasSubstr("navigation_sigma/position_m: -0.5"));

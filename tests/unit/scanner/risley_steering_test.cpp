@@ -188,12 +188,12 @@ TEST(RisleySteering, RefusesOpticsOutOfRange) {
   const auto refused = [](const RisleyOptics& optics, const char* text) {
     EXPECT_THAT([&] { check(optics); }, ThrowsMessage<UsageError>(HasSubstr(text)));
   };
-  refused({.prisms = {{{.index = 1}, {}}}}, "scanner/index/0: 1 is not in (1, 10]");
-  refused({.prisms = {{{}, {.index = std::nan("")}}}}, "scanner/index/1");
-  refused({.prisms = {{{.wedge_rad = -kPi / 18}, {}}}}, "scanner/wedge_deg/0: -10 is not in [0, 90)");
-  refused({.prisms = {{{}, {.wedge_rad = kPi / 2}}}}, "scanner/wedge_deg/1");
-  refused({.prisms = {{{.thickness_m = 0}, {}}}}, "scanner/thickness_m/0: 0 is not in (0, 10]");
-  refused({.gap_m = -1e-9}, "scanner/gap_m: -1e-09 is not in [0, 10]");
+  refused({.prisms = {{{.index = 1}, {}}}}, "index/0: 1 is not in (1, 10]");
+  refused({.prisms = {{{}, {.index = std::nan("")}}}}, "index/1");
+  refused({.prisms = {{{.wedge_rad = -kPi / 18}, {}}}}, "wedge_deg/0: -10 is not in [0, 90)");
+  refused({.prisms = {{{}, {.wedge_rad = kPi / 2}}}}, "wedge_deg/1");
+  refused({.prisms = {{{.thickness_m = 0}, {}}}}, "thickness_m/0: 0 is not in (0, 10]");
+  refused({.gap_m = -1e-9}, "gap_m: -1e-09 is not in [0, 10]");
   EXPECT_NO_THROW(check(RisleyOptics{.gap_m = 0}));
 }
 

@@ -278,12 +278,10 @@ TEST(Risley, RefusesParametersOutOfRange) {
   const auto refused = [](const RisleyParameters& parameters, const char* text) {
     EXPECT_THAT([&] { Risley{parameters}; }, ThrowsMessage<UsageError>(HasSubstr(text)));
   };
-  refused({.optics = {.gap_m = -1}}, "scanner/gap_m: -1");
-  refused({.drive = RisleyRotation{.rates_hz = {1, HUGE_VAL}}},
-          "scanner/rates_hz/1: inf is not in [-1e6, 1e6]");
-  refused({.drive = RisleyRotation{.phases_rad = {std::nan(""), 0}}},
-          "scanner/phases_deg/0: nan is not finite");
-  refused({.encoder_sigma_rad = -1e-6}, "scanner/encoder_sigma_rad: -1e-06 is not finite and >= 0");
+  refused({.optics = {.gap_m = -1}}, "gap_m: -1");
+  refused({.drive = RisleyRotation{.rates_hz = {1, HUGE_VAL}}}, "rates_hz/1: inf is not in [-1e6, 1e6]");
+  refused({.drive = RisleyRotation{.phases_rad = {std::nan(""), 0}}}, "phases_deg/0: nan is not finite");
+  refused({.encoder_sigma_rad = -1e-6}, "encoder_sigma_rad: -1e-06 is not finite and >= 0");
 }
 
 }  // namespace

@@ -236,7 +236,7 @@ TEST(ErrorEffects, NoiseFollowsTheIncidenceOnTheTrueSurface) {
 TEST(ErrorEffects, IncidenceNeedsTheSurface) {
   const PlaneEngine engine;
   EXPECT_THAT([&] { Simulation(scan({.range = {.incidence_sigma_rad = 1e-3}}), engine); },
-              testing::ThrowsMessage<UsageError>(testing::HasSubstr("noise/incidence_sigma_rad")));
+              testing::ThrowsMessage<UsageError>(testing::HasSubstr("incidence_sigma_rad")));
 }
 
 }  // namespace

@@ -228,13 +228,13 @@ TEST(Dynamics, ConstantTorqueIsExact) {
 }
 
 TEST(Dynamics, RefusesBadNumbers) {
-  EXPECT_THAT(message_of({.gravity_mps2 = -1}), testing::HasSubstr("trajectory/gravity_mps2: -1"));
+  EXPECT_THAT(message_of({.gravity_mps2 = -1}), testing::HasSubstr("gravity_mps2: -1"));
   EXPECT_THAT(message_of({.control_period_s = 0}), testing::HasSubstr("control_period_s: 0"));
   EXPECT_THAT(message_of({.control_period_s = 1e-9}), testing::HasSubstr("2000000 control periods"));
   EXPECT_THAT(message_of({.duration_s = HUGE_VAL}), testing::HasSubstr("duration_s: inf"));
   EXPECT_THAT(message_of({.position_m = {{0, 0, std::nan("")}}}), testing::HasSubstr("position_m/2: nan"));
   EXPECT_THAT(message_of({.velocity_mps = {{HUGE_VAL, 0, 0}}}), testing::HasSubstr("velocity_mps/0: inf"));
-  EXPECT_THAT(message_of({.rpy = {0, std::nan(""), 0}}), testing::HasSubstr("trajectory/rpy_deg/1: nan"));
+  EXPECT_THAT(message_of({.rpy = {0, std::nan(""), 0}}), testing::HasSubstr("rpy_deg/1: nan"));
   EXPECT_THAT(message_of({.disturbance = {{}, {{0, -1, 0}}}}), testing::HasSubstr("torque_sigma_nm/1: -1"));
   EXPECT_THAT(message_of({.disturbance = {{{0, std::nan(""), 0}}, {}}}),
               testing::HasSubstr("torque_nm/1: nan"));

@@ -102,8 +102,7 @@ TEST(RigidBody, KeepsEnergyAndMomentumOfAnAsymmetricBody) {
 }
 
 TEST(RigidBody, RefusesWhatNoBodyHas) {
-  EXPECT_THAT(message_of({.mass_kg = 0}),
-              testing::HasSubstr("trajectory/mass_kg: 0 is not finite and positive"));
+  EXPECT_THAT(message_of({.mass_kg = 0}), testing::HasSubstr("mass_kg: 0 is not finite and positive"));
   EXPECT_THAT(message_of({.inertia_kgm2 = Eigen::Vector3d(1, 2, 3.1).asDiagonal()}),
               testing::HasSubstr("at most the sum of the other two"));
   EXPECT_THAT(message_of({.inertia_kgm2 = Eigen::Vector3d(1, 0, 1).asDiagonal()}),

@@ -192,7 +192,7 @@ TEST_F(LoadDem, FeetBecomeMetres) {
   const MapPoint east = site_to_crs(terrain.crs_wkt, {12, 0}, "EPSG:2225");
   EXPECT_NEAR(east.x, 6000205 + 12 * feet_per_metre, 1e-2);
   EXPECT_NEAR(east.y, 1999795, 1e-2);
-  EXPECT_THAT(refusal(dem, GridSpec::centered(64, 4)), HasSubstr("half width of 60 m"));  // 200 ft = 60.96 m
+  EXPECT_THAT(refusal(dem, GridSpec::centered(64, 4)), HasSubstr("half_width_m of 60 "));  // 200 ft = 60.96 m
 }
 
 // int16, nodata judged before scale and offset: -32768 would be -16374 m, 10 is nodata of no one.
@@ -320,7 +320,7 @@ TEST_F(LoadDem, RefusesWhatTheConfigGetsWrong) {
   dem.center.reset();
   dem.center_pixel = {3, 10};
   EXPECT_THAT(refusal(dem, spec),
-              AllOf(HasSubstr("format: "), HasSubstr("21 x 21"), HasSubstr("width of 3 m")));
+              AllOf(HasSubstr("format: "), HasSubstr("21 x 21"), HasSubstr("half_width_m of 3 ")));
   dem = good;
   dem.center = {1000, 1000};
   EXPECT_THAT(refusal(dem, spec), HasSubstr("centre is outside"));

@@ -131,8 +131,8 @@ TEST(RequireSiteInside, NamesSizeAndFit) {
   EXPECT_EQ(
       refusal({4.5, 4.5}, {10, 12}, bilinear),
       "a.tif: the site, -5 .. 5 m, does not lie inside the raster of 12 x 10 pixels; around this centre a "
-      "half width of 4.5 m would fit (grid.half_width_m, --half-width)");
-  EXPECT_THAT(refusal({4.4, 4.5}, {10, 10}, nearest), HasSubstr("half width of 4.5 m"));
+      "half_width_m of 4.5 would fit");
+  EXPECT_THAT(refusal({4.4, 4.5}, {10, 10}, nearest), HasSubstr("half_width_m of 4.5 "));
   EXPECT_THAT(refusal({-1, 4}, {20, 20}, bilinear), HasSubstr("centre is outside"));
   EXPECT_THAT(refusal({0, 4}, {20, 20}, bilinear), HasSubstr("not one cell of 0.5 m fits"));
 }

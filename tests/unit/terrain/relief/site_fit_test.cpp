@@ -49,7 +49,7 @@ TEST(FitSite, SaysWhatIsMissing) {
     return std::string("accepted");
   };
   EXPECT_THAT(refusal(10, {{}, 0.001}),
-              ::testing::AllOf(::testing::StartsWith("2 a.tif: "), ::testing::HasSubstr("--half-width")));
+              ::testing::AllOf(::testing::StartsWith("2 a.tif: "), ::testing::HasSubstr("half_width_m")));
   EXPECT_EQ(refusal(10, {{}, 20.0 / 4095}), "accepted");
   EXPECT_THAT(refusal(0, {}),
               ::testing::AllOf(::testing::StartsWith("1 a.tif: "), ::testing::HasSubstr("another center")));
