@@ -16,7 +16,7 @@ LEVELS = {
     "ray": 3, "meshio": 3,
     "simulation": 4, "gridding": 4, "evaluation": 4,
     "config": 5, "files": 5,
-    "exports": 6, "host": 6, "report": 6,
+    "scene": 6, "exports": 6, "host": 6, "report": 6,
     "cli": 7,
 }
 

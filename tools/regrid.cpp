@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // regrid: gathers the returns of one or more scans into a DEM.
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
 #include <memory>
 #include <optional>
 
-#include "base/parallel.h"
 #include "cli/tool.h"
 #include "config/config_place.h"
 #include "config/dem_config.h"
 #include "config/uncertainty_config.h"
 #include "files/dem_file.h"
-#include "files/scan_file.h"
+#include "files/scan_gridding.h"
 #include "files/scan_poses.h"
-#include "files/terrain_file.h"
-#include "gridding/method.h"
-#include "gridding/uncertainty.h"
-#include "gridding/weighted_mean_accumulator.h"
-#include "ray/windowed_terrain.h"
+#include "scene/scene.h"
 
 namespace landfall {
 namespace {
@@ -36,9 +29,6 @@ constexpr const char* kDescription =
     R"(Grids the estimated points of one or more scans: each return adds to the bin whose centre is nearest, weighted by its distance from that centre, or by another method. With the terrain the DEM also holds the true elevation of each bin, which dem-eval compares with.
 
 --uncertainty adds the one-sigma map of the elevations by error propagation, --corrected the elevations carried along the local slope to the centres of the bins.)";
-
-/// Rows read at a time: 4 chunks of the file, 15 MB.
-constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
 
 struct Options {
   std::vector<std::string> scans;
@@ -120,12 +110,7 @@ bool saw_other_terrain(const nlohmann::json& scan_chain, const std::string& terr
 /// Everything that goes into the DEM, opened and checked before the work begins.
 struct Inputs {
   std::vector<std::unique_ptr<ScanReader>> scans;
-  std::optional<TerrainInput> terrain;
-  std::unique_ptr<const WindowedTerrain> window;  ///< stands for the surface of a large terrain
-  [[nodiscard]] const TerrainSurface* surface() const {
-    if (window) return window.get();
-    return terrain ? terrain->surface.get() : nullptr;
-  }
+  Scene scene;  ///< without a surface where no terrain is given
   std::optional<UncertaintyParameters> uncertainty;
   std::optional<PoseTrack> poses;
   Provenance provenance;
@@ -143,6 +128,17 @@ void open_uncertainty(const cli::Session& session, Inputs& inputs) {
   inputs.provenance.config["uncertainty"] = uncertainty_json(*inputs.uncertainty);
 }
 
+void open_terrain(cli::Session& session, const Options& o, Inputs& inputs) {
+  session.phase("terrain", [&](const ProgressCallback& progress) {
+    inputs.scene = open_scene({.terrain = o.terrain, .use = SceneUse::surface}, progress);
+  });
+  inputs.provenance.add_input("terrain", inputs.scene.file_id, inputs.scene.chain);
+  for (const auto& scan : inputs.scans)
+    if (!o.other_terrain && saw_other_terrain(scan->file().chain(), inputs.scene.file_id))
+      throw FormatError(scan->file().name() + ": scanned another terrain than " + o.terrain +
+                        "; give that one, or --other-terrain");
+}
+
 Inputs open_inputs(cli::Session& session, const Options& o) {
   Inputs inputs;
   inputs.provenance = session.provenance();
@@ -154,72 +150,8 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
     inputs.provenance.add_input("scan", file.file_id(), file.chain());
   }
   if (o.uncertainty) open_uncertainty(session, inputs);
-  if (o.terrain.empty()) return inputs;
-  session.phase("terrain", [&](const ProgressCallback& progress) {
-    if (auto large = open_large_terrain(o.terrain, kMaxLoadedNodes, progress)) {
-      inputs.terrain.emplace(
-          TerrainInput{nullptr, nullptr, nullptr, large->crs_wkt, large->file_id, large->chain});
-      inputs.window = std::make_unique<const WindowedTerrain>(std::move(large->terrain), EngineMaker());
-    } else {
-      inputs.terrain = read_terrain(o.terrain, progress);
-    }
-  });
-  inputs.provenance.add_input("terrain", inputs.terrain->file_id, inputs.terrain->chain);
-  for (const auto& scan : inputs.scans)
-    if (!o.other_terrain && saw_other_terrain(scan->file().chain(), inputs.terrain->file_id))
-      throw FormatError(scan->file().name() + ": scanned another terrain than " + o.terrain +
-                        "; give that one, or --other-terrain");
+  if (!o.terrain.empty()) open_terrain(session, o, inputs);
   return inputs;
-}
-
-struct Batch {
-  ScanReader* scan;
-  std::size_t begin;
-  std::size_t count;
-};
-
-std::vector<Batch> batches(const Inputs& inputs) {
-  std::vector<Batch> result;
-  for (const auto& scan : inputs.scans)
-    for (std::size_t begin = 0; begin < scan->row_count(); begin += kBatchRows)
-      result.push_back({scan.get(), begin, std::min(kBatchRows, scan->row_count() - begin)});
-  return result;
-}
-
-/// What is gathered: the map, and for --uncertainty the second moments of its bins.
-struct Sums {
-  std::unique_ptr<Accumulator> bins;
-  const WeightedMeanAccumulator* nearest = nullptr;  ///< the same bins, where the method is bilinear_nearest
-  std::optional<MomentAccumulator> moments;
-};
-
-Sums make_sums(const RegridConfig& config, const Options& o) {
-  Sums sums{make_accumulator(config.method, config.grid), nullptr, {}};
-  if (config.method == Method::bilinear_nearest)
-    sums.nearest = dynamic_cast<const WeightedMeanAccumulator*>(sums.bins.get());
-  if (o.uncertainty) sums.moments.emplace(config.grid);
-  return sums;
-}
-
-/// Bins a batch while the next one is read.
-void grid_pass(const Inputs& inputs, Sums& sums, const ProgressCallback& progress) {
-  const std::vector<Batch> todo = batches(inputs);
-  std::array<ScanPoints, 2> slots;
-  read_ahead(
-      todo.size(), slots.size(),
-      [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
-      [&](std::size_t i, std::size_t slot) {
-        const ScanPoints& p = slots[slot];
-        const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
-        sums.bins->add(points, static_cast<std::int64_t>(todo[i].begin));
-        if (sums.moments) sums.moments->add(points, *sums.nearest);
-        report(progress, sums.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
-      });
-}
-
-void grid_scans(const Inputs& inputs, Sums& sums, const ProgressCallback& progress) {
-  do grid_pass(inputs, sums, progress);
-  while (sums.bins->end_pass());
 }
 
 /// What the layers of --corrected and --uncertainty are made from.
@@ -228,14 +160,15 @@ struct ErrorMaps {
   std::optional<UncertaintyMap> uncertainty;  ///< refers to the slopes
 };
 
-void make_error_maps(cli::Session& session, const Options& o, const Inputs& inputs, const Sums& sums,
+void make_error_maps(cli::Session& session, const Options& o, const Inputs& inputs, const GriddedScans& scans,
                      ErrorMaps& maps) {
   if (!o.uncertainty && !o.corrected) return;
-  session.phase(
-      "slope", [&](const ProgressCallback& progress) { maps.slopes = slope_layer(*sums.nearest, progress); });
+  session.phase("slope", [&](const ProgressCallback& progress) {
+    maps.slopes = slope_layer(*scans.nearest, progress);
+  });
   if (!o.uncertainty) return;
   session.phase("uncertainty", [&](const ProgressCallback& progress) {
-    maps.uncertainty.emplace(*sums.nearest, *sums.moments, maps.slopes, *inputs.poses, *inputs.uncertainty,
+    maps.uncertainty.emplace(*scans.nearest, *scans.moments, maps.slopes, *inputs.poses, *inputs.uncertainty,
                              progress);
   });
 }
@@ -246,24 +179,26 @@ ExitCode run(cli::Session& session, const Options& o) {
   std::vector<std::string> inputs_named = o.scans;
   inputs_named.push_back(o.terrain);
   const OutputOptions output = session.output(inputs_named);
-  Inputs inputs = open_inputs(session, o);
+  const Inputs inputs = open_inputs(session, o);
   const GridSpec& grid = config.grid;
-  if (inputs.window)
-    inputs.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
-  DemRequest request{o.layers, inputs.surface(), config.truth_at, o.uncertainty, o.corrected};
+  if (inputs.scene.window)
+    inputs.scene.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  DemRequest request{o.layers, inputs.scene.surface.get(), config.truth_at, o.uncertainty, o.corrected};
   check_layers(request);
   LandfallFileWriter file(output, "dem", inputs.provenance);
-  Sums sums = make_sums(config, o);
-  session.phase("grid", [&](const ProgressCallback& progress) { grid_scans(inputs, sums, progress); });
+  GriddedScans scans;
+  session.phase("grid", [&](const ProgressCallback& progress) {
+    scans = grid_scans(inputs.scans, {grid, config.method, o.uncertainty}, progress);
+  });
   ErrorMaps maps;
-  make_error_maps(session, o, inputs, sums, maps);
+  make_error_maps(session, o, inputs, scans, maps);
   request.slopes = &maps.slopes;
   request.uncertainty_map = maps.uncertainty ? &*maps.uncertainty : nullptr;
   session.phase("write", [&](const ProgressCallback& progress) {
-    write_dem(file, *sums.bins, request, inputs.scans.front()->crs_wkt(), progress);
+    write_dem(file, *scans.bins, request, inputs.scans.front()->crs_wkt(), progress);
   });
-  session.count("inside_count", sums.bins->inside_count());
-  session.count("outside_count", sums.bins->outside_count());
+  session.count("inside_count", scans.bins->inside_count());
+  session.count("outside_count", scans.bins->outside_count());
   return ExitCode::done;
 }
 

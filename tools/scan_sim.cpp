@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 
 #include "base/parameter_check.h"
 #include "cli/plan_table.h"
@@ -17,14 +15,8 @@
 #include "files/plan_file.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
-#include "files/terrain_file.h"
-#include "ray/cgal_engine.h"
-#include "ray/flat_ground.h"
-#include "ray/heightfield_engine.h"
-#include "ray/windowed_terrain.h"
+#include "scene/scene.h"
 #include "simulation/scan_pipeline.h"
-#include "simulation/scan_plan.h"
-#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 namespace {
@@ -92,47 +84,6 @@ void bind(CLI::App& app, Options& o) {
   bind_plan(app, o);
 }
 
-/// Reads the tables that a configuration names, and enters them into the provenance.
-TableLoader table_loader(Provenance& provenance) {
-  return [&provenance](const std::string& path, const std::string& role, const TableColumns& columns) {
-    provenance.add_input(role, content_id(path), nlohmann::json::array());
-    return read_number_table(path, columns);
-  };
-}
-
-/// The name of the engine that `asked` stands for on this terrain.
-std::string engine_name(const std::string& asked, const TerrainInput& terrain) {
-  if (terrain.mesh && asked == "heightfield")
-    throw UsageError("--engine heightfield: the terrain is a mesh, which it cannot trace; use cgal or auto");
-  if (asked != "auto") return asked;
-  return terrain.mesh ? "cgal" : "heightfield";
-}
-
-std::unique_ptr<const RayEngine> make_engine(const std::string& name, const TerrainInput& terrain,
-                                             const ProgressCallback& progress) {
-  if (terrain.mesh) return make_cgal_engine(terrain.mesh, progress);
-  return name == "cgal" ? make_cgal_engine(terrain.grid, progress)
-                        : make_heightfield_engine(terrain.grid, progress);
-}
-
-/// `trace_s`: how long tracing took; none where the ranges came from a file.
-void count_rays(cli::Session& session, const Simulation& simulation, std::optional<double> trace_s) {
-  const std::int64_t rays =
-      simulation.pulse_count() * static_cast<std::int64_t>(simulation.detector().samples().size());
-  session.count("pulse_count", simulation.pulse_count());
-  session.count("ray_count", rays);
-  if (trace_s) session.count("rays_per_s", static_cast<double>(rays) / *trace_s);
-  session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
-}
-
-void count_points(cli::Session& session, const ScanWriter& writer) {
-  session.count("return_count", writer.count(PointStatus::returned));
-  session.count("miss_count", writer.count(PointStatus::miss));
-  session.count("dropout_count", writer.count(PointStatus::dropout));
-  session.count("dead_count", writer.count(PointStatus::dead));
-  session.count("false_return_count", writer.count(PointStatus::false_return));
-}
-
 /// The options that change what the scan file holds; null where none does.
 nlohmann::json options_json(const Options& o) {
   nlohmann::json options;
@@ -141,71 +92,26 @@ nlohmann::json options_json(const Options& o) {
   return options;
 }
 
-/// Stands for the engine of a run that takes its ranges from a file.
-class NoEngine final : public RayEngine {
- public:
-  void first_hits(std::span<const Ray>, std::span<double>) const override {
-    throw std::logic_error("a replayed scan traced a ray");
+/// Ranges from a file need no terrain, unless the errors depend on its surface.
+Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ranges, bool needs_surface) {
+  if (ranges != nullptr && o.terrain.empty()) {
+    if (needs_surface)
+      throw UsageError("--terrain is required with --ranges-from where /noise/incidence_sigma_rad is not 0");
+    return {ranges->terrain()};
   }
-};
-
-/// True where the errors need the terrain itself, not only the ranges to it.
-bool needs_surface(const nlohmann::json& config) { return config.at("noise").at("incidence_sigma_rad") != 0; }
-
-/// The terrain to scan; of a run that takes its ranges from a file, only its name unless its errors need
-/// more.
-TerrainInput open_terrain(cli::Session& session, const Options& o, const std::optional<RangeFile>& ranges) {
-  TerrainInput terrain;
-  if (ranges) terrain = ranges->terrain();
-  if (o.terrain.empty() && needs_surface(session.config()))
-    throw UsageError("--terrain is required with --ranges-from where /noise/incidence_sigma_rad is not 0");
-  if (o.terrain.empty()) return terrain;
-  if (ranges && !needs_surface(session.config())) {
-    const LandfallFileReader named(o.terrain, {"terrain"});
-    terrain.file_id = named.file_id();
-    terrain.chain = named.chain();
-  } else {
-    session.phase("terrain",
-                  [&](const ProgressCallback& progress) { terrain = read_terrain(o.terrain, progress); });
-  }
-  return terrain;
+  SceneRequest request{o.terrain};
+  if (ranges != nullptr) request.use = needs_surface ? SceneUse::surface : SceneUse::identity;
+  if (o.engine != "auto") request.engine = o.engine == "cgal" ? EngineKind::cgal : EngineKind::heightfield;
+  Scene scene;
+  session.phase("terrain", [&](const ProgressCallback& progress) { scene = open_scene(request, progress); });
+  return scene;
 }
 
-/// A large terrain, of which only what the rays need is loaded.
-struct Window {
-  TerrainInput input;  ///< without its surface
-  std::unique_ptr<const WindowedTerrain> terrain;
-};
-
-/// Nothing where the terrain is loaded whole, or its ranges come from a file.
-std::optional<Window> open_window(cli::Session& session, const Options& o) {
-  if (!o.ranges_from.empty()) return std::nullopt;
-  std::optional<LargeTerrainInput> large;
-  session.phase("open", [&](const ProgressCallback& progress) {
-    large = open_large_terrain(o.terrain, kMaxLoadedNodes, progress);
-  });
-  if (!large) return std::nullopt;
-  TerrainInput input{nullptr, nullptr, nullptr, large->crs_wkt, large->file_id, large->chain};
-  const std::string name = engine_name(o.engine, input);
-  session.count("engine", name);
-  const auto make = [name](const std::shared_ptr<const TriangulatedGrid>& grid) {
-    return make_engine(name, {grid, grid, nullptr, "", "", nullptr}, {});
-  };
-  return Window{std::move(input), std::make_unique<const WindowedTerrain>(std::move(large->terrain), make)};
-}
-
-std::unique_ptr<const RayEngine> open_engine(cli::Session& session, const Options& o,
-                                             const TerrainInput& terrain) {
-  if (!o.ranges_from.empty()) {
-    session.count("engine", "none");
-    return std::make_unique<NoEngine>();
-  }
-  const std::string name = engine_name(o.engine, terrain);
-  session.count("engine", name);
-  std::unique_ptr<const RayEngine> engine;
-  session.phase("engine",
-                [&](const ProgressCallback& progress) { engine = make_engine(name, terrain, progress); });
-  return engine;
+void count_work(cli::Session& session, const Simulation& simulation, const ScanWriter& writer) {
+  session.count("pulse_count", simulation.pulse_count());
+  session.count("ray_count", simulation.ray_count());
+  session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
+  for (const auto& [name, number] : writer.counts()) session.count(name, number);
 }
 
 /// The smallest grid of bins about the origin that holds the region.
@@ -217,43 +123,29 @@ GridSpec plan_grid(const Options& o) {
                             "--plan-radius, --plan-resolution");
 }
 
-/// Coverage of the bins that have a return.
-Coverage coverage_of(const ScanPlan& plan) {
-  Grid<double> z_est(plan.region().spec());
-  for (std::size_t i = 0; i < z_est.values().size(); ++i)
-    if (plan.count().values()[i] == 0) z_est.values()[i] = std::numeric_limits<double>::quiet_NaN();
-  return assess_coverage(z_est, plan.region(), {});
-}
-
 ExitCode run_plan(cli::Session& session, const Options& o) {
   if (!o.terrain.empty() || !o.ranges_from.empty())
     throw UsageError("--plan is made on flat ground: --terrain and --ranges-from have no part in it");
   Provenance provenance = session.provenance();
   provenance.options = {{"plan", {{"radius_m", o.plan_radius_m}, {"resolution_m", o.plan_resolution_m}}}};
-  ScanPlan plan(circular_region(plan_grid(o), o.plan_radius_m));
+  Grid<std::int8_t> region = circular_region(plan_grid(o), o.plan_radius_m);
+  ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
   std::optional<LandfallFileWriter> file;
-  ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));
   if (!session.options().output_path.empty()) file.emplace(session.output(), "plan", provenance);
   const double pulse_rate_hz = model.pulse_rate_hz;
-  const FlatGround ground;
-  constexpr double kBeyondAnyLander_m = 1e9;
-  const TriangulatedGrid level(Grid<double>(GridSpec::centered(kBeyondAnyLander_m, kBeyondAnyLander_m)));
-  const Simulation simulation(std::move(model), ground, &level);
+  const Scene scene = open_scene({});
+  const Simulation simulation(std::move(model), scene.engine.get(), scene.surface.get());
+  std::optional<ScanPlan> plan;
   session.phase("plan", [&](const ProgressCallback& progress) {
-    const auto add = [&](PulseBatch& batch) {
-      plan.add(batch);
-      return SinkWork{};
-    };
-    run_scan(simulation, {}, add, o.batch_points, progress);
+    plan = plan_scan(simulation, std::move(region), o.batch_points, progress);
   });
-  nlohmann::ordered_json numbers;
+  PlanSummary summary;
   session.phase("coverage", [&](const ProgressCallback&) {
-    const Coverage coverage = coverage_of(plan);
-    numbers = plan_json(plan, coverage.metrics, o.plan_radius_m, pulse_rate_hz);
-    if (file) write_plan(*file, plan, coverage.hole_id, numbers);
+    summary = summarize_plan(*plan, o.plan_radius_m, pulse_rate_hz);
+    if (file) write_plan(*file, *plan, summary);
   });
-  session.count("plan", numbers);
-  if (!session.options().json_summary) std::cout << cli::plan_table(numbers);
+  session.count("plan", summary.numbers);
+  if (!session.options().json_summary) std::cout << cli::plan_table(summary.numbers);
   return ExitCode::done;
 }
 
@@ -263,39 +155,35 @@ ExitCode run(cli::Session& session, const Options& o) {
   const OutputOptions output = session.output({o.terrain, o.ranges_from});
   Provenance provenance = session.provenance();
   provenance.options = options_json(o);
-  ScanModel model = scan_model(session.config(), session.config_name(), table_loader(provenance));
-  std::optional<RangeFile> ranges;
-  if (!o.ranges_from.empty()) ranges.emplace(o.ranges_from);
-  const std::optional<Window> window = open_window(session, o);
-  const TerrainInput terrain = window ? window->input : open_terrain(session, o, ranges);
-  provenance.add_input("terrain", terrain.file_id, terrain.chain);
+  ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
+  std::unique_ptr<RangeFile> ranges;
+  if (!o.ranges_from.empty()) ranges = std::make_unique<RangeFile>(o.ranges_from);
+  const Scene scene = scanned_scene(session, o, ranges.get(), model.lidar.range_errors.needs_incidence());
+  session.count("engine", scene.engine_name);
+  provenance.add_input("terrain", scene.file_id, scene.chain);
   if (ranges) ranges->require_match(provenance);
   LandfallFileWriter file(output, "scan", provenance);
-  const std::unique_ptr<const RayEngine> engine = window ? nullptr : open_engine(session, o, terrain);
-  const RayEngine& rays = window ? static_cast<const RayEngine&>(*window->terrain) : *engine;
-  const TerrainSurface* const ground =
-      window ? window->terrain.get() : static_cast<const TerrainSurface*>(terrain.surface.get());
-  const Simulation simulation(std::move(model), rays, ground);
+  const Simulation simulation(std::move(model), scene.engine.get(), scene.surface.get());
   Replay replay;
   if (ranges)
     replay.ranges = [&](PulseSpan pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
-  ScanWriter writer(file, {o.keep_misses, o.float32}, terrain.crs_wkt);
+  ScanWriter writer(file, {o.keep_misses, o.float32}, scene.crs_wkt);
   const bool same_rows = ranges && ranges->has_rows_of(session.config(), o.keep_misses);
   if (same_rows && writer.copy_truth(ranges->points())) replay.content = PointContent::estimate;
   const double scan_s = session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
     run_scan(
         simulation, replay, [&](PulseBatch& batch) { return writer.take(batch); }, o.batch_points, progress);
   });
-  if (window) {
-    const GridSpec loaded = window->terrain->window();
+  if (scene.window) {
+    const GridSpec loaded = scene.window->window();
     session.log("loaded " + std::to_string(loaded.cols) + " x " + std::to_string(loaded.rows) +
                 " nodes of the terrain");
   }
   session.phase("finish", [&](const ProgressCallback&) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });
-  count_rays(session, simulation, ranges ? std::nullopt : std::optional(scan_s));
-  count_points(session, writer);
+  if (scene.engine) session.count("rays_per_s", static_cast<double>(simulation.ray_count()) / scan_s);
+  count_work(session, simulation, writer);
   return ExitCode::done;
 }
 

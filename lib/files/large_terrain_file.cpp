@@ -76,10 +76,8 @@ std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path&
   const auto load = [source, range](const GridSpec& window) {
     return checked_window(*source, range, window);
   };
-  return LargeTerrainInput{{spec, range[0], range[1], source->layers.tile(), load},
-                           source->layers.crs_wkt(),
-                           source->file.file_id(),
-                           source->file.chain()};
+  return LargeTerrainInput{{source->layers.crs_wkt(), source->file.file_id(), source->file.chain()},
+                           {spec, range[0], range[1], source->layers.tile(), load}};
 }
 
 }  // namespace landfall

@@ -138,4 +138,11 @@ NumberTable read_number_table(const std::filesystem::path& path, const TableColu
   return is_hdf5 > 0 ? read_hdf5(path, columns) : CsvReader(path).read(columns);
 }
 
+TableLoader recording_table_loader(Provenance& provenance) {
+  return [&provenance](const std::string& path, const std::string& role, const TableColumns& columns) {
+    provenance.add_input(role, content_id(path), nlohmann::json::array());
+    return read_number_table(path, columns);
+  };
+}
+
 }  // namespace landfall

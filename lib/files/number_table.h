@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/number_table.h"
+#include "files/provenance.h"
 
 namespace landfall {
 
@@ -13,5 +14,8 @@ namespace landfall {
 /// - HDF5: 1-D datasets of these names and equal length at the root.
 /// HDF5 is told by its signature. Throws FormatError naming the file and the line or column.
 [[nodiscard]] NumberTable read_number_table(const std::filesystem::path& path, const TableColumns& columns);
+
+/// Reads the tables that a configuration names, and enters each into `provenance`, which must outlive it.
+[[nodiscard]] TableLoader recording_table_loader(Provenance& provenance);
 
 }  // namespace landfall

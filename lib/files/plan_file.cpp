@@ -2,6 +2,8 @@
 #include "files/plan_file.h"
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "files/grid_file.h"
 
@@ -39,7 +41,13 @@ Json spread_json(const BinSpread& s) {
           {"median", s.median}, {"p95", s.p95}, {"max", s.max}};
 }
 
-}  // namespace
+/// Of the bins that have a return.
+Coverage coverage_of(const ScanPlan& plan) {
+  Grid<double> z_est(plan.region().spec());
+  for (std::size_t i = 0; i < z_est.values().size(); ++i)
+    if (plan.count().values()[i] == 0) z_est.values()[i] = std::numeric_limits<double>::quiet_NaN();
+  return assess_coverage(z_est, plan.region(), {});
+}
 
 Json plan_json(const ScanPlan& plan, const CoverageMetrics& coverage, double radius_m, double pulse_rate_hz) {
   const std::int64_t bins = count_set(plan.region());
@@ -59,15 +67,21 @@ Json plan_json(const ScanPlan& plan, const CoverageMetrics& coverage, double rad
       {"images_per_bin", images_json}};
 }
 
-void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const Grid<std::int32_t>& hole_id,
-                const Json& numbers) {
+}  // namespace
+
+PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_rate_hz) {
+  Coverage coverage = coverage_of(plan);
+  return {plan_json(plan, coverage.metrics, radius_m, pulse_rate_hz), std::move(coverage.hole_id)};
+}
+
+void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary) {
   GridLayerWriter layers(file, plan.region().spec(), "");
   layers.write("count", plan.count(), {"1", "returns in the bin"});
   layers.write("images", plan.images(), {"1", "pulses with a return in the bin"});
   layers.write("first_seen", plan.first_seen_s(), {"s", "time of the first return"});
   layers.write("in_region", plan.region(), {"1", "bins that the scan is for", {0, 1}, "outside inside"});
-  layers.write("hole_id", hole_id, {"1", "hole of uncovered bins in the region, 0 outside holes"});
-  h5::write_text(file.root(), {"plan_json", "the plan in numbers"}, numbers.dump(2));
+  layers.write("hole_id", summary.hole_id, {"1", "hole of uncovered bins in the region, 0 outside holes"});
+  h5::write_text(file.root(), {"plan_json", "the plan in numbers"}, summary.numbers.dump(2));
   file.commit();
 }
 

@@ -135,8 +135,8 @@ bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
   return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
 }
 
-TerrainInput RangeFile::terrain() const {
-  TerrainInput terrain{nullptr, nullptr, nullptr, read_crs(file_.root()), "", Json::array()};
+TerrainIdentity RangeFile::terrain() const {
+  TerrainIdentity terrain{read_crs(file_.root())};
   if (file_.chain().empty()) return terrain;
   for (const Json& input : file_.chain().back().value("inputs", Json::array()))
     if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");

@@ -34,8 +34,8 @@ class RangeFile {
   [[nodiscard]] bool has_rows_of(const nlohmann::json& config, bool keep_misses) const;
   [[nodiscard]] const TableReader& points() const { return points_; }
 
-  /// The terrain that was scanned, by name only: no surface.
-  [[nodiscard]] TerrainInput terrain() const;
+  /// The terrain that was scanned.
+  [[nodiscard]] TerrainIdentity terrain() const;
 
   /// The true ranges, one per pixel and pulse, NaN for a miss; fastest in order. Throws FormatError where the
   /// file's rows do not fit.

@@ -186,6 +186,15 @@ ScanWriter::Chunks ScanWriter::take_pulses(const PulseColumns& pulses) {
   return pulses_.take(rows);
 }
 
+std::array<std::pair<const char*, std::int64_t>, 5> ScanWriter::counts() const {
+  using enum PointStatus;
+  return {{{"return_count", count(returned)},
+           {"miss_count", count(miss)},
+           {"dropout_count", count(dropout)},
+           {"dead_count", count(dead)},
+           {"false_return_count", count(false_return)}}};
+}
+
 void ScanWriter::refuse_without_return() const {
   std::string causes;
   const auto name = [&](PointStatus status, const char* what) {
@@ -205,11 +214,7 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   points_.finish();
   pulses_.finish();
   h5::write_attribute(points_.group(), "misses_kept", std::int64_t{options_.keep_misses ? 1 : 0});
-  h5::write_attribute(points_.group(), "return_count", count(PointStatus::returned));
-  h5::write_attribute(points_.group(), "miss_count", count(PointStatus::miss));
-  h5::write_attribute(points_.group(), "dropout_count", count(PointStatus::dropout));
-  h5::write_attribute(points_.group(), "dead_count", count(PointStatus::dead));
-  h5::write_attribute(points_.group(), "false_return_count", count(PointStatus::false_return));
+  for (const auto& [name, number] : counts()) h5::write_attribute(points_.group(), name, number);
   write_detector(file_, detector, dead_map);
   file_.commit();
 }

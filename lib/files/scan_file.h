@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "files/landfall_file.h"
@@ -35,11 +37,13 @@ class ScanWriter {
   /// Writes /detector and the counts, and commits. Throws FormatError for a scan without a single return.
   void commit(const Detector& detector, std::span<const std::int8_t> dead_map);
 
+  /// Points by what became of them, as the attributes of /points have them.
+  [[nodiscard]] std::array<std::pair<const char*, std::int64_t>, 5> counts() const;
+
+ private:
   [[nodiscard]] std::int64_t count(PointStatus status) const {
     return counts_.at(static_cast<std::size_t>(status));
   }
-
- private:
   [[noreturn]] void refuse_without_return() const;
   using Chunks = std::vector<TableWriter::ChunkPtr>;
   [[nodiscard]] Chunks take_points(const PointColumns& points);

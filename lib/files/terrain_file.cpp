@@ -19,6 +19,10 @@ namespace landfall {
 
 namespace {
 
+TerrainIdentity identity_of(const LandfallFileReader& file) {
+  return {read_crs(file.root()), file.file_id(), file.chain()};
+}
+
 GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
 
 /// Of the finite values; low > high where there are none.
@@ -81,12 +85,16 @@ std::string raster_id(const DemRaster& raster) {
   return hash.update(std::as_bytes(std::span(place))).hex();
 }
 
+TerrainIdentity read_terrain_identity(const std::filesystem::path& path) {
+  return identity_of(LandfallFileReader(path, {"terrain"}));
+}
+
 TerrainInput read_terrain(const std::filesystem::path& path, const ProgressCallback& progress) {
   const LandfallFileReader file(path, {"terrain"});
   if (!h5::exists(file.root(), "z") && h5::exists(file.root(), "mesh")) {
-    auto mesh = read_mesh_terrain(file);
+    const auto mesh = read_mesh_terrain(file);
     report(progress, 1);
-    return {mesh, nullptr, mesh, read_crs(file.root()), file.file_id(), file.chain()};
+    return {identity_of(file), mesh, nullptr, mesh};
   }
   const GridLayerReader layers(file);
   Grid<double> nodes = layers.read<double>("z", progress);
@@ -95,8 +103,8 @@ TerrainInput read_terrain(const std::filesystem::path& path, const ProgressCallb
     file.fail("/z holds an infinite elevation");
   if (std::none_of(values.begin(), values.end(), [](double z) { return std::isfinite(z); }))
     file.fail("/z has no finite node");
-  auto grid = std::make_shared<const TriangulatedGrid>(std::move(nodes));
-  return {grid, grid, nullptr, layers.crs_wkt(), file.file_id(), file.chain()};
+  const auto grid = std::make_shared<const TriangulatedGrid>(std::move(nodes));
+  return {identity_of(file), grid, grid};
 }
 
 }  // namespace landfall

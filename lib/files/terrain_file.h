@@ -33,14 +33,21 @@ WrittenNodes write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
 /// named one (a world file, the parts of a VRT) count through what they change; the file's name does not.
 [[nodiscard]] std::string raster_id(const DemRaster& raster);
 
-/// A terrain as other tools use it.
-struct TerrainInput {
-  std::shared_ptr<const TerrainSurface> surface;
-  std::shared_ptr<const TriangulatedGrid> grid;  ///< the surface, where it is gridded; else null
-  std::shared_ptr<const TriangleMesh> mesh;      ///< the surface, where it is a mesh; else null
-  std::string crs_wkt;
-  std::string file_id;
-  nlohmann::json chain;
+/// Which terrain it is: what files made from it say of it.
+struct TerrainIdentity {
+  std::string crs_wkt{};
+  std::string file_id{};
+  nlohmann::json chain = nlohmann::json::array();
+};
+
+/// Throws FormatError unless the file is a complete terrain; reads nothing of its ground.
+[[nodiscard]] TerrainIdentity read_terrain_identity(const std::filesystem::path& path);
+
+/// A terrain that is in memory.
+struct TerrainInput : TerrainIdentity {
+  std::shared_ptr<const TerrainSurface> surface{};
+  std::shared_ptr<const TriangulatedGrid> grid{};  ///< the surface, where it is gridded; else null
+  std::shared_ptr<const TriangleMesh> mesh{};      ///< the surface, where it is a mesh; else null
 };
 
 /// Throws FormatError unless the file is a complete terrain: gridded, with at least one finite node and no
@@ -52,11 +59,8 @@ struct TerrainInput {
 inline constexpr std::int64_t kMaxLoadedNodes = std::int64_t{1} << 24U;
 
 /// A gridded terrain of which only windows are loaded.
-struct LargeTerrainInput {
-  LargeTerrain terrain;  ///< keeps the file open
-  std::string crs_wkt;
-  std::string file_id;
-  nlohmann::json chain;
+struct LargeTerrainInput : TerrainIdentity {
+  LargeTerrain terrain{};  ///< keeps the file open
 };
 
 /// Nothing for a terrain that read_terrain() is for: a mesh, a grid of at most `most_nodes` nodes, or one

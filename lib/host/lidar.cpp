@@ -113,7 +113,7 @@ struct Instrument::Impl {
       : engine(std::move(intersect)),
         pulse_rate_hz(model.pulse_rate_hz),
         navigation_error(std::move(model.navigation_error)),
-        simulator(std::move(model.lidar), engine, nullptr) {}
+        simulator(std::move(model.lidar), &engine, nullptr) {}
 
   [[nodiscard]] PulseInput input(const Pulse& pulse) const;
 

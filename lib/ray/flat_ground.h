@@ -2,15 +2,21 @@
 #pragma once
 
 #include "ray/engine.h"
+#include "terrain/surface.h"
 
 namespace landfall {
 
 /// Level ground without end, z = elevation_m: range = (elevation - o_z) / d_z in closed form, exact to
 /// rounding. Rays that run level or away from it miss.
-class FlatGround : public RayEngine {
+class FlatGround final : public TerrainSurface, public RayEngine {
  public:
   explicit FlatGround(double elevation_m = 0) : elevation_m_(elevation_m) {}
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
+  [[nodiscard]] double elevation(double /*x_m*/, double /*y_m*/) const override { return elevation_m_; }
+  [[nodiscard]] double highest_m() const override { return elevation_m_; }
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& /*place*/) const override {
+    return Eigen::Vector3d::UnitZ();
+  }
 
  private:
   double elevation_m_;

@@ -2,6 +2,7 @@
 #include "simulation/pulse_simulator.h"
 
 #include <Eigen/Geometry>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -107,8 +108,8 @@ std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
 
 }  // namespace
 
-PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine& engine, const TerrainSurface* ground)
-    : lidar_(std::move(lidar)), engine_(&engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {
+PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground)
+    : lidar_(std::move(lidar)), engine_(engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {
   if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
     throw UsageError("incidence_sigma_rad: needs the terrain's surface");
 }
@@ -188,6 +189,7 @@ void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) c
     if (!beam.lost) w.rays.push_back({w.T_dem_lidar * beam.exit, w.T_dem_lidar.rotation * beam.direction});
   require_above_ground(pulse, w.rays);
   w.hits_m.resize(w.rays.size());
+  assert(engine_ != nullptr);
   engine_->first_hits(w.rays, w.hits_m);
   if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
   for (std::size_t i = 0; i < w.beams.size(); ++i)

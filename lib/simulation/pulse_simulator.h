@@ -68,10 +68,10 @@ struct PulseWorkspace {
 /// Time-stamp errors are the affair of whoever gives the estimated poses.
 class PulseSimulator {
  public:
-  /// `engine` must outlive this. So must `ground`; where given, a beam that starts at or below it is refused
-  /// (of surfaces with ground below).
-  /// Throws UsageError where it is not and the noise depends on the incidence.
-  PulseSimulator(Lidar lidar, const RayEngine& engine, const TerrainSurface* ground);
+  /// `engine` must outlive this; where it is null, only replay() may be called. So must `ground`; where
+  /// given, a beam that starts at or below it is refused (of surfaces with ground below). Throws UsageError
+  /// where it is not and the noise depends on the incidence.
+  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
   /// 1 for each dead pixel, 0 for the others, row-major.

@@ -55,6 +55,17 @@ void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double t_s) {
   ++images_.values()[bin];
 }
 
+ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region, std::int64_t points_per_batch,
+                   const ProgressCallback& progress) {
+  ScanPlan plan(std::move(region));
+  const auto add = [&](PulseBatch& batch) {
+    plan.add(batch);
+    return SinkWork{};
+  };
+  run_scan(simulation, {}, add, points_per_batch, progress);
+  return plan;
+}
+
 BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::int8_t>& region) {
   std::vector<std::int64_t> bins_of;  // by value
   std::int64_t bins = 0;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "raster/grid.h"
-#include "simulation/pulse_batch.h"
+#include "simulation/scan_pipeline.h"
 
 namespace landfall {
 
@@ -52,6 +52,10 @@ class ScanPlan {
   std::int64_t return_count_ = 0;
   std::int64_t region_return_count_ = 0;
 };
+
+/// The plan of a whole scan, of run_scan()'s batches.
+[[nodiscard]] ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region,
+                                 std::int64_t points_per_batch, const ProgressCallback& progress = {});
 
 /// How a whole number that belongs to each bin is spread over the region.
 struct BinSpread {

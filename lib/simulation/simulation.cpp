@@ -26,7 +26,7 @@ std::int64_t pulse_count(const ScanModel& model) {
   return std::min(count, model.lidar.pattern->pulse_limit().value_or(count));
 }
 
-Simulation::Simulation(ScanModel model, const RayEngine& engine, const TerrainSurface* ground)
+Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground)
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
       attitude_knowledge_(model.attitude_knowledge),

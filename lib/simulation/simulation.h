@@ -46,14 +46,19 @@ struct PulseSpan {
 /// Immutable: any number of threads may simulate batches of any size, with identical results.
 class Simulation {
  public:
-  /// `engine` and `ground` must outlive this (see PulseSimulator). The model's scanner and trajectory must be
-  /// set. Throws as pulse_count() does, and FormatError where the trajectory or a scanner that replays angles
-  /// ends before the last pulse or an estimate does not hold all pulses.
-  Simulation(ScanModel model, const RayEngine& engine, const TerrainSurface* ground = nullptr);
+  /// `engine` and `ground` must outlive this (see PulseSimulator); a null `engine` allows replay() only. The
+  /// model's scanner and trajectory must be set. Throws as pulse_count() does, and FormatError where the
+  /// trajectory or a scanner that replays angles ends before the last pulse or an estimate does not hold all
+  /// pulses.
+  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
   /// Pulses over pulse rate, seconds.
   [[nodiscard]] double duration_s() const { return static_cast<double>(pulse_count_) / pulse_rate_hz_; }
+  /// Of all pulses, with those of sub-pixels.
+  [[nodiscard]] std::int64_t ray_count() const {
+    return pulse_count_ * static_cast<std::int64_t>(detector().samples().size());
+  }
   [[nodiscard]] std::size_t pixel_count() const { return simulator_.lidar().detector.pixel_count(); }
   [[nodiscard]] const Detector& detector() const { return simulator_.lidar().detector; }
   /// See PulseSimulator.

@@ -19,7 +19,6 @@
 #include "fuzz_target.h"
 #include "ray/flat_ground.h"
 #include "simulation/simulation.h"
-#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall::fuzz {
 namespace {
@@ -88,8 +87,7 @@ double step_count(const Json& resolved) {
 /// The first and the last pulse over flat ground.
 void simulate(ScanModel model) {
   const FlatGround ground;
-  const TriangulatedGrid level(Grid<double>(GridSpec::centered(1e9, 1e9)));
-  const Simulation simulation(std::move(model), ground, &level);
+  const Simulation simulation(std::move(model), &ground, &ground);
   static_cast<void>(simulation.simulate({0, 1}));
   static_cast<void>(simulation.simulate({simulation.pulse_count() - 1, 1}));
 }

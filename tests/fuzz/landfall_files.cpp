@@ -21,11 +21,9 @@
 #include "files/evaluation_file.h"
 #include "files/mesh_terrain_file.h"
 #include "files/plan_file.h"
-#include "files/scan_file.h"
+#include "files/scan_gridding.h"
 #include "files/scan_poses.h"
 #include "files/terrain_file.h"
-#include "gridding/method.h"
-#include "gridding/uncertainty.h"
 #include "hdf5/table.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
@@ -108,7 +106,7 @@ Provenance make_scan(const fs::path& path, const fs::path& terrain_path) {
   add_input(provenance, "terrain", terrain_path, "terrain");
   const TerrainInput terrain = read_terrain(terrain_path);
   const auto engine = make_heightfield_engine(terrain.grid);
-  const Simulation simulation(model_of(provenance), *engine, terrain.surface.get());
+  const Simulation simulation(model_of(provenance), engine.get(), terrain.surface.get());
   LandfallFileWriter file({path}, "scan", provenance);
   ScanWriter writer(file, {}, terrain.crs_wkt);
   run(simulation, [&](PulseBatch& batch) { return writer.take(batch); });
@@ -120,23 +118,19 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   Provenance provenance = provenance_of("regrid", "regrid", {{"half_width_m", 3}, {"resolution_m", 1}});
   add_input(provenance, "scan", scan_path, "scan");
   const TerrainInput terrain = read_terrain(terrain_path);
-  ScanReader scan(scan_path);
+  std::vector<std::unique_ptr<ScanReader>> scans;
+  scans.push_back(std::make_unique<ScanReader>(scan_path));
   const GridSpec grid = regrid_config(provenance.config, "config").grid;
-  ScanPoints p;
-  scan.read(0, scan.row_count(), p);
-  const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
-  WeightedMeanAccumulator bins(grid);
-  MomentAccumulator moments(grid);
-  bins.add(points, 0);
-  moments.add(points, bins);
-  const Grid<Slope> slopes = slope_layer(bins);
-  const PoseTrack poses({read_scan_poses(scan.file())});
-  const UncertaintyMap uncertainty(bins, moments, slopes, poses, {.range_sigma_m = 0.02});
+  const GriddedScans gridded = grid_scans(scans, {grid, Method::bilinear_nearest, true});
+  const Grid<Slope> slopes = slope_layer(*gridded.nearest);
+  const PoseTrack poses({read_scan_poses(scans.front()->file())});
+  const UncertaintyMap uncertainty(*gridded.nearest, *gridded.moments, slopes, poses,
+                                   {.range_sigma_m = 0.02});
   DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true};
   request.slopes = &slopes;
   request.uncertainty_map = &uncertainty;
   LandfallFileWriter file({path}, "dem", provenance);
-  write_dem(file, bins, request, scan.crs_wkt());
+  write_dem(file, *gridded.bins, request, scans.front()->crs_wkt());
 }
 
 void make_evaluation(const fs::path& path, const fs::path& dem_path) {
@@ -152,15 +146,11 @@ void make_plan(const fs::path& path) {
   constexpr double kRadius_m = 3;
   const Provenance provenance = provenance_of("scan-sim", "scan", scan_json());
   const FlatGround ground;
-  const Simulation simulation(model_of(provenance), ground);
-  ScanPlan plan(circular_region(GridSpec::centered(3, 1, "plan"), kRadius_m));
-  run(simulation, [&](PulseBatch& batch) {
-    plan.add(batch);
-    return SinkWork{};
-  });
-  const Coverage coverage = assess_coverage(Grid<double>(plan.region().spec()), plan.region(), {});
+  const Simulation simulation(model_of(provenance), &ground);
+  const ScanPlan plan =
+      plan_scan(simulation, circular_region(GridSpec::centered(3, 1, "plan"), kRadius_m), 1 << 12);
   LandfallFileWriter file({path}, "plan", provenance);
-  write_plan(file, plan, coverage.hole_id, plan_json(plan, coverage.metrics, kRadius_m, 10));
+  write_plan(file, plan, summarize_plan(plan, kRadius_m, 10));
 }
 
 /// A table without an attitude is none, so there is a quaternion.

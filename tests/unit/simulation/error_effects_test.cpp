@@ -42,7 +42,7 @@ ScanModel scan(const Errors& errors, const Vector3d& velocity_mps = kVelocity_mp
 }
 
 PulseBatch simulate(ScanModel model, const RayEngine& engine, const TriangulatedGrid* ground = nullptr) {
-  return Simulation(std::move(model), engine, ground).simulate({0, 100});
+  return Simulation(std::move(model), &engine, ground).simulate({0, 100});
 }
 
 PulseBatch simulate(const Errors& errors, const RayEngine& engine, const TriangulatedGrid* ground = nullptr) {
@@ -159,7 +159,7 @@ TEST(ErrorEffects, EstimatesMustReachOverTheScan) {
   for (const auto& [first_s, last_s] : {std::pair(0.01, 1.0), std::pair(-1.0, 0.05)}) {
     ScanModel model = scan({});
     model.estimate = table(first_s, last_s);
-    EXPECT_THAT([&] { Simulation(std::move(model), engine); },
+    EXPECT_THAT([&] { Simulation(std::move(model), &engine); },
                 testing::ThrowsMessage<FormatError>(testing::HasSubstr("estimates: time")));
   }
 }
@@ -235,7 +235,7 @@ TEST(ErrorEffects, NoiseFollowsTheIncidenceOnTheTrueSurface) {
 
 TEST(ErrorEffects, IncidenceNeedsTheSurface) {
   const PlaneEngine engine;
-  EXPECT_THAT([&] { Simulation(scan({.range = {.incidence_sigma_rad = 1e-3}}), engine); },
+  EXPECT_THAT([&] { Simulation(scan({.range = {.incidence_sigma_rad = 1e-3}}), &engine); },
               testing::ThrowsMessage<UsageError>(testing::HasSubstr("incidence_sigma_rad")));
 }
 

@@ -86,7 +86,7 @@ Vector3d estimated_point(const PulseBatch& batch, std::size_t i) {
 
 TEST(PulseSimulator, PapersDetectorSeesAnEvenGridOnFlatGround) {
   const PlaneEngine engine;
-  const PulseSimulator simulator(lidar_of(perspective_detector({}), std::make_unique<Flash>()), engine, {});
+  const PulseSimulator simulator(lidar_of(perspective_detector({}), std::make_unique<Flash>()), &engine, {});
   const PulseBatch batch = simulate(simulator, at(kAt500m));
   constexpr double kGsd_m = 500 * 1.6e-3 / 18;  // 4.444 cm
   EXPECT_NEAR(kGsd_m, 0.04444, 5e-6);
@@ -106,7 +106,7 @@ TEST(PulseSimulator, TiltedPlaneRangesAreClosedForm) {
   const Plane plane{3, 0.2, -0.1};
   const PlaneEngine engine(plane);
   const PulseSimulator simulator(
-      lidar_of(perspective_detector({.rows = 1, .columns = 1}), std::make_unique<Flash>()), engine, {});
+      lidar_of(perspective_detector({.rows = 1, .columns = 1}), std::make_unique<Flash>()), &engine, {});
   const double roll = 0.1;  // the boresight (0, 0, -1) turns to (0, sin, -cos)
   const PulseBatch batch =
       simulate(simulator, at({rotation_from<DemFrame, BodyFrame>({roll, 0, 0}), {{5, 6, 400}}}));
@@ -122,7 +122,7 @@ TEST(PulseSimulator, MountAndExitOffsetMoveTheBeam) {
   const PlaneEngine engine;
   Lidar lidar = lidar_of(parallel_pixels(3), std::make_unique<OddScanner>());
   lidar.mount.position.v = {2, 0, -1};
-  const PulseSimulator simulator(std::move(lidar), engine, {});
+  const PulseSimulator simulator(std::move(lidar), &engine, {});
   const Pose yawed{rotation_from<DemFrame, BodyFrame>({0, 0, std::numbers::pi / 2}), {{10, 20, 500}}};
   const PulseBatch batch = simulate(simulator, at(yawed));
   EXPECT_LT((true_point(batch, 0) - Vector3d(10, 22, 0)).norm(), 1e-12);
@@ -135,7 +135,7 @@ TEST(PulseSimulator, MountAndExitOffsetMoveTheBeam) {
 TEST(PulseSimulator, EstimateUsesMeasuredRangeAndEstimatedPose) {
   const PlaneEngine engine;
   const PulseSimulator simulator(
-      lidar_of(parallel_pixels(1), std::make_unique<Flash>(), {.range_bias_m = 0.5}), engine, {});
+      lidar_of(parallel_pixels(1), std::make_unique<Flash>(), {.range_bias_m = 0.5}), &engine, {});
   PulseInput pulse = at(kAt500m);
   pulse.estimate = {rotation_from<DemFrame, BodyFrame>({0.01, 0, 0}), {{-1, 2, 497}}};
   const PulseBatch batch = simulate(simulator, pulse);
@@ -150,7 +150,7 @@ TEST(PulseSimulator, AimsFromTheNominalPose) {
   const PlaneEngine engine;
   Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Fsm>(FsmParameters{}));
   lidar.pattern = std::make_unique<OnePulse>(Vector3d(30, -40, 0));
-  const PulseSimulator simulator(std::move(lidar), engine, {});
+  const PulseSimulator simulator(std::move(lidar), &engine, {});
   PulseInput pulse = at(kAt500m);
   EXPECT_LT((true_point(simulate(simulator, pulse), 0) - Vector3d(30, -40, 0)).norm(), 1e-12);
   pulse.truth.position.v = {0, 1, 250};  // the same angles from elsewhere
@@ -159,7 +159,7 @@ TEST(PulseSimulator, AimsFromTheNominalPose) {
 
 TEST(PulseSimulator, PulseTableHoldsStateAndPoses) {
   const PlaneEngine engine;
-  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<OddScanner>()), engine, {});
+  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<OddScanner>()), &engine, {});
   PulseInput pulse = at({rotation_from<DemFrame, BodyFrame>({0, 0, std::numbers::pi / 2}), {{1, 2, 3}}});
   pulse.t_s = 7.5;
   // 240 deg about x: cos 120 deg < 0, so that the quaternion's sign must be turned.
@@ -183,8 +183,8 @@ TEST(PulseSimulator, PulseTableHoldsStateAndPoses) {
 /// The statuses of three pixels, of which OddScanner loses the second, at a pulse.
 std::vector<PointStatus> statuses(const RangeErrorParameters& errors, const RayEngine& engine,
                                   std::int64_t pulse) {
-  const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>(), errors), engine,
-                                 {});
+  const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>(), errors),
+                                 &engine, {});
   return simulate(simulator, at(kAt500m, pulse)).points.status;
 }
 
@@ -206,7 +206,7 @@ TEST(PulseSimulator, TruthSurvivesDropoutAndDeath) {
   const PlaneEngine engine;
   for (const RangeErrorParameters& errors :
        {RangeErrorParameters{.dropout_frac = 1}, RangeErrorParameters{.dead_pixel_frac = 1}}) {
-    const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Flash>(), errors), engine,
+    const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Flash>(), errors), &engine,
                                    {});
     const PulseBatch batch = simulate(simulator, at(kAt500m));
     EXPECT_EQ(batch.points.range_true[0], 500);
@@ -220,7 +220,7 @@ TEST(PulseSimulator, MissBlankAndLostLeaveNothing) {
   const PlaneEngine ground;
   const PlaneEngine sky({.z0_m = 1000});
   const auto nothing_of = [](const RayEngine& engine, std::int64_t pulse, std::size_t pixel) {
-    const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), engine, {});
+    const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), &engine, {});
     const PulseBatch batch = simulate(simulator, at(kAt500m, pulse));
     EXPECT_TRUE(std::isnan(batch.points.range_true[pixel]));
     EXPECT_TRUE(std::isnan(batch.points.range_measured[pixel]));
@@ -236,7 +236,7 @@ TEST(PulseSimulator, PulseThatThePatternLeavesOutIsBlanked) {
   const RecordingEngine engine;
   Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Fsm>(FsmParameters{}));
   lidar.pattern = std::make_unique<OnePulse>(Vector3d(0, 0, 0));
-  const PulseSimulator simulator(std::move(lidar), engine, {});
+  const PulseSimulator simulator(std::move(lidar), &engine, {});
   EXPECT_EQ(simulate(simulator, at(kAt500m, 0)).points.status[0], returned);
   EXPECT_EQ(simulate(simulator, at(kAt500m, 1)).points.status[0], blanked);
   EXPECT_EQ(engine.calls.size(), 1U) << "what is not fired is not traced";
@@ -244,7 +244,7 @@ TEST(PulseSimulator, PulseThatThePatternLeavesOutIsBlanked) {
 
 TEST(PulseSimulator, OneCallPerPulseWithoutLostBeams) {
   const RecordingEngine engine;
-  const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), engine, {});
+  const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), &engine, {});
   simulate(simulator, at(kAt500m));
   ASSERT_EQ(engine.calls.size(), 1U);
   ASSERT_EQ(engine.calls[0].size(), 2U);
@@ -259,7 +259,7 @@ PulseBatch at_edge(const RayEngine& engine) {
       lidar_of(perspective_detector(
                    {.rows = 1, .columns = 1, .field_of_view = PixelFieldOfView{0.1, 0.1}, .subpixels = 2}),
                std::make_unique<Flash>()),
-      engine, {});
+      &engine, {});
   return simulate(simulator, at(kAt500m));
 }
 
@@ -276,7 +276,7 @@ TEST(PulseSimulator, AsksTheDetectorsEstimator) {
       .rows = 1, .columns = 1, .field_of_view = PixelFieldOfView{0.1, 0.1}, .subpixels = 2};
   pixel.estimator.rule = RangeRule::first;
   const EdgeEngine engine(0, 10);
-  const PulseSimulator simulator(lidar_of(perspective_detector(pixel), std::make_unique<Flash>()), engine,
+  const PulseSimulator simulator(lidar_of(perspective_detector(pixel), std::make_unique<Flash>()), &engine,
                                  {});
   const PulseBatch batch = simulate(simulator, at(kAt500m));
   EXPECT_NEAR(batch.points.range_true[0], 490 * std::sqrt(1 + 2 * 0.025 * 0.025), 1e-12);
@@ -295,7 +295,7 @@ TEST(PulseSimulator, LostSubpixelIsAMissLostCentreIsTheEnd) {
   const PlaneEngine engine;
   const PulseSimulator simulator(lidar_of(perspective_detector({.rows = 1, .columns = 2, .subpixels = 2}),
                                           std::make_unique<OddScanner>()),
-                                 engine, {});
+                                 &engine, {});
   const PulseBatch batch = simulate(simulator, at(kAt500m));
   EXPECT_THAT(batch.points.status, ElementsAre(returned, lost_in_optics));
   EXPECT_NEAR(batch.points.range_true[0], 500, 1e-5);
@@ -313,7 +313,7 @@ TEST(PulseSimulator, ReplayRedrawsOnlyTheErrors) {
   const PlaneEngine engine;
   const PulseSimulator simulator(lidar_of(perspective_detector({.rows = 3, .columns = 3}),
                                           std::make_unique<Flash>(), {.range_sigma_m = 0.1}),
-                                 engine, {});
+                                 &engine, {});
   PulseBatch traced = simulate(simulator, at(kAt500m, 4));
   PulseBatch replayed;
   replayed.resize(1, 9);
@@ -335,7 +335,7 @@ class OverAMound : public testing::Test {
     return TriangulatedGrid(std::move(nodes));
   }
   void fire(const Vector3d& position) {
-    const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Flash>()), engine_,
+    const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Flash>()), &engine_,
                                    &ground_);
     simulate(simulator, at({{}, {position}}, 17));
   }
@@ -358,7 +358,7 @@ TEST_F(OverAMound, RefusesALidarAtOrBelowTheGround) {
 
 // Pixel 2 leaves 3 m beside the lidar, where the ground is higher than the beam.
 TEST_F(OverAMound, LooksAtEveryBeamsOrigin) {
-  const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), engine_,
+  const PulseSimulator simulator(lidar_of(parallel_pixels(3), std::make_unique<OddScanner>()), &engine_,
                                  &ground_);
   EXPECT_NO_THROW(simulate(simulator, at({{}, {{1, 0, 7.5}}})));
   EXPECT_THROW(simulate(simulator, at({{}, {{-4, 0, 7}}})), FormatError);
@@ -399,7 +399,7 @@ PulseContext heard_at(std::int64_t pulse, ContextNeeds needs, double interval_s)
   Lidar lidar = lidar_of(parallel_pixels(1), std::make_unique<Listener>(needs, heard));
   lidar.pattern = std::make_unique<Steps>();
   const PlaneEngine engine;
-  const PulseSimulator simulator(std::move(lidar), engine, {});
+  const PulseSimulator simulator(std::move(lidar), &engine, {});
   PulseInput input = at(kAt500m, pulse);
   input.interval_s = interval_s;
   static_cast<void>(simulate(simulator, input));
@@ -460,7 +460,7 @@ class Leaning : public Scanner {
 
 TEST(PulseSimulator, TheEstimateUsesTheBelievedState) {
   const PlaneEngine engine;
-  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.25)), engine, {});
+  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.25)), &engine, {});
   const PulseBatch batch = simulate(simulator, at(kAt500m));
   const double range = 500 / std::cos(0.25);
   EXPECT_LT((true_point(batch, 0) - Vector3d(500 * std::tan(0.25), 0, 0)).norm(), 1e-10);
@@ -471,7 +471,7 @@ TEST(PulseSimulator, TheEstimateUsesTheBelievedState) {
 
 TEST(PulseSimulator, ABeamThatIsLostToTheLanderIsLost) {
   const PlaneEngine engine;
-  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.75)), engine, {});
+  const PulseSimulator simulator(lidar_of(parallel_pixels(1), std::make_unique<Leaning>(0.75)), &engine, {});
   EXPECT_EQ(simulate(simulator, at(kAt500m)).points.status[0], lost_in_optics);
 }
 

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "detector/perspective.h"
 #include "scanner/flash.h"
+#include "simulation/scan_plan.h"
 #include "trajectory/constant_velocity.h"
 
 namespace landfall {
@@ -32,7 +33,7 @@ ScanModel small_scan() {
 class ScanPipeline : public testing::Test {
  protected:
   const PlaneEngine engine_;
-  const Simulation simulation_{small_scan(), engine_};
+  const Simulation simulation_{small_scan(), &engine_};
   const ThreadLimit threads_{2};
 };
 
@@ -53,6 +54,13 @@ TEST_F(ScanPipeline, GivesBatchesAndTheirWorkInOrder) {
   ASSERT_EQ(finished.size(), 15U);
   for (std::size_t i = 0; i < finished.size(); ++i) EXPECT_EQ(finished[i], static_cast<std::int64_t>(7 * i));
   EXPECT_EQ(progress, 1);
+}
+
+TEST_F(ScanPipeline, APlanHasEveryPulse) {
+  const ScanPlan plan = plan_scan(simulation_, Grid<std::int8_t>(GridSpec::centered(1, 1), 1), 7);
+  EXPECT_EQ(plan.return_count(), 100);
+  EXPECT_EQ(plan.pulses(), (PulseBudget{.in_region = 100}));
+  EXPECT_EQ(plan.images().at({1, 1}), 100);
 }
 
 // The first batch fails when later ones wait for it before the last stage, where oneTBB itself destroys

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/scan_gridding.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <utility>
+
+#include "base/parallel.h"
+#include "gridding/weighted_mean_accumulator.h"
+
+namespace landfall {
+namespace {
+
+/// Rows read at a time: 4 chunks of the file, 15 MB.
+constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
+
+struct Batch {
+  ScanReader* scan;
+  std::size_t begin;
+  std::size_t count;
+};
+
+std::vector<Batch> batches(const std::vector<std::unique_ptr<ScanReader>>& scans) {
+  std::vector<Batch> result;
+  for (const auto& scan : scans)
+    for (std::size_t begin = 0; begin < scan->row_count(); begin += kBatchRows)
+      result.push_back({scan.get(), begin, std::min(kBatchRows, scan->row_count() - begin)});
+  return result;
+}
+
+GriddedScans empty_bins(const GriddingRequest& request) {
+  GriddedScans gridded;
+  if (request.method == Method::bilinear_nearest) {
+    auto nearest = std::make_unique<WeightedMeanAccumulator>(request.grid);
+    gridded.nearest = nearest.get();
+    gridded.bins = std::move(nearest);
+  } else {
+    gridded.bins = make_accumulator(request.method, request.grid);
+  }
+  assert(!request.moments || gridded.nearest != nullptr);
+  if (request.moments) gridded.moments.emplace(request.grid);
+  return gridded;
+}
+
+/// Bins a batch while the next one is read.
+void grid_pass(const std::vector<Batch>& todo, GriddedScans& gridded, const ProgressCallback& progress) {
+  std::array<ScanPoints, 2> slots;
+  read_ahead(
+      todo.size(), slots.size(),
+      [&](std::size_t i, std::size_t slot) { todo[i].scan->read(todo[i].begin, todo[i].count, slots[slot]); },
+      [&](std::size_t i, std::size_t slot) {
+        const ScanPoints& p = slots[slot];
+        const GridPoints points{p.x_est, p.y_est, p.z_est, p.x_true, p.y_true, p.z_true, p.t};
+        gridded.bins->add(points, static_cast<std::int64_t>(todo[i].begin));
+        if (gridded.moments) gridded.moments->add(points, *gridded.nearest);
+        report(progress,
+               gridded.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
+      });
+}
+
+}  // namespace
+
+GriddedScans grid_scans(const std::vector<std::unique_ptr<ScanReader>>& scans, const GriddingRequest& request,
+                        const ProgressCallback& progress) {
+  GriddedScans gridded = empty_bins(request);
+  const std::vector<Batch> todo = batches(scans);
+  do grid_pass(todo, gridded, progress);
+  while (gridded.bins->end_pass());
+  return gridded;
+}
+
+}  // namespace landfall

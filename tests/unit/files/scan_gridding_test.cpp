@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/scan_gridding.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "exports/small_scan.h"
+#include "temporary_folder.h"
+
+namespace landfall {
+namespace {
+
+using Scans = std::vector<std::unique_ptr<ScanReader>>;
+
+/// Two files: returns at x = 1, 2, 2.5, 3 and at 1.25, 2.25, 2.75, 3.25; y = -x, z = 2 x.
+class ScanGridding : public testing::Test {
+ protected:
+  ScanGridding() {
+    SmallScan scan;
+    scan.write(folder_ / "a.h5");
+    for (double& x : scan.x) x += 0.25;
+    scan.write(folder_ / "b.h5");
+    for (const char* const name : {"a.h5", "b.h5"})
+      scans_.push_back(std::make_unique<ScanReader>(folder_ / name));
+  }
+
+  /// The bin about (x, -x) of whole metres.
+  static BinValues bin(const GriddedScans& gridded, std::int64_t x_m) {
+    std::array<BinValues, 1> values{};
+    gridded.bins->values({-x_m - kGrid.first_row, x_m - kGrid.first_col}, values);
+    return values[0];
+  }
+
+  static constexpr GridSpec kGrid{1, -2, 0, 3, 3};  // y -2 .. 0, x 0 .. 2
+
+  TemporaryFolder folder_;
+  Scans scans_;
+};
+
+TEST_F(ScanGridding, AllScansAreInOneMap) {
+  const GriddedScans gridded = grid_scans(scans_, {kGrid, Method::mean});
+  EXPECT_EQ(gridded.nearest, nullptr);
+  EXPECT_FALSE(gridded.moments.has_value());
+  EXPECT_EQ(bin(gridded, 1).count, 2);
+  EXPECT_DOUBLE_EQ(bin(gridded, 1).z_est, 2.25);
+  EXPECT_DOUBLE_EQ(bin(gridded, 1).x_true, 101.125);
+  EXPECT_EQ(bin(gridded, 2).count, 2);
+  EXPECT_DOUBLE_EQ(bin(gridded, 2).z_est, 4.25);
+  EXPECT_EQ(gridded.bins->inside_count(), 4);
+  EXPECT_EQ(gridded.bins->outside_count(), 4);
+}
+
+TEST_F(ScanGridding, TheWeightedMeanHasItsMoments) {
+  const GriddedScans gridded = grid_scans(scans_, {.grid = kGrid, .moments = true});
+  ASSERT_EQ(gridded.nearest, gridded.bins.get());
+  ASSERT_TRUE(gridded.moments.has_value());
+  // Weights 1 and (1 - 1/4)^2 = 9/16.
+  EXPECT_DOUBLE_EQ(bin(gridded, 1).weight_sum, 1 + 9. / 16);
+  EXPECT_FLOAT_EQ(gridded.moments->bins()[kGrid.index({1, 1})].w_w, 1 + 81.F / 256);
+}
+
+TEST_F(ScanGridding, TheMedianSeesAllScansTwice) {
+  std::vector<double> fractions;
+  const GriddedScans gridded =
+      grid_scans(scans_, {kGrid, Method::median}, [&](double fraction) { fractions.push_back(fraction); });
+  EXPECT_EQ(bin(gridded, 2).count, 2);
+  EXPECT_EQ(gridded.bins->inside_count(), 4);
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  EXPECT_GE(fractions.size(), 4U);
+  EXPECT_EQ(fractions.back(), 1);
+}
+
+}  // namespace
+}  // namespace landfall
