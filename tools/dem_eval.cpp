@@ -44,9 +44,9 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--report", o.report, "Write a report: one HTML file with verdicts, maps and a 3-D view")
       ->type_name("FILE");
   app.add_flag("--metrics-only", o.metrics_only,
-               "Keep no layers; without -o, --metrics and --report the metrics go to stdout");
+               "Write no layers; without -o, --metrics and --report the metrics go to stdout");
   app.add_flag("--require-pass", o.require_pass, "Exit with 3 unless every requirement passes");
-  app.add_flag("--table", o.table, "Print the table of requirements; the default on a terminal");
+  app.add_flag("--table", o.table, "Print the table of requirements; default on a terminal");
 }
 
 void check(const cli::CommonOptions& common, const Options& o) {

@@ -22,7 +22,8 @@ docs/user/landfall-export.md tells what becomes what.)";
 void bind(CLI::App& app, ExportOptions& o) {
   app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation or plan")
       ->type_name("FILE");
-  app.add_option("--format", o.format, "Format, where the output's extension does not say it; with -o -: csv")
+  app.add_option("--format", o.format,
+                 "Output format; default: from the extension of the output; csv with -o -")
       ->check(CLI::IsMember({"csv", "las", "ply", "png", "tif", "xmf"}));
   app.add_option("--layers", o.layers,
                  "Layers of a grid, comma-separated, or all; for .png one layer, or a column of a scan or "

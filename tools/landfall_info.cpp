@@ -32,10 +32,11 @@ struct Options {
 void bind(CLI::App& app, Options& o) {
   app.add_option("files", o.files, "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5 or plan.h5)")
       ->type_name("FILE...");
-  app.add_flag("--json", o.json, "The same as a JSON object; an array where there are several files");
+  app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,
-               "Read no layer: list the layers and columns with what they mean");
-  app.add_flag("--config", o.config, "The whole configuration, not only what differs from its defaults");
+               "List layers and columns with their meaning, without reading values");
+  app.add_flag("--config", o.config,
+               "Print the whole configuration, not only what differs from the defaults");
 }
 
 nlohmann::ordered_json describe(cli::Session& session, const Options& o, const std::string& path) {
@@ -78,8 +79,7 @@ int main(int argc, char** argv) {
   Options options;
   cli::Tool tool;
   tool.name = "landfall-info";
-  tool.summary =
-      "Says what landfall's files are: kind, extent, statistics, configuration, provenance, verdict.";
+  tool.summary = "Describes landfall files: kind, extent, statistics, configuration, provenance, verdict.";
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.writes = false;

@@ -27,9 +27,9 @@ Without --terrain there is no z_true.
 Configuration: --print-schema, man regrid, docs/user/regrid.md.)";
 
 constexpr const char* kDescription =
-    R"(Grids the estimated points of one or more scans: each return adds to the bin whose centre is nearest, weighted by its distance from that centre, or by another method. With the terrain the DEM also holds the true elevation of each bin, which dem-eval compares with.
+    R"(Grids the estimated points of one or more scans: each return contributes to the bin with the nearest centre, weighted by its distance from that centre, or according to another method. With the terrain, the DEM also holds the true elevation of each bin, which dem-eval compares with the estimate.
 
---uncertainty adds the one-sigma map of the elevations by error propagation, --corrected the elevations carried along the local slope to the centres of the bins.)";
+--uncertainty adds the one-sigma map of the elevations by error propagation, --corrected the elevations moved along the local slope to the bin centres.)";
 
 struct Options {
   std::vector<std::string> scans;
@@ -53,22 +53,24 @@ void bind(CLI::App& app, Options& o) {
       ->type_name("NAME,...")
       ->each([&o](const std::string& text) { o.layers = CLI::detail::split(text, ','); });
   app.add_option("--truth-at", o.truth_at,
-                 "Where z_true is taken: bin_center or centroid; overrides the configuration")
+                 "Position at which z_true is taken: bin_center or centroid; overrides the configuration")
       ->check(CLI::IsMember({"bin_center", "centroid"}));
-  app.add_option("--method", o.method, "How returns make a map; overrides the configuration")
+  app.add_option("--method", o.method, "Gridding method; overrides the configuration")
       ->check(CLI::IsMember({"bilinear_nearest", "bilinear4", "mean", "min", "max", "median"}));
-  app.add_flag("--other-terrain", o.other_terrain, "Allow a --terrain that is not the one that was scanned");
+  app.add_flag("--other-terrain", o.other_terrain, "Accept a --terrain other than the one that was scanned");
   app.add_flag("--corrected", o.corrected,
-               "Also write z_corrected: z_est carried along the local slope to the bin's centre");
+               "Also write z_corrected: z_est moved along the local slope to the bin centre");
   app.add_flag("--uncertainty", o.uncertainty,
                "Also write the 1-sigma map: z_sigma_abs, z_sigma_rel, xy_sigma, z_true_map");
-  app.add_option("--range-sigma", o.range_sigma_m, "Range noise for --uncertainty; default: the scans' own")
+  app.add_option(
+         "--range-sigma", o.range_sigma_m,
+         "Standard deviation of the range noise for --uncertainty, metres; default: that of the scans")
       ->type_name("METRES")
       ->needs("--uncertainty");
-  app.add_option(
-         "--navigation-sigma", o.navigation_sigmas,
-         "Navigation error for --uncertainty; KEY: position_m, velocity_mps, rpy_rad, rpy_rate_radps; "
-         "one number or x,y,z; may be repeated")
+  app.add_option("--navigation-sigma", o.navigation_sigmas,
+                 "Standard deviation of a navigation error for --uncertainty, one number or x,y,z; KEY is "
+                 "position_m, "
+                 "velocity_mps, rpy_rad or rpy_rate_radps; repeatable")
       ->type_name("KEY=SIGMA")
       ->needs("--uncertainty")
       ->expected(1)

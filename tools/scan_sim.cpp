@@ -31,9 +31,9 @@ constexpr const char* kExamples = R"(Examples:
 Configuration: --print-schema, man scan-sim, docs/user/scan-sim.md.)";
 
 constexpr const char* kDescription =
-    R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and what the lander's navigation believes. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.
+    R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and navigation errors. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.
 
---ranges-from takes the true ranges of an earlier scan and draws only the errors anew, without tracing. --plan traces nothing either: it tells how the scan's time is spent and what it would cover of flat ground.)";
+--ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan traces nothing either: it reports the time budget of the scan and its coverage of flat ground.)";
 
 struct Options {
   std::string terrain;
@@ -48,15 +48,15 @@ struct Options {
 };
 
 void bind_plan(CLI::App& app, Options& o) {
-  CLI::Option* const plan = app.add_flag(
-      "--plan", o.plan,
-      "Trace nothing: print what the scan would cover of flat ground (z = 0) and how its time is spent; -o "
-      "writes the coverage as layers");
-  app.add_option("--plan-radius", o.plan_radius_m, "Region of a plan, metres about the origin")
+  CLI::Option* const plan = app.add_flag("--plan", o.plan,
+                                         "Print the coverage of flat ground (z = 0) and the time budget of "
+                                         "the scan, without tracing; -o writes the "
+                                         "coverage as layers");
+  app.add_option("--plan-radius", o.plan_radius_m, "Radius of the region of a plan, metres")
       ->type_name("M")
       ->needs(plan)
       ->capture_default_str();
-  app.add_option("--plan-resolution", o.plan_resolution_m, "Bins of a plan, metres")
+  app.add_option("--plan-resolution", o.plan_resolution_m, "Bin edge of a plan, metres")
       ->type_name("M")
       ->needs(plan)
       ->capture_default_str();
@@ -64,24 +64,24 @@ void bind_plan(CLI::App& app, Options& o) {
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("--terrain", o.terrain, "Terrain to scan (terrain.h5)")->type_name("FILE");
-  app.add_option("--engine", o.engine,
-                 "Ray engine: heightfield (fast, grids only), cgal (AABB tree, exact predicates; slow, much "
-                 "memory), or "
-                 "auto: cgal on a mesh, else heightfield. Their ranges agree within 1e-9 m")
+  app.add_option(
+         "--engine", o.engine,
+         "Ray engine: heightfield (fast, grids only), cgal (AABB tree with exact predicates; slower, needs "
+         "more memory), or auto: cgal for a mesh, otherwise heightfield. Ranges agree within 1e-9 m")
       ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
       ->capture_default_str();
-  app.add_option("--ranges-from", o.ranges_from,
-                 "Take the true ranges of an earlier scan (scan.h5) and draw only the errors anew; --terrain "
-                 "is needed "
-                 "only for noise that depends on the incidence")
+  app.add_option(
+         "--ranges-from", o.ranges_from,
+         "Take the true ranges from an earlier scan (scan.h5) and redraw only the errors; --terrain is "
+         "needed only if the noise depends on the incidence angle")
       ->type_name("FILE");
   app.add_option("--batch-points", o.batch_points,
-                 "Points that one thread works on at a time: more take more memory, the result is the same")
+                 "Points per batch of a thread; affects memory and speed, not the result")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
-  app.add_flag("--keep-misses", o.keep_misses, "A row per pixel and pulse, not only per return");
-  app.add_flag("--float32", o.float32, "Coordinates and ranges in single precision");
+  app.add_flag("--keep-misses", o.keep_misses, "Write a row per pixel and pulse, not only per return");
+  app.add_flag("--float32", o.float32, "Write coordinates and ranges in single precision");
   bind_plan(app, o);
 }
 

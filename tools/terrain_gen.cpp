@@ -20,13 +20,14 @@ constexpr const char* kExamples = R"(Examples:
   terrain-gen --from apollo15.png -o apollo.h5 --horizontal-scale 2 --vertical-scale 0.192
   terrain-gen --from itokawa.obj -o itokawa.h5 --set mesh.scale_m=1000
   terrain-gen --from europa.h5 -o europa.tif
-By the output's extension: .h5 terrain, .tif (.tiff) cloud-optimized GeoTIFF, .obj or .ply mesh.
+The extension of the output selects the format: .h5 terrain, .tif (.tiff) cloud-optimized GeoTIFF,
+.obj or .ply mesh.
 Configuration: --print-schema, man terrain-gen, docs/user/terrain-gen.md.)";
 
 constexpr const char* kDescription =
     R"(Writes the terrain that scan-sim scans and regrid compares with: elevations on a regular grid, or a triangle mesh.
 
-The relief is a plane, fractal ground, an imported raster, or a sum of these; features (cones, rocks, craters, ice blocks, ridges, fractures, pits, penitentes) are placed one by one, in patterns, or as populations drawn from a size distribution. Lengths are metres in the site's frame, z upwards, the origin at the intended landing site.
+The relief is a plane, fractal ground, an imported raster, or a sum of these; features (cones, rocks, craters, ice blocks, ridges, fractures, pits, penitentes) are placed individually, in patterns, or as populations drawn from a size distribution. Lengths are in metres in the site frame, z upwards, the origin at the intended landing site.
 
 --from imports a raster that GDAL reads or a mesh (OBJ, PLY, OFF, STL), or exports a terrain.h5. The same configuration and seed give the same bytes on any machine with any number of threads.)";
 
@@ -44,24 +45,28 @@ void bind(CLI::App& app, Options& o) {
     return app.add_option(name, text, meaning)->type_name(type)->needs(from);
   };
   CLI::Option* const center =
-      of_raster("--center", import.center, "X,Y", "Site centre in the raster's CRS; default: its middle");
-  of_raster("--center-pixel", import.center_pixel, "COLUMN,ROW", "Site centre as a pixel")->excludes(center);
-  of_raster("--band", import.band, "N", "Band of the raster, from 1");
-  of_raster("--interpolation", import.interpolation, "METHOD", "nearest, bilinear or bicubic (default)");
-  of_raster("--datum", import.datum, "DATUM", "z = 0 is the centre's elevation (center, default), or none");
+      of_raster("--center", import.center, "X,Y",
+                "Site centre in the CRS of the raster; default: the middle of the raster");
+  of_raster("--center-pixel", import.center_pixel, "COLUMN,ROW", "Site centre in pixels")->excludes(center);
+  of_raster("--band", import.band, "N", "Band number; the first is 1");
+  of_raster("--interpolation", import.interpolation, "METHOD",
+            "Interpolation: nearest, bilinear or bicubic (default)");
+  of_raster("--datum", import.datum, "DATUM",
+            "Zero elevation: center (elevation at the site centre, default) or none (that of the raster)");
   of_raster("--vertical-scale", import.vertical_scale, "FACTOR", "Metres per unit of the elevations");
-  of_raster("--horizontal-scale", import.horizontal_scale, "M",
-            "Metres per unit of the coordinates (per pixel), for a raster without a CRS");
+  of_raster(
+      "--horizontal-scale", import.horizontal_scale, "M",
+      "Metres per unit of the coordinates (per pixel without a georeference), for a raster without a CRS");
   app.add_option("--half-width", import.half_width,
-                 "grid.half_width_m; with --from by default the largest that fits")
+                 "Half width of the site, metres; default with --from: the largest that fits")
       ->type_name("M");
   app.add_option("--resolution", import.resolution,
-                 "grid.resolution_m; with --from by default the raster's own")
+                 "Node distance, metres; default with --from: that of the raster")
       ->type_name("M");
   app.add_flag_function(
       "--follow-links",
       [&o](std::int64_t count) { o.links = count > 0 ? RasterLinks::followed : RasterLinks::refused; },
-      "Open the files on this machine that a raster names, such as a VRT's sources");
+      "Open local files that a raster refers to, such as the sources of a VRT");
 }
 
 /// --from names a terrain, which is exported as it is.
