@@ -81,7 +81,7 @@ std::string plain_message(const CLI::App& app, const CLI::ParseError& error) {
   if (is("(\\S+) requires (\\S+)")) return part.str(1) + " needs " + part.str(2);
   if (is("(\\S+) excludes (\\S+)")) return part.str(1) + " and " + part.str(2) + " are mutually exclusive";
   if (is("(\\S+): At Most 1 required but received (\\d+)"))
-    return part.str(1) + " stands " + part.str(2) + " times; give it once";
+    return part.str(1) + " is given " + part.str(2) + " times; give it once";
   if (is("(\\S+)(?:: Should be true/false or a number| was given a disallowed flag override|"
          ": too many inputs for a flag)"))
     return part.str(1) + " does not take a value";

@@ -16,7 +16,7 @@ std::vector<ImagePoint> positions_of(const Json& json, const ComponentContext& c
   if (!distribution.is_object() || !context.load_table) return {};
   const NumberTable table =
       context.load_table(distribution.at("path").get<std::string>(), "pixels", pixel_table_columns());
-  return pixel_places(table, json.at("rows").get<int>(), json.at("columns").get<int>());
+  return pixel_points(table, json.at("rows").get<int>(), json.at("columns").get<int>());
 }
 
 /// None where the directions are in a table that is not read: whether they fold is not known then.

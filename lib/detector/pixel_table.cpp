@@ -30,7 +30,7 @@ const TableColumns& pixel_table_columns() {
   return columns;
 }
 
-std::vector<ImagePoint> pixel_places(const NumberTable& table, int rows, int columns) {
+std::vector<ImagePoint> pixel_points(const NumberTable& table, int rows, int columns) {
   const auto width = static_cast<std::size_t>(columns);
   std::vector<ImagePoint> points(static_cast<std::size_t>(rows) * width);
   std::vector<bool> seen(points.size());

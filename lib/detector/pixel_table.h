@@ -21,6 +21,6 @@ struct ImagePoint {
 /// rows x columns, row-major. Throws FormatError by the table's fail() where a row names no pixel of the
 /// detector, names a pixel again, or has a point that is not finite; and, naming the first, where a pixel is
 /// missing.
-[[nodiscard]] std::vector<ImagePoint> pixel_places(const NumberTable& table, int rows, int columns);
+[[nodiscard]] std::vector<ImagePoint> pixel_points(const NumberTable& table, int rows, int columns);
 
 }  // namespace landfall

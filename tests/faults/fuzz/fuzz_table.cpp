@@ -55,8 +55,8 @@ void use_aims(const std::filesystem::path& file) {
 void use_pixels(const std::filesystem::path& file) {
   PerspectiveParameters detector{.rows = 2, .columns = 3, .subpixels = 2};
   detector.distortion = {0.1, 0.01, 0};
-  detector.places =
-      pixel_places(read_number_table(file, pixel_table_columns()), detector.rows, detector.columns);
+  detector.points =
+      pixel_points(read_number_table(file, pixel_table_columns()), detector.rows, detector.columns);
   // Whether the lens folds the image is a matter of the configuration, which the message then names.
   static_cast<void>(accepts("detector", [&] { static_cast<void>(perspective_detector(detector)); }));
 }

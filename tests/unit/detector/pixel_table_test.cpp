@@ -29,7 +29,7 @@ NumberTable table_of(const Rows& rows) {
 
 void expect_refused(const Rows& table, const std::string& words) {
   try {
-    static_cast<void>(pixel_places(table_of(table), 2, 2));
+    static_cast<void>(pixel_points(table_of(table), 2, 2));
     FAIL() << words;
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), testing::StartsWith("pixels.csv: " + words));
@@ -39,12 +39,12 @@ void expect_refused(const Rows& table, const std::string& words) {
 const Rows kWhole = {{1, 1, 4, 5}, {0, 0, -1, -2}, {0, 1, 2, 3}, {1, 0, 6, 7}};
 
 TEST(PixelTable, AnyOrderOfRows) {
-  EXPECT_EQ(pixel_places(table_of(kWhole), 2, 2),
+  EXPECT_EQ(pixel_points(table_of(kWhole), 2, 2),
             (std::vector<ImagePoint>{{-1, -2}, {2, 3}, {6, 7}, {4, 5}}));
 }
 
 TEST(PixelTable, LineArrays) {
-  EXPECT_EQ(pixel_places(table_of({{0, 1, 1, 0}, {0, 0, 2, 0}, {0, 2, 3, 0}}), 1, 3),
+  EXPECT_EQ(pixel_points(table_of({{0, 1, 1, 0}, {0, 0, 2, 0}, {0, 2, 3, 0}}), 1, 3),
             (std::vector<ImagePoint>{{2, 0}, {1, 0}, {3, 0}}));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Many random rays of every kind, on terrains of every kind: the lanes answer what Descent answers, to the
+// Many random rays of every kind, on terrains of every kind: the lanes answer what PyramidTraversal answers, to the
 // last bit, the heightfield engine what CGAL's exact predicates answer, and no ray leaks. LANDFALL_TEST_RAYS
 // sets the number of rays (a tenth of them for CGAL), LANDFALL_TEST_SEED the seed, LANDFALL_DATA the folder
 // of real rasters (shared_data.h).
@@ -184,7 +184,7 @@ TEST_P(ManyRays, LanesAnswerAsDescent) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (ranges[i] == kUndecided) continue;
       ++decided;
-      if (!same_bits(ranges[i], Descent(field, rays[i]).first_hit())) ++different;
+      if (!same_bits(ranges[i], PyramidTraversal(field, rays[i]).first_hit())) ++different;
     }
   }
   std::cout << traced << " rays, the lanes decide " << decided << ", different " << different << '\n';

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "../terrain/mesh_shapes.h"
+#include "../terrain/mesh/mesh_shapes.h"
 #include "ray/brute_force.h"
 #include "scenes.h"
 #include "terrain/mesh/triangle_mesh.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lanes answer what Descent answers, to the last bit, on every instruction set that the machine has.
+// The lanes answer what PyramidTraversal answers, to the last bit, on every instruction set that the machine has.
 #include "ray/packet_walk.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class PacketWalk : public testing::TestWithParam<Scene> {
   void SetUp() override { terrain_ = GetParam().make(random_); }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
-  /// How many of the rays the lanes decide; each of those must be Descent's answer.
+  /// How many of the rays the lanes decide; each of those must be PyramidTraversal's answer.
   static std::size_t decided(const Heightfield& field, const std::vector<Ray>& rays) {
     std::vector<double> ranges(rays.size());
     walk_packets(field, rays, ranges);
@@ -38,16 +38,16 @@ class PacketWalk : public testing::TestWithParam<Scene> {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (ranges[i] == kUndecided) continue;
       ++count;
-      const double expected = Descent(field, rays[i]).first_hit();
+      const double expected = PyramidTraversal(field, rays[i]).first_hit();
       const bool same = std::isnan(expected) ? std::isnan(ranges[i])
                                              : std::bit_cast<std::uint64_t>(expected) ==
                                                    std::bit_cast<std::uint64_t>(ranges[i]);
-      EXPECT_TRUE(same) << "ray " << i << ": " << ranges[i] << ", Descent " << expected;
+      EXPECT_TRUE(same) << "ray " << i << ": " << ranges[i] << ", PyramidTraversal " << expected;
     }
     return count;
   }
 
-  /// Fails unless each instruction set answers as Descent and decides at least `share` of the rays.
+  /// Fails unless each instruction set answers as PyramidTraversal and decides at least `share` of the rays.
   void expect_descents_answers(const std::vector<Ray>& rays, double share) const {
     const Heightfield field(*terrain_);
     hwy::SetSupportedTargetsForTest(0);
