@@ -294,7 +294,7 @@ class MeshTest(ToolTest):
         with h5py.File(terrain, "r+") as file:
             del file["mesh/vertices"]
             file["mesh"].create_dataset("vertices", shape=(2 * 10**9, 3), dtype="f8", chunks=(65536, 3))
-        self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["claims more"], output=out)
+        self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["declares more"], output=out)
 
     def check_body(self, path, scale, height, pitch):
         """An OBJ of a whole body: its counts, and a flash from `height` above it against numpy over all facets."""

@@ -141,23 +141,23 @@ class Usage(ToolTest):
         long_names = {"-c": "--config", "-o": "--output"}
         for name, options in files.items():
             for option in options:
-                wanted = f"{name}: {long_names.get(option, option)} wants a file\n"
+                wanted = f"{name}: {long_names.get(option, option)} needs a file\n"
                 for arguments in ([option, ""], [f"{option}="] if option.startswith("--") else [option, ""]):
                     inputs = [] if option in INPUTS[name] else INPUTS[name]
                     result = self.refuse(2, name, *inputs, *arguments)
                     self.assertEqual(result.stderr.replace(" (see --help)", ""), wanted)
         for name, argument in [("regrid", "scans"), ("dem-eval", "dem")]:
-            self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} wants a file\n")
+            self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} needs a file\n")
         result = self.refuse(2, "terrain-gen", "--from", "a.tif", "--center", "")
         self.assertEqual(result.stderr, "terrain-gen: --center needs X,Y\n")
-        self.refuse(2, "regrid", "scan.h5", "--layers", "", words=["--layers wants NAME,..."])
-        self.refuse(2, "regrid", "scan.h5", "--set", "", words=["--set wants KEY=JSON"])
+        self.refuse(2, "regrid", "scan.h5", "--layers", "", words=["--layers needs NAME,..."])
+        self.refuse(2, "regrid", "scan.h5", "--set", "", words=["--set needs KEY=JSON"])
 
     def test_refusals_of_a_command_line_in_plain_words(self):
         for arguments, message in [
                 (["--outptu", "x"], "unknown option --outptu; did you mean --output?"),
                 (["surplus"], "'surplus' is one argument too many"),
-                (["-o"], "--output wants a file"),
+                (["-o"], "--output needs a file"),
                 (["-t", "x"], "--threads: x is not in [0, 4096]"),
                 (["-t", "5000"], "--threads: 5000 is not in [0, 4096]"),
                 (["--band", "1"], "--band needs --from"),

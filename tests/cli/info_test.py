@@ -273,12 +273,12 @@ class Refusals(InfoTest):
         self.refused(self.path("nowhere.h5"), "no such file")
         self.refused(self.folder, "is a directory")
         os.mkfifo(self.path("fifo"))
-        self.refused(self.path("fifo"), "no regular file")
-        self.refused("/dev/null", "no regular file")
+        self.refused(self.path("fifo"), "not a regular file")
+        self.refused("/dev/null", "not a regular file")
         self.refused(self.config("{}"), "is not an HDF5 file")
         with h5py.File(self.path("other.h5"), "w") as file:
             file["x"] = np.arange(3)
-        self.refused(self.path("other.h5"), "is no landfall file")
+        self.refused(self.path("other.h5"), "is not a landfall file")
         os.remove(self.path("other.h5"))
 
     def test_damaged_files(self):
@@ -302,7 +302,7 @@ class Refusals(InfoTest):
     def test_a_claim_of_too_many_values(self):
         path = self.changed(self.chain.dem, lambda f: f.create_dataset(
             "vast", shape=(2**30, 2**30), dtype="f8", chunks=(256, 256)))
-        self.refuse(1, "landfall-info", path, words=[path, "/vast", "claims more values"])
+        self.refuse(1, "landfall-info", path, words=[path, "/vast", "declares more values"])
 
     def test_metrics_that_are_none(self):
         def change(file):

@@ -166,7 +166,7 @@ class ManPage(ToolTest):
         self.assertIn('detector.estimator (one of "mean", "first", "median", "strongest"; default "mean")', text)
         self.assertIn("mount.rpy_deg (array of 3 numbers, degrees; default [180,0,0])", text)
         self.assertIn('scanner.max_deflection_deg (number, degrees, above 0, at most 180; default 30)', text)
-        self.assertIn("detector.subpixels (integer, at least 1, at most 64; default 1) m: each pixel is m x m sub-rays.", text)
+        self.assertIn("detector.subpixels (integer, at least 1, at most 64; default 1) Sub-rays per pixel along each axis: m gives m x m rays.", text)
 
     @unittest.skipUnless(shutil.which("groff"), "groff-base is not installed")
     def test_the_keys_of_a_choice_stand_under_it(self):

@@ -151,12 +151,12 @@ class ForeignHdf5(ChainTest):
             properties.set_filter(32001, h5py.h5z.FLAG_OPTIONAL, (2,))
             h5py.h5d.create(file.id, b"extra", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((8,)), properties)
         self.refuse(1, "landfall-info", path, env={**os.environ, "HDF5_PLUGIN_PATH": plugins},
-                    words=["/extra is stored by filter 32001", "loads no plug-ins"])
+                    words=["/extra is stored by filter 32001", "does not load plug-ins"])
 
     def test_what_a_file_claims_costs_nothing(self):
-        claims = {"a gigantic layer": ({"shape": (1 << 20, 1 << 20), "chunks": (256, 256)}, "claims more values"),
-                  "a gigantic column": ({"shape": (1 << 40,), "chunks": (65536,)}, "claims more values"),
-                  "a gigantic text": ({"shape": (), "dtype": f"S{GIB}"}, "claims more values"),
+        claims = {"a gigantic layer": ({"shape": (1 << 20, 1 << 20), "chunks": (256, 256)}, "declares more values"),
+                  "a gigantic column": ({"shape": (1 << 40,), "chunks": (65536,)}, "declares more values"),
+                  "a gigantic text": ({"shape": (), "dtype": f"S{GIB}"}, "declares more values"),
                   "a crowd of chunks": ({"shape": (1 << 20,), "chunks": (1,)}, "more than 2^16 chunks"),
                   "a gigantic chunk": ({"shape": (1 << 14, 1 << 14), "chunks": (1 << 14, 1 << 14)}, "chunks of 2048 MiB")}
         for name, (shape, words) in claims.items():

@@ -76,7 +76,7 @@ class Rasters(ToolTest):
             np.testing.assert_array_equal(file["z"][()][::-1], VALUES)
 
     def assert_refused(self, path, *words, **options):
-        self.refuse(1, "terrain-gen", *self.arguments(path), words=words or ["leads to another file", "--follow-links"],
+        self.refuse(1, "terrain-gen", *self.arguments(path), words=words or ["refers to another file", "--follow-links"],
                     output=self.out, **options)
 
     def test_a_vrt_opens_no_other_file(self):

@@ -55,7 +55,7 @@ TEST(ReadJson, NanAndInfinityAreNotJson) {
 }
 
 TEST(ReadJson, AKeyStandsOnce) {
-  EXPECT_THAT(refusal("{\"a\": {\"b\": 1, \"b\": 2}}"), HasSubstr("\"b\" stands twice"));
+  EXPECT_THAT(refusal("{\"a\": {\"b\": 1, \"b\": 2}}"), HasSubstr("\"b\" is given twice"));
   EXPECT_EQ(refusal("{\"a\": {\"b\": 1}, \"c\": {\"b\": 2}}"), "accepted");
 }
 

@@ -103,7 +103,7 @@ TEST(PopulationConfig, RefusalsNameFilePatternAndKey) {
   EXPECT_EQ(refusal(R"({"type": "golombek_rocks"})"), "c.json: /patterns/0: give either k or area_fraction");
   EXPECT_THAT(refusal(R"({"type": "ice_blocks", "k": 0.1, "area_fraction": 0.1})"), HasSubstr("give either"));
   EXPECT_THAT(refusal(R"({"type": "golombek_rocks", "k": 0.1, "area_fraction_above_m": 0.1})"),
-              HasSubstr("/patterns/0/area_fraction_above_m: goes with area_fraction"));
+              HasSubstr("/patterns/0/area_fraction_above_m: is allowed only with area_fraction"));
   EXPECT_THAT(refusal(R"({"type": "golombek_rocks", "area_fraction": 0.5, "area_fraction_above_m": 1})"),
               HasSubstr("c.json: /patterns/0/area_fraction: rocks of 1 m and more cover at most"));
   EXPECT_THAT(refusal(R"({"type": "power_law_rocks", "exponent": 2})"),

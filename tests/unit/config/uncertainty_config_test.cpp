@@ -36,7 +36,7 @@ TEST(UncertaintyConfig, AForeignScanTellsNothing) {
     ScanOrigin foreign = scan("a.h5", 0.02);
     foreign.config["navigation_error"] = error;
     EXPECT_THAT(refusal_of("{}", {foreign}),
-                HasSubstr("a.h5 holds a navigation or pointing error or does not tell"))
+                HasSubstr("a.h5 may have a navigation or pointing error of unknown sigma"))
         << error;
   }
 }
@@ -155,7 +155,7 @@ TEST(NavigationSigmaOption, RefusesWhatItCannotRead) {
       add_navigation_sigma(config, text);
     });
   };
-  EXPECT_THAT(refused("0.5"), HasSubstr("wanted KEY=SIGMA"));
+  EXPECT_THAT(refused("0.5"), HasSubstr("expected KEY=SIGMA"));
   EXPECT_THAT(refused("position=0.5"), HasSubstr("KEY is position_m"));
   EXPECT_THAT(refused("position_m=0.5x"), HasSubstr("'0.5x' is not a number"));
   EXPECT_THAT(refused("position_m="), HasSubstr("'' is not a number"));

@@ -115,7 +115,7 @@ TEST(TrajectoryColumns, RefusesAnAttitudeThatIsMissingIncompleteOrGivenTwice) {
               testing::HasSubstr("a.csv: no column qz, but has others of qw,qx,qy,qz"));
   Columns twice = kRollPitchYaw;
   for (const char* const name : {"mrp_1", "mrp_2", "mrp_3"}) twice[name] = {0, 0};
-  EXPECT_THAT(message_of(twice), testing::HasSubstr("has the attitude twice"));
+  EXPECT_THAT(message_of(twice), testing::HasSubstr("has two attitudes"));
   Columns half = kRollPitchYaw;
   half["vx_mps"] = {0, 0};
   EXPECT_THAT(message_of(half),

@@ -374,7 +374,7 @@ TEST_F(LoadDem, SaysWhatAFileThatIsNoRasterNeeds) {
               AllOf(HasSubstr("format: "), HasSubstr("VRTRawRasterBand")));
   EXPECT_THAT(told("cut.nc", "CDF\x01 and no more"), HasSubstr("begins as a netCDF file does"));
   EXPECT_THAT(told("cut.h5", "\x89HDF\r\n\x1a\n and no more"), HasSubstr("begins as a HDF5 file does"));
-  EXPECT_THAT(told("rock.PLY", "ply\n"), HasSubstr("is a mesh by its name"));
+  EXPECT_THAT(told("rock.PLY", "ply\n"), HasSubstr("is a mesh by its extension"));
 }
 
 // Each header is read; none of the samples that it promises is.
