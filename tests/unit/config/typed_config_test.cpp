@@ -336,7 +336,7 @@ TEST(EvaluationConfig, ARegionHasTheKeysOfItsShape) {
   EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"shape": "mask"}})")); }),
               HasSubstr("path"));
   EXPECT_THAT(refusal([&] { static_cast<void>(config(R"({"region": {"half_width_m": 3}})")); }),
-              AllOf(HasSubstr("/region/half_width_m"), HasSubstr("not to circle")));
+              AllOf(HasSubstr("/region/half_width_m"), HasSubstr("not with circle")));
   EXPECT_FALSE(region_mask_source(resolved("eval", "{}")));
   const auto source =
       region_mask_source(resolved("eval", R"({"region": {"shape": "mask", "path": "a.h5"}})"));
