@@ -52,10 +52,10 @@ void bind(CLI::App& app, Options& o) {
 void check(const cli::CommonOptions& common, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.metrics_only && !common.view_path.empty())
-    throw UsageError("--metrics-only keeps no layers for --view to show");
+    throw UsageError("--view shows a layer, which --metrics-only does not write");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.metrics_only && common.output_path.empty())
-    throw UsageError("-o/--output is required; or give --metrics-only, which keeps no layers");
+    throw UsageError("-o/--output is required unless --metrics-only is given");
   if (o.metrics == "-") throw UsageError("--metrics needs a file; --metrics-only alone prints the metrics");
   if (o.report == "-") throw UsageError("--report needs a file");
 }

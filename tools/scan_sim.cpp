@@ -127,7 +127,7 @@ GridSpec plan_grid(const Options& o) {
 
 ExitCode run_plan(cli::Session& session, const Options& o) {
   if (!o.terrain.empty() || !o.ranges_from.empty())
-    throw UsageError("--plan is made on flat ground: --terrain and --ranges-from have no part in it");
+    throw UsageError("--plan uses flat ground; omit --terrain and --ranges-from");
   Provenance provenance = session.provenance();
   provenance.options = {{"plan", {{"radius_m", o.plan_radius_m}, {"resolution_m", o.plan_resolution_m}}}};
   Grid<std::int8_t> region = circular_region(plan_grid(o), o.plan_radius_m);
