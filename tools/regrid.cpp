@@ -214,7 +214,7 @@ int main(int argc, char** argv) {
   cli::Tool tool;
   tool.name = "regrid";
   tool.summary =
-      "Gathers the returns of one or more scans into a DEM, with its truth where the terrain is given.";
+      "Grids the returns of one or more scans into a DEM, with the true elevations if the terrain is given.";
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "regrid";

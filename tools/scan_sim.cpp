@@ -33,7 +33,7 @@ Configuration: --print-schema, man scan-sim, docs/user/scan-sim.md.)";
 constexpr const char* kDescription =
     R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and navigation errors. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.
 
---ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan traces nothing either: it reports the time budget of the scan and its coverage of flat ground.)";
+--ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan does not trace rays either: it reports the time budget of the scan and its coverage of flat ground.)";
 
 struct Options {
   std::string terrain;
