@@ -197,7 +197,7 @@ def per_unit(slope):
 
 
 def table(rows):
-    lines = ["| tool | against | sizes | peaks | base | each takes | up to | largest deviation |", "|---|---|---|---|---|---|---|---|"]
+    lines = ["| tool | against | sizes | peaks | base | bytes each | up to | largest deviation |", "|---|---|---|---|---|---|---|---|"]
     for row in rows:
         one = fit(row)
         end = f"{one.end / MEGA:.1f} M" if one.end < math.inf else ""

@@ -23,13 +23,13 @@ constexpr const char* kExamples = R"(Examples:
   dem-eval dem.h5 -o eval.h5 --report report.html
   dem-eval dem.h5 --metrics-only --require-pass > metrics.json
   dem-eval dem.h5 -o eval.h5 --table --set region_radius_m=40 --set limits.relative_elevation_m=0.03
-Exit: 3 where --require-pass is given and a requirement is missed or cannot be judged.
+Exit status 3: --require-pass is given, and a requirement is missed or cannot be judged.
 Configuration: --print-schema, man dem-eval, docs/user/dem-eval.md.)";
 
 constexpr const char* kDescription =
-    R"(Compares a DEM with the truth that regrid wrote beside it, over a region about the intended landing site: share of bins without an elevation, size of the holes and distance across them, mean error and relative error of every footprint that a lander may stand on. Each is held against its limit.
+    R"(Compares a DEM with its truth layers in a region around the intended landing site, and judges each requirement by its limit: fraction of bins without an elevation, size of the holes, distance to the nearest valid bin, mean error and relative error of every lander footprint.
 
-The output has the error layers and a map of what fails where; --metrics writes the numbers as JSON, --table prints them.)";
+The output has the error layers and the layer fail, which marks the missed requirements; --metrics writes the numbers as JSON, --table prints them.)";
 
 struct Options {
   std::string dem, metrics, report;
@@ -52,10 +52,10 @@ void bind(CLI::App& app, Options& o) {
 void check(const cli::CommonOptions& common, const Options& o) {
   if (o.dem.empty()) throw UsageError("a DEM to judge is required");
   if (o.metrics_only && !common.view_path.empty())
-    throw UsageError("--metrics-only keeps no layers for --view to show");
+    throw UsageError("--view shows a layer, which --metrics-only does not write");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.metrics_only && common.output_path.empty())
-    throw UsageError("-o/--output is required; or give --metrics-only, which keeps no layers");
+    throw UsageError("-o/--output is required unless --metrics-only is given");
   if (o.metrics == "-") throw UsageError("--metrics needs a file; --metrics-only alone prints the metrics");
   if (o.report == "-") throw UsageError("--report needs a file");
 }

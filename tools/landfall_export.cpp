@@ -17,7 +17,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-export dem.h5 -o dem.tif --layers z_est,count       GIS
   landfall-export eval.h5 -o eval.csv --layers fail
   landfall-export eval.h5 -o eval.png --layers rel_z           a picture to look at
-docs/user/landfall-export.md tells what becomes what.)";
+docs/user/landfall-export.md lists the formats for each kind of file.)";
 
 void bind(CLI::App& app, ExportOptions& o) {
   app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation or plan")
@@ -25,10 +25,10 @@ void bind(CLI::App& app, ExportOptions& o) {
   app.add_option("--format", o.format,
                  "Output format; default: from the extension of the output; csv with -o -")
       ->check(CLI::IsMember({"csv", "las", "ply", "png", "tif", "xmf"}));
-  app.add_option("--layers", o.layers,
-                 "Layers of a grid, comma-separated, or all; for .png one layer, or a column of a scan or "
-                 "count; default: "
-                 "the main one")
+  app.add_option(
+         "--layers", o.layers,
+         "Layers of a grid, comma-separated, or all; a .png shows one layer, or for a scan one column "
+         "or count; default: the main layer")
       ->type_name("NAME,...")
       ->delimiter(',');
   app.add_option("--columns", o.columns, "Columns of a scan's points, comma-separated; default: all")
@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   ExportOptions options;
   cli::Tool tool;
   tool.name = "landfall-export";
-  tool.summary = "Writes what a landfall file holds in the formats of other programs.";
+  tool.summary = "Exports a landfall file to the formats of other programs.";
   tool.examples = kExamples;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };

@@ -18,9 +18,9 @@ constexpr const char* kExamples = R"(Examples:
 Keys of --json: docs/user/landfall-info.md.)";
 
 constexpr const char* kDescription =
-    R"(Prints for each file its kind and origin, extent and frame, statistics of every layer and column, what became of a scan's pulses, the verdicts of an evaluation, the configuration where it differs from the defaults, and every step that led to the file.
+    R"(Prints for each file its kind and origin, extent and frame, statistics of every layer and column, the pixel outcomes of a scan, the verdicts of an evaluation, the configuration where it differs from the defaults, and every step that led to the file.
 
-Files are read in pieces, so that memory does not grow with them. A file that is damaged, incomplete or none of landfall's is refused with one line; the others that were named are described all the same.)";
+Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.)";
 
 struct Options {
   std::vector<std::string> files;

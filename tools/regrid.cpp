@@ -138,8 +138,8 @@ void open_terrain(cli::Session& session, const Options& o, Inputs& inputs) {
   inputs.provenance.add_input("terrain", inputs.scene.file_id, inputs.scene.chain);
   for (const auto& scan : inputs.scans)
     if (!o.other_terrain && saw_other_terrain(scan->file().chain(), inputs.scene.file_id))
-      throw FormatError(scan->file().name() + ": scanned another terrain than " + o.terrain +
-                        "; give that one, or --other-terrain");
+      throw FormatError(scan->file().name() + ": is a scan of another terrain than " + o.terrain +
+                        "; give the scanned one, or --other-terrain");
 }
 
 Inputs open_inputs(cli::Session& session, const Options& o) {
@@ -214,7 +214,7 @@ int main(int argc, char** argv) {
   cli::Tool tool;
   tool.name = "regrid";
   tool.summary =
-      "Gathers the returns of one or more scans into a DEM, with its truth where the terrain is given.";
+      "Grids the returns of one or more scans into a DEM, with the true elevations if the terrain is given.";
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "regrid";

@@ -33,7 +33,7 @@ Configuration: --print-schema, man scan-sim, docs/user/scan-sim.md.)";
 constexpr const char* kDescription =
     R"(Simulates a lander's scanning lidar pulse by pulse: trajectory and attitude, scanner, detector, rays to the terrain, range noise, and navigation errors. The output has one row per return with its true and its estimated point, one per pulse with the poses, and one per pixel.
 
---ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan traces nothing either: it reports the time budget of the scan and its coverage of flat ground.)";
+--ranges-from takes the true ranges from an earlier scan and redraws only the errors, without tracing. --plan does not trace rays either: it reports the time budget of the scan and its coverage of flat ground.)";
 
 struct Options {
   std::string terrain;
@@ -127,7 +127,7 @@ GridSpec plan_grid(const Options& o) {
 
 ExitCode run_plan(cli::Session& session, const Options& o) {
   if (!o.terrain.empty() || !o.ranges_from.empty())
-    throw UsageError("--plan is made on flat ground: --terrain and --ranges-from have no part in it");
+    throw UsageError("--plan uses flat ground; omit --terrain and --ranges-from");
   Provenance provenance = session.provenance();
   provenance.options = {{"plan", {{"radius_m", o.plan_radius_m}, {"resolution_m", o.plan_resolution_m}}}};
   Grid<std::int8_t> region = circular_region(plan_grid(o), o.plan_radius_m);

@@ -247,7 +247,7 @@ std::string provenance_lines(const Json& d) {
 
 EvaluationLimits limits_of(const Json& d) {
   const FormatError refusal(d["file"].get<std::string>() +
-                            ": /provenance/config_json is no configuration of dem-eval");
+                            ": /provenance/config_json is not a configuration of dem-eval");
   try {
     return evaluation_config(d["config"], "").limits;
   } catch (const UsageError&) {

@@ -202,8 +202,8 @@ std::string manual_page(const CLI::App& app, const Tool& tool) {
   text += ".SH DESCRIPTION\n" + paragraphs(tool.description.empty() ? tool.summary : tool.description);
   text += option_section(options) + configuration_section(tool) + exit_section(tool) + example_section(tool);
   text +=
-      ".SH FILES\nEvery file is HDF5; what it holds is in docs/user/files/ of the documentation, and\n.BR "
-      "landfall\\-info (1)\nprints it.\n";
+      ".SH FILES\nEvery file is HDF5; docs/user/files/ of the documentation describes its contents, and\n.BR "
+      "landfall\\-info (1)\nprints them.\n";
   return text + see_also(tool);
 }
 

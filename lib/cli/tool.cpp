@@ -213,7 +213,7 @@ void require_utf8(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i)
     if (!is_utf8(argv[i]))
       throw UsageError("argument " + std::to_string(i) + ", '" + shown_word(argv[i]) +
-                       "', is not UTF-8, as names and texts in landfall's files are");
+                       "', is not UTF-8; file names and texts must be UTF-8");
 }
 
 ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const Tool& tool,
@@ -280,7 +280,7 @@ OutputOptions Session::output(const std::vector<std::string>& inputs) {
 
 void Session::require_output_for_view() const {
   if (!options_.view_path.empty() && options_.output_path.empty())
-    throw UsageError("--view shows the output; without -o there is none");
+    throw UsageError("--view shows the output and needs -o");
 }
 
 void Session::claim_output(const std::string& option, const std::string& path,

@@ -67,7 +67,8 @@ std::optional<TableMirror> mirror_of(const Json& json) {
   const TableMirror mirror{radians(json, "incidence_deg"), radians(json, "fold_azimuth_deg")};
   if (json.at("mechanism") == "fsm") return mirror;
   for (const char* const key : {"incidence_deg", "fold_azimuth_deg"})
-    require(json.at(key) == 0, {"", key}, json.at(key).get<double>(), "0, as mechanism gimbal asks");
+    require(json.at(key) == 0, {"", key}, json.at(key).get<double>(),
+            "0, which the mechanism gimbal requires");
   return std::nullopt;
 }
 

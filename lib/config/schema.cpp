@@ -120,7 +120,7 @@ class Resolver {
       const std::string kind = type == "object" && !names.empty() ? "object with a \"type\"" : type;
       if (std::ranges::find(wanted, kind) == wanted.end()) wanted.push_back(kind);
     }
-    std::string message = shown(value) + " is no " + wanted.front();
+    std::string message = shown(value) + " is not valid; expected " + wanted.front();
     for (std::size_t i = 1; i < wanted.size(); ++i) message += " or " + wanted[i];
     const std::string near = value.is_string() ? nearest_word(value.get<std::string>(), names) : "";
     if (!near.empty())

@@ -202,7 +202,7 @@ BinMask judged_region(const DemLayers& dem, const EvaluationParameters& paramete
     return square_region(spec, parameters.region_half_width_m);
   if (!dem.region_mask || dem.region_mask->spec() != spec)
     throw FormatError("region/path: its grid differs from that of z_est");
-  if (count_set(*dem.region_mask) == 0) throw FormatError("region/path: the mask has no bin set");
+  if (count_set(*dem.region_mask) == 0) throw FormatError("region/path: no bin of the mask is set");
   return *dem.region_mask;
 }
 

@@ -30,7 +30,7 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   if (output == "-") {
     if (o.format.empty()) throw UsageError("-o - needs --format csv");
     if (o.format != "csv")
-      throw UsageError("--format " + o.format + " does not go to standard output; csv does");
+      throw UsageError("--format " + o.format + " cannot be written to standard output; use csv");
     return o.format;
   }
   const std::string extension = file_extension(output);
@@ -40,7 +40,7 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   for (const char* const known : {"csv", "las", "ply", "png", "tif", "xmf"})
     if (extension == std::string(".") + known) named = known;
   if (!named.empty() && !o.format.empty() && named != o.format)
-    throw UsageError("output " + output + ": its extension says " + named + ", --format " + o.format);
+    throw UsageError("output " + output + ": its extension contradicts --format " + o.format);
   if (!o.format.empty()) return o.format;
   if (named.empty())
     throw UsageError("output " + output + ": extension '" + extension +
@@ -95,7 +95,7 @@ void export_points_xdmf(const PointReader& points, const ExportOptions& o, const
   // A scan's own rows cannot be left out of what only refers to them.
   if (points.count({true, 1}) != points.row_count())
     throw UsageError(points.file().name() +
-                     " keeps points without a return, which an .xmf cannot leave out; export .ply");
+                     " contains rows without a return, which an .xmf cannot omit; export .ply");
   const std::filesystem::path file = xdmf_positions(output.path);
   const PointPositions positions = positions_of(points, o.position, xdmf_reference(o.input, output.path));
   OutputPath positions_output(file, output.overwrite);

@@ -74,9 +74,9 @@ LasGrid LasGrid::fitting(const PointBox& box, const std::string& file) {
     grid.scale_m = scale;
     if (half <= scale * kMaxSteps) return grid;
   }
-  throw FormatError(file + ": points reach " + number_text(half) + " m from their centre; LAS holds " +
+  throw FormatError(file + ": points reach " + number_text(half) + " m from their centre; LAS allows " +
                     number_text(std::floor(1e-4 * kMaxSteps)) +
-                    " m at 0.1 mm. Export .ply, or leave the outliers out");
+                    " m at 0.1 mm; export .ply, or remove the outliers");
 }
 
 std::int32_t LasGrid::stored(double coordinate_m, std::size_t axis) const {

@@ -38,7 +38,7 @@ void write_export(const TerrainOutput& output, const TerrainSurface& surface, co
   const bool is_geotiff = format_of(output.file.path) == Format::geotiff;
   if (is_geotiff && grid == nullptr)
     throw UsageError("output " + output.file.path.string() +
-                     ": a mesh has no grid to write as GeoTIFF; .obj and .ply hold it");
+                     ": a mesh cannot be written as GeoTIFF; use .obj or .ply");
   output.phase("write", [&](const ProgressCallback& progress) {
     if (!is_geotiff) return write_mesh_file(output.file, surface, progress);
     const std::string software = source_line(output.provenance.tool);

@@ -195,7 +195,7 @@ void write_grid(const TriangulatedGrid& grid, const std::string& name, MeshSink&
   };
   const MeshSize size = rows.size(third(0));
   if (size.triangles == 0)
-    throw FormatError("output " + name + ": the terrain has no triangle without a hole");
+    throw FormatError("output " + name + ": every cell has a hole; there is no triangle to write");
   if (std::max(size.vertices, size.triangles) > kMaxMeshElements)
     throw FormatError("output " + name + ": more than 2^31 - 1 vertices or triangles");
   sink.begin(size);

@@ -255,7 +255,7 @@ class MeshTest(ToolTest):
             self.succeed("terrain-gen", "--from", self.path(name), "-o", again)
             with h5py.File(again) as file:
                 np.testing.assert_array_equal(file["mesh/vertices"][()][file["mesh/triangles"][()]], expected)
-        self.refuse(2, "terrain-gen", "--from", short, "-o", self.path("m.tif"), words=["no grid", ".obj"])
+        self.refuse(2, "terrain-gen", "--from", short, "-o", self.path("m.tif"), words=["cannot be written as GeoTIFF", ".obj"])
         self.refuse(2, "terrain-gen", "--from", source, "-o", self.path("x.h5"), "--half-width", "3",
                     words=["mesh.scale_m"])
 

@@ -319,7 +319,7 @@ class Refusals(InfoTest):
                 del file["provenance/config_json"]
                 file["provenance/config_json"] = json.dumps(config)
             path = self.changed(self.chain.eval, change)
-            self.refuse(1, "landfall-info", path, words=[path, "/provenance/config_json is no configuration of dem-eval"])
+            self.refuse(1, "landfall-info", path, words=[path, "/provenance/config_json is not a configuration of dem-eval"])
             self.assertEqual(self.describe(path)["config"][key], value)
 
     def test_control_characters_do_not_reach_the_terminal(self):

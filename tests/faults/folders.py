@@ -50,7 +50,7 @@ def make_folders(workshop):
 
 
 def try_becoming_a_folder(workshop, random, count):
-    judge = Judge(workshop, "a folder takes the output's name meanwhile")
+    judge = Judge(workshop, "a folder with the output's name is created during the run")
     for turn in range(count):
         one, old = WRITING[turn % len(WRITING)], turn // len(WRITING) % 2 == 1
         run = at_random(workshop, random, one, old, make_folders(workshop))
@@ -64,7 +64,7 @@ def try_becoming_a_folder(workshop, random, count):
 
 def try_read_only(workshop):
     """As a user who may not write there."""
-    judge = Judge(workshop, "a folder that the user may not write")
+    judge = Judge(workshop, "a folder without write permission")
     for one in WRITING:
         for old in (False, True):
             workshop.prepare(one, old)

@@ -6,7 +6,7 @@ PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "doc
 HEADINGS = {"calls": "## Every call fails once", "disks": "## Full disks", "folders": "## Folders and other writers",
             "signals": "## Signals", "resources": "## Memory, threads, descriptors", "surroundings": "## Surroundings",
             "studies": "## Studies", "limits": "## Limits"}
-HEAD = ["| fault | runs | whole, exit 0 | one message, exit 1 or 2 | ended by the signal | a hidden file stayed | promises broken |",
+HEAD = ["| fault | runs | complete, exit 0 | one message, exit 1 or 2 | ended by the signal | hidden files left | guarantees violated |",
         "|---|---|---|---|---|---|---|"]
 
 

@@ -68,7 +68,7 @@ def try_stacks(workshop, tasks=None):
 
 def try_threads(workshop):
     """ulimit -u, as a user of its own: no thread beside the first can be made, or only few."""
-    judge = Judge(workshop, "no room for threads (ulimit -u)")
+    judge = Judge(workshop, "no further threads allowed (ulimit -u)")
     for one in TASKS:
         for number in (1, 2):
             workshop.prepare(one)

@@ -72,7 +72,7 @@ def try_surroundings(workshop, library):
     for what, seconds in (("behind", -10**9), ("ahead", 10**9)):
         yield try_environment(workshop, f"a clock that is 30 years {what}", {"LD_PRELOAD": library, "FAULT_CLOCK": str(seconds)})
     yield try_environment(workshop, "no HOME, no TMPDIR, no PATH", {}, ("HOME", "TMPDIR", "PATH"))
-    yield try_environment(workshop, "a TMPDIR that is not there", {"TMPDIR": "/nowhere"})
+    yield try_environment(workshop, "a TMPDIR that does not exist", {"TMPDIR": "/nowhere"})
     yield try_no_folder(workshop)
     yield try_closed(workshop, "standard input closed", 0)
     yield try_closed(workshop, "standard output closed", 1)

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every tool under every kind of fault and holds each run against the promises of docs/quality/reliability.md.
+"""Runs every tool under every kind of fault and checks each run against the guarantees of docs/quality/reliability.md.
 
     tests/faults/try_faults.py --bin build/release/bin              # all of it, some half an hour
     tests/faults/try_faults.py --bin build/release/bin --only signals memory
     tests/faults/try_faults.py --bin build/release/bin --write      # also the tables of docs/quality/reliability.md
 
-Root's rights are needed for small disks and for other users' limits. Exit 1 where a promise was broken.
+Root's rights are needed for small disks and for other users' limits. Exit 1 if a guarantee was violated.
 """
 import argparse
 import os
@@ -76,7 +76,7 @@ def main(arguments):
         if options.write:
             page.write_table(kind, page.table(judges))
     workshop.remove()
-    print(f"{len(broken)} broken promises", *broken, sep="\n")
+    print(f"{len(broken)} violated guarantees", *broken, sep="\n")
     return 1 if broken else 0
 
 

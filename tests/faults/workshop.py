@@ -174,7 +174,7 @@ def is_one_message(one, text):
 
 
 class Judge:
-    """Holds runs of one kind of fault against the promises, and counts how they ended."""
+    """Checks runs of one kind of fault against the guarantees, and counts how they ended."""
 
     def __init__(self, workshop, fault):
         self.workshop = workshop
@@ -184,7 +184,7 @@ class Judge:
         self.messages = collections.Counter()
 
     def states(self, one, run, old):
-        """Of each output: new, old, none; anything else is a broken promise and said in words."""
+        """Of each output: new, old, none; anything else violates a guarantee and is described in words."""
         def state(name):
             content = run.files.get(name)
             if content == self.workshop.whole[one][name]:
@@ -227,7 +227,7 @@ class Judge:
         return len(one.outputs) - 1 if "renaming failed" in run.stderr else 0
 
     def take(self, one, run, *, old=False, ended_by=0, parts_may_stay=False, how=""):
-        """Counts a run; returns whether all promises were kept."""
+        """Counts a run; returns whether all guarantees held."""
         faults = self.faults_of(one, run, old, ended_by, parts_may_stay)
         self.counts["runs"] += 1
         self.counts["whole" if run.code == 0 else "refused" if run.code in (1, 2) else "ended"] += 1

@@ -101,8 +101,8 @@ function fillUncertainty(section) {
     section.remove();
     return;
   }
-  section.append(htmlElement("p", {}, "Do the DEM's 1-sigma maps foretell its errors? On the line they do; above it " +
-      "the errors are larger than foretold."));
+  section.append(htmlElement("p", {}, "The errors compared with the DEM's 1-sigma maps. On the line they agree with the " +
+      "predicted sigma; above it they are larger than predicted."));
   for (const kind of kinds) {
     const score = uncertainty[kind];
     const percent = (share) => share === null ? "\u2013" : `${formatNumber(100 * share, 0.01)} %`;

@@ -247,7 +247,7 @@ async function fillTerrainView(section) {
   const legend = htmlElement("div", {id: "terrain-legend"}, terrainLegend(elevation));
   section.append(terrainControls(view, legend), view.canvas, legend, htmlElement("p", {class: "note"},
       `${surface.rows} x ${surface.cols} vertices, ${bins === 1 ? "one for each bin" : `one for ${bins} x ${bins} bins`}; ` +
-      "a bin without an elevation is no part of it, one without neighbours a point. Light from the north-west shades " +
+      "a bin without an elevation is omitted, one without neighbours is a point. Light from the north-west shades " +
       "the surface. Drag or use the arrow keys to turn, + and \u2212 (or Ctrl and the wheel) to zoom."));
   view.show(elevation);
   return undefined;

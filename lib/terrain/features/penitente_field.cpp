@@ -21,13 +21,14 @@ std::uint64_t counter(double whole) { return static_cast<std::uint64_t>(static_c
 
 void PenitenteField::validate(const std::string& owner) const {
   if (diameter_m == 0) {
-    const char* const kBound = "finite and positive, as a field without diameter_m needs";
+    const char* const kBound = "finite and positive, which a field without diameter_m requires";
     require(std::isfinite(length_m) && length_m > 0, {owner, "length_m"}, length_m, kBound);
     require(std::isfinite(width_m) && width_m > 0, {owner, "width_m"}, width_m, kBound);
   } else {
     require_positive({owner, "diameter_m"}, diameter_m);
-    require(length_m == 0, {owner, "length_m"}, length_m, "absent (diameter_m alone describes a disc)");
-    require(width_m == 0, {owner, "width_m"}, width_m, "absent (diameter_m alone describes a disc)");
+    require(length_m == 0, {owner, "length_m"}, length_m,
+            "allowed beside diameter_m, which describes a disc");
+    require(width_m == 0, {owner, "width_m"}, width_m, "allowed beside diameter_m, which describes a disc");
   }
   require_positive({owner, "amplitude_m"}, amplitude_m);
   require_positive({owner, "wavelength_m"}, wavelength_m);

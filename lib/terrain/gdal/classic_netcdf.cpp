@@ -153,7 +153,7 @@ void require_whole_classic_netcdf(const std::string& path) {
   const double promised = Header(path, bytes).promised_bytes();
   if (promised > bytes)
     throw FormatError(path + ": holds " + number_text(bytes) + " of the " + number_text(promised) +
-                      " bytes that its netCDF header promises: it is truncated; get or export it again");
+                      " bytes that its netCDF header declares: it is truncated; get or export it again");
 }
 
 }  // namespace landfall

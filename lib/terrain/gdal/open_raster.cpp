@@ -64,8 +64,8 @@ std::string promised_format(const std::string& path) {
                       " file does but cannot be opened: it is truncated or damaged; get or export it again");
   throw FormatError(
       dem.path +
-      ": no raster format that GDAL knows; a raw file without a header needs a .vrt that says its "
-      "size, type and byte order (VRTRawRasterBand), any other one gdal_translate or its own tool");
+      ": is not in a supported raster format; a raw file without a header needs a .vrt that gives its "
+      "size, type and byte order (VRTRawRasterBand); convert other formats with gdal_translate");
 }
 
 /// Rasters may be folders.

@@ -133,8 +133,8 @@ double unreferenced_scale(const DemBase& dem) {
   if (!dem.horizontal_scale_m)
     throw ParameterError<UsageError>(
         dem.path +
-            ": has no CRS; give it one by gdal_translate -a_srs, or say how many metres a unit of its "
-            "coordinates (a pixel, without a georeference) is by horizontal_scale_m",
+            ": has no CRS; assign one with gdal_translate -a_srs, or give the metres per unit of its "
+            "coordinates (per pixel without a georeference) as horizontal_scale_m",
         "horizontal_scale_m");
   if (!(std::isfinite(*dem.horizontal_scale_m) && *dem.horizontal_scale_m > 0))
     throw UsageError(dem.path + ": horizontal_scale_m is not finite and positive");

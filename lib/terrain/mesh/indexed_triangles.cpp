@@ -23,7 +23,7 @@ void require_sound(const IndexedTriangles& mesh, const std::string& name) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     if (!(mesh.vertices[i].cwiseAbs().maxCoeff() <= kLargestCoordinate_m) || !mesh.vertices[i].allFinite())
       throw FormatError(name + ": vertex " + std::to_string(i) +
-                        " is not finite, or further than 1e12 m out");
+                        " is not finite, or more than 1e12 m from the origin");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const std::uint32_t corner : mesh.triangles[i])
       if (corner >= mesh.vertices.size())

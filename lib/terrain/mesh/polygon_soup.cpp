@@ -19,7 +19,7 @@ void place_points(std::vector<Eigen::Vector3d>& points, const MeshPlacement& pla
     p = rotation * (placement.scale_m * p) + placement.translate_m;
     if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kLargestCoordinate_m)
       throw FormatError(name + ": vertex " + std::to_string(i + 1) +
-                        " is not finite, or further than 1e12 m out once placed");
+                        " is not finite, or more than 1e12 m from the origin after placement");
     p.array() += 0.0;  // -0 is 0
   }
 }

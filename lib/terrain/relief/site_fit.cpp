@@ -28,10 +28,9 @@ double largest_half_width(const SiteRaster& raster, Interpolation method, double
     throw FormatError(what + ": not one cell of " + number_text(resolution_m) +
                       " m fits around the centre: give another center or a finer resolution");
   if (half > kHalfLimit)
-    throw ParameterError<UsageError>(
-        what + ": all of the raster at " + number_text(resolution_m) +
-            " m would be more than 2^26 nodes; say how much of it by half_width_m",
-        "half_width_m");
+    throw ParameterError<UsageError>(what + ": the whole raster at " + number_text(resolution_m) +
+                                         " m would have more than 2^26 nodes; give half_width_m",
+                                     "half_width_m");
   return static_cast<double>(half) * resolution_m;
 }
 

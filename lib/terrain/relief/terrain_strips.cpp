@@ -35,7 +35,7 @@ void require_waves(const TerrainModel& model, const GridSpec& spec) {
         fractal != nullptr && fractal->longest_wavelength_m)
       require(*fractal->longest_wavelength_m > 2 * spec.resolution_m,
               {"base/" + std::to_string(i), "longest_wavelength_m"}, *fractal->longest_wavelength_m,
-              "above twice the grid's resolution, the shortest wave that it holds");
+              "above twice the grid's resolution, the shortest wave that the grid can represent");
 }
 
 /// Calls set(z, x, y) for every node.

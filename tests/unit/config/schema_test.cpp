@@ -73,11 +73,11 @@ TEST(Schema, VariantsAreChosenByType) {
   EXPECT_THAT(refusal("terrain", R"({"features": [{"radius_m": 3}]})"), HasSubstr("needs a \"type\""));
   EXPECT_EQ(refusal("scan", R"({"detector": {"ifov_rad": [1e-4, 2e-4]}})"), "accepted");
   EXPECT_EQ(refusal("scan", R"({"detector": {"ifov_rad": "x"}})"),
-            "c.json: /detector/ifov_rad: \"x\" is no number or array");
+            "c.json: /detector/ifov_rad: \"x\" is not valid; expected number or array");
 }
 
 TEST(Schema, AVariantThatIsNoObjectIsToldItsForm) {
-  const std::string wanted = " is no object with a \"type\"";
+  const std::string wanted = " is not valid; expected object with a \"type\"";
   EXPECT_EQ(refusal("scan", R"({"scanner": {"pattern": "spiral"}})"),
             "c.json: /scanner/pattern: \"spiral\"" + wanted + R"(; did you mean {"type": "spiral"}?)");
   EXPECT_EQ(refusal("scan", R"({"scanner": "fms"})"),

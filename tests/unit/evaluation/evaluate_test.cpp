@@ -378,7 +378,7 @@ TEST(Evaluate, RegionsOfOtherShapes) {
   dem.region_mask = BinMask(GridSpec::centered(4, 1), 1);
   EXPECT_EQ(refusal(dem, parameters), "region/path: its grid differs from that of z_est");
   dem.region_mask = BinMask(dem.z_est.spec());
-  EXPECT_EQ(refusal(dem, parameters), "region/path: the mask has no bin set");
+  EXPECT_EQ(refusal(dem, parameters), "region/path: no bin of the mask is set");
   dem.region_mask->at({0, 0}) = dem.region_mask->at({10, 3}) = 1;
   const Metrics mask = evaluate(dem, parameters).metrics;
   EXPECT_EQ(mask.region, (RegionMetrics{RegionShape::mask, {}, {}, 2}));

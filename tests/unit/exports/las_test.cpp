@@ -78,7 +78,7 @@ TEST(LasGrid, TakesTheFinestScaleThatFits) {
     FAIL() << "accepted";
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(),
-                testing::HasSubstr("f: points reach 214750 m from their centre; LAS holds 214748 m"));
+                testing::HasSubstr("f: points reach 214750 m from their centre; LAS allows 214748 m"));
   }
 }
 

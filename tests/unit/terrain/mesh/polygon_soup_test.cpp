@@ -84,7 +84,8 @@ TEST(CleanMesh, Refuses) {
   EXPECT_EQ(refusal(soup_of(corners, {{0, 1, 2}, {0, 1, 3}})), "m.obj: facet 2 names vertex 4 of 3");
   EXPECT_EQ(refusal(soup_of(corners, {{0, 1, 1}})), "m.obj: has no facet with an area");
   EXPECT_EQ(refusal(soup_of({}, {})), "m.obj: has no facet with an area");
-  const std::string far = "m.obj: vertex 2 is not finite, or further than 1e12 m out once placed";
+  const std::string far =
+      "m.obj: vertex 2 is not finite, or more than 1e12 m from the origin after placement";
   EXPECT_EQ(refusal(soup_of(corners, {{0, 1, 2}}), {1.5e12, {}, {0, 0, 0}}), far);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refusal(soup_of({{0, 0, 0}, {0, nan, 0}, {0, 1, 0}}, {{0, 1, 2}})), far);
