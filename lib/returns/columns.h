@@ -89,8 +89,7 @@ struct PulseColumns {
   std::vector<double> px_true, py_true, pz_true, qw_true, qx_true, qy_true, qz_true;
   std::vector<double> px_est, py_est, pz_est, qw_est, qx_est, qy_est, qz_est;
   std::vector<std::int32_t> point_count;  ///< rows of this pulse in the points
-  std::vector<std::int64_t>
-      point_begin;  ///< filled by the file's writer, which knows the rows before
+  std::vector<std::int64_t> point_begin;  ///< filled by the file's writer, which knows the rows before
 
   [[nodiscard]] std::size_t size() const { return point_count.size(); }
   friend bool operator==(const PulseColumns&, const PulseColumns&) = default;
