@@ -14,7 +14,7 @@ namespace landfall {
 class NumberTable {
  public:
   NumberTable() = default;
-  /// `file` begins every message. Throws FormatError where the columns differ in length.
+  /// `file` begins every message. Throws FormatError if the columns differ in length.
   NumberTable(std::string file, std::map<std::string, std::vector<double>> columns);
 
   [[nodiscard]] const std::string& file() const { return file_; }

@@ -68,7 +68,7 @@ class Session {
   /// The provenance of this run; the caller adds its inputs.
   [[nodiscard]] Provenance provenance() const;
 
-  /// Throws UsageError where --view is given and -o is not.
+  /// Throws UsageError if --view is given without -o.
   void require_output_for_view() const;
   /// Draws the output for --view if requested; call it after the run.
   void view_output();

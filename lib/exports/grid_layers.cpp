@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-/// A layer with more bins is read in strips where the caller allows it.
+/// A float64 layer with more bins is read in strips.
 constexpr std::size_t kLargeBins = std::size_t{1} << 24U;
 
 LandfallFileReader require_grid(LandfallFileReader file) {

@@ -25,7 +25,7 @@ struct ContentInfo {
 /// The kind of a landfall file: terrain, scan, dem, evaluation or plan.
 [[nodiscard]] std::string kind_of(const LandfallFileReader& file);
 
-/// True where the file has a grid: coordinates /x and /y.
+/// True if the file has a grid: coordinates /x and /y.
 [[nodiscard]] bool has_grid(const LandfallFileReader& file);
 
 /// The layers of a grid: the numeric datasets at the root of the shape (y, x), in the order in which the

@@ -20,7 +20,7 @@ struct InputRecord {
 struct Provenance {
   std::string tool;
   nlohmann::json config = nullptr;  ///< the resolved configuration; paths in it are cut to the file's name
-  /// Command-line options that change what the file holds (--keep-misses); null where none does.
+  /// Command-line options that change the content of the file (--keep-misses); null if none does.
   nlohmann::json options = nullptr;
   std::vector<InputRecord> inputs = {};
   /// The upstream steps, oldest first, each {"tool", "version", "file_id", "config", "inputs"}; a file that

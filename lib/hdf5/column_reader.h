@@ -28,7 +28,7 @@ using ColumnTarget =
 /// batches in order decode every chunk once for any batch size: up to 512 KiB per column.
 class ColumnReader {
  public:
-  /// Throws FormatError, naming file and column, where a column is missing or not one-dimensional. The
+  /// Throws FormatError, naming file and column, if a column is missing or not one-dimensional. The
   /// table's file must stay open.
   ColumnReader(const TableReader& table, const std::vector<std::string>& columns);
 

@@ -116,7 +116,7 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 /// Reads 1-D columns of equal length, in pieces of rows.
 class TableReader {
  public:
-  /// Throws FormatError (naming `file`) where the group is missing.
+  /// Throws FormatError (naming `file`) if the group is missing.
   TableReader(hid_t parent, const std::string& group, std::string file);
 
   [[nodiscard]] bool has(const std::string& column) const;

@@ -22,7 +22,7 @@ constexpr hsize_t kLargestChunk = hsize_t{1} << 21U;
 constexpr hsize_t kSmallestChunk = 1024;
 constexpr double kMaxValues = 0x1p40;
 
-using Extent = std::array<hsize_t, 2>;  ///< rows and columns; one column where there is one dimension
+using Extent = std::array<hsize_t, 2>;  ///< rows and columns; one column for a dataset of one dimension
 
 /// A dataset cut into blocks, in row-major order.
 class Blocks {

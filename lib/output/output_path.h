@@ -23,7 +23,7 @@ struct OutputOptions {
 /// are not touched.
 class OutputPath {
  public:
-  /// Throws UsageError where `path` exists and `overwrite` is false, exists but is not a regular file (a
+  /// Throws UsageError if `path` exists and `overwrite` is false, exists but is not a regular file (a
   /// directory, a pipe, a device), or its directory does not exist. A symbolic link is replaced, not
   /// followed.
   OutputPath(std::filesystem::path path, bool overwrite);

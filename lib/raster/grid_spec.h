@@ -14,9 +14,9 @@ struct BinIndex {
   friend bool operator==(const BinIndex&, const BinIndex&) = default;
 };
 
-/// A regular grid whose centres lie at integer multiples of the resolution: the one definition of where bin
-/// (row, col) lies. x = (first_col + col) * resolution_m, y = (first_row + row) * resolution_m, metres, frame
-/// D. Stored row-major, y ascending.
+/// A regular grid whose centres lie at integer multiples of the resolution. Only this struct defines where
+/// bin (row, col) lies: x = (first_col + col) * resolution_m, y = (first_row + row) * resolution_m, metres,
+/// frame D. Stored row-major, y ascending.
 struct GridSpec {
   double resolution_m = 0;
   std::int64_t first_row = 0;
