@@ -60,7 +60,7 @@ void check(const cli::CommonOptions& common, const Options& o) {
   if (o.report == "-") throw UsageError("--report needs a file");
 }
 
-/// The DEM and, where the configuration names one, the mask of its region.
+/// The DEM and, if the configuration names one, the mask of its region.
 DemInput read_inputs(const cli::Session& session, const Options& o, Provenance& provenance) {
   DemInput dem = read_dem(o.dem);
   provenance.add_input("dem", dem.file_id, dem.chain);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// landfall-export: writes what a landfall file holds in the formats of other programs.
+// landfall-export: converts a landfall file to formats of other programs.
 #include <CLI/CLI.hpp>
 
 #include "cli/tool.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// landfall-info: says what a landfall file is and holds.
+// landfall-info: describes the content of a landfall file.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -47,7 +47,7 @@ nlohmann::ordered_json describe(cli::Session& session, const Options& o, const s
   return description;
 }
 
-/// A file that is none of ours does not keep the others from being described.
+/// A file that is not a landfall file does not prevent the description of the others.
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.files.empty()) throw UsageError("a file to describe is required");
   ExitCode code = ExitCode::done;

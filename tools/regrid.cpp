@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// regrid: gathers the returns of one or more scans into a DEM.
+// regrid: builds a DEM from the returns of one or more scans.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
@@ -77,8 +77,8 @@ void bind(CLI::App& app, Options& o) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-/// The configuration with the options that say the same in it, so that the file's provenance tells what was
-/// done.
+/// The configuration with the options that set its values, so that the provenance in the file is
+/// complete.
 nlohmann::json config_of(const cli::Session& session, const Options& o) {
   nlohmann::json config = session.config();
   if (!o.truth_at.empty()) config["truth_at"] = o.truth_at;
@@ -103,17 +103,17 @@ RegridConfig checked_config(const cli::Session& session, const Options& o) {
   return config;
 }
 
-/// True where the scan's history names a terrain, and it is another one.
+/// True if the scan's history names another terrain.
 bool saw_other_terrain(const nlohmann::json& scan_chain, const std::string& terrain_id) {
   for (const nlohmann::json& step : scan_chain)
     if (step.value("tool", "") == "terrain-gen") return step.value("file_id", "") != terrain_id;
   return false;
 }
 
-/// Everything that goes into the DEM, opened and checked before the work begins.
+/// All inputs of the DEM, opened and checked before the work begins.
 struct Inputs {
   std::vector<std::unique_ptr<ScanReader>> scans;
-  Scene scene;  ///< without a surface where no terrain is given
+  Scene scene;  ///< has no surface if no terrain is given
   std::optional<UncertaintyParameters> uncertainty;
   std::optional<PoseTrack> poses;
   Provenance provenance;
@@ -157,7 +157,7 @@ Inputs open_inputs(cli::Session& session, const Options& o) {
   return inputs;
 }
 
-/// What the layers of --corrected and --uncertainty are made from.
+/// The data from which the layers of --corrected and --uncertainty are computed.
 struct ErrorMaps {
   Grid<Slope> slopes;
   std::optional<UncertaintyMap> uncertainty;  ///< refers to the slopes

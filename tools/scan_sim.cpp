@@ -85,7 +85,7 @@ void bind(CLI::App& app, Options& o) {
   bind_plan(app, o);
 }
 
-/// The options that change what the scan file holds; null where none does.
+/// The options that change the content of the scan file; null if none does.
 nlohmann::json options_json(const Options& o) {
   nlohmann::json options;
   if (o.keep_misses) options["keep_misses"] = true;
@@ -116,7 +116,7 @@ void count_work(cli::Session& session, const Simulation& simulation, const ScanW
     if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
 }
 
-/// The smallest grid of bins about the origin that holds the region.
+/// The smallest grid of bins centred on the origin that contains the region.
 GridSpec plan_grid(const Options& o) {
   require_positive({"", "--plan-radius"}, o.plan_radius_m);
   require_positive({"", "--plan-resolution"}, o.plan_resolution_m);

@@ -69,7 +69,7 @@ void bind(CLI::App& app, Options& o) {
       "Open local files that a raster refers to, such as the sources of a VRT");
 }
 
-/// --from names a terrain, which is exported as it is.
+/// True if --from names a terrain file, which is exported unchanged.
 bool is_export(const ImportOptions& import) { return !import.from.empty() && is_landfall_file(import.from); }
 
 void expand(JsonSource& source, const ImportOptions& import, const cli::CommonOptions& common) {

@@ -14,11 +14,11 @@ inline std::string plain_ascii(std::string text) {
   return text;
 }
 
-/// A word of a file as a message can hold it: at most 40 bytes, and plain ASCII.
+/// A word from a file, shortened for a message: at most 40 bytes of plain ASCII.
 inline std::string shown_word(std::string_view word) { return plain_ascii(std::string(word.substr(0, 40))); }
 
-/// A text that the user typed or that is valid UTF-8: whole up to 60 bytes; of a longer one what fits there,
-/// to the end of a letter, and "...".
+/// Shortens a text that the user typed or that is valid UTF-8: up to 60 bytes are kept whole; a longer text
+/// is cut after the last character that fits, and "..." follows.
 inline std::string abbreviated(std::string_view text) {
   constexpr std::size_t kMax = 60;
   if (text.size() <= kMax) return std::string(text);

@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little,
 template <class T>
 void append_number(std::string& out, T value) {
   if constexpr (std::is_floating_point_v<T>) {
-    if (std::isnan(value)) {  // the sign of a NaN is of no interest
+    if (std::isnan(value)) {  // the sign of a NaN does not matter
       out += "nan";
       return;
     }
@@ -28,7 +28,7 @@ void append_number(std::string& out, T value) {
   out.append(text.data(), static_cast<std::size_t>(end - text.data()));
 }
 
-/// Appends a number as PLY and LAS hold it: little endian, without padding.
+/// Appends a number as PLY and LAS store it: little-endian, without padding.
 template <class T>
 void append_raw(std::string& out, T value) {
   char bytes[sizeof(T)];

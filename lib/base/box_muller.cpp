@@ -15,7 +15,7 @@ namespace landfall::HWY_NAMESPACE {
 
 using Bits = hn::RebindToUnsigned<D>;
 
-/// Coefficients from the highest power down, by Horner's rule. Never MulAdd: it is fused on some targets.
+/// A polynomial by Horner's rule, coefficients from the highest power down. MulAdd is fused on some targets.
 template <std::size_t N>
 HWY_INLINE V Polynomial(const std::array<double, N>& coefficients, V x) {
   V sum = constant(coefficients[0]);
@@ -38,7 +38,7 @@ HWY_INLINE V Log(V x) {
   const auto shifted = hn::Add(hn::BitCast(Bits(), x), set(kOne - kRootHalf));
   const auto fraction = hn::And(shifted, set(0x000fffffffffffff));
   const V m = hn::BitCast(D(), hn::Add(fraction, set(kRootHalf)));
-  // The exponent becomes the low bits of 2^52 + exponent: a conversion that every target has.
+  // Converts the exponent through the low bits of 2^52 + exponent, which every target supports.
   const V exponent = hn::BitCast(D(), hn::Or(hn::ShiftRight<52>(shifted), set(kTwo52)));
   const V k = hn::Sub(exponent, constant(0x1p52 + 1023));
   const V f = hn::Sub(m, constant(1));
@@ -50,13 +50,13 @@ HWY_INLINE V Log(V x) {
   return hn::Sub(hn::Mul(k, constant(kLn2High)), hn::Sub(hn::Sub(half_square, small), f));
 }
 
-/// The upper 26 digits: the product of two such numbers is exact.
+/// The upper 26 bits of the significand: the product of two such numbers is exact.
 HWY_INLINE V Upper(V x) {
   return hn::BitCast(D(),
                      hn::And(hn::BitCast(Bits(), x), hn::Set(Bits(), std::uint64_t{0xfffffffff8000000})));
 }
 
-/// sin(2 pi t), |t| <= 1/8: Taylor's series, its first term as an exact product and a rest.
+/// sin(2 pi t), |t| <= 1/8, by its Taylor series; the first term is an exact product plus a remainder.
 HWY_INLINE V SinTurns(V t) {
   constexpr std::array kOdd = {0x1.aaec32af93359p-4,  -0x1.6fadb9f155744p-1, 0x1.e8f434d018d63p+1,
                                -0x1.e3074fde8871fp+3, 0x1.50783487ee782p+5,  -0x1.32d2cce62bd86p+6,
@@ -71,8 +71,8 @@ HWY_INLINE V SinTurns(V t) {
   return hn::Add(hn::Mul(high, constant(kTwoPiHigh)), rest);
 }
 
-/// cos(2 pi t), |t| <= 1/8: Taylor's series; (2 pi t)^2 / 2 as an exact product and a rest, and what 1 less
-/// that product rounds off is added again.
+/// cos(2 pi t), |t| <= 1/8, by its Taylor series; (2 pi t)^2 / 2 is an exact product plus a remainder, and
+/// the rounding error of 1 minus that product is added back.
 HWY_INLINE V CosTurns(V t) {
   constexpr std::array kEven = {-0x1.2a0c591af8314p-5, 0x1.20c62c2f2d7f5p-2,  -0x1.b6e24f44b128fp+0,
                                 0x1.f9d38a3763cc3p+2,  -0x1.a6d1f2a204a8cp+4, 0x1.e1f506891babbp+5,

@@ -6,12 +6,12 @@
 
 namespace landfall {
 
-/// What every tool tells its caller (docs/user/cli.md).
+/// Exit codes of all tools (docs/user/cli.md).
 enum class ExitCode : int {
   done = 0,
   data_failed = 1,         ///< an input's content is wrong, or reading or writing failed
   usage = 2,               ///< bad flag, bad config, or the output exists
-  requirement_missed = 3,  ///< --require-pass, and the DEM does not pass
+  requirement_missed = 3,  ///< --require-pass was given and the DEM does not pass
 };
 
 /// The base of all errors that a user can cause or fix. The message names file, key, value, bound and what
@@ -33,7 +33,7 @@ class UsageError : public Error {
   explicit UsageError(const std::string& message) : Error(ExitCode::usage, message) {}
 };
 
-/// A data file does not hold what it must, or the data cannot be processed: exit 1.
+/// The content of a data file is not valid, or the data cannot be processed: exit 1.
 class FormatError : public Error {
  public:
   explicit FormatError(const std::string& message) : Error(ExitCode::data_failed, message) {}

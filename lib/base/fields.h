@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists members of a struct for a FieldWalk, in the struct. Two of these are equal where the members are.
+/// Lists the members of a struct for a FieldWalk, and defines == as equality of these members.
 #define LANDFALL_FIELDS(...)                                 \
   auto tied_fields() { return std::tie(__VA_ARGS__); }       \
   auto tied_fields() const { return std::tie(__VA_ARGS__); } \
@@ -25,10 +25,10 @@ bool operator==(const T& a, const T& b) { return a.tied_fields() == b.tied_field
 /// Visits the values of nested structs by their dotted paths ("accuracy.absolute.x.p95_m"), so that a file's
 /// writer, its reader and a table of results share one list of names.
 ///
-/// A field is a struct with LANDFALL_FIELDS, or a `fields` of its own, an optional one, or a value. The walk
-/// calls visit(path, value); values are const where the struct is. Of an empty optional struct nothing is
-/// visited or, where the struct says `kShownEmpty`, each value as std::nullopt. A walk over structs that are
-/// not const fills an optional one where visit.has(path) is true.
+/// A field is a value, a struct with LANDFALL_FIELDS or with its own `fields`, or an optional struct. The
+/// walk calls visit(path, value); values are const where the struct is. An empty optional struct is skipped;
+/// if the struct defines `kShownEmpty`, each of its values is visited as std::nullopt. A walk over structs
+/// that are not const fills an optional struct where visit.has(path) is true.
 template <class Visit>
 class FieldWalk {
  public:
@@ -50,7 +50,7 @@ class FieldWalk {
     std::apply([&](T&... field) { ((*this)(next_name(), field), ...); }, fields);
   }
 
-  /// Puts `name` before the names that `work` visits.
+  /// Prefixes the paths that `work` visits with `name`.
   template <class Work>
   void inside(std::string_view name, const Work& work) {
     const std::size_t length = path_.size();
@@ -96,7 +96,7 @@ class FieldWalk {
 
   Visit visit_;
   std::string path_;
-  bool is_empty_ = false;  ///< within an optional struct that is empty
+  bool is_empty_ = false;  ///< inside an empty optional struct
 };
 
 }  // namespace landfall

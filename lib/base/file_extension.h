@@ -7,8 +7,8 @@
 
 namespace landfall {
 
-/// The extension of a file's name with its dot, A to Z in lower case: ".tif" of "a.b/Site.TIF"; empty without
-/// one.
+/// The extension of a file name with its dot, A to Z in lower case: ".tif" for "a.b/Site.TIF"; empty if the
+/// name has none.
 inline std::string file_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// A 128-bit XXH3 digest, built piece by piece. It identifies files and configurations; it is not a
-/// signature: inputs that collide can be constructed.
+/// A 128-bit XXH3 digest, computed piece by piece. It identifies files and configurations. It is not
+/// cryptographic: colliding inputs can be constructed.
 class Hash {
  public:
   Hash();

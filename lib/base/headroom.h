@@ -6,8 +6,8 @@
 
 namespace landfall {
 
-/// Throws std::bad_alloc where the system would not give so much memory now: before calls of libraries that
-/// crash where they cannot have theirs. Touches none of it.
+/// Throws std::bad_alloc if the system cannot provide this much memory now. For use before calls of libraries
+/// that crash when an allocation fails. Does not touch the memory.
 inline void require_headroom(std::size_t byte_count) { ::operator delete(::operator new(byte_count)); }
 
 }  // namespace landfall

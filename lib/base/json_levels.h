@@ -7,9 +7,9 @@
 
 namespace landfall {
 
-/// For libraries that link nlohmann_json. Walks the text of JSON without building it, for Json::sax_parse():
-/// stops, and so says false, where the text is not JSON or nests deeper than `most` levels. Code that
-/// walks a JSON value recurses once per level.
+/// A handler for Json::sax_parse(), for libraries that link nlohmann_json. It builds no value. Parsing stops
+/// and returns false where the text is not JSON or nests deeper than `most` levels: code that walks a JSON
+/// value recurses once per level.
 class JsonLevels : public nlohmann::json_sax<nlohmann::json> {
  public:
   using Json = nlohmann::json;

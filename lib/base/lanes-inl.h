@@ -4,11 +4,11 @@
 //   #define HWY_TARGET_INCLUDE "folder/source.cpp"
 //   #include "base/lanes-inl.h"
 
-// Vectors without a size at compile time cannot be members, and would need other code for the rest of a span.
+// Vectors without a compile-time size cannot be class members and need other code for the end of a span.
 #ifndef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #endif
-#include <hwy/foreach_target.h>  // the source again, once for each instruction set
+#include <hwy/foreach_target.h>  // includes the source once for each instruction set
 
 #if defined(LANDFALL_BASE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef LANDFALL_BASE_LANES_INL_H_

@@ -27,14 +27,14 @@ void* map_block(std::size_t byte_count) {
   char* const block = static_cast<char*>(memory) + before;
   if (before > 0) munmap(memory, before);
   munmap(block + byte_count, kHugePage - before);
-  madvise(block, byte_count, MADV_HUGEPAGE);  // only a wish: small pages are as right
+  madvise(block, byte_count, MADV_HUGEPAGE);  // only a hint: small pages work as well
   return block;
 }
 
-/// Blocks that wait for their next use.
+/// Released blocks that are kept for reuse.
 class Shelf {
  public:
-  /// Null without a block of this size.
+  /// Returns null if no block of this size is kept.
   void* take(std::size_t byte_count) {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(blocks_, byte_count, &Block::byte_count);
@@ -45,11 +45,11 @@ class Shelf {
     return memory;
   }
 
-  /// False where there is no room.
+  /// Returns false if there is no room.
   bool keep(void* memory, std::size_t byte_count) noexcept {
     const std::lock_guard lock(mutex_);
     if (byte_count > kMaxKept - kept_) return false;
-    blocks_.push_back({memory, byte_count});  // within what is reserved
+    blocks_.push_back({memory, byte_count});  // within the reserved capacity
     kept_ += byte_count;
     return true;
   }
@@ -71,7 +71,7 @@ class Shelf {
   std::size_t kept_ = 0;
 };
 
-/// Never destroyed: other statics may give blocks back after it would have been.
+/// Never destroyed, because other static objects may return blocks while they are destroyed.
 Shelf& shelf() {
   static Shelf& the_shelf = *new Shelf;
   return the_shelf;

@@ -7,12 +7,12 @@
 
 namespace landfall {
 
-/// Blocks from here on are taken from huge pages and kept when they are given back.
+/// From this size on, blocks use huge pages and are kept for reuse when they are given back.
 inline constexpr std::size_t kLargeBlock = std::size_t{1} << 20U;
 
-/// Memory of unknown content, aligned to a huge page. The system clears a new page and enters it on its first
-/// use, which costs more than one pass over a map; a block that was given back before is ready. At most
-/// 128 MiB are kept. From any thread. Throws std::bad_alloc.
+/// Uninitialised memory, aligned to a huge page. The system clears and maps a new page on its first use,
+/// which costs more than one pass over a map; a reused block avoids that cost. At most 128 MiB are kept. May
+/// be called from any thread. Throws std::bad_alloc.
 [[nodiscard]] void* take_large_block(std::size_t byte_count);
 /// The block must have been taken with the same count.
 void give_large_block_back(void* block, std::size_t byte_count) noexcept;

@@ -10,11 +10,11 @@
 
 namespace landfall {
 
-/// Named columns of numbers, all of one length: what a CSV or HDF5 table holds.
+/// Named columns of numbers, all of one length, from a CSV or HDF5 table.
 class NumberTable {
  public:
   NumberTable() = default;
-  /// `file` begins every message. Throws FormatError where the columns differ in length.
+  /// `file` begins every message. Throws FormatError if the columns differ in length.
   NumberTable(std::string file, std::map<std::string, std::vector<double>> columns);
 
   [[nodiscard]] const std::string& file() const { return file_; }
@@ -22,7 +22,7 @@ class NumberTable {
     return columns_.empty() ? 0 : columns_.begin()->second.size();
   }
   [[nodiscard]] bool has(const std::string& column) const { return columns_.contains(column); }
-  /// The column must be there.
+  /// The column must exist.
   [[nodiscard]] const std::vector<double>& column(const std::string& name) const { return columns_.at(name); }
   /// Throws FormatError "file: what".
   [[noreturn]] void fail(const std::string& what) const { throw FormatError(file_ + ": " + what); }
@@ -36,14 +36,14 @@ class NumberTable {
   std::map<std::string, std::vector<double>> columns_;
 };
 
-/// The columns to read from a file: without a required one it is refused, an optional one may be missing.
+/// The columns to read from a file. Every required column must be present; optional ones may be missing.
 struct TableColumns {
   std::vector<std::string> required = {};
   std::vector<std::string> optional = {};
 };
 
-/// Reads a table for a component that lives in a file. `role` is what the table is to the run ("trajectory",
-/// "pattern"), as its provenance says. Throws FormatError naming the file.
+/// Reads the table of a component that is defined by a file. `role` is the role of the table in the
+/// provenance ("trajectory", "pattern"). Throws FormatError naming the file.
 using TableLoader =
     std::function<NumberTable(const std::string& path, const std::string& role, const TableColumns& columns)>;
 

@@ -45,7 +45,7 @@ void parallel_for(std::size_t count, std::size_t grain,
     ++done;
     progress(static_cast<double>(done) / static_cast<double>(pieces));
   };
-  // Isolation keeps a thread that waits here from starting unrelated outer work (a pipeline stage, for one).
+  // Isolation keeps a waiting thread from starting unrelated outer work, for example a pipeline stage.
   tbb::this_task_arena::isolate(
       [&] { tbb::parallel_for(std::size_t{0}, pieces, run_piece, tbb::simple_partitioner{}); });
   if (pieces == 0) report(progress, 1.0);

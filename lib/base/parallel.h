@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// Limits the threads of everything run while it lives; 0 means all cores.
+/// Limits the number of threads of all parallel work during its lifetime; 0 means all cores.
 class ThreadLimit {
  public:
   explicit ThreadLimit(std::size_t threads);
@@ -22,7 +22,7 @@ class ThreadLimit {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The threads that parallel work may use now.
+/// The number of threads that parallel work may use now.
 [[nodiscard]] std::size_t thread_count();
 
 /// Calls work(begin, end) over pieces of [0, count), each of at most `grain` items (grain >= 1), in any order
@@ -32,23 +32,23 @@ void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t begin, std::size_t end)>& work,
                   const ProgressCallback& progress = {});
 
-/// Calls work so that a thread that waits in it for parallel work does nothing else meanwhile: for work that
-/// holds a lock.
+/// Calls work so that a thread that waits inside it for parallel work takes no other task meanwhile. Work
+/// that holds a lock needs this.
 void run_isolated(const std::function<void()>& work);
 
-/// Calls both at the same time, where there are threads for it. An exception thrown by either is rethrown
+/// Calls both at the same time if threads are available. An exception thrown by either is rethrown
 /// here.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);
 
-/// Calls produce(item, slot), then consume(item, slot) for every item of [0, count), each of the two in order
-/// and never with itself at the same time, while later items are produced as earlier ones are consumed. At
+/// Calls produce(item, slot), then consume(item, slot) for every item of [0, count). Each of the two runs in
+/// order and never concurrently with itself; later items are produced while earlier ones are consumed. At
 /// most `slots` (>= 1) items exist at a time, and slot = item % slots: memory for `slots` items is enough. An
 /// exception thrown by either is rethrown here.
 void read_ahead(std::size_t count, std::size_t slots,
                 const std::function<void(std::size_t item, std::size_t slot)>& produce,
                 const std::function<void(std::size_t item, std::size_t slot)>& consume);
 
-/// The same, but produce runs for several items at once, on all threads.
+/// As read_ahead(), but produce runs for several items at once, on all threads.
 void produce_in_parallel(std::size_t count, std::size_t slots,
                          const std::function<void(std::size_t item, std::size_t slot)>& produce,
                          const std::function<void(std::size_t item, std::size_t slot)>& consume);

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// A parameter by its owner's path in the configuration ("features/3", "scanner"; may be empty) and its key.
+/// A parameter: its owner's path in the configuration ("features/3", "scanner"; may be empty) and its key.
 struct ParameterName {
   std::string owner;
   std::string key;

@@ -5,12 +5,12 @@
 
 namespace landfall {
 
-/// The parameter that would settle an error, by its name in the module that throws: "half_width_m".
+/// The parameter whose value would resolve an error, as the throwing module names it: "half_width_m".
 struct SettlingParameter {
-  const char* name;  ///< a literal
+  const char* name;  ///< a string literal
 };
 
-/// A UsageError or FormatError with such a parameter; a tool adds the option that sets it.
+/// A UsageError or FormatError with such a parameter; the tool adds the option that sets it to the message.
 template <class Kind>
 struct ParameterError final : Kind, SettlingParameter {
   ParameterError(const std::string& message, const char* parameter)

@@ -5,8 +5,8 @@
 
 namespace landfall {
 
-/// Called by long work with the fraction done: never decreasing, in [0, 1], the last call is 1. It may come
-/// from any thread, one call at a time. An empty function reports no progress.
+/// Called by long-running work with the fraction done: never decreasing, in [0, 1], the last call is 1. It
+/// may be called from any thread, one call at a time. An empty function reports no progress.
 using ProgressCallback = std::function<void(double fraction)>;
 
 inline void report(const ProgressCallback& progress, double fraction) {

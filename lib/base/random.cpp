@@ -22,7 +22,7 @@ void RandomField::normals_along_i(std::uint64_t first_i, std::uint64_t j, std::s
 }
 
 void RandomField::normals(Counter first, Counter step, std::span<double> out) const {
-  constexpr std::size_t kBlock = 256;  // stays in the first cache
+  constexpr std::size_t kBlock = 256;  // fits in the L1 cache
   std::array<double, kBlock> u;
   std::array<double, kBlock> v;
   for (std::size_t begin = 0; begin < out.size(); begin += kBlock) {

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// One stream per source of randomness, so that switching one on or off changes no draw of another. The
-/// values are part of the files' reproducibility: never renumber.
+/// One stream per source of randomness, so that enabling or disabling one changes no draw of another. Files
+/// are reproducible only if these values never change.
 enum class RandomStream : std::uint64_t {
   range_noise = 1,
   dropout = 2,
@@ -43,9 +43,9 @@ class RandomField {
 
   /// Standard normal by Box-Muller; |value| <= 8.6. The same bits on every machine.
   [[nodiscard]] double normal(std::uint64_t i, std::uint64_t j = 0) const;
-  /// The draws (i, first_j), (i, first_j + 1), ...: the bits that normal() gives, many times as fast.
+  /// The draws (i, first_j), (i, first_j + 1), ..., bit for bit those of normal(), many times as fast.
   void normals(std::uint64_t i, std::uint64_t first_j, std::span<double> out) const;
-  /// Likewise the draws (first_i, j), (first_i + 1, j), ...
+  /// As normals(), for the draws (first_i, j), (first_i + 1, j), ...
   void normals_along_i(std::uint64_t first_i, std::uint64_t j, std::span<double> out) const;
 
  private:

@@ -6,8 +6,8 @@
 
 namespace landfall {
 
-/// Whether an exception says that the system gave no further thread: oneTBB throws a plain runtime_error from
-/// wherever parallel work begins.
+/// Whether an exception means that the system refused another thread: oneTBB then throws a plain
+/// runtime_error wherever parallel work begins.
 [[nodiscard]] inline bool is_thread_refusal(const std::exception& error) {
   return std::string_view(error.what()).starts_with("pthread_create");
 }

@@ -14,7 +14,7 @@ std::size_t thread_supply(std::size_t wanted) {
   threads.reserve(wanted);
   try {
     while (threads.size() + 1 < wanted) threads.emplace_back([&all_are_there] { all_are_there.wait(); });
-  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no more than these
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no further thread is available
   }
   all_are_there.count_down();
   return threads.size() + 1;

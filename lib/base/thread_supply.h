@@ -5,9 +5,9 @@
 
 namespace landfall {
 
-/// How many threads, up to `wanted` and this one among them, the system lets run at the same time now (ulimit
-/// -u, or memory for their stacks): 1 at least. oneTBB fails and GDAL blocks where one of its threads is
-/// refused. Some 20 microseconds a thread.
+/// The number of threads, this one included, that the system allows to run at the same time now (ulimit -u,
+/// or memory for their stacks): at least 1, at most `wanted`. Needed because oneTBB fails and GDAL blocks if
+/// one of their threads is refused. Takes about 20 microseconds per thread.
 [[nodiscard]] std::size_t thread_supply(std::size_t wanted);
 
 }  // namespace landfall

@@ -15,8 +15,8 @@ namespace landfall {
   throw FormatError(name + ": row " + std::to_string(index + 1) + ": " + what);
 }
 
-/// What every table over time must be: at least 2 rows, t_s finite and strictly increasing, `is_finite` true
-/// for each row. Throws FormatError begun by `name` otherwise, for the first row at fault.
+/// Checks a table over time: at least 2 rows, t_s finite and strictly increasing, `is_finite` true for each
+/// row. Otherwise throws FormatError, which begins with `name`, for the first invalid row.
 template <class Row, class IsFinite>
 void require_timed_rows(std::span<const Row> rows, const std::string& name, const IsFinite& is_finite) {
   if (rows.size() < 2)

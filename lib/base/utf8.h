@@ -6,7 +6,7 @@
 
 namespace landfall {
 
-/// For libraries that link nlohmann_json. Whether a text is UTF-8, as all of a JSON text must be.
+/// For libraries that link nlohmann_json. Whether a text is UTF-8, which JSON requires.
 inline bool is_utf8(const std::string& text) {
   try {
     static_cast<void>(nlohmann::json(text).dump());
@@ -16,7 +16,7 @@ inline bool is_utf8(const std::string& text) {
   }
 }
 
-/// A text with U+FFFD for each byte that is not UTF-8.
+/// Replaces each byte that is not UTF-8 by U+FFFD.
 inline std::string as_utf8(const std::string& text) {
   if (is_utf8(text)) return text;
   const std::string json =

@@ -27,7 +27,7 @@ ZeroedMemory::ZeroedMemory(std::size_t byte_count) {
   if (memory == MAP_FAILED) throw std::bad_alloc();
   memory_ = {memory, Unmap{mapped}};
   data_ = next_huge_page(memory);
-  madvise(data_, byte_count, MADV_HUGEPAGE);  // only a wish: small pages are as right
+  madvise(data_, byte_count, MADV_HUGEPAGE);  // only a hint: small pages work as well
 }
 
 }  // namespace landfall

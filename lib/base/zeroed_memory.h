@@ -8,9 +8,9 @@
 
 namespace landfall {
 
-/// Large zeroed memory that costs nothing until it is touched, in huge pages where the system has them: with
-/// small ones, first reading and then writing each page costs two faults, and on several threads an
-/// interruption of every core. Throws std::bad_alloc.
+/// Large zeroed memory that costs nothing until it is touched, in huge pages where the system has them. With
+/// small pages, first reading and then writing each page causes two page faults and, with several threads, an
+/// interrupt on every core. Throws std::bad_alloc.
 class ZeroedMemory {
  public:
   explicit ZeroedMemory(std::size_t byte_count);
@@ -26,7 +26,7 @@ class ZeroedMemory {
   void* data_;
 };
 
-/// An array in such memory: of a type for which zero bytes are a value.
+/// An array in ZeroedMemory, of a type for which all-zero bytes are a valid value.
 template <class T>
 class ZeroedArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

@@ -13,7 +13,7 @@
 namespace landfall::cli {
 namespace {
 
-/// The type that the option's declaration names, without what its checks add to it.
+/// The type in the option's declaration, without the text that its checks add.
 std::string wanted(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::string word = type.substr(0, type.find(':'));
@@ -21,7 +21,7 @@ std::string wanted(const CLI::Option& option) {
   return word.empty() || word == "TEXT" ? "a value" : word;
 }
 
-/// A positional argument has no name that a user would type.
+/// A positional argument has no name that a user could type.
 std::string name_of(const CLI::Option& option) {
   return (option.get_positional() ? "the argument " : "") + option.get_name();
 }
@@ -42,7 +42,7 @@ bool is_flag(const CLI::App& app, const std::string& name) {
   return option != nullptr && option->get_items_expected_max() == 0;
 }
 
-/// `arguments` come in an order of the parser's own.
+/// The parser may report `arguments` in another order than they were given.
 std::string not_expected(const CLI::App& app, const std::string& arguments) {
   std::istringstream words(arguments);
   std::string word;

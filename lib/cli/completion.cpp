@@ -14,7 +14,7 @@
 namespace landfall::cli {
 namespace {
 
-using Values = std::map<std::string, std::set<std::string>>;  ///< of each key, as JSON
+using Values = std::map<std::string, std::set<std::string>>;  ///< values of each key, as JSON
 
 constexpr const char* kHelpers =
     R"sh(_landfall_match() {  # CURRENT CANDIDATE...: a text may be begun without its quote
@@ -30,7 +30,7 @@ _landfall_files() {  # CURRENT EXTENSION
 }
 )sh";
 
-/// bash parts words at "=": --set KEY = VALUE.
+/// bash splits words at "=": --set KEY = VALUE.
 constexpr const char* kBegin = R"sh(() {
   local current=${COMP_WORDS[COMP_CWORD]} at=$((COMP_CWORD - 1)) option key= assigned=
   COMPREPLY=()
@@ -47,7 +47,7 @@ constexpr const char* kBegin = R"sh(() {
   case $option in
 )sh";
 
-/// In single quotes, which no option, value or key contains.
+/// Encloses a word in single quotes, which no option, value or key contains.
 std::string quoted(const std::string& word) { return "'" + word + "'"; }
 
 template <class Words>
@@ -57,14 +57,14 @@ std::string match(const Words& words) {
   return text;
 }
 
-/// As a person types it in a shell: the quotes of a JSON text need a backslash.
+/// Escapes JSON as typed in a shell: its quotes need a backslash.
 std::string in_shell(const std::string& json) {
   std::string text;
   for (const char c : json) text += c == '"' ? "\\\"" : std::string(1, c);
   return text;
 }
 
-/// The path with the first element for any of an array.
+/// The path with index 0 for any element of an array.
 std::string path_of(const SchemaKey& key) {
   std::string path = key.path;
   for (std::size_t at = path.find(".N"); at != std::string::npos; at = path.find(".N", at + 2))
@@ -95,7 +95,7 @@ std::string set_case(const Tool& tool) {
          match(keys) + "\n          ;;\n" + cases + "      esac\n      ;;\n";
 }
 
-/// What a FILE may be; empty for any.
+/// The file extension that an option accepts; empty for any.
 std::string extension_of(const OptionView& option) {
   if (option.names.back() == "--config") return ".json";
   return option.description.find(".h5)") != std::string::npos ? ".h5" : "";

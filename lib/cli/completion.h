@@ -11,8 +11,8 @@ namespace landfall::cli {
 
 struct Tool;
 
-/// A script that makes bash complete a tool whose options `app` has: options, their values, files by their
-/// extension, and after --set the keys of the tool's schema and their values. It needs nothing but bash 4.
+/// A bash completion script for a tool whose options `app` has: it completes options, their values, files by
+/// their extension, and after --set the keys of the tool's schema and their values. It needs only bash 4.
 [[nodiscard]] std::string bash_completion(const CLI::App& app, const Tool& tool);
 
 }  // namespace landfall::cli

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The choices alone: every "type" of every object.
+/// Extracts only the choices: every "type" of every object.
 Json choices_of(const Json& config) {
   Json choices = Json::object();
   for (const auto& [key, value] : config.items()) {
@@ -23,7 +23,7 @@ Json choices_of(const Json& config) {
   return choices;
 }
 
-/// The defaults for these choices; without them where they ask for more than defaults.
+/// The defaults for these choices; those without choices if the chosen types have required keys.
 Json defaults_of(const Json& choices, const std::string& schema) {
   try {
     return resolved_config({"defaults", choices}, schema);
@@ -32,11 +32,11 @@ Json defaults_of(const Json& choices, const std::string& schema) {
   }
 }
 
-/// What is compared at one node of the configuration.
+/// The values compared at one node of the configuration.
 struct Node {
   const Json& value;
-  const Json& of_choices;  ///< the defaults for its choices
-  const Json& plain;       ///< the defaults without any
+  const Json& of_choices;  ///< the defaults for its choices of "type"
+  const Json& plain;       ///< the defaults without any choice
 };
 
 const Json& member(const Json& value, const std::string& key) {

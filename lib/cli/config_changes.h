@@ -9,8 +9,8 @@
 
 namespace landfall::cli {
 
-/// A source with the defaults of the schema (embedded_schema()) and of what follows from its keys; throws
-/// UsageError.
+/// Fills a source with the defaults of the schema (embedded_schema()) and those that follow from its keys;
+/// throws UsageError.
 [[nodiscard]] nlohmann::json resolved_config(const JsonSource& source, const std::string& schema);
 
 /// A value of a configuration that is not its default.
@@ -19,8 +19,8 @@ struct ConfigChange {
   nlohmann::json value;
 };
 
-/// Where `config`, resolved by this or another version, differs from the defaults for its choices of "type".
-/// Each choice stands among them where it is not the default. Arrays differ as a whole.
+/// The values of `config`, resolved by this or another version, that differ from the defaults for its choices
+/// of "type". Each choice that is not the default is included. Arrays are compared as a whole.
 [[nodiscard]] std::vector<ConfigChange> config_changes(const nlohmann::json& config,
                                                        const std::string& schema);
 

@@ -23,13 +23,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWidth = 100;
 
-/// A text from a file: on one line, and no longer than the page.
+/// A text from a file, on one line and cut to the page width.
 std::string cut(std::string text, std::size_t width) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   if (text.size() <= width) return text;
   std::size_t end = width - 3;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;  // not within a letter
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;  // not inside a letter
   return text.substr(0, end) + "...";
 }
 
@@ -72,7 +72,7 @@ std::string extent(const Json& d) {
   std::string text;
   if (d.contains("grid")) {
     const Json& g = d["grid"];
-    const bool nodes = d["kind"] == "terrain";  // elevations at points; elsewhere means over bins
+    const bool nodes = d["kind"] == "terrain";  // elevations at points, not means over bins
     text += line("grid", integer(g["columns"]) + " x " + integer(g["rows"]) +
                              (nodes ? " nodes, one every " : " bins of ") +
                              number_text(g["resolution_m"].get<double>()) + " m");
@@ -128,7 +128,7 @@ std::size_t name_width(const Json& entries) {
   return width;
 }
 
-/// Without statistics: what each is.
+/// Lists the entries without statistics.
 std::string list_lines(const std::string& group, const Json& entries) {
   const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
   std::string text =
@@ -143,13 +143,13 @@ std::string list_lines(const std::string& group, const Json& entries) {
   return text;
 }
 
-/// Whole numbers in full where they are not too long.
+/// Prints whole numbers with all digits if they are not too long.
 std::string value_text(const Json& value, const std::string& type) {
   const bool whole = type.find("int") != std::string::npos && value.is_number();
   return whole && std::abs(value.get<double>()) < 1e9 ? print("%.0f", value.get<double>()) : number(value);
 }
 
-/// Those that occur, over several lines.
+/// Lists the flags that occur, over several lines.
 std::string flag_lines(const Json& by_name, int indent) {
   std::string text;
   std::string row;
@@ -194,7 +194,7 @@ std::string dataset_lines(const std::string& group, const Json& entries) {
   return text;
 }
 
-/// The schema of a tool's configuration; empty for another's.
+/// The schema of a tool's configuration; empty for other tools.
 std::string schema_of(const std::string& tool) {
   static const std::map<std::string, std::string> kSchemas = {
       {"terrain-gen", "terrain"}, {"scan-sim", "scan"}, {"regrid", "regrid"}, {"dem-eval", "eval"}};
@@ -257,7 +257,7 @@ EvaluationLimits limits_of(const Json& d) {
   }
 }
 
-/// The tables that the tools print of their results.
+/// The result tables that the tools print.
 std::string result_tables(const Json& d) {
   std::string text;
   if (d.contains("metrics")) text += "\n" + verdict_table(metrics_from(d["metrics"]), limits_of(d));

@@ -6,9 +6,9 @@
 
 namespace landfall::cli {
 
-/// describe_file() as aligned lines of text, at most about 100 columns wide. `whole_config`: the
-/// configuration as JSON, not only what differs from its defaults. Throws FormatError where metrics or plan
-/// of the file lack what they should hold.
+/// The result of describe_file() as aligned lines of text, at most about 100 columns wide. `whole_config`
+/// prints the whole configuration as JSON, not only the values that differ from their defaults. Throws
+/// FormatError if metrics or plan of the file are incomplete.
 [[nodiscard]] std::string description_text(const nlohmann::ordered_json& description, bool whole_config);
 
 }  // namespace landfall::cli

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kTools = {"dem-eval", "landfall-export", "landfall-info",
                                "regrid",   "scan-sim",        "terrain-gen"};
 
-/// Text as roff prints it unchanged, also where it is copied into a shell.
+/// Escapes text so that roff prints it unchanged, and so that it can be copied into a shell.
 std::string roff(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -56,7 +56,7 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// A summary as the index of man pages has it: no sentence.
+/// A summary in the form of man page indexes: without capital and full stop.
 std::string name_line(const Tool& tool) {
   std::string text = tool.summary;
   if (text.ends_with('.')) text.pop_back();
@@ -123,7 +123,7 @@ std::string key_lines(const SchemaKey& key) {
   return head + " (" + roff(facts(key)) + ")\n" + sentence(key.description);
 }
 
-/// The keys of one choice of "type" stand indented under its head.
+/// Indents the keys of one choice of "type" under its heading.
 std::string indented_keys(const std::vector<SchemaKey>& keys) {
   std::string text;
   std::vector<std::string> heads;
@@ -163,7 +163,7 @@ std::string exit_section(const Tool& tool) {
   return text;
 }
 
-/// Commands are indented in the text; what is not is prose after them.
+/// Indented lines are commands; the other lines are prose after them.
 std::string example_section(const Tool& tool) {
   std::string commands;
   std::string prose;
@@ -184,7 +184,7 @@ std::string see_also(const Tool& tool) {
   return ".SH SEE ALSO\n" + text + "\n";
 }
 
-/// Paragraphs are parted by empty lines.
+/// Paragraphs are separated by empty lines.
 std::string paragraphs(const std::string& text) {
   std::string result;
   std::istringstream lines(text);

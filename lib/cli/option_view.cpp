@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kWidth = 100;
 constexpr std::size_t kNameWidth = 30;
 
-/// CLI11 joins the checks of an option to the name of its type: "TEXT:{a,b}", "N:INT in [0 - 9]".
+/// CLI11 appends the checks of an option to its type name: "TEXT:{a,b}", "N:INT in [0 - 9]".
 void split_type(const std::string& name, OptionView& view) {
   const std::size_t begin = name.find(":{");
   if (begin == std::string::npos || name.back() != '}') {

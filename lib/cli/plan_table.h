@@ -7,7 +7,7 @@
 
 namespace landfall::cli {
 
-/// A plan as lines of text: where the time goes, and what is covered.
+/// A plan as lines of text: use of time and coverage.
 [[nodiscard]] std::string plan_table(const PlanMetrics& plan);
 
 }  // namespace landfall::cli

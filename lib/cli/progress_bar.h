@@ -5,13 +5,13 @@
 
 namespace landfall::cli {
 
-/// Seconds on a clock that never goes back.
+/// Seconds on a monotonic clock.
 [[nodiscard]] double wall_seconds();
-/// CPU seconds of the whole process.
+/// CPU time of the whole process, seconds.
 [[nodiscard]] double cpu_seconds();
 
-/// One phase's bar on a terminal, redrawn at most ten times a second, with the time left. The last line
-/// stays, with the time that the phase took.
+/// The progress bar of one phase on a terminal, redrawn at most ten times a second, with the remaining time.
+/// The last line remains, with the time that the phase took.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string phase);
@@ -20,7 +20,7 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void update(double fraction);
-  /// The phase succeeded: leaves its line. Without it the line is wiped.
+  /// Call when the phase succeeded: its line remains. Otherwise the line is erased.
   void finish();
 
  private:

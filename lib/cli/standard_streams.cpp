@@ -12,8 +12,8 @@ bool is_closed(int descriptor) { return ::fcntl(descriptor, F_GETFD) < 0; }
 }  // namespace
 
 void hold_closed_standard_streams() {
-  // In ascending order, so that each gets its own number. Opened the wrong way round: no read or write
-  // succeeds.
+  // In ascending order, so that each stream gets its own number. Opened in the opposite direction, so that no
+  // read or write succeeds.
   if (is_closed(STDIN_FILENO)) static_cast<void>(::open("/dev/null", O_WRONLY));
   if (is_closed(STDOUT_FILENO)) static_cast<void>(::open("/dev/null", O_RDONLY));
   if (is_closed(STDERR_FILENO)) static_cast<void>(::open("/dev/null", O_RDONLY));

@@ -3,9 +3,9 @@
 
 namespace landfall::cli {
 
-/// Occupies standard streams that the parent closed (`2>&-`), before any file is opened: the system gives the
-/// lowest free number, and an output that got the number of standard error would take the messages into its
-/// midst. Reading and writing these streams fails as it does on closed ones.
+/// Reopens standard streams that the parent closed (`2>&-`); call it before any file is opened. The system
+/// assigns the lowest free number, so an output could get the number of standard error, and messages would be
+/// written into it. Reading and writing these streams fails as it does on closed ones.
 void hold_closed_standard_streams();
 
 }  // namespace landfall::cli

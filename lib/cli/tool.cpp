@@ -39,17 +39,17 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Before the other objects of file scope, which may already find no memory; under the name that the program
-/// was called by.
+/// Installed before other objects of file scope are constructed, because these may already run out of memory;
+/// uses the name by which the program was called.
 struct EarlyMemoryCleanup {
   EarlyMemoryCleanup() { install_memory_cleanup(program_invocation_short_name); }
 };
 const EarlyMemoryCleanup early_memory_cleanup __attribute__((init_priority(101)));
 
-/// Under these keys configurations name files.
+/// The configuration keys that name files.
 constexpr std::array kPathKeys = {"path", "table"};
 
-/// Anything that follows a path in a message or a file must not carry the machine's folders.
+/// Removes folders from paths: messages and files must not reveal the machine's folders.
 void cut_paths(Json& value) {
   for (const char* const key : kPathKeys)
     if (value.is_object() && value.contains(key) && value[key].is_string())
@@ -58,7 +58,7 @@ void cut_paths(Json& value) {
     for (Json& element : value) cut_paths(element);
 }
 
-/// The files that a configuration names.
+/// Adds the files that a configuration names.
 void add_named_files(const Json& value, std::vector<std::string>& files) {
   for (const char* const key : kPathKeys)
     if (value.is_object() && value.contains(key) && value[key].is_string())
@@ -87,13 +87,13 @@ std::int64_t peak_memory_bytes() {
   return std::int64_t{usage.ru_maxrss} * 1024;
 }
 
-/// A reader of stdout must not take half an answer for the whole.
+/// Fails if stdout could not be written, so that a reader does not mistake partial output for the whole.
 void flush_stdout() {
   std::cout.flush();
   if (!std::cout) throw IoError("writing to standard output failed");
 }
 
-// The groups by which help and man page order the options; a tool's own stand in CLI11's "Options".
+// The groups in which help and man page list the options; a tool's own are in CLI11's "Options".
 constexpr const char* kConfiguration = "Configuration";
 constexpr const char* kOutput = "Output";
 constexpr const char* kGeneral = "General";
@@ -107,7 +107,7 @@ void bind_config(CLI::App& app, CommonOptions& o, bool has_seed) {
                  "Set a configuration value, a.b.c=JSON; repeatable, overrides the file")
       ->type_name("KEY=JSON")
       ->expected(1)
-      ->allow_extra_args(false)  // the next argument is the file to read, not a second value
+      ->allow_extra_args(false)  // the next argument is the input file, not a second value
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kConfiguration);
   if (has_seed)
@@ -145,13 +145,13 @@ void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
       ->group(kGeneral);
   app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress")->group(kGeneral);
   app.add_flag("-v,--verbose", o.verbose, "Log each phase to stderr")->group(kGeneral);
-  // As a function: bound to an optional, the flag would be set to false where it is not given.
+  // A function, because CLI11 sets a flag bound to an optional to false if it is not given.
   app.add_flag_function(
          "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
          "Show progress; default: only if stderr is a terminal")
       ->group(kGeneral);
   app.set_version_flag("-V,--version", source_line(tool.name), "Print the version and exit")->group(kGeneral);
-  // CLI11 has declared its own before all others.
+  // Declared again, because CLI11 declares its own help flag before all others.
   app.set_help_flag("-h,--help", "Print this help and exit")->group(kGeneral);
   app.add_flag("--print-man", o.print_man, "Print the man page and exit")->group(kHidden);
   app.add_flag("--print-completion", o.print_completion, "Print the bash completion and exit")
@@ -172,7 +172,7 @@ void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
   bind_general(app, o, tool);
 }
 
-/// A write that the system refused must say which output is lost; deep down only the dataset is known.
+/// Adds the output's name to a write error: the lower layers know only the dataset.
 ExitCode run_naming_output(const Tool& tool, Session& session) {
   try {
     return tool.run(session);
@@ -196,8 +196,8 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   }
   if (options.print_config) std::cout << session.config().dump(2) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
-  // To the end of the process: taking the limit back would make oneTBB start threads that are wanted no more.
-  // Volatile, so that the compiler keeps the pointer and leak checkers find the object reachable.
+  // Never destroyed: removing the limit would make oneTBB start threads that are no longer needed. Volatile,
+  // so that the compiler keeps the pointer and leak checkers find the object reachable.
   static const ThreadLimit* volatile const limit = new ThreadLimit(options.threads);
   static_cast<void>(limit);
   install_signal_cleanup(tool.name);
@@ -208,7 +208,7 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
   return code;
 }
 
-/// All that is typed may end in JSON: in the configuration, in provenance, in a summary.
+/// Any argument may end up in JSON: in the configuration, in provenance, in a summary.
 void require_utf8(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i)
     if (!is_utf8(argv[i]))
@@ -236,18 +236,18 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
   return run_tool(tool, options);
 }
 
-/// " (--half-width)", the tool's option for the parameter half_width_m; empty where it has none.
+/// " (--half-width)", the tool's option for the parameter half_width_m; empty if there is no such option.
 std::string option_hint(const CLI::App& app, const Error& error) {
   const auto* const parameter = dynamic_cast<const SettlingParameter*>(&error);
   if (parameter == nullptr) return "";
   std::string option = std::string("--") + parameter->name;
   std::replace(option.begin(), option.end(), '_', '-');
   while (option.size() > 2 && app.get_option_no_throw(option) == nullptr)
-    option.resize(option.rfind('-'));  // the unit, if any
+    option.resize(option.rfind('-'));  // removes the unit, if any
   return option.size() > 2 ? " (" + option + ")" : "";
 }
 
-/// One line, also where a file name or a key holds line breaks.
+/// Prints one line, even if a file name or a key contains line breaks.
 int fail(const std::string& tool, std::string message, ExitCode code) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < ' ') c = '?';

@@ -26,7 +26,7 @@ struct CommonOptions {
   std::string config_path;
   std::vector<std::string> assignments;
   std::string output_path;
-  std::string view_path;  ///< a picture of the output; empty: none
+  std::string view_path;  ///< an image of the output; empty: none
   bool overwrite = false;
   std::size_t threads = 0;
   std::optional<std::uint64_t> seed;
@@ -45,7 +45,7 @@ struct CommonOptions {
 
 struct Tool;
 
-/// What one run of a tool has at hand.
+/// The resources of one run of a tool.
 class Session {
  public:
   Session(std::string tool, std::string schema, const CommonOptions& options);
@@ -55,35 +55,35 @@ class Session {
   /// The resolved configuration, and its name for messages.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   [[nodiscard]] const std::string& config_name() const { return config_name_; }
-  /// Throws UsageError without -o, or where the output exists, cannot be, or is one of the run's own inputs,
-  /// and the same of the picture of --view: call it before the work.
+  /// Throws UsageError without -o, or if the output exists, is not possible, or is one of the run's own
+  /// inputs; the same for the image of --view. Call it before the work.
   [[nodiscard]] OutputOptions output(const std::vector<std::string>& inputs = {});
-  /// Throws UsageError where the file that `option` names cannot be an output, is one of `inputs`, the
-  /// configuration or a file that this names, or is another output of the run.
+  /// Throws UsageError if the file that `option` names cannot be an output, is one of `inputs`, the
+  /// configuration or a file that the configuration names, or is another output of the run.
   void claim_output(const std::string& option, const std::string& path,
                     const std::vector<std::string>& inputs = {});
-  /// The file that another option than -o names, claimed; null where it names none.
+  /// Claims the file that an option other than -o names; null if the option is not given.
   [[nodiscard]] std::unique_ptr<OutputPath> side_output(const std::string& option, const std::string& path,
                                                         const std::vector<std::string>& inputs);
-  /// The provenance of this run, its inputs still to be added.
+  /// The provenance of this run; the caller adds its inputs.
   [[nodiscard]] Provenance provenance() const;
 
-  /// Throws UsageError where --view is given and -o is not.
+  /// Throws UsageError if --view is given without -o.
   void require_output_for_view() const;
-  /// Draws the output for --view, if it was asked for: after the run.
+  /// Draws the output for --view if requested; call it after the run.
   void view_output();
 
-  /// Runs one phase of the work: shows its progress on a terminal, records its wall and CPU time for --json.
-  /// Returns its wall time, seconds.
+  /// Runs one phase of the work: shows its progress on a terminal and records its wall and CPU time for
+  /// --json. Returns its wall time, seconds.
   double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
-  /// Runs `work`, which fits the configuration to a file: its UsageError names both, its FormatError the
-  /// file.
+  /// Runs `work`, which applies the configuration to a file. A UsageError from it then names both, a
+  /// FormatError the file.
   void name_misfit(const std::string& file, const std::function<void()>& work) const;
   /// Adds a count to the --json summary.
   void count(const std::string& name, nlohmann::json value) { counts_[name] = std::move(value); }
   /// Wall time since the start, seconds.
   [[nodiscard]] double elapsed_s() const;
-  /// A line on stderr, only with --verbose.
+  /// Prints a line on stderr, only with --verbose.
   void log(const std::string& line) const;
 
   /// Resolves the configuration of `tool`; throws UsageError.
@@ -100,33 +100,33 @@ class Session {
   nlohmann::json config_;
   nlohmann::json phases_ = nlohmann::json::object();
   nlohmann::json counts_ = nlohmann::json::object();
-  std::vector<std::pair<std::string, std::string>> outputs_;  ///< option and path of those that are claimed
+  std::vector<std::pair<std::string, std::string>> outputs_;  ///< option and path of each claimed output
   double start_s_;
 };
 
-/// A tool as its source file declares it.
+/// The declaration of a tool in its source file.
 struct Tool {
   std::string name;
   std::string summary;           ///< one line
-  std::string description = {};  ///< for the man page: paragraphs, parted by empty lines
+  std::string description = {};  ///< for the man page: paragraphs, separated by empty lines
   /// Shown under --help: "Examples:", commands indented by two spaces, then lines of prose.
   std::string examples;
-  std::string schema;  ///< of embedded_schema(); empty for a tool without a configuration
+  std::string schema;  ///< name for embedded_schema(); empty for a tool without a configuration
   bool has_seed = false;
   bool writes = true;                   ///< false: no -o, no summary of the run
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
-  /// Writes what the tool's own options stand for into the configuration, before --set; may be empty.
+  /// Translates the tool's own options into configuration values, before --set; may be empty.
   std::function<void(JsonSource&, const CommonOptions&)> expand;
-  /// Fills in what --set left open, from the inputs; may be empty.
+  /// Fills in values from the inputs that --set did not set; may be empty.
   std::function<void(JsonSource&)> complete;
-  /// Builds the typed configuration, so that --check refuses what the schema cannot express; not called
-  /// without a schema.
+  /// Builds the typed configuration, so that --check also finds errors that the schema cannot express; not
+  /// called without a schema.
   std::function<void(const Session&)> check;
   std::function<ExitCode(Session&)> run;
 };
 
-/// Parses, prints what was asked for, runs; owns the only catch. Exit codes as in docs/user/cli.md; every
-/// error is one line on stderr that begins with the tool's name.
+/// Parses the command line, prints requested texts, runs the tool; contains the only catch. Exit codes as in
+/// docs/user/cli.md; every error is one line on stderr that begins with the tool's name.
 int tool_main(int argc, const char* const* argv, const Tool& tool);
 
 }  // namespace landfall::cli

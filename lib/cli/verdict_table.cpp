@@ -28,7 +28,7 @@ std::string line(const char* name, const std::array<Number, 3>& metres) {
                centimetres(metres[1]).c_str(), centimetres(metres[2]).c_str());
 }
 
-/// One number of each axis.
+/// Selects one number of each axis.
 template <class Axes, class Axis>
 std::string line(const char* name, const Axes& axes, Number Axis::*member) {
   return line(name, {axes.x.*member, axes.y.*member, axes.z.*member});

@@ -7,8 +7,8 @@
 
 namespace landfall::cli {
 
-/// The requirements of Table 1 as lines of text: requirement, value, limit, verdict; then coverage and
-/// accuracy in short.
+/// The requirements of Table 1 as lines of text: requirement, value, limit, verdict; then a summary of
+/// coverage and accuracy.
 [[nodiscard]] std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits);
 
 /// The names of the requirements that are missed or cannot be judged, separated by ", ".

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// Calls work(). Its UsageErrors begin with a parameter of its own; here they get its path in the
+/// Calls work(). Its UsageErrors begin with a parameter name; this prefixes the name with its path in the
 /// configuration: "scan.json: /", "noise/".
 template <class Work>
 auto at_path(const std::string& path, const Work& work) {

@@ -21,17 +21,17 @@ struct RegridConfig {
 
 [[nodiscard]] RegridConfig regrid_config(const nlohmann::json& resolved, const std::string& name);
 
-/// The layer of an HDF5 file that says which bins are judged.
+/// The layer of an HDF5 file that defines the bins to be judged.
 struct RegionMaskSource {
   std::string path;
   std::string layer;
 };
 
-/// Nothing for the other shapes of region.
+/// Returns nothing for the other shapes of region.
 [[nodiscard]] std::optional<RegionMaskSource> region_mask_source(const nlohmann::json& resolved);
 
-/// eval.json (docs/user/dem-eval.md). Throws UsageError also for a region without the keys of its shape, or
-/// with those of another.
+/// eval.json (docs/user/dem-eval.md). Also throws UsageError for a region that lacks the keys of its shape,
+/// or that has those of another shape.
 [[nodiscard]] EvaluationParameters evaluation_config(const nlohmann::json& resolved, const std::string& name);
 
 }  // namespace landfall

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Empty: evenly spread, or not read because the configuration is only checked.
+/// Empty if pixels are evenly spaced, or if the configuration is only checked and no table is read.
 std::vector<ImagePoint> positions_of(const Json& json, const ComponentContext& context) {
   const Json& distribution = json.at("distribution");
   if (!distribution.is_object() || !context.load_table) return {};
@@ -19,7 +19,7 @@ std::vector<ImagePoint> positions_of(const Json& json, const ComponentContext& c
   return pixel_points(table, json.at("rows").get<int>(), json.at("columns").get<int>());
 }
 
-/// None where the directions are in a table that is not read: whether they fold is not known then.
+/// No distortion if the directions are in a table that is not read: whether they fold is then unknown.
 RadialDistortion distortion_of(const Json& json, const ComponentContext& context) {
   if (json.at("distribution").is_object() && !context.load_table) return {};
   const Json& distortion = json.at("distortion");

@@ -76,7 +76,7 @@ std::unique_ptr<const NavigationError> make_navigation_error(const Json& json,
                                           json.at("interval_s").get<double>()};
   if (random.random_walk == RandomWalkParameters{} && random.gauss_markov.is_none())
     return std::make_unique<LinearNavigationError>(linear);
-  if (!context.load_table) {  // only checked: nothing is drawn
+  if (!context.load_table) {  // configuration check only: nothing is drawn
     RandomNavigationError::require_valid(random, context.scan_time_s);
     return std::make_unique<LinearNavigationError>(linear);
   }

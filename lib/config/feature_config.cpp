@@ -15,13 +15,13 @@ using Json = nlohmann::json;
 
 double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
 
-/// Of a key that may be absent.
+/// The number of an optional key, or `otherwise`.
 double number_or(const Json& json, const char* key, double otherwise) {
   return json.contains(key) ? number(json, key) : otherwise;
 }
 
 /// A kind of feature by its "type". To add one: its class (lib/terrain/features), a maker and an entry here,
-/// two definitions in schemas/terrain.schema.json.
+/// and two definitions in schemas/terrain.schema.json.
 struct ShapeMaker {
   const char* type;
   FeatureShape (*make)(const Json& json);

@@ -8,10 +8,10 @@
 
 namespace landfall {
 
-/// Parts of a resolved terrain configuration, whose "type" is one of the schema's.
+/// The arguments are parts of a resolved terrain configuration; "type" is one of the schema's.
 [[nodiscard]] FeatureShape feature_shape(const nlohmann::json& feature);
 [[nodiscard]] Feature placed_feature(const nlohmann::json& feature);
-/// `owner` ("patterns/3") begins the message of the UsageError that keys make which are mutually exclusive.
+/// `owner` ("patterns/3") begins the message of the UsageError for keys that are mutually exclusive.
 [[nodiscard]] FeaturePattern feature_pattern(const nlohmann::json& pattern, const std::string& owner);
 
 }  // namespace landfall

@@ -12,13 +12,13 @@ namespace {
 using Json = nlohmann::json;
 
 /// A kind of pattern by its "type". To add one: its class (lib/terrain/features or populations), a maker and
-/// an entry here, a definition in schemas/terrain.schema.json. `owner` begins messages.
+/// an entry here, and a definition in schemas/terrain.schema.json. `owner` begins messages.
 struct PatternMaker {
   const char* type;
   FeaturePattern (*make)(const Json& json, const std::string& owner);
 };
 
-/// For a maker of one kind of pattern.
+/// Adapts a maker of one kind of pattern.
 template <auto make>
 FeaturePattern made(const Json& json, const std::string& owner) {
   return make(json, owner);
@@ -37,7 +37,7 @@ constexpr PatternMaker kPatterns[] = {
     {"craters", made<craters>},
     {"lines", made<lines>},
 };
-static_assert(std::size(kPatterns) == std::variant_size_v<FeaturePattern> + 1);  // two kinds of rocks
+static_assert(std::size(kPatterns) == std::variant_size_v<FeaturePattern> + 1);  // rocks have two types
 
 }  // namespace
 

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// 60 stays an integer and 60.0 none: both are hashed as a file would have them.
+/// 60 becomes an integer and 60.0 a float, as in a JSON file: the hash depends on it.
 Json number_of(const std::string& text, const char* option) {
   Json value = Json::parse(text, nullptr, false);
   if (value.is_number()) return value;
@@ -54,7 +54,7 @@ std::optional<double> number_at(const Json& grid, const char* key) {
   return grid.at(key).get<double>();
 }
 
-/// 60, not 60.0: as one would write it.
+/// Stores 60, not 60.0, as a user would write it.
 Json plain(double number) {
   if (number == std::floor(number) && std::abs(number) < 0x1p53) return static_cast<std::int64_t>(number);
   return number;
@@ -112,8 +112,8 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
   if (!base.is_object() || base.value("path", Json()) != options.from)
     throw UsageError("--set base: --from " + options.from +
                      " defines the base; set its keys instead (base.datum)");
-  // Refuses what is wrong anywhere, before the raster is opened; the numbers that are open have defaults
-  // here.
+  // Finds errors anywhere in the configuration before the raster is opened; the numbers that are not set yet
+  // have defaults here.
   const Json resolved = resolve_config(source, embedded_schema("terrain"));
   const Json grid = source.value.value("grid", Json::object());
   const SiteRequest request{number_at(grid, "half_width_m"), number_at(grid, "resolution_m")};

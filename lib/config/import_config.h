@@ -10,9 +10,9 @@
 
 namespace landfall {
 
-/// The command line's short way to import a raster, as texts; empty is not given. Each stands for a key of
-/// the terrain configuration: half_width and resolution for those of /grid, the others for those of /base.
-/// Where is_mesh_name(from), it stands for /mesh/path instead, and no other may be given.
+/// The command-line options to import a raster, as texts; empty if not given. Each sets a key of the terrain
+/// configuration: half_width and resolution keys of /grid, the others keys of /base. If is_mesh_name(from),
+/// `from` sets /mesh/path instead, and no other option may be given.
 struct ImportOptions {
   std::string from;          ///< path
   std::string center;        ///< "x,y"
@@ -27,22 +27,22 @@ struct ImportOptions {
   friend bool operator==(const ImportOptions&, const ImportOptions&) = default;
 };
 
-/// Writes the options, UTF-8, into a configuration as a file would have them, so that the same run has the
-/// same resolved configuration either way. Throws UsageError naming the option where a text is no number or
-/// no pair of numbers, and naming both where the configuration has a base of its own.
+/// Writes the options, UTF-8, into a configuration as a file would contain them, so that the same run has the
+/// same resolved configuration either way. Throws UsageError naming the option if a text is not a number or
+/// not a pair of numbers, and naming both if the configuration already has a base.
 void apply_import(JsonSource& source, const ImportOptions& options);
 
-/// For --from with a terrain.h5, which is exported as it is: throws UsageError where the run is `configured`
-/// or another of the options is given.
+/// For --from with a terrain.h5, which is exported unchanged: throws UsageError if the run is `configured` or
+/// another of the options is given.
 void require_plain_export(const ImportOptions& options, bool configured);
 
-/// What a raster gives for the parts of a site's grid that are open: fit_dem_site() of
+/// Determines the parts of a site's grid that are not set from a raster: fit_dem_site() of
 /// terrain/gdal/gdal_loader.h.
 using SiteFitter = std::function<SiteSize(const DemBase& dem, const SiteRequest& request)>;
 
-/// Fills in half width and resolution from the raster of --from where the configuration, with its
-/// assignments, leaves them open. Throws UsageError where an assignment replaced the base, and
-/// what `fit` throws.
+/// Fills in half width and resolution from the raster of --from if the configuration and its
+/// assignments do not set them. Throws UsageError if an assignment replaced the base, and as `fit`
+/// does.
 void complete_import(JsonSource& source, const ImportOptions& options, const SiteFitter& fit);
 
 }  // namespace landfall

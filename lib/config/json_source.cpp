@@ -24,7 +24,7 @@ using Json = nlohmann::json;
 
 std::string read_to_end(std::istream& stream, const std::string& name) {
   std::string text;
-  std::array<char, 4096> block;  // stacks may be small (ulimit -s)
+  std::array<char, 4096> block;  // small, because the stack may be small (ulimit -s)
   while (stream.read(block.data(), block.size()), stream.gcount() > 0)
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   const bool failed = stream.bad() || (&stream == &std::cin && std::ferror(stdin) != 0);
@@ -42,12 +42,12 @@ std::string read_text(const std::string& path) {
   return read_to_end(stream, path);
 }
 
-/// Deeper than any schema; what walks a configuration may call itself.
+/// More levels than any schema has. Code that walks a configuration may recurse.
 constexpr int kMaxLevels = 64;
 
 /// Refuses JSON that is not a configuration; parse() reports text that is not JSON. nlohmann keeps the last
-/// of two equal keys; a configuration that says two things says neither. A pass of its own: the parser's
-/// callbacks take time in the square of a list.
+/// of two equal keys, but a repeated key makes a configuration ambiguous. This is a separate pass because the
+/// parser's callbacks take quadratic time for a list.
 class StrictnessCheck final : public JsonLevels {
  public:
   explicit StrictnessCheck(std::string name) : JsonLevels(kMaxLevels), name_(std::move(name)) {}
@@ -76,7 +76,7 @@ class StrictnessCheck final : public JsonLevels {
 };
 
 /// The parser's message without its prefix and in plain ASCII: it quotes the bytes that it could not read, of
-/// which the last ones tell most.
+/// which the last ones are the most useful.
 std::string plain_message(const std::string& message) {
   constexpr std::string_view kQuote = "last read: '";
   constexpr std::size_t kMax = 60;

@@ -13,17 +13,17 @@ struct JsonSource {
   nlohmann::json value;
 };
 
-/// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError where the file
-/// cannot be read, is not JSON (line and column named; NaN and infinity are not JSON), is nested deeper than
-/// 64 levels, has a repeated key, or is not an object.
+/// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError if the file
+/// cannot be read, is not JSON (the message gives line and column; NaN and infinity are not JSON), is nested
+/// deeper than 64 levels, has a repeated key, or is not an object.
 [[nodiscard]] JsonSource read_json(const std::string& path);
 
-/// The same from a text; `name` replaces the file name.
+/// As read_json(), but from a text; `name` replaces the file name.
 [[nodiscard]] JsonSource parse_json(const std::string& text, const std::string& name);
 
 /// Applies `a.b.c=JSON` assignments, UTF-8, in order; a number in the path is an array index, which must
-/// exist. Missing objects are made. Throws UsageError naming the assignment where it is not KEY=JSON or runs
-/// into a value that is not a container, or has more than 64 keys in its path.
+/// exist. Missing objects are created. Throws UsageError naming the assignment if it is not KEY=JSON, has
+/// more than 64 keys in its path, or its path leads through a value that is not a container.
 void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments);
 
 }  // namespace landfall

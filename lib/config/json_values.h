@@ -12,12 +12,12 @@ namespace landfall {
 
 inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
-/// The angle, in radians, of a key in degrees.
+/// The value of a key in degrees, converted to radians.
 inline double radians(const nlohmann::json& owner, const char* key_deg) {
   return kRadiansPerDegree * owner.at(key_deg).get<double>();
 }
 
-/// An array of two numbers, or a number that holds for both.
+/// An array of two numbers, or one number that is used for both.
 inline std::array<double, 2> pair_of(const nlohmann::json& value) {
   if (value.is_array()) return value.get<std::array<double, 2>>();
   return {value.get<double>(), value.get<double>()};

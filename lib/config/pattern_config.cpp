@@ -55,7 +55,7 @@ std::unique_ptr<const Pattern> make_rosette(const Json& json, const ComponentCon
 }
 
 std::unique_ptr<const Pattern> make_lissajous(const Json& json, const ComponentContext&) {
-  const Json& half = json.at("half_width_m");  // a number holds for both axes
+  const Json& half = json.at("half_width_m");  // a number is used for both axes
   return std::make_unique<Lissajous>(LissajousParameters{
       .half_width_m = half.is_array() ? half.get<Pair>() : Pair{half.get<double>(), half.get<double>()},
       .rates_hz = json.at("rates_hz").get<Pair>(),

@@ -37,7 +37,7 @@ GolombekLaw golombek_law(const Json& json, const std::string& owner) {
   return {number(json, "k")};
 }
 
-/// The law that the configuration calls `own`, whose two parameters it gives.
+/// The power law that the configuration names `own`, with its two parameters.
 PowerLaw own_law(const Json& json, const std::string& owner, const std::string& own) {
   if (!json.contains("coefficient") || !json.contains("exponent"))
     throw UsageError(owner + "/model: " + own + " needs coefficient and exponent");

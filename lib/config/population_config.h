@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-// The patterns that scatter objects, of a resolved configuration; `owner` ("patterns/3") begins the message
-// of the UsageError that keys make which exclude or need each other.
+// Patterns that scatter objects, from a resolved configuration; `owner` ("patterns/3") begins the message of
+// the UsageError for keys that exclude or require each other.
 [[nodiscard]] RockPattern golombek_rocks(const nlohmann::json& pattern, const std::string& owner);
 [[nodiscard]] RockPattern power_law_rocks(const nlohmann::json& pattern, const std::string& owner);
 [[nodiscard]] IceBlockPattern ice_blocks(const nlohmann::json& pattern, const std::string& owner);

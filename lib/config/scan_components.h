@@ -18,24 +18,24 @@
 
 namespace landfall {
 
-/// What a component may want to know besides its own part of the configuration.
+/// Data that a component may need besides its own part of the configuration.
 struct ComponentContext {
-  /// Empty where only the configuration is checked: components that live in a file are then replaced by any
-  /// valid one, and nothing is drawn.
+  /// Empty if the configuration is only checked: components that are defined by a file are then replaced by
+  /// any valid one, and nothing is drawn.
   TableLoader load_table;
   std::uint64_t seed = 1;
   double scan_time_s = 2;
 };
 
 /// A kind of component by its "type". To add one: its class, a maker in the file of its group, an entry in
-/// that file's list, a definition in schemas/scan.schema.json.
+/// that file's list, and a definition in schemas/scan.schema.json.
 template <class Component>
 struct ComponentMaker {
   const char* type;
   std::unique_ptr<const Component> (*make)(const nlohmann::json& part, const ComponentContext& context);
 };
 
-/// `part` is resolved, so that its "type" is one of the list's.
+/// `part` must be resolved, so that its "type" is in the list.
 template <class Component>
 std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<Component>> makers,
                                                 const nlohmann::json& part, const ComponentContext& context) {
@@ -44,12 +44,12 @@ std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<C
   throw std::logic_error("no maker for " + part.at("type").dump());
 }
 
-/// Each takes its part of a resolved scan configuration. All throw UsageError "key: ...", FormatError for a
-/// table that is refused.
+/// Each takes its part of a resolved scan configuration. All throw UsageError "key: ...", and FormatError for
+/// an invalid table.
 [[nodiscard]] Detector make_detector(const nlohmann::json& detector, const ComponentContext& context);
 [[nodiscard]] std::unique_ptr<const Scanner> make_scanner(const nlohmann::json& scanner,
                                                           const ComponentContext& context);
-/// Null where the scanner follows no pattern.
+/// Null if the scanner does not follow a pattern.
 [[nodiscard]] std::unique_ptr<const Pattern> make_pattern(const nlohmann::json& scanner,
                                                           const ComponentContext& context);
 [[nodiscard]] std::unique_ptr<const Trajectory> make_trajectory(const nlohmann::json& trajectory,
@@ -60,7 +60,7 @@ std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<C
 /// Random errors are drawn for the context's scan time.
 [[nodiscard]] std::unique_ptr<const NavigationError> make_navigation_error(
     const nlohmann::json& navigation_error, const ComponentContext& context);
-/// The table of estimated poses; null where navigation_error names none.
+/// The table of estimated poses; null if navigation_error does not name one.
 [[nodiscard]] std::unique_ptr<const Trajectory> make_estimate(const nlohmann::json& navigation_error,
                                                               const ComponentContext& context);
 

@@ -18,7 +18,7 @@ Transform<BodyFrame, LidarFrame> mount_of(const Json& mount) {
           {vector3(mount.at("position_m"))}};
 }
 
-/// Poses are asked for at the pulses' times and their time-stamp errors.
+/// Extends the time span: poses are also needed at the pulses' times plus their time-stamp errors.
 ComponentContext until_last_stamp(ComponentContext context, const PointingError& pointing) {
   context.scan_time_s += std::max(0.0, pointing.largest_time_stamp_error_s());
   return context;
@@ -53,7 +53,7 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
   return model;
 }
 
-/// Prisms either turn evenly or follow a pattern: each way has defaults of its own.
+/// Prisms either rotate uniformly or follow a pattern; the two cases have different defaults.
 void complete_risley(Json& scanner) {
   const bool steered = scanner.contains("pattern");
   const Json defaults =

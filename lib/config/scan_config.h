@@ -9,14 +9,14 @@
 
 namespace landfall {
 
-/// Adds the defaults that the schema cannot state: the pitch of the pixels, where neither ifov_rad nor
-/// fov_deg is given.
+/// Adds the defaults that the schema cannot express: the pixel pitch, if neither ifov_rad nor fov_deg is
+/// given.
 void complete_scan_config(nlohmann::json& resolved);
 
 /// Builds the scan that a configuration describes (docs/user/scan-sim.md); `resolved` comes from
-/// resolve_config(). `load_table` reads the tables that it names; empty: the configuration is only checked,
-/// no file is opened and random errors are not drawn. Throws UsageError begun by `name` for values that are
-/// out of range or do not go together, FormatError for a table that is refused.
+/// resolve_config(). `load_table` reads the tables that it names. If it is empty, the configuration is only
+/// checked: no file is opened and random errors are not drawn. Throws UsageError that begins with `name` for
+/// values that are out of range or incompatible, FormatError for an invalid table.
 [[nodiscard]] ScanModel scan_model(const nlohmann::json& resolved, const std::string& name,
                                    const TableLoader& load_table);
 

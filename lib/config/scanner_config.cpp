@@ -62,7 +62,7 @@ std::unique_ptr<const Scanner> make_palmer(const Json& json, const ComponentCont
                                                    .phase_rad = radians(json, "phase_deg")});
 }
 
-/// None for a gimbal, which must not be given a mirror's keys.
+/// Returns nothing for a gimbal, which does not accept a mirror's keys.
 std::optional<TableMirror> mirror_of(const Json& json) {
   const TableMirror mirror{radians(json, "incidence_deg"), radians(json, "fold_azimuth_deg")};
   if (json.at("mechanism") == "fsm") return mirror;

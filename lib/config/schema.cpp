@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Tells an editor which schema to check by; no part of the configuration.
+/// Names the schema for an editor; it is not part of the configuration.
 constexpr const char* kSchemaKey = "$schema";
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -39,7 +39,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// What an over-long value looks like in a message.
+/// A value for a message, shortened if it is too long.
 std::string shown(const Json& value) { return abbreviated(value.dump()); }
 
 std::string listed(const Json& values) {
@@ -93,7 +93,7 @@ class Resolver {
     return root_.at(Json::json_pointer(schema.at("$ref").get<std::string>().substr(1)));
   }
 
-  /// The alternative that the value's "type" names, or the one of its JSON type.
+  /// The alternative selected by the value's "type", or by its JSON type.
   const Json& alternative(const Json& schema, const Json& value, const std::string& pointer) const {
     if (!value.is_object()) return alternative_of_json_type(schema, value, pointer);
     Json names = Json::array();
@@ -131,7 +131,7 @@ class Resolver {
     fail(pointer, message);
   }
 
-  /// What "type" may be in the objects among the alternatives.
+  /// The allowed values of "type" in the objects among the alternatives.
   std::vector<std::string> type_names(const Json& schema) const {
     std::vector<std::string> names;
     for (const Json& option : schema["oneOf"]) {
@@ -154,7 +154,7 @@ class Resolver {
                       (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
   }
 
-  /// 18.0 is an integer (draft-07), and what some writers make of one.
+  /// 18.0 is an integer (draft-07), and some writers store integers in this way.
   static void make_integer(Json& value) {
     if (!value.is_number_float()) return;
     const double number = value.get<double>();
@@ -177,7 +177,7 @@ class Resolver {
       fail_choice(choices, value, pointer);
   }
 
-  /// Both bounds where there are two, so that one message is enough.
+  /// Returns both bounds if there are two, so that one message is enough.
   static std::string bounds(const Json& schema) {
     const bool above = schema.contains("exclusiveMinimum");
     const bool below = schema.contains("exclusiveMaximum");

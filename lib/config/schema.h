@@ -15,15 +15,15 @@ namespace landfall {
 
 /// Checks a configuration against a schema and fills in the schema's defaults: the resolved configuration.
 ///
-/// valijson decides; before it, a walk over schema and value together fills the defaults and names what is
-/// wrong: `scan.json: /noise/dropout_frac: 1.7 is not in [0, 1]`, and for an unknown key the nearest
-/// known one. A `oneOf` is a choice by the value's "type" (defaulting to the `oneOf` owner's default) or by
-/// JSON type. A key "$schema" at the top, by which an editor knows what to check, is dropped. Throws
+/// valijson decides. Before it, a walk over schema and value together fills in the defaults and reports
+/// errors: `scan.json: /noise/dropout_frac: 1.7 is not in [0, 1]`, and for an unknown key the nearest known
+/// one. A `oneOf` is selected by the value's "type" (which defaults to that of the `oneOf` owner's default)
+/// or by JSON type. A key "$schema" at the top, which names the schema for an editor, is removed. Throws
 /// UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
 
-/// The member of `known` that `word` most probably means, empty where none is near (edit distance <= 2, or
-/// one third of the word).
+/// The member of `known` that `word` most probably means, empty if none is near (edit distance <= 2, or one
+/// third of the word).
 [[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace landfall

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The end of a key, or what comes before _per_..., and its unit.
+/// The suffix of a key, at its end or before _per_..., and its unit.
 constexpr std::array<std::pair<const char*, const char*>, 17> kUnits = {{{"_m_per_sqrt_s", "m/s^0.5"},
                                                                          {"_mps_per_sqrt_s", "m/s^1.5"},
                                                                          {"_rad_per_sqrt_s", "rad/s^0.5"},
@@ -37,7 +37,7 @@ std::string unit_of(const std::string& path) {
   return path.ends_with("_nm") ? "N m" : "";
 }
 
-/// 1e6 as people write it, not 1000000.0.
+/// 1e6 in its usual form instead of 1000000.0.
 std::string shown(const Json& value) {
   const std::string text = value.dump();
   return value.is_number() && text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
@@ -71,7 +71,7 @@ class Walk {
     return dereferenced(root_.at(Json::json_pointer(schema["$ref"].get<std::string>().substr(1))));
   }
 
-  /// The "type" that an alternative stands for; empty for one without.
+  /// The "type" that selects an alternative; empty if it has none.
   std::string choice_of(const Json& schema) const {
     const Json& s = dereferenced(schema);
     if (!s.contains("properties") || !s["properties"].contains("type")) return "";
@@ -114,7 +114,7 @@ class Walk {
     key.choice = choice;
     key.type = type_of(s);
     key.unit = unit_of(path);
-    // Of each element, in an array.
+    // for an array: of each element
     const Json& element = s.contains("items") ? dereferenced(s["items"]) : s;
     key.bounds = bounds_of(element);
     if (element.contains("enum"))
@@ -129,7 +129,7 @@ class Walk {
     if (!repeated) below(s, path, choice);
   }
 
-  /// What is below was written out for another key.
+  /// True if the keys below were already listed under another key.
   bool stands_elsewhere(const Json& schema, const std::string& path, SchemaKey& key) {
     const Json& s = dereferenced(schema);
     const Json& target = s.contains("items") ? s["items"] : schema;
@@ -149,7 +149,7 @@ class Walk {
       properties(s, path, choice);
   }
 
-  /// Not where the array is one of several alternatives, and its elements are another.
+  /// Does nothing if the array is one of several alternatives and its elements are another.
   void elements(const Json& items, const std::string& path, const std::string& choice) {
     if (items.contains("$ref")) {
       const auto found = written_.find(items["$ref"].get<std::string>());
@@ -175,7 +175,7 @@ class Walk {
 
   const Json& root_;
   std::vector<SchemaKey> keys_;
-  std::map<std::string, std::string> written_;  ///< definitions, and the path of each
+  std::map<std::string, std::string> written_;  ///< definitions, and the path under which each is listed
 };
 
 }  // namespace

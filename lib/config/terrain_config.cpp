@@ -26,7 +26,7 @@ Interpolation interpolation_of(const std::string& word) {
   return word == "bilinear" ? Interpolation::bilinear : Interpolation::bicubic;
 }
 
-/// Metres, or "dem" or "none".
+/// A number in metres, "dem" or "none".
 std::optional<double> longest_wavelength_m(const Json& json) {
   if (json.is_number()) return json.get<double>();
   if (json == "none") return std::numeric_limits<double>::infinity();

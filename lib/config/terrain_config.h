@@ -12,29 +12,29 @@
 
 namespace landfall {
 
-/// A mesh file that is the terrain.
+/// A mesh file that defines the terrain.
 struct MeshImport {
   std::string path;
   MeshPlacement placement = {};
 };
 
-/// A terrain configuration (docs/user/terrain-gen.md), degrees turned into radians.
+/// A terrain configuration (docs/user/terrain-gen.md), with degrees converted to radians.
 struct TerrainConfig {
   GridSpec grid;
   TerrainModel model;
-  std::optional<MeshImport> mesh = {};  ///< instead of the two above
+  std::optional<MeshImport> mesh = {};  ///< replaces the two above
 };
 
-/// A base of type "dem", resolved.
+/// A base of type "dem", from its resolved configuration.
 [[nodiscard]] DemBase dem_base(const nlohmann::json& resolved);
 
-/// resolve_config() by the schema of terrain-gen. A mesh stands instead of grid, base, features and patterns:
-/// UsageError where one of them is given beside it; the resolved configuration has none of them then, nor a
-/// seed.
+/// resolve_config() with the schema of terrain-gen. A mesh replaces grid, base, features and patterns:
+/// UsageError if one of them is given beside it. The resolved configuration then contains none of them, and
+/// no seed.
 [[nodiscard]] nlohmann::json resolve_terrain_config(const JsonSource& source);
 
-/// `resolved` comes from resolve_config(); `name` begins the message of the UsageError that a combination of
-/// values makes which the schema cannot refuse.
+/// `resolved` comes from resolve_config(); `name` begins the message of the UsageError for a combination of
+/// values that the schema cannot refuse.
 [[nodiscard]] TerrainConfig terrain_config(const nlohmann::json& resolved, const std::string& name);
 
 }  // namespace landfall

@@ -44,13 +44,13 @@ std::vector<double> sigmas_of(const std::string& text, const std::string& assign
   return sigmas;
 }
 
-/// The number at a path such as /noise/range_sigma_m; none where the scan does not say.
+/// The number at a path such as /noise/range_sigma_m; nothing if the scan does not have it.
 std::optional<double> number_at(const Json& config, const Json::json_pointer& where) {
   if (!config.is_object() || !config.contains(where) || !config.at(where).is_number()) return std::nullopt;
   return config.at(where).get<double>();
 }
 
-/// True where a part of the configuration differs from `none`; one that an older scan does not have is off.
+/// True if a part of the configuration differs from `none`; a part that an older scan lacks is off.
 bool is_on(const Json& config, const char* where, const Json& none) {
   const Json::json_pointer pointer(where);
   return config.is_object() && config.contains(pointer) && config.at(pointer) != none;
@@ -75,7 +75,7 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   return common.value_or(0);
 }
 
-/// Of those, too, a scan holds one draw.
+/// A scan contains one draw of these errors, too.
 bool has_no_pointing_error(const Json& config) {
   return !is_on(config, "/pointing_error/misalignment_rpy_rad", {0, 0, 0}) &&
          !(is_on(config, "/pointing_error/jitter_sigma_rad", 0) &&

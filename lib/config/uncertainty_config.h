@@ -9,26 +9,26 @@
 
 namespace landfall {
 
-/// A scan that goes into a DEM, and the configuration that made it (null where it does not say).
+/// A scan that is gridded into a DEM, and the configuration that made it (null if unknown).
 struct ScanOrigin {
   std::string name;
   nlohmann::json config;
 };
 
 /// Adds "KEY=SIGMA" (all three axes) or "KEY=X,Y,Z" to /uncertainty/navigation_sigma of a regrid
-/// configuration; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps. Keys not yet there become 0.
-/// Throws UsageError.
+/// configuration; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps. Missing keys become 0. Throws
+/// UsageError.
 void add_navigation_sigma(nlohmann::json& config, const std::string& assignment);
 
-/// The sigmas of regrid.json's /uncertainty, and what it leaves out from the scans: range_sigma_m is theirs
-/// where they agree, and navigation_sigma is 0 where they were made without navigation and pointing errors.
-/// Throws UsageError, saying what to give, where neither tells: a navigation error in a scan is one draw, not
-/// its sigma.
+/// The sigmas of regrid.json's /uncertainty; missing ones are taken from the scans. range_sigma_m is that of
+/// the scans if they agree, and navigation_sigma is 0 if they were made without navigation and pointing
+/// errors. Throws UsageError, saying which option to give, if a sigma cannot be determined: a navigation
+/// error in a scan is one draw, not its sigma.
 [[nodiscard]] UncertaintyParameters uncertainty_parameters(const nlohmann::json& config,
                                                            const std::string& name,
                                                            const std::vector<ScanOrigin>& scans);
 
-/// The same as /uncertainty of a configuration.
+/// The parameters as /uncertainty of a configuration.
 [[nodiscard]] nlohmann::json uncertainty_json(const UncertaintyParameters& parameters);
 
 }  // namespace landfall

@@ -10,11 +10,11 @@
 namespace landfall {
 namespace {
 
-/// Lines that one thread writes at a time, and those that are in memory at a time.
+/// Lines that one thread writes at a time, and lines that are in memory at a time.
 constexpr std::size_t kPieceLines = 8192;
 constexpr std::size_t kPieces = 32;
 
-/// Lines `begin` to `end` of a grid's bins, each the every-th.
+/// Appends lines `begin` to `end`, one for each `every`-th bin of a grid.
 void append_bins(const std::vector<NamedLayer>& layers, std::size_t every, std::size_t begin, std::size_t end,
                  std::string& out) {
   const GridSpec& spec =
@@ -41,7 +41,7 @@ void write_points_csv(const PointReader& points, const PointReader::Pass& pass, 
   for (const std::string& name : pass.columns)
     headings += (headings.empty() ? "" : ",") + name_with_unit(points.column(name));
   sink.write(headings + "\n");
-  // A float32 was read as the double next to it; its shortest text is that of the float.
+  // A float32 was read as a double of the same value; the text is the shortest for the float32.
   std::vector<bool> single;
   for (const std::string& name : pass.columns)
     single.push_back(points.column(name).type == h5::Type::float32);

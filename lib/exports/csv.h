@@ -11,14 +11,14 @@
 
 namespace landfall {
 
-/// Writes points as comma-separated text: one line of headings, one line per selected row. `pass` says
-/// which columns, in which order.
+/// Writes points as comma-separated text: one header line, then one line per selected row. `pass` defines the
+/// columns and their order.
 void write_points_csv(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress = {});
 
-/// Writes layers of one grid (at least one) as comma-separated text: headings x_m, y_m and the layers', then
-/// a line per bin, row by row from the south, bins without a value included; of these lines the first and
-/// every N-th after it.
+/// Writes layers of one grid (at least one) as comma-separated text: the header x_m, y_m and the layers'
+/// names, then a line per bin, row by row from the south, including bins without a value. Of these lines, the
+/// first and every N-th after it are written.
 void write_layers_csv(const std::vector<NamedLayer>& layers, std::size_t every, ByteSink& sink,
                       const ProgressCallback& progress = {});
 

@@ -21,7 +21,7 @@
 namespace landfall {
 namespace {
 
-/// Whether `words`, parted by spaces, has this format.
+/// Whether `words`, separated by spaces, contain this format.
 bool has(std::string_view words, const std::string& format) {
   return words.find(format) != std::string_view::npos;
 }
@@ -48,7 +48,7 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   return named;
 }
 
-/// Throws UsageError unless a file of this kind can become this.
+/// Throws UsageError unless a file of this kind can be exported to this format.
 void require_possible(const LandfallFileReader& file, const std::string& format) {
   const std::string& input = file.name();
   if (h5::exists(file.root(), "mesh") && format != "png")
@@ -61,12 +61,12 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
                    "; not ." + format);
 }
 
-/// Throws UsageError for an option that has no part in an export to this format.
+/// Throws UsageError for an option that has no effect in an export to this format.
 void require_no_stray_option(const ExportOptions& o, bool is_scan) {
   struct Option {
     bool given;
     const char* name;
-    std::string_view of_scan;  ///< the formats that it has a part in
+    std::string_view of_scan;  ///< the formats to which it applies
     std::string_view of_grid;
   };
   const Option options[] = {{!o.layers.empty(), "--layers", "png", "csv png tif xmf"},
@@ -80,7 +80,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                        (is_scan ? "scan" : "grid") + " to ." + o.format);
 }
 
-/// x, y and z first, then the others.
+/// x, y and z first, then the other columns.
 PointReader::Pass ply_pass(const PointReader& points, const ExportOptions& o) {
   PointReader::Pass pass{position_columns(o.position), {true, o.every}, 3};
   for (const std::string& name : points.choose(o.columns))
@@ -89,10 +89,10 @@ PointReader::Pass ply_pass(const PointReader& points, const ExportOptions& o) {
   return pass;
 }
 
-/// The .xmf, and beside it the positions that it refers to, which get their name before it.
+/// Writes the .xmf, and beside it the positions that it refers to, which get their final name first.
 void export_points_xdmf(const PointReader& points, const ExportOptions& o, const OutputOptions& output,
                         const std::string& tool, ByteSink& sink) {
-  // A scan's own rows cannot be left out of what only refers to them.
+  // The .xmf only refers to the scan's rows, so that it cannot leave any out.
   if (points.count({true, 1}) != points.row_count())
     throw UsageError(points.file().name() +
                      " contains rows without a return, which an .xmf cannot omit; export .ply");

@@ -10,30 +10,30 @@
 
 namespace landfall {
 
-/// What of a landfall file is exported, and how. What is empty has a default.
+/// The part of a landfall file to export, and the format. Empty members have defaults.
 struct ExportOptions {
   std::string input;
   std::string format;                ///< "csv", "las", "ply", "png", "tif" or "xmf"
-  std::vector<std::string> layers;   ///< of a grid; of a scan, for a picture, a column or "count"
+  std::vector<std::string> layers;   ///< of a grid; of a scan, for an image, a column or "count"
   std::vector<std::string> columns;  ///< of a scan's points
   std::string position;              ///< of a scan's points: "est" or "true"
   std::size_t every = 1;             ///< points, or lines of a .csv: the first and every N-th after it
-  bool keep_misses = false;          ///< of a scan, as .csv
+  bool keep_misses = false;          ///< of a scan, only as .csv
 };
 
-/// The export of one file: by default in the format of the output's extension, to standard output ("-") as
-/// .csv.
+/// The export of one file: by default in the format of the output's extension, or as .csv to standard output
+/// ("-").
 class FileExport {
  public:
-  /// Throws UsageError where input, format, output and options do not go together, naming the option as
-  /// landfall-export has it, and FormatError where the input is no landfall file.
+  /// Throws UsageError if input, format, output and options do not fit together, naming the option as in
+  /// landfall-export, and FormatError if the input is not a landfall file.
   FileExport(ExportOptions options, const std::string& output);
 
-  /// A second output, beside the first: the points' positions of an .xmf. Empty: none.
+  /// The second output beside the first: the points' positions of an .xmf. Empty if there is none.
   [[nodiscard]] std::string second_output() const;
 
-  /// Writes `output`, whose path is that of the constructor; `tool` is what the file says it comes from.
-  /// Throws ClosedPipe (byte_sink.h), and as the formats' writers do.
+  /// Writes `output`, whose path is that of the constructor; `tool` is the software name in the file. Throws
+  /// ClosedPipe (byte_sink.h), and as the formats' writers do.
   void write(const OutputOptions& output, const std::string& tool, const ProgressCallback& progress) const;
 
  private:

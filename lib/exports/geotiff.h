@@ -8,7 +8,7 @@
 namespace landfall {
 
 /// Writes grids as a cloud-optimized GeoTIFF (save_geotiff() in terrain/gdal/gdal_loader.h) that appears
-/// whole or not at all (output_path.h). Throws UsageError where the output exists, IoError when it cannot be
+/// complete or not at all (output_path.h). Throws UsageError if the output exists, IoError if it cannot be
 /// written.
 void write_geotiff(const OutputOptions& output, const GeotiffContent& content,
                    const ProgressCallback& progress = {});

@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-/// Of more bins, a layer is read in strips where that will do.
+/// A float64 layer with more bins is read in strips.
 constexpr std::size_t kLargeBins = std::size_t{1} << 24U;
 
 LandfallFileReader require_grid(LandfallFileReader file) {

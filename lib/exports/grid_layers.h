@@ -14,7 +14,7 @@
 
 namespace landfall {
 
-/// A layer of any type that grids come in; int64 is read as double.
+/// A layer of any supported type; int64 is read as double.
 using AnyGrid = std::variant<Grid<double>, Grid<float>, Grid<std::int32_t>, Grid<std::int8_t>>;
 
 struct NamedLayer {
@@ -22,11 +22,11 @@ struct NamedLayer {
   AnyGrid values;
 };
 
-/// The layers of a terrain, DEM, evaluation or plan, for those who show or export them.
+/// The layers of a terrain, DEM, evaluation or plan, for display or export.
 class GridSource {
  public:
-  /// Throws FormatError unless the file is one of these and has a grid with a layer: a terrain may be a mesh,
-  /// and `dem-eval --metrics-only` keeps no layers.
+  /// Throws FormatError unless the file is of one of these kinds and has a grid with a layer: a terrain may
+  /// be a mesh, and `dem-eval --metrics-only` writes no layers.
   explicit GridSource(const std::filesystem::path& path);
   GridSource(const GridSource&) = delete;  // the reader refers to the file
   GridSource& operator=(const GridSource&) = delete;
@@ -37,14 +37,14 @@ class GridSource {
   [[nodiscard]] const std::string& crs_wkt() const { return reader_.crs_wkt(); }
   [[nodiscard]] const std::vector<ContentInfo>& layers() const { return layers_; }
 
-  /// The layer that a file of this kind is about: z of a terrain, z_est of a DEM, rel_z of an evaluation (of
-  /// one without truth distance_to_valid), count of a plan; else the first.
+  /// The main layer of a file of this kind: z of a terrain, z_est of a DEM, rel_z of an evaluation (without
+  /// truth: distance_to_valid), count of a plan; else the first.
   [[nodiscard]] const ContentInfo& main_layer() const;
-  /// The layers of these names, in their order; none: the main layer; the one name `all`: every layer.
-  /// Throws UsageError, naming those that there are, for an unknown name or one that stands twice.
+  /// The layers of these names, in their order; without names: the main layer; for the one name `all`: every
+  /// layer. Throws UsageError, listing the existing ones, for an unknown name or one that is given twice.
   [[nodiscard]] std::vector<ContentInfo> choose(const std::vector<std::string>& names) const;
 
-  /// Calls use(rows) with all rows of a layer, from the south: strip by strip where it is large and float64,
+  /// Calls use(rows) with all rows of a layer, from the south. A large float64 layer is read strip by strip,
   /// so that it is never in memory as a whole.
   void read_strips(const ContentInfo& layer, const std::function<void(const AnyGrid& rows)>& use,
                    const ProgressCallback& progress = {}) const;

@@ -22,7 +22,7 @@ void append_text(std::string& out, std::string text, std::size_t length) {
   out += text;
 }
 
-/// Columns of a pass over the points: coordinates, time and status.
+/// Columns of a pass over the points: coordinates, then time, then status.
 constexpr std::size_t kTimeColumn = 3;
 constexpr std::size_t kStatusColumn = 4;
 

@@ -35,13 +35,13 @@ struct LasGrid {
   static LasGrid fitting(const PointBox& box, const std::string& file);
 
   [[nodiscard]] std::int32_t stored(double coordinate_m, std::size_t axis) const;
-  /// What a reader makes of it.
+  /// The coordinate that a reader computes.
   [[nodiscard]] double read_back(std::int32_t stored, std::size_t axis) const {
     return stored * scale_m + offset_m[axis];
   }
 };
 
-/// What the header of a LAS file says of its points.
+/// The content of a LAS header.
 struct LasContent {
   LasGrid grid;
   PointBox box;
@@ -51,7 +51,7 @@ struct LasContent {
 };
 
 /// The public header block (LAS 1.2, ASPRS 2008) and the record. The bounds are those of the coordinates as
-/// they are read back; the day of creation is 0, so that equal points give equal bytes.
+/// they are read back; the creation day is 0, so that equal points give equal bytes.
 [[nodiscard]] std::string las_header(const LasContent& content);
 
 /// Writes the selected returns as LAS 1.2, point format 1: GPS time is the pulse's time, return 1 of 1,

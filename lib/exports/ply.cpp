@@ -16,7 +16,7 @@ const char* ply_type(h5::Type type) {
     case h5::Type::float32:
       return "float";
     default:
-      return "double";  // PLY has no integer of 64 bits
+      return "double";  // PLY has no 64-bit integer
   }
 }
 

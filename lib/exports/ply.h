@@ -11,9 +11,9 @@
 
 namespace landfall {
 
-/// The header of a binary PLY of `count` points: x, y and z as double, the others as properties scalar_NAME
-/// of the type that the file stores them in; their units are in comments. range_measured is
-/// scalar_range_meas: CloudCompare takes a property whose name holds "red" for a colour.
+/// The header of a binary PLY of `count` points: x, y and z as double, the other columns as properties
+/// scalar_NAME of their type in the file; their units are in comments. range_measured is named
+/// scalar_range_meas because CloudCompare takes a property whose name contains "red" for a colour.
 [[nodiscard]] std::string ply_header(const std::vector<ContentInfo>& columns, std::size_t count,
                                      const std::string& file_id);
 

@@ -120,7 +120,7 @@ std::size_t PointReader::count(const PointSelection& selection) const {
   return (selected + selection.every - 1) / selection.every;
 }
 
-/// Reads a pass's batches, in order.
+/// Reads the batches of a pass in order.
 class PointReader::BatchSource {
  public:
   BatchSource(const PointReader& reader, const Pass& pass)
@@ -153,7 +153,7 @@ class PointReader::BatchSource {
     return resized(batch.columns[c], count);
   }
 
-  /// What is read of the file: `t` is made of the pulse.
+  /// The columns to read from the file: `t` is computed from the pulse.
   std::vector<std::string> stored_columns(const Pass& pass) {
     std::vector<std::string> names;
     for (const std::string& name : pass.columns)

@@ -16,58 +16,58 @@
 
 namespace landfall {
 
-/// Which rows of a scan's /points are wanted.
+/// Selects rows of a scan's /points.
 struct PointSelection {
   bool only_returns = true;  ///< returns and false returns; else every row of the file
-  std::size_t every = 1;     ///< of those, the first and every N-th after it; >= 1
+  std::size_t every = 1;     ///< of those rows, the first and every N-th after it; >= 1
 };
 
-/// One column's rows of a batch. Floating-point columns are read as double.
+/// The rows of one column in a batch. Floating-point columns are read as double.
 using ColumnValues = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::int32_t>,
                                   std::vector<std::int8_t>>;
 
 /// A piece of /points: consecutive rows of the file, and which of them are selected.
 struct PointBatch {
   std::size_t first_row = 0;            ///< in the file
-  std::vector<ColumnValues> columns;    ///< in the order that was asked for, all rows of the piece
+  std::vector<ColumnValues> columns;    ///< in the requested order, all rows of the piece
   std::vector<std::uint32_t> selected;  ///< ascending positions in `columns`
 
-  /// A floating-point column.
+  /// The values of a floating-point column.
   [[nodiscard]] const std::vector<double>& real(std::size_t column) const {
     return std::get<std::vector<double>>(columns[column]);
   }
-  /// Any column, as a number; an int64 beyond 2^53 is rounded.
+  /// A value of any column as a double; an int64 beyond 2^53 is rounded.
   [[nodiscard]] double number(std::size_t column, std::size_t row) const;
 };
 
-/// The points of a scan.h5, read batch by batch in bounded memory, as many passes as are wanted.
+/// The points of a scan.h5, read batch by batch in bounded memory, in any number of passes.
 class PointReader {
  public:
   /// Throws FormatError unless the file is a scan with the columns that a point cloud needs.
   explicit PointReader(const std::filesystem::path& path);
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
-  /// The file's columns, and `t`, the time of the point's pulse, where the file can tell it.
+  /// The file's columns, and `t`, the time of the point's pulse, if the file has the pulse times.
   [[nodiscard]] const std::vector<ContentInfo>& columns() const { return columns_; }
-  /// Throws UsageError, naming those that there are, for an unknown column.
+  /// Throws UsageError, listing the existing columns, for an unknown column.
   [[nodiscard]] const ContentInfo& column(const std::string& name) const;
-  /// The columns of these names, in their order; none: those of the file. Throws UsageError for an unknown
-  /// name or one that is given twice.
+  /// The columns of these names, in their order; without names: those of the file. Throws UsageError for an
+  /// unknown name or one that is given twice.
   [[nodiscard]] std::vector<std::string> choose(const std::vector<std::string>& names) const;
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
-  /// Rows that are selected. Reads the column `status`, once for each selection.
+  /// The number of selected rows. Reads the column `status`, once for each selection.
   [[nodiscard]] std::size_t count(const PointSelection& selection) const;
 
-  /// What one pass reads.
+  /// Defines what one pass reads.
   struct Pass {
     std::vector<std::string> columns;
     PointSelection selection;
-    /// Of these columns (the first ones of `columns`) every selected value must be finite.
+    /// In these columns (the first ones of `columns`) every selected value must be finite.
     std::size_t finite_columns = 0;
   };
   /// Calls use(batch) for all rows in order; later batches are read meanwhile. Throws FormatError, naming
-  /// file, column and row, for a value that must be finite and is not, and for a pulse number that /pulses
-  /// does not have.
+  /// file, column and row, for a value that must be finite and is not, and for a pulse number that does not
+  /// exist in /pulses.
   void read(const Pass& pass, const std::function<void(const PointBatch& batch)>& use,
             const ProgressCallback& progress = {}) const;
 
@@ -81,15 +81,15 @@ class PointReader {
   std::size_t row_count_ = 0;
 };
 
-/// The columns of where the points are (`position` "est") or truly are ("true"): x, y and z.
+/// The names of the columns x, y and z of the estimated (`position` "est") or true ("true") positions.
 [[nodiscard]] std::vector<std::string> position_columns(const std::string& position);
 
 /// Appends the bytes of the rows at these positions of a batch to `out`.
 using EncodeRows =
     std::function<void(const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out)>;
 
-/// Reads a pass and writes what `encode` makes of the selected rows, in order. Rows are encoded on all
-/// threads, in pieces that do not depend on their number.
+/// Reads a pass and writes the bytes that `encode` appends for the selected rows, in order. Rows are encoded
+/// on all threads, in pieces that do not depend on the number of threads.
 void write_points(const PointReader& points, const PointReader::Pass& pass, const EncodeRows& encode,
                   ByteSink& sink, const ProgressCallback& progress = {});
 

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kXEst = name_of(&PointColumns::x_est);
 constexpr const char* kYEst = name_of(&PointColumns::y_est);
 constexpr std::int64_t kMaxPixels = 1100;
-constexpr std::int64_t kMeshPixels = 500;  ///< each is a search in the mesh
+constexpr std::int64_t kMeshPixels = 500;  ///< each needs a search in the mesh
 
 bool is_among(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -42,7 +42,7 @@ RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const Pr
 }
 
 struct Extent {
-  PointMap::Box box{1, -1, 1, -1};  ///< of no point
+  PointMap::Box box{1, -1, 1, -1};  ///< empty
   std::size_t count = 0;
 
   [[nodiscard]] bool holds(double x, double y) const {
@@ -55,8 +55,8 @@ struct Extent {
   }
 };
 
-/// The estimated positions of the returns; of the false ones, which may lie far off, only where there are no
-/// others. Throws FormatError without any.
+/// The extent of the estimated positions of the returns. False returns, which may lie far off, count only if
+/// there are no others. Throws FormatError if there is no return at all.
 Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
   Extent of_true;
   Extent of_all;
@@ -103,7 +103,7 @@ RgbImage mesh_picture(const TriangleMesh& mesh, const ProgressCallback& progress
   const double height = extent.box.north_m - extent.box.south_m;
   PixelMap map;
   map.pixel_m = std::max(width, height) / static_cast<double>(kMeshPixels);
-  if (!(map.pixel_m > 0)) map.pixel_m = 1;  // an upright sliver
+  if (!(map.pixel_m > 0)) map.pixel_m = 1;  // no horizontal extent
   const auto pixels = [&map](double extent_m) {
     return std::clamp<std::int64_t>(std::llround(std::ceil(extent_m / map.pixel_m)), 1, kMeshPixels);
   };

@@ -10,17 +10,17 @@
 
 namespace landfall {
 
-/// How a layer or column of this name is drawn: elevations shaded, signed errors in diverging colours about
-/// zero, everything else in sequential ones. Flags and numbers of holes keep the greatest value of a pixel's
-/// bins, other layers the mean.
+/// The style for a layer or column of this name: elevations are shaded, signed errors have diverging colours
+/// about zero, everything else has sequential ones. Flags and hole numbers keep the greatest value of a
+/// pixel's bins, other layers the mean.
 [[nodiscard]] MapStyle style_of(const ContentInfo& content);
 
-/// A picture of any landfall file, seen from above, north up, at most 1100 pixels a side and its labels.
-/// - A grid: the layer `layer`; empty: its main one (GridSource::main_layer).
-/// - A scan: the mean of the column `layer` (the greatest, of flags) over the returns of each pixel at their
-///   estimated position, in the frame of the true ones; empty: z_est; `count`: how many returns.
+/// An image of any landfall file, seen from above, north up, at most 1100 pixels a side plus its labels.
+/// - A grid: the layer `layer`; if empty, the main layer (GridSource::main_layer).
+/// - A scan: the mean (for flags: the greatest value) of the column `layer` over the returns of each pixel at
+/// their estimated position, in the frame of the true ones; if empty, z_est; `count`: the number of returns.
 /// - A mesh terrain: H(x, y), the only layer `z`.
-/// Throws UsageError for a layer that the file does not have, FormatError as its readers do.
+/// Throws UsageError for a layer that the file does not have, and FormatError as the file's readers do.
 [[nodiscard]] RgbImage quick_look(const std::filesystem::path& input, const std::string& layer,
                                   const ProgressCallback& progress = {});
 

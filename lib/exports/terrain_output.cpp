@@ -26,13 +26,13 @@ Format format_of(const std::filesystem::path& output) {
                    "' is not one of .h5 (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
 }
 
-/// Where an exported terrain comes from.
+/// The origin of an exported terrain.
 struct Origin {
   const std::string& crs_wkt;
   const std::string& file_id;
 };
 
-/// Writes a terrain in another format than its own; `grid` is null for a mesh.
+/// Writes a terrain in another format than .h5; `grid` is null for a mesh.
 void write_export(const TerrainOutput& output, const TerrainSurface& surface, const TriangulatedGrid* grid,
                   const Origin& origin) {
   const bool is_geotiff = format_of(output.file.path) == Format::geotiff;
@@ -46,7 +46,7 @@ void write_export(const TerrainOutput& output, const TerrainSurface& surface, co
   });
 }
 
-/// Writes terrain.h5 by write(file).
+/// Writes terrain.h5 through write(file).
 template <class Write>
 void write_own(const TerrainOutput& output, const Write& write) {
   LandfallFileWriter file(output.file, "terrain", output.provenance);
@@ -77,7 +77,7 @@ std::map<std::string, std::int64_t> count_by_kind(const std::vector<PlacedFeatur
   return counts;
 }
 
-/// A terrain that is never in memory as a whole.
+/// Builds a terrain that is never in memory as a whole.
 TerrainContent build_in_strips(const TerrainConfig& config, const DemLoader& load,
                                const TerrainOutput& output) {
   std::optional<TerrainStrips> strips;

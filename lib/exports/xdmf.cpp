@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A text within XML.
+/// Escapes a text for XML.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -43,7 +43,7 @@ std::string number_type(h5::Type type) {
   }
 }
 
-/// A dataset of the file.
+/// The XML of a dataset in the file.
 std::string data_item(const ContentInfo& info, const std::string& dimensions, const std::string& path) {
   return "<DataItem Dimensions=\"" + dimensions + "\" " + number_type(info.type) + " Format=\"HDF\">" +
          escaped(path + info.name) + "</DataItem>";
@@ -59,7 +59,7 @@ std::string document(const std::string& name, const std::string& content) {
          name + "\" GridType=\"Uniform\">\n" + content + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
-/// Three numbers, x first; XDMF wants the slowest first.
+/// Formats three numbers, given x first; XDMF needs the slowest dimension first.
 std::string triple(const char* what, double x, double y, double z) {
   return std::string("        <DataItem Name=\"") + what +
          "\" Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">" + number_text(z) + " " +
@@ -71,7 +71,7 @@ std::string triple(const char* what, double x, double y, double z) {
 std::string xdmf_reference(const fs::path& data, const fs::path& xdmf) {
   const fs::path target = fs::weakly_canonical(fs::absolute(data));
   const fs::path folder =
-      fs::weakly_canonical(fs::absolute(xdmf).parent_path());  // an output replaces a link
+      fs::weakly_canonical(fs::absolute(xdmf).parent_path());  // an output replaces a symbolic link
   const fs::path relative = target.lexically_relative(folder);
   return relative.empty() || *relative.begin() == ".." ? target.string() : relative.string();
 }

@@ -15,7 +15,7 @@
 namespace landfall {
 namespace {
 
-/// The order in which layers are told, as the tools write them; HDF5 itself only keeps them by name.
+/// The order in which layers are listed: that in which the tools write them. HDF5 itself sorts them by name.
 constexpr std::array kLayerOrder = {
     // terrain and DEM
     "z_est", "z", "count", "weight_sum", "x_true", "y_true", "z_true", "x_est_mean", "y_est_mean", "t_mean",
@@ -64,7 +64,7 @@ bool is_plain(std::string_view name) {
   });
 }
 
-/// Texts of a foreign file end up in headers of other formats, which are lines.
+/// Texts of a foreign file may be copied into headers of other formats, which consist of lines.
 std::string text_of(hid_t dataset, const char* attribute) {
   std::string text = h5::read_text_attribute(dataset, attribute).value_or("");
   std::replace_if(
@@ -72,7 +72,7 @@ std::string text_of(hid_t dataset, const char* attribute) {
   return text;
 }
 
-/// A group, and the beginning of messages about what it holds: "file: /group/".
+/// A group, and the prefix of messages about its content: "file: /group/".
 struct NamedGroup {
   hid_t group;
   std::string name;
@@ -97,8 +97,8 @@ std::vector<std::string> names_in(const NamedGroup& group) {
   return names;
 }
 
-/// The numeric datasets of a group whose extent satisfies `wanted`, sorted by `order`. What cannot be opened
-/// is an error: an export would go without it.
+/// The numeric datasets of a group whose extent satisfies `wanted`, sorted by `order`. A dataset that cannot
+/// be opened is an error, because an export would silently omit it.
 std::vector<ContentInfo> datasets(const NamedGroup& group, std::span<const char* const> order,
                                   const std::function<bool(std::span<const hsize_t>)>& wanted) {
   std::vector<ContentInfo> result;

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// What a layer or a column says about itself.
+/// The description of a layer or a column.
 struct ContentInfo {
   std::string name;
   h5::Type type;  ///< the smallest of ours that holds every stored value
@@ -18,19 +18,19 @@ struct ContentInfo {
   std::string long_name;
 };
 
-/// The name and, where it has one that is a word and the name does not end so already, the unit, as this
-/// project writes units in names: x_est_m, t_s, count.
+/// The name with its unit appended as in this project's names: x_est_m, t_s, count. The unit is omitted if it
+/// is missing or not a word, or if the name already ends with it.
 [[nodiscard]] std::string name_with_unit(const ContentInfo& content);
 
 /// The kind of a landfall file: terrain, scan, dem, evaluation or plan.
 [[nodiscard]] std::string kind_of(const LandfallFileReader& file);
 
-/// True where the file has a grid: coordinates /x and /y.
+/// True if the file has a grid: coordinates /x and /y.
 [[nodiscard]] bool has_grid(const LandfallFileReader& file);
 
 /// The layers of a grid: the numeric datasets at the root of the shape (y, x), in the order in which the
-/// tools write them, then those that no tool knows by name. Names of other than letters, digits and _ are
-/// left out; control characters in texts become spaces.
+/// tools write them, then those that no tool knows by name. Layers whose names contain other characters than
+/// letters, digits and _ are left out; control characters in texts become spaces.
 [[nodiscard]] std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpec& spec);
 
 /// The columns of a scan's points: the one-dimensional numeric datasets, in the order of kPointColumns, then

@@ -8,10 +8,10 @@
 namespace landfall {
 
 /// The CF grid mapping /crs: a scalar whose attribute crs_wkt is the site frame. An empty `wkt` writes the
-/// local frame of a site that no CRS ties to a body.
+/// local frame of a site without a CRS.
 void write_crs(hid_t root, const std::string& wkt);
 
-/// The site frame; the local one where the file does not say.
+/// The site frame; the local frame if the file gives none.
 [[nodiscard]] std::string read_crs(hid_t root);
 
 }  // namespace landfall

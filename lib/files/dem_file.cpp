@@ -20,7 +20,7 @@ struct Strip {
   std::size_t offset;
 };
 
-/// Which options a layer needs and the request lacks; empty where it has them.
+/// The options that a layer needs and the request lacks; empty if it has all of them.
 using Missing = std::string (*)(const DemRequest&);
 
 std::string nothing_missing(const DemRequest& /*request*/) { return ""; }
@@ -81,7 +81,7 @@ Layer z_true(TruthAt truth_at) {
           terrain_missing};
 }
 
-/// value(bin) of each bin that holds a return, NaN of the others.
+/// value(bin) for each bin that holds a return, NaN for the others.
 template <class Value>
 Layer of_filled_bins(const std::string& name, const std::string& long_name, Missing missing, Value value) {
   const auto put_values = [=](const Strip& strip, GridLayerWriter::TileValues& tile) {

@@ -13,23 +13,23 @@
 
 namespace landfall {
 
-/// Which layers of a DEM to write, and from what.
+/// The layers of a DEM to write, and their sources.
 struct DemRequest {
-  std::vector<std::string> layers;        ///< names; empty: all that can be made
-  const TerrainSurface* truth = nullptr;  ///< the terrain; without it z_true, z_true_map are left out
+  std::vector<std::string> layers;        ///< names; empty: all that can be computed
+  const TerrainSurface* truth = nullptr;  ///< the terrain; without it z_true and z_true_map are left out
   TruthAt truth_at = TruthAt::bin_center;
   bool uncertainty = false;  ///< also z_true_map and the sigmas
   bool corrected = false;    ///< also z_corrected
-  // What these are made from; needed by write_dem only.
+  // Sources of these layers; needed by write_dem only.
   const Grid<Slope>* slopes = nullptr;
   const UncertaintyMap* uncertainty_map = nullptr;
 };
 
-/// The names that a DEM may have, in the order of the file.
+/// The layer names that a DEM may have, in the order of the file.
 [[nodiscard]] const std::vector<std::string>& dem_layer_names();
 
-/// Throws UsageError for a name that is not a layer, or for one that the request cannot make: truth without a
-/// terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
+/// Throws UsageError for a name that is not a layer, or for a layer that cannot be computed from the request:
+/// truth without a terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
 void check_layers(const DemRequest& request);
 
 /// Writes dem.h5 (docs/user/files/dem.md), tile by tile, and commits.

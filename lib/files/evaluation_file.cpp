@@ -18,7 +18,7 @@ namespace {
 
 const char* name_of(Axis axis) { return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z"; }
 
-/// of(hole) of each hole.
+/// The value of(hole) for each hole.
 template <class Of>
 auto column(const std::vector<Hole>& holes, const Of& of) {
   std::vector<std::decay_t<std::invoke_result_t<Of, const Hole&>>> values;
@@ -132,7 +132,7 @@ DemWindowReader::DemWindowReader(const std::filesystem::path& path) : file_(path
 
 Grid<double> DemWindowReader::read(const std::string& name, const GridSpec& window) const {
   const GridSpec& dem = layers_.spec();
-  // Whole tiles are read, as a part of one takes as long.
+  // Reads whole tiles, because a part of a tile takes as long.
   const BinIndex before{(window.first_row - dem.first_row) % layers_.tile().row,
                         (window.first_col - dem.first_col) % layers_.tile().col};
   const GridSpec wider{window.resolution_m, window.first_row - before.row, window.first_col - before.col,

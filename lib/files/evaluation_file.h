@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// A DEM as dem-eval judges it.
+/// A DEM as dem-eval evaluates it.
 struct DemInput {
   DemLayers layers;
   std::string crs_wkt;
@@ -20,19 +20,19 @@ struct DemInput {
   nlohmann::json chain;
 };
 
-/// Reads z_est of a dem.h5 and, where all three are there, x_true, y_true and z_true, then also z_corrected
-/// if there is one. Throws FormatError.
+/// Reads z_est of a dem.h5 and, if all three exist, x_true, y_true and z_true, then also z_corrected if it
+/// exists. Throws FormatError.
 [[nodiscard]] DemInput read_dem(const std::filesystem::path& path);
 
-/// Parts of a DEM, read one at a time.
+/// Reads parts of a DEM, one at a time.
 class DemWindowReader {
  public:
   /// Throws FormatError.
   explicit DemWindowReader(const std::filesystem::path& path);
 
-  /// z_est and, where the DEM has it, truth of bins that lie within its grid. Throws FormatError.
+  /// z_est and, if the DEM has it, truth of bins that lie within its grid. Throws FormatError.
   [[nodiscard]] DemLayers read(const GridSpec& window) const;
-  /// The returns of every bin; nothing where the DEM has no such layer. Throws FormatError.
+  /// The number of returns of every bin; nothing if the DEM has no such layer. Throws FormatError.
   [[nodiscard]] std::optional<Grid<std::int32_t>> count() const;
 
  private:
@@ -42,9 +42,9 @@ class DemWindowReader {
   GridLayerReader layers_;
 };
 
-/// The bins of a grid whose value in a layer of an HDF5 file is neither 0 nor NaN. The file may be any that
-/// has the layer in the shape (y, x); coordinates /x and /y, where it has them, must be the grid's. Throws
-/// FormatError.
+/// The bins of a grid whose value in a layer of an HDF5 file is neither 0 nor NaN. The file may be any HDF5
+/// file that has the layer in the shape (y, x); coordinates /x and /y, if it has them, must equal the grid's.
+/// Throws FormatError.
 struct RegionMask {
   BinMask mask;
   std::string file_id;
@@ -52,14 +52,14 @@ struct RegionMask {
 [[nodiscard]] RegionMask read_region_mask(const std::filesystem::path& path, const std::string& layer,
                                           const GridSpec& spec);
 
-/// z_true_map - z_est, z_sigma_abs, z_sigma_rel and, if there is one, count of a dem.h5; nothing where it
-/// lacks one of the first three. Throws FormatError.
+/// z_true_map - z_est, z_sigma_abs, z_sigma_rel and, if it exists, count of a dem.h5; nothing if one of the
+/// first three is missing. Throws FormatError.
 [[nodiscard]] std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path);
 
 /// Writes eval.h5: each layer as the evaluation gives it, /holes and /metrics_json at the end.
 class EvaluationWriter : public LayerSink {
  public:
-  /// Without a layer the file has no grid either. Refuses the output as LandfallFileWriter does.
+  /// Without a layer, the file has no grid. Refuses the output as LandfallFileWriter does.
   EvaluationWriter(const OutputOptions& options, const Provenance& provenance, const GridSpec& spec,
                    std::string crs_wkt);
 

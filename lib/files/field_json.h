@@ -13,7 +13,7 @@
 
 namespace landfall {
 
-/// Writes the fields that a walk visits into nested JSON objects. A number that is not finite is null.
+/// Writes the fields that a walk visits into nested JSON objects. A number that is not finite becomes null.
 class FieldWriter {
  public:
   using Json = nlohmann::ordered_json;
@@ -41,7 +41,7 @@ class FieldWriter {
   Json& json_;
 };
 
-/// Reads what FieldWriter wrote; null for a number is infinite. Throws nlohmann::json::exception where a
+/// Reads what FieldWriter wrote; null for a number becomes infinity. Throws nlohmann::json::exception if a
 /// field is missing or has another type.
 class FieldReader {
  public:
@@ -83,7 +83,7 @@ class FieldReader {
   const Json& json_;
 };
 
-/// The fields of a struct (base/fields.h) in nested objects, and back.
+/// Converts the fields of a struct (base/fields.h) to nested objects, and back.
 template <class T>
 [[nodiscard]] nlohmann::ordered_json fields_json(const T& value) {
   nlohmann::ordered_json json;

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The root's own datasets stand first, under this name.
+/// The root's own datasets come first, under this name.
 constexpr const char* kLayers = "layers";
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -64,7 +64,7 @@ Json grid_json(const GridSpec& spec) {
           {"y_m", {spec.y(0), spec.y(spec.rows - 1)}}};
 }
 
-/// How often each named value, or each named bit, occurs.
+/// Counts how often each named value, or each named bit, occurs.
 Json flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
   const bool bits = !entry.flag_masks.empty();
   const std::vector<int>& flags = bits ? entry.flag_masks : entry.flag_values;
@@ -98,7 +98,7 @@ Json entry_json(const DatasetEntry& entry) {
           {"unit", entry.units},  {"long_name", entry.long_name}};
 }
 
-/// The datasets of a group, and where the group's description goes.
+/// The datasets of a group, and the destination of the group's description.
 struct Group {
   std::string name;
   std::vector<DatasetEntry> entries;
@@ -117,7 +117,7 @@ std::vector<Group> groups_of(const LandfallFileReader& file) {
   return groups;
 }
 
-/// The progress of one dataset as that of all, by their values.
+/// Converts the progress of one dataset to that of all, weighted by their numbers of values.
 class Share {
  public:
   Share(const std::vector<Group>& groups, const ProgressCallback& progress) : progress_(progress) {
@@ -155,7 +155,7 @@ Json datasets_json(const LandfallFileReader& file, const std::vector<Group>& gro
   return result;
 }
 
-/// Rows of a table, by its first column.
+/// The number of rows of a table, from its first column.
 std::int64_t row_count(const Json& datasets, const char* group) {
   return datasets.contains(group) && !datasets[group].empty()
              ? datasets[group][0]["shape"][0].get<std::int64_t>()
@@ -199,7 +199,7 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
   return json;
 }
 
-/// Least and greatest coordinate along each axis; `vertices` is of the shape (V, 3).
+/// The least and greatest coordinate along each axis; `vertices` is of the shape (V, 3).
 std::array<std::array<double, 2>, 3> mesh_bounds(const LandfallFileReader& file,
                                                  const DatasetEntry& vertices) {
   constexpr hsize_t kRows = 65536;

@@ -69,7 +69,7 @@ std::vector<double> read_axis(const LandfallFileReader& file, const std::string&
   return values;
 }
 
-/// The resolution: the file's own word where it agrees with the coordinates, else their mean step.
+/// The resolution: the file's own value if it agrees with the coordinates, else their mean step.
 double resolution_of(const LandfallFileReader& file, const std::vector<double>& x) {
   const double step = (x.back() - x.front()) / static_cast<double>(x.size() - 1);
   const double stated = h5::read_number_attribute(file.root(), "resolution_m").value_or(step);
@@ -90,7 +90,7 @@ std::int64_t first_index(const LandfallFileReader& file, const std::vector<doubl
   return static_cast<std::int64_t>(first);
 }
 
-/// Any stored layer, by HDF5's own means.
+/// Reads any stored layer through HDF5.
 bool read_rectangle(hid_t dataset, hid_t type, BinIndex first, const GridSpec& window, void* values) {
   const hsize_t start[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
   const hsize_t count[2] = {static_cast<hsize_t>(window.rows), static_cast<hsize_t>(window.cols)};
@@ -157,7 +157,7 @@ void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinInde
                                  std::span<const std::byte> bytes) const {
   const hsize_t offset[2] = {static_cast<hsize_t>(first.row), static_cast<hsize_t>(first.col)};
   const std::lock_guard lock(
-      h5::library_lock());  // what is written may be computed from another file's layer
+      h5::library_lock());  // the written values may be computed from another file's layer
   if (!h5::write_chunk(dataset, offset, bytes))
     throw IoError("writing layer " + name + " failed: " + h5::failure_reason());
 }
@@ -208,7 +208,7 @@ void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const F
   for (const TiledLayer& layer : layers) datasets.push_back(create(layer.name, layer.type, layer.text));
   struct Slot {
     std::vector<TileValues> values;
-    std::vector<ChunkEncoder> encoders;  ///< per layer, for all tiles: their memory is kept
+    std::vector<ChunkEncoder> encoders;  ///< one per layer, reused for all tiles
     std::vector<std::span<const std::byte>> encoded;
   };
   std::vector<Slot> slots(thread_count() + 2);
@@ -275,7 +275,7 @@ Grid<T> GridLayerReader::read_window(const std::string& name, const GridSpec& wi
   const std::lock_guard lock(h5::library_lock());
   const h5::Handle dataset = open(name);
   bool done = false;
-  // A thread that waited for others' tiles might begin work that asks for this lock.
+  // Otherwise a thread that waits for tiles of others might start work that needs this lock.
   run_isolated([&] { done = read_tiles(dataset.get(), part, {tile_of(spec_), first}, progress); });
   if (!done &&
       !read_rectangle(dataset.get(), h5::native(h5::TypeOf<T>::value), first, window, part.values().data()))

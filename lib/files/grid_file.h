@@ -20,7 +20,7 @@ namespace landfall {
 /// so that GDAL, GMT, ncdump, xarray, QGIS and ParaView open every layer georeferenced.
 class GridLayerWriter {
  public:
-  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `located_at` says what the coordinates locate.
+  /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `located_at` says what the coordinates refer to.
   GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
                   const std::string& located_at = "bin centre");
 
@@ -36,24 +36,24 @@ class GridLayerWriter {
   template <class T>
   void write(const std::string& name, const Grid<T>& layer, const LayerText& text);
 
-  /// A layer of T that is then written in strips of rows, which only part of is in memory at a time.
+  /// A layer of T to be written in strips of rows, so that only part of it is in memory at a time.
   template <class T>
   [[nodiscard]] h5::Handle begin(const std::string& name, const LayerText& text) const;
-  /// Whole rows of the grid: the first a multiple of 256 from the grid's, and so the end unless it is the
-  /// grid's. Throws IoError.
+  /// Writes whole rows of the grid. The first row must be a multiple of 256 from the grid's first, and so
+  /// must the end unless it is the grid's. Throws IoError.
   template <class T>
   void write_rows(const h5::Handle& layer, const std::string& name, const Grid<T>& rows) const;
-  /// The least and the greatest value of a layer, as the CF conventions have it.
+  /// Writes the least and the greatest value of a layer as the CF attribute actual_range.
   static void write_range(const h5::Handle& layer, const std::array<double, 2>& range);
 
-  /// A layer of several that are computed tile by tile.
+  /// One of several layers that are computed tile by tile.
   struct TiledLayer {
     std::string name;
     h5::Type type;  ///< float64, float32 or int32
     LayerText text;
   };
-  /// The part of the grid that a tile covers, fewer rows and columns at the grid's border; the values of its
-  /// rows begin `stride` apart.
+  /// The part of the grid that a tile covers, with fewer rows and columns at the grid's border; its rows of
+  /// values begin `stride` apart.
   struct Tile {
     BinIndex first;
     std::int64_t rows;
@@ -64,7 +64,7 @@ class GridLayerWriter {
   /// Writes a tile's values of every layer, in the order of the layers. Called for several tiles at once.
   using FillTile = std::function<void(const Tile& tile, std::span<TileValues> layers)>;
   /// Writes layers that are never in memory as a whole: tiles are computed and compressed on all threads,
-  /// while those before are written. Throws IoError.
+  /// while earlier ones are written. Throws IoError.
   void write_tiled(const std::vector<TiledLayer>& layers, const FillTile& fill,
                    const ProgressCallback& progress = {});
 
@@ -82,7 +82,7 @@ class GridLayerWriter {
   h5::Handle y_;
 };
 
-/// Reads such a file's grid.
+/// Reads the grid of a file that GridLayerWriter wrote.
 class GridLayerReader {
  public:
   /// Throws FormatError unless /x and /y are ascending, evenly spaced integer multiples of one resolution
@@ -92,18 +92,18 @@ class GridLayerReader {
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
   [[nodiscard]] bool has(const std::string& name) const;
-  /// Throws FormatError where the layer is missing, has another shape than (y, x), or cannot be read.
+  /// Throws FormatError if the layer is missing, has another shape than (y, x), or cannot be read.
   template <class T>
   [[nodiscard]] Grid<T> read(const std::string& name, const ProgressCallback& progress = {}) const;
 
-  /// Bins of the layer's chunks, or what stands for them in a layer that is stored otherwise.
+  /// Size of the layer's chunks in bins, or a substitute for a layer without such chunks.
   [[nodiscard]] BinIndex tile() const;
-  /// A part of a layer: bins of the grid, its first row and column multiples of tile() from the grid's.
-  /// Holds h5::library_lock(), and runs nothing else on the threads that it waits with.
+  /// A part of a layer: bins of the grid; its first row and column are multiples of tile() from the grid's.
+  /// Holds h5::library_lock(); its threads take no other tasks while they wait.
   template <class T>
   [[nodiscard]] Grid<T> read_window(const std::string& name, const GridSpec& window,
                                     const ProgressCallback& progress = {}) const;
-  /// What write_range() wrote; nothing where a layer has none.
+  /// The range that write_range() wrote; nothing if a layer has none.
   [[nodiscard]] std::optional<std::array<double, 2>> range(const std::string& name) const;
 
  private:

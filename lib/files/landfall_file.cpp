@@ -43,7 +43,7 @@ bool is_input_list(const Json& inputs) {
          });
 }
 
-/// Null where there is no such dataset or it is not JSON; throws FormatError where it exists but is not text.
+/// Null if there is no such dataset or it is not JSON; throws FormatError if it exists but is not text.
 Json json_of(const std::string& file, hid_t provenance, const std::string& name) {
   const std::optional<std::string> text = h5::read_text(provenance, name);
   if (!text && h5::exists(provenance, name))
@@ -51,7 +51,7 @@ Json json_of(const std::string& file, hid_t provenance, const std::string& name)
   return stored_json<Json>(text);
 }
 
-/// A foreign file's history counts only where all of it can be understood.
+/// A foreign file's history is used only if all of it is understood.
 bool is_history(const Json& chain) {
   const auto is_step = [](const Json& step) {
     return has_text(step, "tool") && has_text(step, "file_id") &&

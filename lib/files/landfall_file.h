@@ -12,11 +12,11 @@
 
 namespace landfall {
 
-/// What every landfall file shares (docs/user/files/README.md): root attributes, /provenance, and a name
-/// under which it appears only when it is complete.
+/// The parts common to all landfall files (docs/user/files/README.md): root attributes, /provenance, and a
+/// name under which the file appears only when it is complete.
 class LandfallFileWriter {
  public:
-  /// `kind` is terrain, scan, dem, evaluation or plan. Refuses before any work is done: UsageError where the
+  /// `kind` is terrain, scan, dem, evaluation or plan. Throws UsageError before any work is done if the
   /// output exists.
   LandfallFileWriter(const OutputOptions& options, const std::string& kind, const Provenance& provenance);
 
@@ -32,20 +32,20 @@ class LandfallFileWriter {
   h5::Handle file_;
 };
 
-/// What a reader of any landfall file needs first.
+/// Opens and checks any landfall file.
 class LandfallFileReader {
  public:
-  /// Throws FormatError unless the file is a complete landfall file of one of `kinds` and of a format this
-  /// version reads.
+  /// Throws FormatError unless the file is a complete landfall file of one of `kinds` and of a format that
+  /// this version reads.
   LandfallFileReader(const std::filesystem::path& path, std::initializer_list<const char*> kinds);
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< for messages: the path as given
   [[nodiscard]] const std::string& file_id() const { return file_id_; }
-  /// Everything upstream, and this file as the last step: each has the texts "tool" and "file_id"; its
-  /// "inputs", where it has any, are a list, each of them with the texts "role" and "file_id".
+  /// All upstream steps, and this file as the last step. Each has the texts "tool" and "file_id"; its
+  /// "inputs", if any, are a list of objects with the texts "role" and "file_id".
   [[nodiscard]] const nlohmann::json& chain() const { return chain_; }
-  /// The resolved configuration that made it, an object; null where the file does not say.
+  /// The resolved configuration that made the file, an object; null if the file does not contain one.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   /// Throws FormatError "NAME: what".
   [[noreturn]] void fail(const std::string& what) const;
@@ -60,8 +60,8 @@ class LandfallFileReader {
   nlohmann::json config_;
 };
 
-/// True where `path` names an HDF5 file that some landfall tool has begun: of any kind, and not necessarily
-/// complete. Throws FormatError where the system does not let that be seen.
+/// True if `path` is an HDF5 file that a landfall tool has begun: of any kind, and not necessarily complete.
+/// Throws FormatError if the system refuses access.
 [[nodiscard]] bool is_landfall_file(const std::filesystem::path& path);
 
 }  // namespace landfall

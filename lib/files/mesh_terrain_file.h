@@ -12,7 +12,7 @@ namespace landfall {
 /// site frame.
 void write_mesh_terrain(LandfallFileWriter& file, const IndexedTriangles& mesh);
 
-/// Throws FormatError where /mesh is not that, holds fewer bytes than it claims, or the mesh is not sound.
+/// Throws FormatError if /mesh has another form or fewer bytes than it claims, or if the mesh is not valid.
 [[nodiscard]] std::shared_ptr<const TriangleMesh> read_mesh_terrain(const LandfallFileReader& file);
 
 }  // namespace landfall

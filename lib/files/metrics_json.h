@@ -7,11 +7,11 @@
 
 namespace landfall {
 
-/// metrics.json (docs/user/files/metrics.md): plain numbers in a stable order, null for what is not known or
-/// not finite. Without truth the structure stays and its numbers are null.
+/// metrics.json (docs/user/files/metrics.md): plain numbers in a stable order, null if unknown or not finite.
+/// Without truth the structure is the same and its numbers are null.
 [[nodiscard]] nlohmann::ordered_json metrics_json(const Metrics& metrics);
 
-/// The metrics of a file. Throws nlohmann::json::exception where a key is missing or has another type; an
+/// The metrics of a file. Throws nlohmann::json::exception if a key is missing or has another type; an
 /// unknown shape of the region is read as a circle.
 [[nodiscard]] Metrics metrics_from(const nlohmann::ordered_json& json);
 

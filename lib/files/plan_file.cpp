@@ -19,7 +19,7 @@ PlanMetrics::Time time_of(const PulseBudget& b, double pulse_rate_hz) {
   return {of(total), of(b.in_region), of(b.partly_in_region), of(b.off_region), of(b.blanked)};
 }
 
-/// Of the bins that have a return.
+/// The coverage by bins that have a return.
 Coverage coverage_of(const ScanPlan& plan) {
   Grid<double> z_est(plan.region().spec());
   for (std::size_t i = 0; i < z_est.values().size(); ++i)

@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// A plan in numbers, as /plan_json has them (files/field_json.h); docs/user/scan-sim.md says what each is.
+/// The numbers of a plan, as stored in /plan_json (files/field_json.h); docs/user/scan-sim.md describes each.
 struct PlanMetrics {
   struct Pulses {
     std::int64_t pulse_count = 0;
@@ -57,7 +57,7 @@ struct PlanMetrics {
   }
 };
 
-/// What a plan says of its region.
+/// The results of a plan for its region.
 struct PlanSummary {
   PlanMetrics metrics;
   Grid<std::int32_t> hole_id;  ///< of the bins without a return (Coverage)

@@ -24,14 +24,14 @@ void describe(hid_t dataset, const char* units, const char* long_name) {
   h5::write_attribute(dataset, "long_name", std::string(long_name));
 }
 
-/// HDF5 takes %b in the name of a source for the number of a block, and %% for a percent sign.
+/// In the name of a source, HDF5 replaces %b by the number of a block, and %% by a percent sign.
 std::string source_name(const std::string& file) {
   std::string name;
   for (const char c : file) name += c == '%' ? "%%" : std::string(1, c);
   return name;
 }
 
-/// A column of the virtual dataset is a column of the scan.
+/// Maps each column of the virtual dataset to a column of the scan.
 void map_columns(hid_t properties, hid_t space, const PointPositions& positions) {
   const hsize_t rows = positions.rows;
   const std::string scan = source_name(positions.scan);
@@ -51,7 +51,7 @@ void write_position(hid_t root, const PointPositions& positions) {
   const h5::Handle space(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
   const h5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
-  // Where the scan is not found the file has no positions, rather than zeros.
+  // If the scan is not found, positions are NaN rather than zero.
   const double nan = std::numeric_limits<double>::quiet_NaN();
   H5Pset_fill_value(properties.get(), H5T_NATIVE_DOUBLE, &nan);
   map_columns(properties.get(), space.get(), positions);
@@ -63,7 +63,7 @@ void write_position(hid_t root, const PointPositions& positions) {
   describe(dataset.get(), "m", "x, y and z of the points in the DEM frame, as the scan has them");
 }
 
-/// Rows [begin, begin + values.size()) become begin, begin + 1, ...
+/// Writes begin, begin + 1, ... to the rows [begin, begin + values.size()).
 void write_rows(hid_t dataset, std::size_t begin, std::vector<std::int64_t>& values) {
   std::iota(values.begin(), values.end(), static_cast<std::int64_t>(begin));
   const std::array<hsize_t, 2> start = {begin, 0};

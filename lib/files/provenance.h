@@ -15,19 +15,19 @@ struct InputRecord {
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };
 
-/// How a file came to be: enough to make it again, and nothing that differs between two equal runs (no clock,
-/// host, path or thread count).
+/// The origin of a file: everything needed to make it again, and nothing that differs between two equal runs
+/// (no clock, host, path or thread count).
 struct Provenance {
   std::string tool;
   nlohmann::json config = nullptr;  ///< the resolved configuration; paths in it are cut to the file's name
-  /// Command-line options that change what the file holds (--keep-misses); null where none does.
+  /// Command-line options that change the content of the file (--keep-misses); null if none does.
   nlohmann::json options = nullptr;
   std::vector<InputRecord> inputs = {};
-  /// The upstream steps, oldest first, each {"tool", "version", "file_id", "config", "inputs"}; a file
-  /// reached by two ways is listed once.
+  /// The upstream steps, oldest first, each {"tool", "version", "file_id", "config", "inputs"}; a file that
+  /// is reached in two ways is listed once.
   nlohmann::json chain = nlohmann::json::array();
-  /// Host, clock, paths: only where the user asked by --record-environment. Null otherwise; no part of the
-  /// file_id.
+  /// Host, clock and paths, only if the user requested them by --record-environment; null otherwise. Not part
+  /// of the file_id.
   nlohmann::json environment = nullptr;
 
   /// A hash of program version, tool, resolved config, options and the inputs' ids: equal for equal runs.

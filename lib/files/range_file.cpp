@@ -18,14 +18,14 @@ constexpr const char* kPixel = name_of(&PointColumns::pixel);
 constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
 constexpr const char* kCount = name_of(&PulseColumns::point_count);
 
-/// The value at a path such as /noise/dropout_frac, null where there is none: a foreign file's configuration
-/// may have any shape.
+/// The value at a path such as /noise/dropout_frac, null if it does not exist: a foreign file's configuration
+/// may have any structure.
 Json value_at(const Json& config, const std::string& path) {
   const Json::json_pointer where(path);
   return config.contains(where) ? config.at(where) : Json();
 }
 
-/// The path of the first difference, "/detector/rows"; empty where there is none.
+/// The path of the first difference, "/detector/rows"; empty if there is none.
 std::string first_difference(const Json& a, const Json& b, const std::string& pointer) {
   if (a == b) return {};
   if (!a.is_object() || !b.is_object()) return pointer;
@@ -39,7 +39,7 @@ std::string first_difference(const Json& a, const Json& b, const std::string& po
   return pointer;
 }
 
-/// True where the configuration drops no pixel that hit.
+/// True if the configuration drops no pixel that hit.
 bool loses_nothing(const Json& config) {
   const Json noise = config.value("noise", Json::object());
   const auto is_zero = [&](const char* key) {
@@ -53,19 +53,19 @@ bool has_false_returns(const Json& config) {
   return !share.is_null() && share != 0;
 }
 
-/// The key, not zero, by which the seed moves the true beams; empty where it does not.
+/// The key with a nonzero value that makes the true beams depend on the seed; empty if there is none.
 std::string seed_moves_beams_by(const Json& config) {
   const Json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
   const Json sigma = config.value(jitter, Json(0));
   if (sigma != 0 && sigma != Json({0, 0})) return jitter.to_string();
-  // The encoder of an fsm misleads only the lander; prisms themselves are off.
+  // The encoder error of an fsm affects only the estimate, but that of prisms affects the true beam.
   const Json::json_pointer encoder("/scanner/encoder_sigma_rad");
   if (config.value(Json::json_pointer("/scanner/type"), "") == "risley" && config.value(encoder, 0.0) != 0)
     return encoder.to_string();
   return {};
 }
 
-/// Why the lidars' true pointing differs; empty where it does not.
+/// The reason why the lidars' true pointing differs; empty if it does not.
 std::string turned_beams_differ(const Json& theirs, const Json& ours) {
   for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
     const std::string where = "/pointing_error/" + std::string(key);
@@ -77,7 +77,7 @@ std::string turned_beams_differ(const Json& theirs, const Json& ours) {
   return {};
 }
 
-/// The files that true ranges depend on.
+/// The input files that determine the true ranges.
 Json inputs_of_truth(const Json& inputs) {
   Json kept = Json::array();
   for (const Json& input : inputs)
@@ -172,7 +172,7 @@ bool RangeFile::PulseRows::hold_every_pixel(std::span<const std::int32_t> pixel,
     if (count[pulse] != per_pulse ||
         begin[pulse] != begin.front() + static_cast<std::int64_t>(pulse) * per_pulse)
       return false;
-  bool in_order = true;  // no early exit: the loop then runs as fast as memory
+  bool in_order = true;  // no early exit, so that the loop runs at memory speed
   for (std::size_t first = 0; first < pixel.size(); first += pixel_count)
     for (std::size_t i = 0; i < pixel_count; ++i)
       in_order &= pixel[first + i] == static_cast<std::int32_t>(i);

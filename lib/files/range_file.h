@@ -17,19 +17,19 @@
 
 namespace landfall {
 
-/// The true ranges of an earlier scan, for a run that only draws the errors anew (--ranges-from).
+/// The true ranges of an earlier scan, for a run that only draws new errors (--ranges-from).
 class RangeFile {
  public:
   /// Throws FormatError unless it is a complete scan.
   explicit RangeFile(const std::filesystem::path& path);
 
   /// Throws UsageError, naming the key, unless the scan was made by this version with the same detector,
-  /// laser, scanner, mount, trajectory (also the bytes of its table), turn of the true beams and terrain as
-  /// `provenance` says, and holds the true range of every pixel that hit, in double precision: --keep-misses,
-  /// or neither dropouts nor dead pixels.
+  /// laser, scanner, mount, trajectory (including the bytes of its table), rotation of the true beams and
+  /// terrain as in `provenance`, and holds the true range of every pixel that hit, in double precision: made
+  /// with --keep-misses, or with neither dropouts nor dead pixels.
   void require_match(const Provenance& provenance) const;
 
-  /// True where a scan with these errors has a row for the same pixels and pulses, with the same truth: both
+  /// True if a scan with these errors has rows for the same pixels and pulses, with the same truth: both
   /// scans keep their misses, or neither loses a pixel that hit; and neither has false returns.
   [[nodiscard]] bool has_rows_of(const nlohmann::json& config, bool keep_misses) const;
   [[nodiscard]] const TableReader& points() const { return points_; }
@@ -37,24 +37,24 @@ class RangeFile {
   /// The terrain that was scanned.
   [[nodiscard]] TerrainIdentity terrain() const;
 
-  /// The true ranges, one per pixel and pulse, NaN for a miss; fastest in order. Throws FormatError where the
-  /// file's rows do not fit.
+  /// The true ranges, one per pixel and pulse, NaN for a miss; fastest if read in order. Throws FormatError
+  /// if the file's rows are inconsistent.
   [[nodiscard]] std::vector<double> ranges_m(PulseSpan pulses, std::size_t pixel_count);
 
  private:
-  /// Where the points of some pulses lie.
+  /// The rows of some pulses.
   struct PulseRows {
     std::vector<std::int64_t> begin;  ///< first row of each pulse in /points
-    std::vector<std::int32_t> count;  ///< its rows
+    std::vector<std::int32_t> count;  ///< number of rows
     std::int64_t total = 0;
 
-    /// True where every pulse has all its pixels, in their order, so that rows need no sorting.
+    /// True if every pulse has all its pixels, in their order, so that rows need no sorting.
     [[nodiscard]] bool hold_every_pixel(std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   };
 
   void require_complete_ranges() const;
   [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t most);
-  /// Ranges by pixel from those by row.
+  /// Sorts ranges from row order to pixel order.
   [[nodiscard]] std::vector<double> by_pixel(const PulseRows& rows, std::span<const double> range_m,
                                              std::span<const std::int32_t> pixel,
                                              std::size_t pixel_count) const;

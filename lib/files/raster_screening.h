@@ -6,9 +6,9 @@
 
 namespace landfall {
 
-/// Before GDAL opens a raster: throws FormatError where an HDF5 file that its name leads to
-/// (named_dem_files() of terrain/gdal/gdal_loader.h) is not one that h5::screen_file() (file_screening.h)
-/// lets through. Files of other formats are not opened.
+/// For use before GDAL opens a raster: throws FormatError if an HDF5 file that its name leads to
+/// (named_dem_files() of terrain/gdal/gdal_loader.h) is refused by h5::screen_file() (file_screening.h).
+/// Files of other formats are not opened.
 void screen_raster(const DemBase& dem, RasterLinks links);
 
 }  // namespace landfall

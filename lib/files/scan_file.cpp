@@ -14,7 +14,7 @@
 namespace landfall {
 namespace {
 
-/// How a column is described in the file.
+/// The description of a column in the file.
 template <class Table, class T>
 ColumnSpec spec_of(const Column<Table, T>& column, bool single_precision) {
   if constexpr (std::is_same_v<T, PointStatus>) {
@@ -82,7 +82,7 @@ void move_rows(std::vector<double>& column, std::size_t from, std::size_t count,
             column.begin() + static_cast<std::ptrdiff_t>(to));
 }
 
-/// The columns that a DEM is made from.
+/// The columns from which a DEM is made.
 std::vector<std::string> columns_of_a_dem() {
   std::vector<std::string> names;
   for (const auto member : kCoordinates) names.emplace_back(name_of(member));
@@ -91,7 +91,7 @@ std::vector<std::string> columns_of_a_dem() {
   return names;
 }
 
-/// Moves the first kept[i] rows of piece i up against those before it, and cuts what is left over.
+/// Moves the first kept[i] rows of each piece i to directly after those before it, and removes the rest.
 void close_gaps(ScanPoints& points, std::size_t rows_per_piece, std::span<const std::size_t> kept) {
   std::vector<std::vector<double>*> columns = {&points.t};
   for (const auto member : kCoordinates) columns.push_back(&(points.columns.*member));
@@ -127,7 +127,7 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
   const auto counts = batch.status_counts();
   for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] += counts[i];
   if (!options_.keep_misses) batch.keep_returns();
-  // Both tables are written in the order of the batches, for the file's layout follows from it.
+  // Both tables are written in the order of the batches, because the file's layout depends on it.
   auto next = static_cast<std::int64_t>(points_.row_count());
   for (std::size_t i = 0; i < batch.pulses.size(); ++i) {
     batch.pulses.point_begin[i] = next;
@@ -196,7 +196,7 @@ bool ScanReader::is_valid(const PointColumns& points, std::size_t i) const {
 }
 
 bool ScanReader::all_valid(const PointColumns& points, std::size_t first, std::size_t end) const {
-  bool valid = true;  // no early exit: the loops then run as fast as memory
+  bool valid = true;  // no early exit, so that the loops run at memory speed
   for (std::size_t i = first; i < end; ++i) valid &= is_return(PointStatus{status_[i]});
   for (std::size_t i = first; i < end; ++i) valid &= has_pulse(i);
   for (const auto member : kCoordinates) {

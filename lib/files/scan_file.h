@@ -29,13 +29,13 @@ class ScanWriter {
   /// `crs_wkt` is the site frame, from the terrain.
   ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options, const std::string& crs_wkt);
 
-  /// Before the first append: takes the columns that errors do not change, the truth and where it belongs,
-  /// from `source`, the points of a scan with the same rows. True where batches need not hold them any more.
+  /// Before the first append: copies the columns that errors do not change, the truth and its indices, from
+  /// `source`, the points of a scan with the same rows. True if batches no longer need to hold them.
   bool copy_truth(const TableReader& source);
-  /// Takes the next pulses; the batch's points are cut to the returns unless misses are kept. What it returns
-  /// compresses and writes.
+  /// Takes the next pulses; the batch's points are reduced to the returns unless misses are kept. The
+  /// returned work compresses and writes them.
   [[nodiscard]] SinkWork take(PulseBatch& batch);
-  /// Writes /detector and the counts, and commits. Throws FormatError for a scan without a single return.
+  /// Writes /detector and the counts, and commits. Throws FormatError for a scan without any return.
   void commit(const Detector& detector, std::span<const std::int8_t> dead_map);
 
   [[nodiscard]] std::int64_t count(PointStatus status) const {
@@ -53,7 +53,7 @@ class ScanWriter {
   std::array<std::int64_t, kPointStatusCount> counts_{};
 };
 
-/// Rows of a scan that hold a return, as a DEM is made from them: of the columns only kCoordinates.
+/// The rows of a scan that hold a return, with the columns that a DEM needs: only kCoordinates.
 struct ScanPoints {
   PointColumns columns;
   std::vector<double> t;  ///< the time of the pulse
@@ -61,22 +61,22 @@ struct ScanPoints {
   [[nodiscard]] GridPoints view() const { return GridPoints::of(columns, t); }
 };
 
-/// The times of all pulses. Throws FormatError, naming the row, for one that is not finite.
+/// The times of all pulses. Throws FormatError, naming the row, for a time that is not finite.
 [[nodiscard]] std::vector<double> read_pulse_times(const LandfallFileReader& scan);
 
 /// Reads a scan.h5 in pieces, on all threads, in bounded memory.
 class ScanReader {
  public:
-  /// Throws FormatError unless the columns that a DEM needs are there, of one length, and all pulses have a
+  /// Throws FormatError unless the columns that a DEM needs exist and have one length, and all pulses have a
   /// time.
   explicit ScanReader(const std::filesystem::path& path);
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
   [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
-  /// The returns (and false returns) among rows [begin, begin + count). Throws FormatError, naming the row,
-  /// for a return with a coordinate that is not finite or a pulse number that /pulses does not have. Fastest
-  /// in order and by whole chunks (kTableChunkRows). Uses HDF5: nothing else may meanwhile.
+  /// Reads the returns (and false returns) among rows [begin, begin + count). Throws FormatError, naming the
+  /// row, for a return with a coordinate that is not finite or a pulse number that does not exist in /pulses.
+  /// Fastest in order and by whole chunks (kTableChunkRows). Uses HDF5: no other thread may use it meanwhile.
   void read(std::size_t begin, std::size_t count, ScanPoints& points);
 
  private:
@@ -94,7 +94,7 @@ class ScanReader {
   std::vector<double> pulse_times_s_;
   std::string crs_wkt_;
   std::size_t row_count_ = 0;
-  std::vector<std::int32_t> pulse_;  ///< of the rows being read
+  std::vector<std::int32_t> pulse_;  ///< values of the rows being read
   std::vector<std::int8_t> status_;
 };
 

@@ -43,7 +43,7 @@ GriddedScans empty_bins(const GriddingRequest& request) {
   return gridded;
 }
 
-/// Bins a batch while the next one is read.
+/// Grids a batch while the next one is read.
 void grid_pass(const std::vector<Batch>& todo, GriddedScans& gridded, const ProgressCallback& progress) {
   std::array<ScanPoints, 2> slots;
   read_ahead(

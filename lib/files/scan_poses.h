@@ -6,9 +6,9 @@
 
 namespace landfall {
 
-/// The estimated poses of a scan's /pulses, thinned evenly to at most 16,385 (every 0.12 ms of a 2 s scan),
-/// the first and the last among them: memory does not grow with the pulses, but for one column at a time.
-/// Throws FormatError where a column is missing or columns differ in length.
+/// The estimated poses of a scan's /pulses, evenly reduced to at most 16,385 (every 0.12 ms of a 2 s scan),
+/// including the first and the last. Apart from one column at a time, memory does not grow with the pulses.
+/// Throws FormatError if a column is missing or columns differ in length.
 [[nodiscard]] ScanPoses read_scan_poses(const LandfallFileReader& scan);
 
 }  // namespace landfall

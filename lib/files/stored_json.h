@@ -7,14 +7,14 @@
 
 namespace landfall {
 
-/// More levels than any file of ours has: a configuration, 64 at the most, within a step of a history. What
-/// walks JSON calls itself level by level.
+/// More levels than any landfall file has: a configuration of at most 64 levels within a step of a history.
+/// Code that walks JSON recurses once per level.
 inline constexpr int kMaxStoredLevels = 100;
 
-/// True for a text that is JSON of at most kMaxStoredLevels levels. O(size), whatever its depth.
+/// True for a text that is JSON of at most kMaxStoredLevels levels. O(size) for any depth.
 [[nodiscard]] bool is_storable_json(const std::string& text);
 
-/// The JSON of a text in a file; null where there is no text or is_storable_json() does not hold. `Json` is
+/// The JSON of a text in a file; null if there is no text or is_storable_json() is false. `Json` is
 /// nlohmann::json or ordered_json.
 template <class Json>
 [[nodiscard]] Json stored_json(const std::optional<std::string>& text) {

@@ -25,12 +25,12 @@ TerrainIdentity identity_of(const LandfallFileReader& file) {
 
 GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
 
-/// Of the finite values; low > high where there are none.
+/// The range of the finite values; low > high if there are none.
 struct ElevationRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 
-  void add(double z) {  // NaN changes nothing
+  void add(double z) {  // NaN changes neither
     if (z < low) low = z;
     if (z > high) high = z;
   }

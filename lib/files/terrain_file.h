@@ -19,44 +19,44 @@ namespace landfall {
 /// (feature_file.h).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
-/// The nodes of a terrain.
+/// The numbers of nodes of a terrain.
 struct NodeCounts {
   std::int64_t nodes = 0;
   std::int64_t holes = 0;  ///< those without an elevation
 };
 [[nodiscard]] NodeCounts count_nodes(const Grid<double>& grid);
 
-/// Makes a terrain strip by strip and writes the same file. Throws also as TerrainStrips::make().
+/// Makes a terrain strip by strip and writes the same file. Also throws as TerrainStrips::make() does.
 NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips,
                          const ProgressCallback& progress = {});
 
-/// The id of an imported raster: a hash of what was read of it, samples, position and frame. Files beside the
-/// named one (a world file, the parts of a VRT) count through what they change; the file's name does not.
+/// The id of an imported raster: a hash of the samples, position and frame that were read. Files beside the
+/// named one (a world file, the parts of a VRT) affect it only through these; the file's name does not.
 [[nodiscard]] std::string raster_id(const DemRaster& raster);
 
-/// Which terrain it is: what files made from it say of it.
+/// Identifies a terrain in the files made from it.
 struct TerrainIdentity {
   std::string crs_wkt{};
   std::string file_id{};
   nlohmann::json chain = nlohmann::json::array();
 };
 
-/// Throws FormatError unless the file is a complete terrain; reads nothing of its ground.
+/// Throws FormatError unless the file is a complete terrain; does not read the elevations or the mesh.
 [[nodiscard]] TerrainIdentity read_terrain_identity(const std::filesystem::path& path);
 
-/// A terrain that is in memory.
+/// A terrain in memory.
 struct TerrainInput : TerrainIdentity {
   std::shared_ptr<const TerrainSurface> surface{};
-  std::shared_ptr<const TriangulatedGrid> grid{};  ///< the surface, where it is gridded; else null
-  std::shared_ptr<const TriangleMesh> mesh{};      ///< the surface, where it is a mesh; else null
+  std::shared_ptr<const TriangulatedGrid> grid{};  ///< the surface of a gridded terrain; else null
+  std::shared_ptr<const TriangleMesh> mesh{};      ///< the surface of a mesh terrain; else null
 };
 
 /// Throws FormatError unless the file is a complete terrain: gridded, with at least one finite node and no
-/// infinite one, or a sound mesh.
+/// infinite one, or a valid mesh.
 [[nodiscard]] TerrainInput read_terrain(const std::filesystem::path& path,
                                         const ProgressCallback& progress = {});
 
-/// Terrains of more nodes are loaded in part.
+/// Terrains with more nodes are loaded in part.
 inline constexpr std::int64_t kMaxLoadedNodes = std::int64_t{1} << 24U;
 
 /// A gridded terrain of which only windows are loaded.
@@ -64,10 +64,10 @@ struct LargeTerrainInput : TerrainIdentity {
   LargeTerrain terrain{};  ///< keeps the file open
 };
 
-/// Nothing for a terrain that read_terrain() is for: a mesh, a grid of at most `most_nodes` nodes, or one
-/// that CellOrigin has no windows of. The bounds of the elevations are the layer's actual_range, which
-/// terrain-gen writes; without it all tiles are read once. A window throws FormatError for an elevation that
-/// is infinite or beyond these bounds.
+/// Returns nothing for a terrain to be read by read_terrain(): a mesh, a grid of at most `most_nodes` nodes,
+/// or a grid for which CellOrigin has no windows. The bounds of the elevations are the layer's actual_range,
+/// which terrain-gen writes; without it all tiles are read once. A window throws FormatError for an elevation
+/// that is infinite or beyond these bounds.
 [[nodiscard]] std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path,
                                                                   std::int64_t most_nodes = kMaxLoadedNodes,
                                                                   const ProgressCallback& progress = {});

@@ -8,12 +8,12 @@
 
 namespace landfall {
 
-/// For people: to a billionth of a degree, so that pi/6 is 30.
+/// Degrees for messages, rounded to a billionth of a degree, so that pi/6 gives 30.
 [[nodiscard]] inline double in_degrees(double angle_rad) {
   return std::round(angle_rad * (180 / std::numbers::pi) * 1e9) / 1e9;
 }
 
-/// As require(), for an angle whose key is in degrees: the message has it so, as `bound` does.
+/// As require(), for an angle whose key is in degrees; the message and `bound` are in degrees, too.
 inline void require_angle(bool holds, const ParameterName& name_deg, double angle_rad, const char* bound) {
   require(holds, name_deg, in_degrees(angle_rad), bound);
 }

@@ -6,7 +6,7 @@
 namespace landfall {
 namespace {
 
-/// (1 - a/2 cot(a/2)) / a^2; below 0.02 rad by its series, for the difference would cancel.
+/// (1 - a/2 cot(a/2)) / a^2; below 0.02 rad by its series, because the difference would cancel.
 double bortz_factor(double a) {
   if (a < 0.02) return 1.0 / 12 + a * a / 720;
   return (1 - a / 2 / std::tan(a / 2)) / (a * a);

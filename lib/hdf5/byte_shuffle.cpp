@@ -9,7 +9,7 @@
 namespace landfall {
 namespace {
 
-// The vector extension of g++ and clang: 16 bytes in a register wherever the processor has such registers.
+// The vector extension of g++ and clang: 16 bytes in a register if the processor has such registers.
 using Bytes = unsigned char __attribute__((vector_size(16)));
 template <std::size_t N>
 using Block = std::array<Bytes, N>;
@@ -24,7 +24,7 @@ Bytes interleave_upper(Bytes a, Bytes b) {
   return __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
 }
 
-/// Takes the byte at address a of the block to the address that is a's binary digits rotated left by one.
+/// Moves the byte at address a of the block to the address whose binary digits are a's, rotated left by one.
 template <std::size_t N>
 Block<N> rotated(const Block<N>& in) {
   Block<N> out;
@@ -35,9 +35,9 @@ Block<N> rotated(const Block<N>& in) {
   return out;
 }
 
-/// A block holds 16 elements of N bytes: element number and byte number are the digits of an address, and
-/// swapping the two is a rotation: by the 4 digits of the element number, or back by those of the byte
-/// number.
+/// A block holds 16 elements of N bytes. An address consists of the digits of the element number and those of
+/// the byte number. Swapping the two is a rotation: by the 4 digits of the element number, or back by the
+/// digits of the byte number.
 template <std::size_t N, std::size_t... Step>
 Block<N> rotated_by(Block<N> block, std::index_sequence<Step...> /*steps*/) {
   ((static_cast<void>(Step), block = rotated(block)), ...);
@@ -61,7 +61,7 @@ void unshuffle_one_by_one(std::span<const std::byte> planes, std::size_t element
       elements[i * element_size + byte] = planes[byte * plane + first + i];
 }
 
-/// Whole blocks; returns how many elements that was.
+/// Handles whole blocks; returns the number of elements in them.
 template <std::size_t N>
 std::size_t shuffle_blocks(std::span<const std::byte> elements, std::span<std::byte> planes) {
   const std::size_t count = elements.size() / N;

@@ -6,13 +6,13 @@
 
 namespace landfall {
 
-/// What HDF5's shuffle filter does: byte 0 of every element, then byte 1, and so on: one plane per byte of an
-/// element. `elements` and `planes` have one size, a multiple of element_size (>= 1).
+/// The order of HDF5's shuffle filter: byte 0 of every element, then byte 1, and so on: one plane per byte of
+/// an element. `elements` and `planes` have one size, a multiple of element_size (>= 1).
 void shuffle_bytes(std::span<const std::byte> elements, std::size_t element_size,
                    std::span<std::byte> planes);
 
-/// The way back for some elements: `elements` receives those from number `first` on, as many as it holds.
-/// They must lie among those of `planes`.
+/// The inverse for some elements: `elements` receives as many as it holds, from number `first` on. They must
+/// lie among those of `planes`.
 void unshuffle_bytes(std::span<const std::byte> planes, std::size_t element_size, std::size_t first,
                      std::span<std::byte> elements);
 

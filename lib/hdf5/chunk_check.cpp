@@ -24,8 +24,8 @@ std::vector<h5::Filter> filters_of(hid_t dataset) {
 
 /// The chunks of a dataset and those among them that a selection touches.
 struct ChunkRange {
-  std::vector<hsize_t> size;   ///< of a chunk, elements per dimension; empty: the dataset has none
-  std::vector<hsize_t> first;  ///< of the chunks, their numbers per dimension
+  std::vector<hsize_t> size;   ///< elements of a chunk per dimension; empty: the dataset has no chunks
+  std::vector<hsize_t> first;  ///< numbers of the first chunk per dimension
   std::vector<hsize_t> last;
 };
 
@@ -45,7 +45,7 @@ ChunkRange chunks_of(hid_t dataset, hid_t selection) {
   return range;
 }
 
-/// The next chunk of a range, the last dimension first; false after the last one.
+/// Advances to the next chunk of a range, the last dimension first; false after the last one.
 bool advance(std::vector<hsize_t>& chunk, const ChunkRange& range) {
   for (std::size_t axis = chunk.size(); axis-- > 0;) {
     if (chunk[axis]++ < range.last[axis]) return true;
@@ -64,7 +64,7 @@ bool is_whole(const StoredChunk& stored, std::span<const h5::Filter> filters, st
       bytes.resize(bytes.size() - kChecksumBytes);
       continue;
     }
-    std::size_t size = chunk_bytes;  // of what was deflated
+    std::size_t size = chunk_bytes;  // size before deflate
     for (std::size_t before = 0; before < i; ++before)
       if (is_used(before) && filters[before].id == H5Z_FILTER_FLETCHER32) size += kChecksumBytes;
     std::vector<std::byte> inflated(size);

@@ -8,15 +8,15 @@
 
 namespace landfall {
 
-/// Whether each chunk that a selection of a dataset's space touches (H5S_ALL: any) holds as many bytes as
-/// a chunk has, once its filters are undone. HDF5 1.10 does not ask: what is missing it reads from behind the
-/// chunk's memory. Chunks that are not there pass, and so does a dataset that has none. Decodes all of them
-/// once: for what decode_chunk() does not read itself. Values must be of one size (no variable lengths), and
-/// undecodable_filter() none.
+/// Whether each chunk that a selection of a dataset's space touches (H5S_ALL: any) holds as many bytes as a
+/// chunk has, once its filters are undone. HDF5 1.10 does not check this: it reads missing bytes from beyond
+/// the chunk's memory. Chunks that are not stored pass, and so does a dataset without chunks. Decodes all of
+/// them once: for data that decode_chunk() cannot read. Values must be of one size (no variable lengths), and
+/// undecodable_filter() must return nothing.
 [[nodiscard]] bool chunks_are_whole(hid_t dataset, hid_t selection);
 
-/// "4 (szip)", the first filter of a dataset that is none of these: shuffle, deflate after it, fletcher32
-/// anywhere. Nothing where all are.
+/// "4 (szip)", the first filter of a dataset that is not supported. Supported are shuffle, deflate after it,
+/// and fletcher32 anywhere. Returns nothing if all filters are supported.
 [[nodiscard]] std::optional<std::string> undecodable_filter(hid_t dataset);
 
 }  // namespace landfall

@@ -35,7 +35,7 @@ libdeflate_compressor* compressor_for(int level) {
   return compressor.codec.get();
 }
 
-/// True where a sample from the middle does not shrink by a sixteenth.
+/// True if compressing a sample from the middle saves less than a sixteenth.
 bool looks_like_noise(Bytes plane, libdeflate_compressor* codec) {
   constexpr std::size_t kSample = 4096;
   std::array<std::byte, kSample> target;
@@ -44,8 +44,8 @@ bool looks_like_noise(Bytes plane, libdeflate_compressor* codec) {
                                      kSample - kSample / 16) == 0;
 }
 
-/// True where pieces of the plane are found once more as far back as deflate reaches: noise that comes again,
-/// as in pulses that all see the same.
+/// True if pieces of the plane occur again within the reach of deflate: noise that is repeated, for example
+/// by pulses that all measure the same.
 bool repeats(Bytes plane) {
   constexpr std::size_t kPieces = 4;
   constexpr std::size_t kPieceBytes = 8;
@@ -66,7 +66,7 @@ struct NoiseRun {
   std::size_t end = 0;
 };
 
-/// The first such planes. The last plane, of signs and exponents, counts as none.
+/// The first such planes. The last plane, of signs and exponents, is not counted as noise.
 NoiseRun noise_run(Bytes planes, std::size_t element_size, int level, libdeflate_compressor* codec) {
   constexpr int kThoroughLevel = 6;
   constexpr std::size_t kShortPlane = 8192;
@@ -83,11 +83,11 @@ NoiseRun noise_run(Bytes planes, std::size_t element_size, int level, libdeflate
   return {begin * size, end * size};
 }
 
-/// zlib's compressor, made once per thread. Unlike libdeflate's it can end at a byte within a stream.
+/// zlib's compressor, made once per thread. Unlike libdeflate's, it can end at a byte within a stream.
 class FlushingCompressor {
  public:
   FlushingCompressor() {
-    // Runs and letter frequencies only: below noise lie zeros, or few values of a rounded number.
+    // Only run lengths and Huffman coding: below noise lie zeros, or few values of a rounded number.
     if (deflateInit2(&stream_, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK)
       throw IoError("no memory for a compressor");
   }
@@ -95,7 +95,7 @@ class FlushingCompressor {
   FlushingCompressor(const FlushingCompressor&) = delete;
   FlushingCompressor& operator=(const FlushingCompressor&) = delete;
 
-  /// Deflate blocks, none of them the last, that end at a byte.
+  /// Writes deflate blocks that end at a byte; none of them is marked as the last.
   std::byte* put(Bytes bytes, std::byte* out, std::size_t room) {
     deflateReset(&stream_);
     stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // only read
@@ -113,7 +113,7 @@ class FlushingCompressor {
   z_stream stream_{};
 };
 
-/// Deflate's stored blocks (RFC 1951, 3.2.4), none of them the last. They end at a byte.
+/// Writes deflate's stored blocks (RFC 1951, 3.2.4), which end at a byte; none of them is marked as the last.
 std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
   constexpr std::size_t kLongest = 65535;
   while (!bytes.empty()) {
@@ -129,8 +129,8 @@ std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
   return out;
 }
 
-/// A zlib stream (RFC 1950) in the first bytes of `room`: the noise as it is, what lies before and behind it
-/// compressed.
+/// Writes a zlib stream (RFC 1950) to the first bytes of `room`: the noise is stored, the bytes before and
+/// after it are compressed.
 std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, libdeflate_compressor* codec,
                                            std::vector<std::byte>& room) {
   constexpr std::size_t kHeader = 2;

@@ -7,19 +7,19 @@
 
 namespace landfall {
 
-/// The most bytes that one byte of a deflate stream can stand for.
+/// The largest number of bytes that one byte of a deflate stream can represent.
 inline constexpr unsigned kDeflateAtMost = 1032;
 
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
 /// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
-/// the bytes as they are, unshuffled, which is what a dataset without filters holds.
+/// the bytes unchanged and unshuffled, as in a dataset without filters.
 ///
-/// Below level 6 neighbouring bytes of numbers are stored as they are where a trial finds noise in them:
-/// searching it for repetitions takes four fifths of the time and saves nothing. The trial looks at samples,
-/// so a chunk may miss some of its compression, at most what those bytes could have saved.
+/// Below level 6, neighbouring bytes of numbers are stored uncompressed where a trial finds noise in them:
+/// searching noise for repetitions takes four fifths of the time and saves nothing. The trial uses samples,
+/// so a chunk may lose some of its compression, at most what those bytes could have saved.
 ///
-/// An encoder keeps its memory, about the chunk's, from one chunk to the next; so does the thread. One thread
-/// at a time.
+/// An encoder keeps its memory, about the size of a chunk, from one chunk to the next, and so does the
+/// thread. Use an encoder in one thread at a time.
 class ChunkEncoder {
  public:
   /// `level` in 0..9.

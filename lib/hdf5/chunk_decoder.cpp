@@ -17,14 +17,14 @@ namespace {
 constexpr std::uint32_t kShuffleLeftOut = 1;
 constexpr std::uint32_t kDeflateLeftOut = 2;
 
-/// One decompressor per thread, and room for a chunk.
+/// One decompressor per thread, and memory for a chunk.
 struct Inflater {
   std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> codec{
       libdeflate_alloc_decompressor(), libdeflate_free_decompressor};
   std::vector<std::byte> bytes;
 };
 
-/// The chunk without its compression, valid until the next call on this thread; empty where it is corrupt.
+/// The decompressed chunk, valid until the next call on this thread; empty if it is corrupt.
 std::span<const std::byte> inflated(std::span<const std::byte> stored, std::size_t size) {
   thread_local Inflater inflater;
   if (!inflater.codec) throw IoError("no memory for a decompressor");

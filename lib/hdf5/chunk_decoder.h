@@ -10,16 +10,16 @@ namespace landfall {
 /// How the chunks of a dataset are stored.
 struct ChunkFormat {
   std::size_t element_size = 0;   ///< bytes
-  std::size_t element_count = 0;  ///< of every chunk, also of the last one
-  bool filtered = false;          ///< through shuffle, then deflate; otherwise plain
+  std::size_t element_count = 0;  ///< in every chunk, including the last one
+  bool filtered = false;          ///< by shuffle, then deflate; otherwise plain
 
   [[nodiscard]] std::size_t byte_count() const { return element_size * element_count; }
 };
 
-/// Undoes the filters of one chunk as HDF5 stored it and gives its elements from number `first` on, as many
-/// as `elements` holds; they must lie in the chunk. Bit i of filter_mask says that filter i was left out for
-/// this chunk. Returns false, with `elements` unspecified, where the bytes are not a zlib stream or not of
-/// the chunk's size. Throws IoError where there is no memory.
+/// Undoes the filters of one chunk as HDF5 stored it and returns as many elements as `elements` holds, from
+/// number `first` on; they must lie in the chunk. Bit i of filter_mask says that filter i was not applied to
+/// this chunk. Returns false, with `elements` unspecified, if the bytes are not a zlib stream or do not have
+/// the chunk's size. Throws IoError if memory is short.
 [[nodiscard]] bool decode_chunk(std::span<const std::byte> stored, std::uint32_t filter_mask,
                                 const ChunkFormat& format, std::size_t first, std::span<std::byte> elements);
 

@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// A chunk's bytes as they lie in the file.
+/// The bytes of a chunk as stored in the file.
 struct StoredChunk {
   std::vector<std::byte> bytes;
   std::uint32_t filter_mask = 0;
@@ -24,12 +24,12 @@ struct DecodableChunks {
 };
 
 /// Chunks of exactly `chunk` elements (one number per dimension), without filters or with shuffle and
-/// deflate, of one of the little-endian types of h5::Type. Anything else, which other programs may write, is
-/// left to h5::read_values(): nothing is returned.
+/// deflate, of one of the little-endian types of h5::Type. For any other form, which other programs may
+/// write, returns nothing: use h5::read_values().
 [[nodiscard]] std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk);
 
-/// The file of a dataset's chunks. Many threads may load chunks at once: HDF5 tells, under
-/// h5::library_lock(), where they lie, and their bytes are read beside it.
+/// The file that holds a dataset's chunks. Several threads may load chunks at the same time: HDF5 gives their
+/// addresses under h5::library_lock(), and the bytes are read without HDF5.
 class ChunkFile {
  public:
   /// The file must stay open.
@@ -42,9 +42,9 @@ class ChunkFile {
   std::optional<int> descriptor_;
 };
 
-/// Reads the chunk whose first element has the index `offset`, one number per dimension. False where the file
-/// holds no such chunk (its elements are the fill value) or HDF5 fails. HDF5 is not reentrant: one call at a
-/// time.
+/// Reads the chunk whose first element has the index `offset`, one number per dimension. Returns false if the
+/// file holds no such chunk (its elements are the fill value) or HDF5 fails. HDF5 is not reentrant: one call
+/// at a time.
 [[nodiscard]] bool load_chunk(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chunk);
 
 }  // namespace landfall

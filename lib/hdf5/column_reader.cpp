@@ -45,7 +45,7 @@ void widen(std::span<const std::byte> floats, std::span<double> out) {
   }
 }
 
-/// Elements of the stored type into the target.
+/// Converts elements of the stored type to that of the target.
 void convert(std::span<const std::byte> elements, h5::Type stored, const ColumnTarget& target) {
   if (is_widened(stored, target)) {
     widen(elements, std::get<std::span<double>>(target));
@@ -96,7 +96,7 @@ void ColumnReader::read(std::size_t begin, std::span<const ColumnTarget> targets
   const auto target_of = [&](const Piece& piece) {
     return part(targets[piece.column], piece.chunk * kTableChunkRows + piece.first - begin, piece.count);
   };
-  // What is kept goes first: another piece may replace it.
+  // Copy the kept chunk first, because another piece may replace it.
   std::erase_if(todo, [&](const Piece& piece) { return copy_kept(piece, target_of(piece)); });
   parallel_for(todo.size(), 1, [&](std::size_t i, std::size_t) { read_piece(todo[i], target_of(todo[i])); });
   const std::lock_guard lock(h5::library_lock());

@@ -16,25 +16,25 @@ namespace landfall {
 
 class TableReader;
 
-/// Where the rows of one column go.
+/// The destination of the rows of one column.
 using ColumnTarget =
     std::variant<std::span<double>, std::span<std::int64_t>, std::span<std::int32_t>, std::span<std::int8_t>>;
 
 /// Columns of a table, opened once and read batch by batch.
 ///
-/// Chunks as TableWriter writes them are decoded in parallel, also float32 into double; HDF5 only hands over
-/// their bytes. Columns in any other form (contiguous, big-endian, other filters, chunks or types) go through
-/// h5::read_values(): as right, but slower. The chunk in which a batch ends is kept for the next one, so that
-/// batches in order decode every chunk once however they are cut: up to 512 KiB per column.
+/// Chunks in the form that TableWriter writes are decoded in parallel, also float32 into double; HDF5 only
+/// provides their bytes. Columns in any other form (contiguous, big-endian, other filters, chunks or types)
+/// are read by h5::read_values(), which is slower. The chunk in which a batch ends is kept, so that
+/// batches in order decode every chunk once for any batch size: up to 512 KiB per column.
 class ColumnReader {
  public:
-  /// Throws FormatError, naming file and column, where a column is missing or not one-dimensional. The
+  /// Throws FormatError, naming file and column, if a column is missing or not one-dimensional. The
   /// table's file must stay open.
   ColumnReader(const TableReader& table, const std::vector<std::string>& columns);
 
-  /// Reads rows [begin, begin + length) of every column, converted to the type of its target; `targets` in
-  /// the order of the columns, all of one length. Throws FormatError, naming file and column, for rows beyond
-  /// the end, for a chunk that is corrupt or not of its size, and where HDF5 fails. Uses HDF5 under
+  /// Reads rows [begin, begin + length) of every column, converted to the type of its target; `targets` are
+  /// in the order of the columns, all of one length. Throws FormatError, naming file and column, for rows
+  /// beyond the end, for a chunk that is corrupt or has the wrong size, and if HDF5 fails. Uses HDF5 under
   /// h5::library_lock(), from several threads.
   void read(std::size_t begin, std::span<const ColumnTarget> targets);
 
@@ -48,7 +48,7 @@ class ColumnReader {
     std::optional<std::size_t> kept_chunk;  ///< the chunk that `kept` holds, decoded
     std::vector<std::byte> kept;
   };
-  /// The part of a chunk that a batch wants.
+  /// The part of a chunk that a batch needs.
   struct Piece {
     std::size_t column;
     std::size_t chunk;
@@ -58,7 +58,7 @@ class ColumnReader {
   };
 
   [[nodiscard]] std::vector<Piece> pieces(std::size_t begin, std::span<const ColumnTarget> targets) const;
-  /// False where the piece's chunk is not the one that is kept.
+  /// False if the piece's chunk is not the kept one.
   bool copy_kept(const Piece& piece, const ColumnTarget& target) const;
   void read_piece(const Piece& piece, const ColumnTarget& target);
   void read_plainly(const Column& column, std::size_t begin, const ColumnTarget& target) const;

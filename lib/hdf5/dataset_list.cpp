@@ -11,7 +11,7 @@ namespace landfall {
 namespace {
 
 struct Member {
-  haddr_t address;  ///< grows as members are made
+  haddr_t address;  ///< increases in the order of creation
   std::string name;
   H5O_type_t type;
 };

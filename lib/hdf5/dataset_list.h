@@ -8,26 +8,26 @@
 
 namespace landfall {
 
-/// A dataset of numbers, of 1 or 2 dimensions.
+/// A dataset of numbers with 1 or 2 dimensions.
 struct DatasetEntry {
   std::string name;
   std::string type;  ///< "float64", "uint8", ...
   std::vector<hsize_t> shape;
-  std::string units;  ///< empty where it does not say
+  std::string units;  ///< empty if not given
   std::string long_name;
   std::vector<int> flag_values;
   std::vector<int> flag_masks;
   std::vector<std::string> flag_meanings;
-  hsize_t stored_bytes = 0;  ///< as they lie in the file, compressed
+  hsize_t stored_bytes = 0;  ///< compressed size in the file
   h5::Handle dataset;
 
   [[nodiscard]] double value_count() const;
 };
 
-/// Those of a group, in the order in which they were made; texts, scalars and subgroups are left out.
+/// The datasets of a group in the order of their creation; texts, scalars and subgroups are left out.
 [[nodiscard]] std::vector<DatasetEntry> list_datasets(hid_t group);
 
-/// The names of the groups in a group, in that order.
+/// The names of the groups in a group, in the order of their creation.
 [[nodiscard]] std::vector<std::string> list_groups(hid_t group);
 
 }  // namespace landfall

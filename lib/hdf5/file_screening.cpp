@@ -26,7 +26,7 @@ constexpr double kMebi = 0x1p20;
 constexpr double kMaxChunkBytes = 256 * kMebi;
 constexpr double kMaxUnstoredBytes = 256 * kMebi;
 constexpr std::size_t kMaxObjects = std::size_t{1} << 20U;
-/// HDF5 takes some 2 KiB of memory for each chunk that it reads.
+/// HDF5 uses about 2 KiB of memory for each chunk that it reads.
 constexpr double kMaxSmallChunks = 0x1p16;
 constexpr double kSmallChunkBytes = 2048;
 constexpr const char* kAdvice =
@@ -47,7 +47,7 @@ struct Group {
   std::string path;  ///< ends with "/"
 };
 
-/// What a soft or external link says; empty where that cannot be read.
+/// The target of a soft or external link; empty if it cannot be read.
 std::vector<char> link_value(hid_t group, const std::string& name) {
   H5L_info_t info;
   if (H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT) < 0) return {};
@@ -90,7 +90,7 @@ double value_bytes(hid_t dataset) {
   return static_cast<double>(H5Tget_size(type.get()));
 }
 
-/// Elements per dimension; those that there are not are 1.
+/// Elements per dimension; 1 for dimensions that do not exist.
 using Extent = std::array<double, H5S_MAX_RANK>;
 
 Extent as_extent(int rank, const std::array<hsize_t, H5S_MAX_RANK>& size) {
@@ -106,7 +106,7 @@ Extent size_of(hid_t dataset) {
   return as_extent(H5Sget_simple_extent_dims(space.get(), size.data(), nullptr), size);
 }
 
-/// None where a dataset has no chunks.
+/// Returns nothing if a dataset has no chunks.
 std::optional<Extent> chunk_of(hid_t properties) {
   std::array<hsize_t, H5S_MAX_RANK> size{};
   if (H5Pget_layout(properties) != H5D_CHUNKED) return std::nullopt;
@@ -141,7 +141,7 @@ class Screening {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw FormatError(name_ + ": " + what); }
 
-  /// True for an object that no link led to before.
+  /// True for an object that no earlier link led to.
   bool is_new(haddr_t address) {
     if (seen_.size() == kMaxObjects) fail("holds more than 2^20 objects");
     return seen_.insert(address).second;
@@ -220,7 +220,7 @@ class Screening {
   }
 
   const std::string& name_;
-  std::vector<Group> groups_;  ///< still to be walked
+  std::vector<Group> groups_;  ///< not yet visited
   std::set<haddr_t> seen_;
 };
 

@@ -7,18 +7,18 @@
 
 namespace landfall::h5 {
 
-/// What every HDF5 file must be before a reader meets it: all of it in the one file that was named, readable
-/// by this program alone, and no greater than it can be.
+/// Checks an HDF5 file before a reader opens its objects: all data must be in the named file, readable by
+/// this program alone, and of limited size.
 ///
-/// Walks all objects and reads no values; follows nothing but hard links, so that no other file is opened.
-/// Throws FormatError, beginning with `name` and naming the path within the file, for
+/// Visits all objects but reads no values. Follows only hard links, so that no other file is opened. Throws
+/// FormatError, which begins with `name` and names the path within the file, for
 /// - a link that is not hard: external (naming its target), soft, user-defined;
 /// - a virtual dataset, and one that keeps its values in other files (naming the first);
-/// - a filter that HDF5 itself has not: its plug-ins are programs, and never loaded;
+/// - a filter that is not part of HDF5 itself: plug-ins are programs, and are never loaded;
 /// - chunks of more than 256 MiB;
-/// - more bytes of values than 256 MiB of which fewer are stored than deflate could make of them;
+/// - more than 256 MiB of values, if more than deflate could hold in the stored bytes;
 /// - more than 2^20 objects, or a group that cannot be listed.
-/// What cannot be opened, since it is damaged, is left to its reader.
+/// An object that cannot be opened because it is damaged is left to its reader.
 void screen_file(hid_t file, const std::string& name);
 
 }  // namespace landfall::h5

@@ -24,19 +24,19 @@ using tbb::filter_mode;
 
 constexpr std::int64_t kTile = 256;
 
-/// The tiles of a grid in row-major order, one call after another.
+/// Iterates over the tiles of a grid in row-major order, one per call.
 class TileSequence {
  public:
   TileSequence(const GridSpec& spec, BinIndex tile) : spec_(spec), tile_(tile) {}
 
   [[nodiscard]] bool at_end() const { return next_.row >= spec_.rows; }
 
-  /// The part of the layer's rows that have been given out.
+  /// The fraction of the layer's rows that have been returned.
   [[nodiscard]] double fraction() const {
     return static_cast<double>(std::min(next_.row, spec_.rows)) / static_cast<double>(spec_.rows);
   }
 
-  /// The first bin of the next tile; not at the end.
+  /// The first bin of the next tile; must not be called at the end.
   BinIndex next() {
     const BinIndex first = next_;
     next_.col += tile_.col;
@@ -50,15 +50,15 @@ class TileSequence {
   BinIndex next_;
 };
 
-/// Tiles under way for each thread.
+/// Tiles in progress per thread.
 constexpr std::size_t kTilesPerThread = 4;
 
-/// The bin of the layer.
+/// Converts a bin of the part to its offset in the layer.
 std::array<hsize_t, 2> offset_of(const LayerPart& part, BinIndex bin) {
   return {static_cast<hsize_t>(part.first.row + bin.row), static_cast<hsize_t>(part.first.col + bin.col)};
 }
 
-/// The tile of this first bin, padded with the fill value to a full chunk.
+/// The tile that begins at this bin, padded with the fill value to a full chunk.
 template <class T>
 void copy_tile(const Grid<T>& layer, BinIndex tile, BinIndex first, std::vector<T>& values) {
   const std::int64_t rows = std::min(tile.row, layer.spec().rows - first.row);
@@ -97,7 +97,7 @@ bool place_tile(const LoadedTile& loaded, BinIndex tile, const ChunkFormat& form
 
 BinIndex tile_of(const GridSpec& spec) { return {std::min(kTile, spec.rows), std::min(kTile, spec.cols)}; }
 
-// HDF5 is not reentrant: one stage of each pipeline calls it, in order.
+// HDF5 is not reentrant: only one stage of each pipeline calls it, in order.
 
 template <class T>
 void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, int compression,
@@ -136,7 +136,7 @@ bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part, const Prog
     }
     report(progress, tiles.fraction());
     loaded.first = tiles.next();
-    // A tile that is not there is like one that cannot be decoded.
+    // A missing tile is handled like one that cannot be decoded.
     if (!load_chunk(dataset, offset_of(part, loaded.first), loaded.chunk)) good = false;
     return loaded;
   };

@@ -13,13 +13,13 @@ namespace landfall {
 /// A layer's chunks: 256 x 256 bins, fewer in a smaller grid.
 [[nodiscard]] BinIndex tile_of(const GridSpec& spec);
 
-/// Where a grid lies in the layer that it is part of.
+/// The position of a grid within the layer that contains it.
 struct LayerPart {
   BinIndex tile;   ///< the layer's chunks
-  BinIndex first;  ///< bin of the layer: multiples of `tile`
+  BinIndex first;  ///< bin of the layer: row and column are multiples of `tile`
 };
 
-/// What stands where a layer has no value: NaN, or 0 in integers.
+/// The fill value of a layer: NaN, or 0 for integers.
 template <class T>
 constexpr T fill_of() {
   if constexpr (std::numeric_limits<T>::has_quiet_NaN) return std::numeric_limits<T>::quiet_NaN();
@@ -27,16 +27,16 @@ constexpr T fill_of() {
 }
 
 /// Writes all tiles of a part of a layer to its dataset, which has chunks of part.tile with shuffle and
-/// deflate at the level `compression`, or without filters at 0. They are compressed on all threads and
+/// deflate at the level `compression`, or no filters at level 0. Tiles are compressed on all threads and
 /// written in row-major order. The part must end with a tile or with the layer. Throws IoError naming the
 /// layer.
 template <class T>
 void write_tiles(hid_t dataset, const Grid<T>& values, const LayerPart& part, int compression,
                  const std::string& name);
 
-/// Reads all tiles of such a part of a layer of that kind, decoding them on all threads. False, with `layer`
-/// unspecified, for any other dataset of this shape and where a tile is missing or damaged: h5::read_values()
-/// knows what to do. The progress tells the part of the rows that were loaded before; it stays below 1.
+/// Reads all tiles of a part of a layer that write_tiles() can write, decoding them on all threads. Returns
+/// false, with `layer` unspecified, for any other dataset of this shape and if a tile is missing or damaged:
+/// h5::read_values() handles these. The progress is the fraction of the rows loaded so far; it stays below 1.
 template <class T>
 [[nodiscard]] bool read_tiles(hid_t dataset, Grid<T>& layer, const LayerPart& part,
                               const ProgressCallback& progress = {});

@@ -40,7 +40,7 @@ void write_scalar_attribute(hid_t object, const std::string& name, hid_t type, c
   require(H5Awrite(attribute.get(), type, value) >= 0, name);
 }
 
-/// Keeps what the system said; what the library made of it tells a user nothing.
+/// Keeps the system's reason, because HDF5's own wording of it does not help a user.
 herr_t keep_system_reason(unsigned /*depth*/, const H5E_error2_t* record, void* target) {
   const std::string text = record->desc == nullptr ? "" : record->desc;
   const std::size_t begin = text.find("error message = '");
@@ -74,10 +74,10 @@ herr_t close_written(hid_t dataset) {
 
 void initialise() {
   require_headroom(kHeadroom);
-  // Every identifier has an owner that closes it. The library's own clean-up at exit would try once more to
-  // flush a file that a full disk refused, and crash (HDF5 1.10).
+  // Every identifier has an owner that closes it. HDF5's own clean-up at exit would try again to flush a file
+  // that a full disk refused, and crash (HDF5 1.10).
   H5dont_atexit();
-  H5PLset_loading_state(0);  // a file's filters would choose programs to run
+  H5PLset_loading_state(0);  // otherwise a file's filters could load plug-ins
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -141,8 +141,8 @@ std::size_t size_of(Type type) {
 
 Handle create_file(const std::filesystem::path& path) {
   require_headroom(kHeadroom);
-  // Strong: closing the file closes what is still open in it. By default HDF5 would put the closing off,
-  // report success, and write the rest after the file has been renamed.
+  // H5F_CLOSE_STRONG: closing the file closes all objects that are still open in it. By default HDF5 would
+  // delay the closing, report success, and write the rest after the file has been renamed.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose, path.string());

@@ -16,7 +16,7 @@
 
 namespace landfall::h5 {
 
-/// Owns an HDF5 identifier and closes it by the function of its kind.
+/// Owns an HDF5 identifier and closes it by the function for its kind.
 class Handle {
  public:
   using Closer = herr_t (*)(hid_t);
@@ -34,7 +34,7 @@ class Handle {
 
   [[nodiscard]] hid_t get() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
-  /// Closes now; false where HDF5 reports a failure (a failed flush, for one).
+  /// Closes now; false if HDF5 reports a failure (for example a failed flush).
   bool reset() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
     return id < 0 || closer_(id) >= 0;
@@ -45,23 +45,23 @@ class Handle {
   Closer closer_ = nullptr;
 };
 
-/// Silences HDF5's own printing and lets no file have filter plug-ins loaded; call before any other use.
-/// Reasons reach the user through failure_reason(). Throws std::bad_alloc where memory is short.
+/// Disables HDF5's own error output and the loading of filter plug-ins; call before any other use.
+/// failure_reason() gives the reasons for the user. Throws std::bad_alloc if memory is short.
 void initialise();
-/// HDF5 is not reentrant. Where threads may meet in it (the readers and writers of a pipeline), each call is
-/// made under this lock, and nothing long is done meanwhile.
+/// HDF5 is not reentrant. Where several threads may call it (the readers and writers of a pipeline), each
+/// call is made under this lock, and no long work is done while it is held.
 [[nodiscard]] std::mutex& library_lock();
-/// The innermost reason on HDF5's error stack ("No space left on device"), empty where there is none.
+/// The innermost reason on HDF5's error stack ("No space left on device"); empty if there is none.
 [[nodiscard]] std::string failure_reason();
-/// What the system said of the last failure, empty where that was none of its.
+/// The system's reason for the last failure; empty if the system reported none.
 [[nodiscard]] std::string system_reason();
-/// Why data could not be read: what the system said, else that they are damaged.
+/// Why data could not be read: the system's reason, else that they are damaged.
 [[nodiscard]] std::string reading_failure();
 
-/// HDF5 1.10 crashes if it cannot have what it needs for its own start, for an open file or for a chunk.
+/// HDF5 1.10 crashes if it cannot allocate what it needs for its own start, for an open file or for a chunk.
 inline constexpr std::size_t kHeadroom = std::size_t{8} << 20U;
 
-/// The in-memory and on-disk type of a value. Only what every reader opens: no unsigned types
+/// The in-memory and on-disk type of a value. Only types that every reader opens: no unsigned types
 /// (docs/user/files/README.md).
 enum class Type { float64, float32, int64, int32, int8 };
 [[nodiscard]] hid_t native(Type type);
@@ -89,19 +89,19 @@ struct TypeOf<std::int8_t> {
   static constexpr Type value = Type::int8;
 };
 
-/// The descriptor of the file that holds the object, while that is open; none where addresses within the file
-/// are no offsets of the descriptor (another driver than H5FD_SEC2, a user block).
+/// The descriptor of the file that holds the object, valid while that is open. Returns nothing if addresses
+/// within the file are not offsets of the descriptor (another driver than H5FD_SEC2, a user block).
 [[nodiscard]] std::optional<int> descriptor(hid_t object);
-/// Has the system begin to write what it still holds of the file, without waiting for it: a long run's output
-/// is then nearly on the disk when it is complete. Does nothing where the system has no such call.
+/// Asks the system to start writing its buffers of the file without waiting for it: a long run's output is
+/// then nearly on the disk when it is complete. Does nothing if the system has no such call.
 void start_writeback(int descriptor);
 
 /// Every creation below leaves out object times, so that equal content gives equal bytes. Each throws IoError
-/// naming `object` when HDF5 refuses.
-/// Closing the file closes every object in it; handles that remain are void.
+/// naming `object` when HDF5 refuses. Closing the file closes every object in it; remaining handles become
+/// invalid.
 Handle create_file(const std::filesystem::path& path);
 Handle create_group(hid_t parent, const std::string& name);
-/// Chunked (chunk dimensions > 0) with shuffle + deflate at `level` (0: no filter), or contiguous where
+/// Chunked (chunk dimensions > 0) with shuffle and deflate at `level` (0: no filter), or contiguous if
 /// `chunk` is empty.
 struct DatasetShape {
   std::vector<hsize_t> size;
@@ -111,8 +111,8 @@ struct DatasetShape {
   bool nan_fill = false;  ///< floating-point types only
 };
 Handle create_dataset(hid_t parent, const std::string& name, Type type, const DatasetShape& shape);
-/// Writes a whole chunk as it is to be stored; `offset` is its first element. False where HDF5 refuses;
-/// throws std::bad_alloc where memory is short.
+/// Writes a whole chunk in its stored form; `offset` is its first element. Returns false if HDF5 refuses;
+/// throws std::bad_alloc if memory is short.
 [[nodiscard]] bool write_chunk(hid_t dataset, std::span<const hsize_t> offset,
                                std::span<const std::byte> bytes);
 
@@ -121,45 +121,45 @@ void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
 void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values);
-/// A scalar variable-length UTF-8 dataset with units and `long_name`: JSON goes here, for attributes end at
-/// 64 KiB.
+/// A scalar variable-length UTF-8 dataset with units and `long_name`. Used for JSON, because attributes are
+/// limited to 64 KiB.
 struct TextDataset {
   std::string name;
   std::string long_name;
 };
 void write_text(hid_t parent, const TextDataset& dataset, const std::string& text);
 
-/// Opens a file to read. Throws FormatError: missing file, not HDF5, truncated, or what screen_file()
-/// (file_screening.h) refuses, such as links to other files.
+/// Opens a file for reading. Throws FormatError if it is missing, not HDF5, truncated, or refused by
+/// screen_file() (file_screening.h), for example because of links to other files.
 Handle open_file(const std::filesystem::path& path);
-/// A file that is not screened, for a look at the attributes of its root and nothing else; none where it is
-/// no HDF5 file. Throws FormatError where the system does not let that be seen.
+/// Opens a file without screening it, only to read the attributes of its root; an empty handle if it is not
+/// an HDF5 file. Throws FormatError if the system refuses access.
 [[nodiscard]] Handle open_for_its_kind(const std::filesystem::path& path);
 
-/// What follows answers "nothing" only where there is nothing of that name, or something of another kind (a
-/// number where a text is wanted, two values where one is). Each throws FormatError, naming file and object,
-/// where that cannot be told or read. Of a text, bytes that are not UTF-8 become U+FFFD.
+/// The functions below return "nothing" only if no object has that name, or if it is of another kind (a
+/// number instead of a text, two values instead of one). Each throws FormatError, naming file and object, if
+/// that cannot be determined or read. In a text, bytes that are not UTF-8 become U+FFFD.
 [[nodiscard]] bool exists(hid_t parent, const std::string& name);
 [[nodiscard]] Handle open_dataset(hid_t parent, const std::string& name);
 [[nodiscard]] Handle open_group(hid_t parent, const std::string& name);
 [[nodiscard]] std::optional<std::string> read_text_attribute(hid_t object, const std::string& name);
 [[nodiscard]] std::optional<double> read_number_attribute(hid_t object, const std::string& name);
 [[nodiscard]] std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std::string& name);
-/// 1 to 256 integers; else none.
+/// 1 to 256 integers; an empty list for anything else.
 [[nodiscard]] std::vector<int> read_flags_attribute(hid_t object, const std::string& name);
-/// Of a dataset in one piece; of one in chunks nothing.
+/// Reads a contiguous text dataset; returns nothing for a chunked one.
 [[nodiscard]] std::optional<std::string> read_text(hid_t parent, const std::string& name);
 
-/// H5Dread() of the values that `selection`, of the dataset's space, holds (H5S_ALL: of all) into those of
-/// `memory`, once each chunk that it touches is known to be whole (chunk_check.h). False where HDF5 fails or
-/// a chunk is damaged; reading_failure() tells why. Throws FormatError for a filter whose chunks cannot be
-/// looked at.
+/// H5Dread() of the values that `selection` of the dataset's space holds (H5S_ALL: all) into those of
+/// `memory`, after each chunk that it touches is known to be whole (chunk_check.h). False if HDF5 fails or a
+/// chunk is damaged; reading_failure() gives the reason. Throws FormatError for a filter whose chunks cannot
+/// be checked.
 [[nodiscard]] bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values);
 [[nodiscard]] bool read_values(hid_t dataset, hid_t type, void* values);
-/// The bytes that the values of a dataset take in the file; 0 where none is stored.
+/// The bytes that the values of a dataset occupy in the file; 0 if none is stored.
 [[nodiscard]] std::uint64_t stored_bytes(hid_t dataset);
 /// Throws FormatError for the object `name` in `object` (without a name: for the object itself) or for an
-/// attribute, after HDF5's last call on it has failed.
+/// attribute. Call it after HDF5's last call on that object has failed.
 [[noreturn]] void fail_reading(hid_t object, const std::string& name = "");
 [[noreturn]] void fail_reading_attribute(hid_t object, const std::string& name);
 

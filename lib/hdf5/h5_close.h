@@ -8,10 +8,10 @@
 
 namespace landfall::h5 {
 
-/// Flushes and closes a file that was written; why that failed, nothing where all is on its way to the disk.
-/// Asks also whether any dataset that create_dataset() or write_text() made in this process could not be
-/// closed: HDF5 writes what is small or in its caches only then, and a Handle that goes out of scope cannot
-/// say that it failed.
+/// Flushes and closes a file that was written. Returns the reason for a failure, or nothing if all data is on
+/// its way to the disk. Also reports a dataset made by create_dataset() or write_text() in this process that
+/// could not be closed: HDF5 writes small or cached data only on closing, and a Handle that goes out of scope
+/// cannot report a failure.
 [[nodiscard]] std::optional<std::string> close_file(Handle& file);
 
 }  // namespace landfall::h5

@@ -10,13 +10,13 @@ namespace landfall::h5 {
 
 struct Filter {
   H5Z_filter_t id = H5Z_FILTER_NONE;
-  std::string name;  ///< as the file has it; often empty
+  std::string name;  ///< as stored in the file; often empty
 };
 
 /// The filters of a dataset's creation properties, in the order in which they were applied.
 [[nodiscard]] std::vector<Filter> filters_in(hid_t properties);
 
-/// "4 (szip)", or "4" where it has no name.
+/// "4 (szip)", or "4" if it has no name.
 [[nodiscard]] std::string text_of(const Filter& filter);
 
 }  // namespace landfall::h5

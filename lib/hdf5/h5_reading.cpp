@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What h5.h reads. "It is not there" is an answer of its own: any failure of HDF5 to answer is an
-// error, for a result without what could not be read would look like that of another file.
+// The reading functions of h5.h. A missing object is a valid answer, but any failure of HDF5 to answer is an
+// error: a result without the unreadable part would look like that of another file.
 #include <algorithm>
 #include <span>
 
@@ -41,7 +41,7 @@ std::string path_in(hid_t parent, const std::string& name) {
   return path + (path.ends_with("/") ? "" : "/") + name;
 }
 
-/// None where there is no such thing, or one of another kind.
+/// An empty handle if the object does not exist or is of another kind.
 Handle open_kind(hid_t parent, const std::string& name, H5I_type_t kind) {
   if (!exists(parent, name)) return {};
   Handle object(H5Oopen(parent, name.c_str(), H5P_DEFAULT), H5Oclose);
@@ -49,7 +49,7 @@ Handle open_kind(hid_t parent, const std::string& name, H5I_type_t kind) {
   return H5Iget_type(object.get()) == kind ? std::move(object) : Handle();
 }
 
-/// The attribute, none where the object has none of this name; throws FormatError where that cannot be told.
+/// The attribute; an empty handle if the object has none of this name. Throws FormatError if HDF5 fails.
 Handle open_attribute(hid_t object, const std::string& name) {
   const htri_t found = H5Aexists(object, name.c_str());
   if (found == 0) return {};
@@ -58,7 +58,7 @@ Handle open_attribute(hid_t object, const std::string& name) {
   return attribute;
 }
 
-/// True where there is exactly `values.size()` numbers, which then are read.
+/// Reads the numbers if there are exactly `values.size()` of them; else returns false.
 bool read_numbers(hid_t object, const std::string& name, std::span<double> values) {
   const Handle attribute = open_attribute(object, name);
   if (!attribute) return false;
@@ -69,9 +69,9 @@ bool read_numbers(hid_t object, const std::string& name, std::span<double> value
   return true;
 }
 
-/// Reads one text from an attribute or dataset through `read(type, buffer)`, which throws where it fails;
-/// fixed and variable lengths both occur. Nothing unless it is one text. Other programs write what is no
-/// UTF-8.
+/// Reads one text from an attribute or dataset through `read(type, buffer)`, which throws on failure; fixed
+/// and variable lengths both occur. Returns nothing unless it is one text. Other programs may write text that
+/// is not UTF-8.
 template <class Read>
 std::optional<std::string> read_string(hid_t file_type, hid_t space, const Read& read) {
   if (H5Tget_class(file_type) != H5T_STRING || !has_values(space, 1)) return std::nullopt;
@@ -121,7 +121,7 @@ Handle open_for_its_kind(const std::filesystem::path& path) {
 bool exists(hid_t parent, const std::string& name) {
   if (name == "/") return true;
   std::size_t end = 0;
-  do {  // HDF5 takes a path whose beginning is missing for a failure
+  do {  // HDF5 reports a failure for a path whose beginning is missing
     end = name.find('/', end + 1);
     const std::string part = name.substr(0, end);
     if (part.empty() || part == "." || part == "/") return false;
@@ -139,7 +139,7 @@ Handle open_group(hid_t parent, const std::string& name) { return open_kind(pare
 std::uint64_t stored_bytes(hid_t dataset) {
   H5Eclear2(H5E_DEFAULT);
   const hsize_t size = H5Dget_storage_size(dataset);
-  if (size == 0 && H5Eget_num(H5E_DEFAULT) > 0) fail_reading(dataset);  // 0 says both: nothing, and a failure
+  if (size == 0 && H5Eget_num(H5E_DEFAULT) > 0) fail_reading(dataset);  // 0 means no data or a failure
   return size;
 }
 
@@ -178,7 +178,7 @@ std::optional<std::array<double, 2>> read_pair_attribute(hid_t object, const std
 }
 
 std::vector<int> read_flags_attribute(hid_t object, const std::string& name) {
-  constexpr hssize_t kMax = 256;  // values of an int8
+  constexpr hssize_t kMax = 256;  // number of values of an int8
   const Handle attribute = open_attribute(object, name);
   if (!attribute) return {};
   const Handle type(H5Aget_type(attribute.get()), H5Tclose);

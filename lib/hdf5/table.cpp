@@ -34,7 +34,7 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
   std::memcpy(to, from.data(), from.size_bytes());
 }
 
-/// The level of a dataset whose chunks are as TableWriter's: 0 for plain ones.
+/// The deflate level of a dataset with chunks in TableWriter's form: 0 without compression.
 std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chunks) {
   if (!chunks.format.filtered) return 0;
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
@@ -47,7 +47,7 @@ std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chun
   return level;
 }
 
-/// True where two datasets store equal values as equal chunks.
+/// True if two datasets store equal values as equal chunks.
 bool stored_alike(hid_t a, hid_t b) {
   constexpr std::array<hsize_t, 1> kChunk = {kTableChunkRows};
   const std::optional<DecodableChunks> in_a = decodable_chunks(a, kChunk);
@@ -202,7 +202,7 @@ void TableWriter::require_whole_copies() const {
 void TableWriter::finish() {
   require_whole_copies();
   if (!filling_) return;
-  for (std::size_t c = 0; c < columns_.size(); ++c) {  // the unused end: zeros, never old rows
+  for (std::size_t c = 0; c < columns_.size(); ++c) {  // fill the unused end with zeros instead of old rows
     std::vector<std::byte>& rows = filling_->parts[c].rows;
     const std::size_t used = filling_->row_count * h5::size_of(columns_[c].spec.type);
     if (used < rows.size())

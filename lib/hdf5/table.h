@@ -17,7 +17,7 @@
 
 namespace landfall {
 
-/// Rows of a chunk of a table column.
+/// Rows per chunk of a table column.
 inline constexpr std::size_t kTableChunkRows = 65536;
 
 struct ColumnSpec {
@@ -29,56 +29,56 @@ struct ColumnSpec {
   std::string flag_meanings = {};
 };
 
-/// One column's new rows. Doubles may go into a float32 column; other types must match.
+/// The new rows of one column. Doubles may go into a float32 column; other types must match.
 using ColumnRows =
     std::variant<std::span<const double>, std::span<const float>, std::span<const std::int64_t>,
                  std::span<const std::int32_t>, std::span<const std::int8_t>>;
 
 class TableReader;
 
-/// Rows that make one chunk of every column, on their way into the file.
+/// Rows that make one chunk of every column, before they are written to the file.
 struct TableChunk {
-  /// One column's part.
+  /// The part of one column.
   struct Part {
     std::vector<std::byte> rows;
     ChunkEncoder encoder;
-    StoredChunk copy;                   ///< of a copied column
-    std::span<const std::byte> stored;  ///< what the file gets, once encoded
+    StoredChunk copy;                   ///< for a copied column
+    std::span<const std::byte> stored;  ///< bytes to store, set by encode()
   };
   std::size_t first_row = 0;
   std::size_t row_count = 0;
   std::vector<Part> parts;
 };
 
-/// A group of 1-D columns of equal length that grows row by row in bounded memory; the bytes do not depend on
-/// how the rows were batched.
+/// A group of 1-D columns of equal length that grows row by row in bounded memory. The file's bytes do not
+/// depend on how the rows were batched.
 ///
-/// A pipeline takes rows, encodes the chunks that they fill and writes those: take() and write() by one
-/// thread at a time each and in order, encode() by any thread, all three at the same time. append() does all
-/// of it. HDF5 is used under h5::library_lock().
+/// A pipeline takes rows, encodes the chunks that they fill and writes those. take() and write() are each
+/// called by one thread at a time and in order, encode() by any thread; all three may run at the same time.
+/// append() does all three. HDF5 is used under h5::library_lock().
 class TableWriter {
  public:
   using ChunkPtr = std::shared_ptr<TableChunk>;
 
   TableWriter(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns, int compression);
 
-  /// From now on the columns named are copied chunk by chunk, as `source` stores them, and their rows are
-  /// ignored, and may be empty: for columns that are known to come out the same as in an earlier
-  /// file. Call before the first rows; `source` must live until finish(), which throws FormatError unless it
-  /// has as many rows. A column that is stored otherwise there, in type, chunks or filters, is written as
-  /// before; false where there is such a column.
+  /// From now on the named columns are copied chunk by chunk, as `source` stores them, and their rows are
+  /// ignored and may be empty. Use it for columns that are known to equal those of an earlier file. Call
+  /// before the first rows. `source` must live until finish(), which throws FormatError unless it has as many
+  /// rows. A column whose type, chunks or filters differ in `source` is written as before; returns false if
+  /// there is such a column.
   bool copy_columns(const TableReader& source, std::span<const char* const> names);
 
   /// Adds rows; `rows` in the order of the columns, all of one length. Returns the chunks that became full,
   /// to be encoded and written.
   [[nodiscard]] std::vector<ChunkPtr> take(std::span<const ColumnRows> rows);
-  /// Compresses on all threads. Throws FormatError where a column to copy cannot be read.
+  /// Compresses on all threads. Throws FormatError if a column to copy cannot be read.
   void encode(TableChunk& chunk) const;
   /// Throws IoError when writing fails.
   void write(ChunkPtr chunk);
   /// take(), encode() and write().
   void append(std::span<const ColumnRows> rows);
-  /// Writes what is left. Call once, after everything else.
+  /// Writes the remaining rows. Call once, after everything else.
   void finish();
 
   /// Rows taken.
@@ -101,12 +101,12 @@ class TableWriter {
   h5::Handle group_;
   std::optional<int> descriptor_;
   std::vector<Column> columns_;
-  const TableReader* source_ = nullptr;  ///< of copied columns
+  const TableReader* source_ = nullptr;  ///< source of copied columns
   std::optional<ChunkFile> source_file_;
   ChunkPtr filling_;
   std::size_t row_count_ = 0;
   std::mutex free_mutex_;
-  std::vector<ChunkPtr> free_;  ///< written; their memory is used again
+  std::vector<ChunkPtr> free_;  ///< already written; their memory is reused
 };
 
 /// Writes whole columns at once.
@@ -116,26 +116,26 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 /// Reads 1-D columns of equal length, in pieces of rows.
 class TableReader {
  public:
-  /// Throws FormatError (naming `file`) where the group is missing.
+  /// Throws FormatError (naming `file`) if the group is missing.
   TableReader(hid_t parent, const std::string& group, std::string file);
 
   [[nodiscard]] bool has(const std::string& column) const;
-  /// The rows of a column; every column read must have the same number. Throws FormatError where it is
-  /// missing or is not 1-D.
+  /// The number of rows of a column; it must be equal for all columns that are read. Throws FormatError if
+  /// the column is missing or not 1-D.
   [[nodiscard]] std::size_t row_count(const std::string& column) const;
-  /// Bytes of one value as stored.
+  /// Stored size of one value, bytes.
   [[nodiscard]] std::size_t element_size(const std::string& column) const;
-  /// Reads rows [begin, begin + out.size()) converted to T, as ColumnReader does; for many pieces of a column
-  /// use that one.
+  /// Reads rows [begin, begin + out.size()) converted to T, as ColumnReader does. To read a column in many
+  /// pieces use ColumnReader.
   template <class T>
   void read(const std::string& column, std::size_t begin, std::span<T> out) const;
-  /// The column's dataset. Throws FormatError where it is missing.
+  /// The column's dataset. Throws FormatError if it is missing.
   [[nodiscard]] h5::Handle open(const std::string& column) const;
   [[nodiscard]] hid_t group() const { return group_.get(); }
   [[nodiscard]] const std::string& file() const { return file_; }
   /// "/group/column", for messages.
   [[nodiscard]] std::string path_of(const std::string& column) const { return name_ + "/" + column; }
-  /// "file: reading /group/column failed: why"; by default why is HDF5's own reason.
+  /// "file: reading /group/column failed: why"; by default, why is HDF5's own reason.
   [[noreturn]] void fail_reading(const std::string& column, std::string why = {}) const;
 
  private:

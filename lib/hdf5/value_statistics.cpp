@@ -16,13 +16,13 @@
 namespace landfall {
 namespace {
 
-/// Values of a block of a dataset that has no chunks of its own, or too large or too small ones.
+/// Values per block of a dataset without chunks, or with too large or too small ones.
 constexpr hsize_t kBlockValues = 65536;
 constexpr hsize_t kLargestChunk = hsize_t{1} << 21U;
 constexpr hsize_t kSmallestChunk = 1024;
 constexpr double kMaxValues = 0x1p40;
 
-using Extent = std::array<hsize_t, 2>;  ///< rows and columns; one column where there is one dimension
+using Extent = std::array<hsize_t, 2>;  ///< rows and columns; one column for a dataset of one dimension
 
 /// A dataset cut into blocks, in row-major order.
 class Blocks {
@@ -70,7 +70,7 @@ class Blocks {
     block_[0] = std::clamp<hsize_t>(size_[0], 1, kBlockValues / block_[1]);
   }
 
-  /// False where the block is to be had from HDF5 alone.
+  /// False if only HDF5 itself can read the block.
   bool decode(const Extent& first, const Extent& extent, std::span<double> values) const {
     if (!chunks_) return false;
     thread_local StoredChunk stored;
@@ -199,7 +199,7 @@ ValueStatistics dataset_statistics(hid_t dataset, const std::string& file, const
     slot.statistics = statistics_of(slot.values);
     if (blocks.is_int8()) count_int8(slot.values, slot.statistics);
   };
-  // In their order: sums do not depend on the threads.
+  // In the order of the blocks, so that sums do not depend on the threads.
   const auto add = [&](std::size_t block, std::size_t number) {
     total.add(slots[number].statistics);
     report(progress, static_cast<double>(block + 1) / static_cast<double>(blocks.count()));

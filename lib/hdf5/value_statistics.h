@@ -12,8 +12,8 @@
 
 namespace landfall {
 
-/// What the values of a layer or column are like. Only finite values count in least, greatest, mean and
-/// spread; without any these are 0.
+/// Statistics of the values of a layer or column. Only finite values count in least, greatest, mean and
+/// standard deviation; without any these are 0.
 struct ValueStatistics {
   std::int64_t count = 0;  ///< finite values
   std::int64_t nan_count = 0;
@@ -22,22 +22,22 @@ struct ValueStatistics {
   double max = 0;
   double mean = 0;
   double squares = 0;  ///< sum of squared deviations from the mean
-  /// How often each value of an int8 occurs, from -128; all 0 for other types.
+  /// Number of occurrences of each value of an int8, from -128; all 0 for other types.
   std::array<std::int64_t, 256> int8_counts = {};
 
   /// Population standard deviation.
   [[nodiscard]] double std() const;
-  /// Joins those of further values (Chan, Golub and LeVeque 1979).
+  /// Adds the statistics of further values (Chan, Golub and LeVeque 1979).
   void add(const ValueStatistics& other);
 };
 
-/// Of some values. The deviations are taken from their mean in a second pass.
+/// Statistics of a span of values. The deviations are taken from their mean in a second pass.
 [[nodiscard]] ValueStatistics statistics_of(std::span<const double> values);
 
-/// Of all values of a dataset of 1 or 2 dimensions whose values are numbers. It is read block by block on all
-/// threads, by its chunks where these can be decoded beside HDF5; at most 32 MiB per thread are held. The
-/// result does not depend on the number of threads. `file` and `name` are for messages. Throws FormatError
-/// where a block cannot be read, or the dataset claims more than 2^40 values.
+/// Statistics of all values of a numeric dataset of 1 or 2 dimensions. It is read block by block on all
+/// threads, by its chunks if these can be decoded without HDF5; at most 32 MiB per thread are held. The
+/// result does not depend on the number of threads. `file` and `name` are for messages. Throws FormatError if
+/// a block cannot be read, or the dataset claims more than 2^40 values.
 [[nodiscard]] ValueStatistics dataset_statistics(hid_t dataset, const std::string& file,
                                                  const std::string& name,
                                                  const ProgressCallback& progress = {});

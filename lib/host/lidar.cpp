@@ -34,7 +34,7 @@ double range_or_nan(double range_m) {
   return range_m >= 0 && std::isfinite(range_m) ? range_m : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// The host's scene.
+/// Traces rays through the host's callback.
 class CallbackEngine final : public RayEngine {
  public:
   explicit CallbackEngine(IntersectAll intersect) : intersect_(std::move(intersect)) {
@@ -71,7 +71,7 @@ TableLoader loader_of(ReadTable read_table) {
   };
 }
 
-/// Throws UsageError for errors that are the host's own: it gives the estimated poses.
+/// Throws UsageError for errors that the host itself must apply: it provides the estimated poses.
 void require_no_estimate(const nlohmann::json& config, const std::string& name) {
   const auto refuse_if = [&](bool is_on, const std::string& key) {
     if (is_on) throw UsageError(name + ": " + key + ": the host gives the estimated poses itself");

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-/// landfall's lidar inside another simulator: the host moves the lander and holds the scene, pulse by pulse.
-/// This header needs nothing but the standard library. See docs/user/module.md.
+/// landfall's lidar inside another simulator: for each pulse, the host provides the lander's pose and traces
+/// rays in its scene. This header needs only the standard library. See docs/user/module.md.
 namespace landfall::lidar {
 
 /// Metres, or a unit vector. Frame D: x right on the map, y up on the map, z up.
@@ -22,7 +22,7 @@ using Vector3 = std::array<double, 3>;
 /// The lander's body B in D.
 struct Pose {
   Vector3 position_m{};
-  /// D <- B: turns components in B into components in D. Hamilton, w, x, y, z; its norm within 1e-3 of 1.
+  /// D <- B: rotates components in B into components in D. Hamilton, w, x, y, z; norm within 1e-3 of 1.
   std::array<double, 4> attitude{1, 0, 0, 0};
 };
 
@@ -32,16 +32,16 @@ struct Ray {
   Vector3 direction{};
 };
 
-/// The distance along the ray to the scene, metres; a miss is NaN, infinite or negative.
+/// Returns the distance along the ray to the scene, metres; NaN, infinite or negative for a miss.
 using Intersect = std::function<double(const Ray& ray)>;
-/// The same for all rays of a pulse at once, in pixel order, sub-pixels within; both spans have one size.
+/// As Intersect for all rays of a pulse at once, in pixel order, then by sub-pixel; both spans have one size.
 using IntersectAll = std::function<void(std::span<const Ray> rays, std::span<double> ranges_m)>;
 
-/// The columns, by name, of a table that the configuration names by `path`; columns that are not asked for
-/// may be among them. What it throws passes through.
+/// Returns the columns, by name, of a table that the configuration names by `path`; it may return columns
+/// that were not requested. Exceptions from it are passed on.
 using ReadTable = std::function<std::map<std::string, std::vector<double>>(const std::string& path)>;
 
-/// As `status` in a scan file.
+/// The values of `status` in a scan file.
 enum class Status : std::int8_t {
   returned = 0,
   miss = 1,
@@ -53,18 +53,18 @@ enum class Status : std::int8_t {
 };
 
 struct Pulse {
-  std::int64_t number = 0;  ///< from 0; patterns and random draws go by it
+  std::int64_t number = 0;  ///< from 0; patterns and random draws depend on it
   Pose truth{};
-  /// What the lander believes; none: the truth, less the configuration's navigation error.
+  /// The pose that the lander estimates; if empty, the truth with the configuration's navigation error.
   std::optional<Pose> estimate{};
-  /// The pose that the pattern aims from; none: the truth. An uncompensated pattern needs it: where the
-  /// lander nominally was at pulse 0.
+  /// The pose from which the pattern aims; if empty, the truth. An uncompensated pattern requires it: the
+  /// nominal pose of the lander at pulse 0.
   std::optional<Pose> nominal{};
-  /// Time since pulse 0; none: number / pulse_rate_hz.
+  /// Time since pulse 0, seconds; if empty, number / pulse_rate_hz.
   std::optional<double> since_start_s{};
 };
 
-/// One pixel at one pulse. What the status leaves undefined is NaN, as in a scan file.
+/// One pixel at one pulse. Values that the status leaves undefined are NaN, as in a scan file.
 struct PixelReturn {
   std::int32_t pixel = 0;  ///< row * columns + column
   Status status = Status::miss;
@@ -75,19 +75,19 @@ struct PixelReturn {
 };
 
 struct PulseReturns {
-  double angle_1_rad = 0;  ///< the scanner's, as in a scan file
+  double angle_1_rad = 0;  ///< scanner angles, as in a scan file
   double angle_2_rad = 0;
-  std::vector<PixelReturn> pixels{};  ///< all of them, in order
+  std::vector<PixelReturn> pixels{};  ///< all pixels, in order
 };
 
-/// A lidar as scan-sim's configuration describes it: detector, scanner, pattern, mount, noise, navigation
-/// error, seed. The configuration's trajectory and scan time are checked but not used.
+/// A lidar from scan-sim's configuration: detector, scanner, pattern, mount, noise, navigation error, seed.
+/// The configuration's trajectory and scan time are checked but not used.
 ///
-/// Everything it throws is a std::runtime_error whose message names key, value and bound.
+/// All exceptions are std::runtime_error whose message names key, value and bound.
 class Instrument {
  public:
-  /// `config` is the JSON text; `name` begins every message about it. `read_table` serves configurations that
-  /// name tables; without it those are refused.
+  /// `config` is the JSON text; `name` begins every message about it. `read_table` is needed for
+  /// configurations that name tables; without it they are refused.
   Instrument(const std::string& config, Intersect intersect, const std::string& name = "config",
              ReadTable read_table = {});
   Instrument(const std::string& config, IntersectAll intersect, const std::string& name = "config",
@@ -100,15 +100,15 @@ class Instrument {
 
   [[nodiscard]] double pulse_rate_hz() const;
   [[nodiscard]] std::size_t pixel_count() const;
-  /// The pulses after which the pattern stops; none for one that goes on.
+  /// The number of pulses after which the pattern ends; empty if it does not end.
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const;
 
-  /// A function of the pulse only, with the returns that scan-sim gives for the same poses and terrain.
-  /// Pulses may come in any order, and from several threads where the host's callback allows it. Throws where
-  /// the scanner cannot follow the aim, a pose is not finite or its quaternion not of norm 1, or a number is
-  /// negative or past 2^31.
+  /// The result depends only on the pulse, and equals that of scan-sim for the same poses and terrain. Pulses
+  /// may come in any order, and from several threads if the host's callback allows it. Throws if the scanner
+  /// cannot follow the aim, a pose is not finite, a quaternion does not have norm 1, or a number is negative
+  /// or exceeds 2^31.
   [[nodiscard]] PulseReturns step(const Pulse& pulse) const;
-  /// The same into memory that is used again.
+  /// As above, but reuses the memory of `returns`.
   void step(const Pulse& pulse, PulseReturns& returns) const;
 
  private:

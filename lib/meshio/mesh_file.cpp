@@ -29,7 +29,7 @@ std::string read_bytes(const fs::path& path) {
   return bytes;
 }
 
-/// The point of "7", "7/1", "7//3" or "-1": counted from 1, or backwards from the last one so far.
+/// The point index in "7", "7/1", "7//3" or "-1": counted from 1, or backwards from the last point so far.
 std::uint32_t obj_corner(std::string_view word, std::size_t point_count, const MeshText& text) {
   const std::int64_t number = text.integer(word.substr(0, word.find('/')));
   if (number == 0) text.fail("a facet names vertex 0; OBJ counts from 1");
@@ -61,7 +61,7 @@ std::int64_t off_count(MeshText& text, std::string_view word) {
   return count;
 }
 
-/// Keywords of STL come in capitals too; `keyword` is in small letters.
+/// STL keywords may be in capitals; `keyword` must be in lower case.
 bool is_keyword(std::string_view word, std::string_view keyword) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   return std::ranges::equal(word, keyword, {}, lower);

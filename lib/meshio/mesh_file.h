@@ -15,32 +15,32 @@ namespace landfall {
 /// What a mesh file holds.
 struct MeshFile {
   PolygonSoup soup;
-  std::string content_id;  ///< the hash of the file's bytes, as content_id() has it
+  std::string content_id;  ///< the hash of the file's bytes, as from content_id()
 };
 
-/// Reads Wavefront OBJ, PLY (ASCII and binary of either order), OFF and STL (ASCII and binary), told apart by
-/// the name's end (.obj, .ply, .off, .stl, in any case). Normals, colours, texture, groups and materials are
-/// passed over, and a material file is never opened.
+/// Reads Wavefront OBJ, PLY (ASCII and binary of either byte order), OFF and STL (ASCII and binary),
+/// identified by the file extension (.obj, .ply, .off, .stl, in upper or lower case). Normals, colours,
+/// texture, groups and materials are ignored, and material files are never opened.
 ///
-/// Throws FormatError, naming the file, the line or the offset, and what is wrong: no regular file, another
-/// extension, a format that the extension does not promise, a number or an index that is none, a file that
-/// ends too early. Nothing is allocated by a count that the file claims. What the soup then holds, points
-/// that are not finite and corners that are no points among it, is for clean_mesh() to judge.
+/// Throws FormatError, naming the file, the line or the offset, and the error: not a regular file, an unknown
+/// extension, a format that differs from the extension, an invalid number or index, a file that ends too
+/// early. Memory is never allocated from a count that the file claims. The content of the soup is not
+/// checked: clean_mesh() handles points that are not finite and corners that refer to no point.
 [[nodiscard]] MeshFile read_mesh_file(const std::filesystem::path& path);
 
-/// One parser each; `name` begins messages. (read_mesh_file() chooses.)
+/// One parser per format; `name` begins messages. read_mesh_file() chooses the parser.
 [[nodiscard]] PolygonSoup parse_obj(std::string_view text, const std::string& name);
 [[nodiscard]] PolygonSoup parse_off(std::string_view text, const std::string& name);
 [[nodiscard]] PolygonSoup parse_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] PolygonSoup parse_ply(std::string_view bytes, const std::string& name);
 
-/// Writes a terrain as a mesh, metres, frame D: OBJ where the name ends in .obj, else binary little-endian
-/// PLY (float64). A grid gives its triangles as D6 splits them; triangles with a NaN corner are left out, and
-/// nodes of no triangle. Row by row: no second copy of the grid. The file appears under its name only when it
-/// is complete. Coordinates come back bit for bit.
+/// Writes a terrain as a mesh, metres, frame D: OBJ if the name ends in .obj, else binary little-endian PLY
+/// (float64). A grid gives its triangles as D6 splits them, without triangles that have a NaN corner and
+/// without unused nodes. Writes row by row, without a second copy of the grid. The file appears under its
+/// name only when it is complete. Coordinates are read back bit for bit.
 ///
-/// Throws UsageError where the output cannot be, FormatError where no triangle is left or there are more than
-/// 2^31 - 1 vertices or triangles, IoError where the disk refuses.
+/// Throws UsageError if the output path is refused, FormatError if no triangle is left or there are more than
+/// 2^31 - 1 vertices or triangles, IoError if writing fails.
 void write_mesh_file(const OutputOptions& options, const TerrainSurface& surface,
                      const ProgressCallback& progress = {});
 

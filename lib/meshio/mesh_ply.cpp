@@ -44,7 +44,7 @@ std::size_t size_of(Type type) {
 struct Property {
   std::string name;
   Type type;
-  std::optional<Type> length;  ///< of a list
+  std::optional<Type> length;  ///< type of a list's length
 };
 
 struct Element {
@@ -58,7 +58,7 @@ enum class Encoding { text, little_endian, big_endian };
 struct Header {
   Encoding encoding = Encoding::text;
   std::vector<Element> elements;
-  std::size_t end = 0;  ///< where the first element begins
+  std::size_t end = 0;  ///< offset of the first element
 };
 
 Type type_of(MeshText& text) {
@@ -120,7 +120,7 @@ Header read_header(std::string_view bytes, const std::string& name) {
   return header;
 }
 
-/// The numbers after the header, one after the other.
+/// Reads the numbers after the header in order.
 class Values {
  public:
   Values(std::string_view bytes, const std::string& name, const Header& header)
@@ -143,7 +143,7 @@ class Values {
   [[nodiscard]] std::size_t bytes_left() const {
     return bytes_.size() - (encoding_ == Encoding::text ? text_.position() : at_);
   }
-  /// How many bytes a value takes at least.
+  /// The least number of bytes of a value.
   [[nodiscard]] std::size_t least_size(Type type) const {
     return encoding_ == Encoding::text ? 1 : size_of(type);
   }
@@ -157,7 +157,7 @@ class Values {
   template <class T>
   [[nodiscard]] static double as(std::uint64_t bits) {
     T value{};
-    std::memcpy(&value, &bits, sizeof value);  // the low bytes: every machine we build for is little-endian
+    std::memcpy(&value, &bits, sizeof value);  // the low bytes: all supported machines are little-endian
     return static_cast<double>(value);
   }
 
@@ -198,7 +198,7 @@ class Values {
   MeshText text_;
 };
 
-/// Reads a property of each kind; a list's numbers go to `numbers`.
+/// Reads any property; the numbers of a list are appended to `numbers`.
 double read_property(Values& values, const Property& property, std::vector<double>& numbers) {
   if (!property.length) return values.next(property.type);
   const std::int64_t length = values.next_integer(*property.length);
@@ -229,7 +229,7 @@ void add_polygon(const std::vector<double>& numbers, const Values& values, Polyg
   soup.polygon_ends.push_back(soup.corners.size());
 }
 
-/// The property's index among those of the element, which must have it, as a list or not.
+/// The index of a property that the element must have, as a list or as a scalar.
 std::size_t property_index(const Element& element, std::initializer_list<const char*> names, bool is_list,
                            const std::string& file) {
   for (const char* const name : names)

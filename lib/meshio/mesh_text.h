@@ -14,13 +14,13 @@
 
 namespace landfall {
 
-/// Words and lines of a mesh file that is text.
+/// Reads words and lines of a text mesh file.
 class MeshText {
  public:
   MeshText(std::string_view text, const std::string& name, std::size_t at = 0)
       : text_(text), name_(name), at_(at) {}
 
-  /// From here on a backslash at the end of a line joins the next line to it, as OBJ has it.
+  /// From here on, a backslash at the end of a line joins the next line to it, as in OBJ.
   void join_lines() { joins_lines_ = true; }
 
   [[nodiscard]] bool at_end() const { return at_ >= text_.size(); }
@@ -52,7 +52,7 @@ class MeshText {
     const std::string_view digits = word.substr(!word.empty() && word.front() == '+' ? 1 : 0);
     double value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool is_tiny = error == std::errc::result_out_of_range;  // or huge: below, it is not a number
+    const bool is_tiny = error == std::errc::result_out_of_range;  // or too large
     if ((error != std::errc() && !is_tiny) || end != digits.data() + digits.size() || digits.empty())
       fail("'" + shown_word(word) + "' is not a number");
     if (is_tiny) fail("'" + shown_word(word) + "' is beyond double precision");
@@ -90,7 +90,7 @@ class MeshText {
     return text_.substr(begin, at_ - begin);
   }
 
-  /// Where the next line begins, if here stands a backslash that joins it; else 0.
+  /// The beginning of the next line if a backslash here joins it; else 0.
   [[nodiscard]] std::size_t joined_line() const {
     if (!joins_lines_ || at_ >= text_.size() || text_[at_] != '\\') return 0;
     const std::size_t end = at_ + (text_.substr(at_ + 1, 1) == "\r" ? 2 : 1);
@@ -103,7 +103,7 @@ class MeshText {
   bool joins_lines_ = false;
 };
 
-/// A point's number as soups have it; `fail` says what is wrong with any other.
+/// The index of a point as soups store it; `fail` reports any invalid number.
 template <class Fail>
 std::uint32_t point_number(std::int64_t value, const Fail& fail) {
   if (value < 0 || value >= static_cast<std::int64_t>(kMaxMeshElements))

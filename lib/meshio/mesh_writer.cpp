@@ -25,7 +25,7 @@ struct MeshSize {
   std::size_t triangles = 0;
 };
 
-/// What receives a mesh: its vertices in order, then its triangles.
+/// Receives a mesh: its vertices in order, then its triangles.
 class MeshSink {
  public:
   explicit MeshSink(FileSink& file) : file_(file) {}
@@ -37,14 +37,14 @@ class MeshSink {
   virtual void vertex(const Eigen::Vector3d& point) = 0;
   virtual void triangle(const TriangleCorners& corners) = 0;
 
-  /// After the last triangle.
+  /// Call after the last triangle.
   void flush() {
     file_.write(text_);
     text_.clear();
   }
 
  protected:
-  /// To append to.
+  /// The buffer to append to.
   std::string& text() {
     if (text_.size() > kBuffer) flush();
     return text_;
@@ -98,7 +98,7 @@ class PlySink final : public MeshSink {
   }
 };
 
-/// The triangles of a grid, row by row, with numbers for the nodes that they use.
+/// The triangles of a grid, row by row, with indices for the nodes that they use.
 class GridRows {
  public:
   explicit GridRows(const TriangulatedGrid& grid)
@@ -167,7 +167,7 @@ class GridRows {
     return used;
   }
 
-  /// The numbers of a row's nodes, from `next` on; those of unused nodes mean nothing.
+  /// The indices of a row's nodes, from `next` on; those of unused nodes are not valid.
   [[nodiscard]] std::vector<std::uint32_t> numbers(std::int64_t row, std::uint32_t& next) const {
     std::vector<std::uint32_t> result;
     for (const bool used : used_nodes(row)) {

@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-/// 0, or the system's error number.
+/// Returns 0 or the system's error number.
 int write_all(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());

@@ -9,13 +9,13 @@
 
 namespace landfall {
 
-/// The reader of a pipe has closed it: it has what it wanted. Not a failure.
+/// The reader of a pipe closed it because it needs no more data. This is not a failure.
 class ClosedPipe : public std::runtime_error {
  public:
   ClosedPipe() : std::runtime_error("the reader closed the pipe") {}
 };
 
-/// Where the bytes of an export go, in order.
+/// Receives the bytes of an export in order.
 class ByteSink {
  public:
   ByteSink() = default;
@@ -25,17 +25,17 @@ class ByteSink {
 
   /// Throws IoError when the system refuses.
   virtual void write(std::string_view bytes) = 0;
-  /// After the last byte: from here on only the output's name is wanting. finish() does it where it was not
-  /// done. Throws IoError when the system refuses.
+  /// Call after the last byte: the data is then complete, and only the output's final name is missing.
+  /// finish() calls it if that was not done. Throws IoError when the system refuses.
   virtual void flush() {}
   /// Throws IoError when the system refuses.
   virtual void finish() = 0;
 };
 
-/// The temporary file of an output, which finish() gives its name (output_path.h).
+/// The temporary file of an output; finish() gives it the output's name (output_path.h).
 class FileSink final : public ByteSink {
  public:
-  /// Throws IoError where the file cannot be made.
+  /// Throws IoError if the file cannot be created.
   explicit FileSink(OutputPath& output);
   ~FileSink() override;
   void write(std::string_view bytes) override;

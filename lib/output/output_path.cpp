@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 std::string system_message(int error_number) { return std::generic_category().message(error_number); }
 
-/// Where a process number means something: this machine, or the container on it. Eight hexadecimal digits.
+/// Identifies the machine or container in which a process number is valid. Eight hexadecimal digits.
 std::string machine() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
@@ -33,13 +33,13 @@ std::string machine() {
   return Hash().update(std::string_view(host.data())).update(numbers.string()).hex().substr(0, 8);
 }
 
-/// ".NAME.MACHINE-", what the temporary files of this machine begin with.
+/// ".NAME.MACHINE-", the prefix of this machine's temporary files.
 std::string part_prefix(const std::string& output_name) {
   static const std::string here = machine();
   return "." + output_name + "." + here + "-";
 }
 
-/// The process number in ".NAME.MACHINE-PID.part", 0 where it is not such a name.
+/// The process number in ".NAME.MACHINE-PID.part", 0 for any other name.
 int owner_of_part(const std::string& file, const std::string& prefix) {
   const std::string suffix = ".part";
   if (file.size() <= prefix.size() + suffix.size() || file.compare(0, prefix.size(), prefix) != 0) return 0;
@@ -130,7 +130,7 @@ void write_text(OutputPath& output, const std::string& text) {
 
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
-  // Of a file that is not there yet, "x" and "./x" would differ.
+  // For a file that does not exist yet, "x" and "./x" would differ without absolute().
   return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
          fs::weakly_canonical(fs::absolute(b, ignored), ignored);
 }

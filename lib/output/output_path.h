@@ -6,14 +6,14 @@
 
 namespace landfall {
 
-/// How files are written; part of no file_id.
+/// How files are written. Not part of any file_id.
 struct OutputOptions {
   std::filesystem::path path;
   bool overwrite = false;
   int compression = 1;  ///< deflate level 0..9
 };
 
-/// An output that appears whole under its name or not at all.
+/// An output that appears complete under its name or not at all.
 ///
 /// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
 /// it. Until then an existing file of that name stays untouched; a run that fails, or is ended by SIGINT or
@@ -23,7 +23,7 @@ struct OutputOptions {
 /// are not touched.
 class OutputPath {
  public:
-  /// Throws UsageError where `path` exists and `overwrite` is false, exists but is not a regular file (a
+  /// Throws UsageError if `path` exists and `overwrite` is false, exists but is not a regular file (a
   /// directory, a pipe, a device), or its directory does not exist. A symbolic link is replaced, not
   /// followed.
   OutputPath(std::filesystem::path path, bool overwrite);
@@ -33,11 +33,11 @@ class OutputPath {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
-  /// Puts the temporary file, which must be closed, on the disk. A run of several outputs does so with all of
-  /// them before the first gets its name. Throws IoError when writing fails.
+  /// Flushes the temporary file, which must be closed, to the disk. A run with several outputs flushes all of
+  /// them before it names the first. Throws IoError when writing fails.
   void flush();
-  /// Flushes where that was not done, and gives the output its name. Throws IoError when writing fails,
-  /// UsageError when another process made the output meanwhile and `overwrite` is false.
+  /// Flushes if that was not done, and gives the output its name. Throws IoError when writing fails,
+  /// UsageError when another process created the output meanwhile and `overwrite` is false.
   void commit();
 
  private:
@@ -48,11 +48,11 @@ class OutputPath {
   bool committed_ = false;
 };
 
-/// Whether two names lead to one file, which need not exist.
+/// Whether two paths lead to one file, which need not exist.
 [[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// What OutputPath refuses, without claiming the name: for a refusal before the inputs are read. Throws
-/// UsageError.
+/// Throws UsageError for a path that OutputPath would refuse, but does not claim the name. A tool calls it to
+/// refuse an output before it reads its inputs.
 void require_usable_output(const std::filesystem::path& path, bool overwrite);
 
 /// Writes these bytes as the whole of the temporary file and flushes it; the caller commits. Throws IoError

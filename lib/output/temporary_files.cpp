@@ -21,12 +21,12 @@ namespace {
 
 constexpr std::array kInterrupts = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
-/// Decided once: an interrupt ends the run, or its outputs get their names.
+/// Decided once: either an interrupt ends the run, or its outputs get their names.
 enum class Fate : int { open, interrupted, naming };
 std::atomic<Fate> fate{Fate::open};  // NOLINT(*-avoid-non-const-global-variables)
 static_assert(std::atomic<Fate>::is_always_lock_free);
 
-/// Whether this call decided it.
+/// Whether this call made the decision.
 bool decide(Fate wanted) {
   Fate undecided = Fate::open;
   return fate.compare_exchange_strong(undecided, wanted);
@@ -43,7 +43,7 @@ std::mutex slots_mutex;
 std::array<char, 256> farewell{};   // NOLINT(*-avoid-non-const-global-variables)
 std::array<char, 256> no_memory{};  // NOLINT(*-avoid-non-const-global-variables)
 
-/// A line on stderr; on a terminal it begins below the progress bar.
+/// Prepares a line for stderr; on a terminal it begins below the progress bar.
 void set_line(std::array<char, 256>& line, const std::string& text) {
   const std::string whole = (::isatty(STDERR_FILENO) != 0 ? "\n" : "") + text + "\n";
   std::memcpy(line.data(), whole.c_str(), std::min(whole.size() + 1, line.size() - 1));
@@ -70,17 +70,17 @@ extern "C" void interrupt(int signal_number) {
   die_of(signal_number);
 }
 
-/// The process that closed the pipe knows that the run has ended.
+/// Prints nothing, because the process that closed the pipe knows that the run has ended.
 extern "C" void end_silently(int signal_number) {
   remove_temporaries();
   die_of(signal_number);
 }
 
-/// Allocates nothing, and ends the process where it stands: no way back needs memory, or is not for
-/// exceptions.
+/// Allocates nothing and ends the process at once: any orderly exit needs memory, or runs code that must not
+/// throw.
 [[noreturn]] void end_without_memory() {
   static std::atomic<bool> ending{false};
-  while (ending.exchange(true)) ::pause();  // another thread is at it
+  while (ending.exchange(true)) ::pause();  // another thread is already ending the process
   remove_temporaries();
   write_stderr(no_memory.data());
   ::_exit(static_cast<int>(ExitCode::data_failed));
@@ -93,14 +93,14 @@ std::terminate_handler abnormal_end_before = nullptr;  // NOLINT(*-avoid-non-con
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
     end_without_memory();
-  } catch (...) {  // NOLINT(bugprone-empty-catch): the handler before this one says what it was
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the previous handler reports the exception
   }
   remove_temporaries();
   if (abnormal_end_before != nullptr) abnormal_end_before();
   std::abort();
 }
 
-/// What the parent chose to ignore (nohup) stays ignored.
+/// A signal that the parent chose to ignore (nohup) stays ignored.
 void handle(int signal_number, void (*handler)(int)) {
   if (std::signal(signal_number, handler) == SIG_IGN) std::signal(signal_number, SIG_IGN);
 }

@@ -5,25 +5,25 @@
 
 namespace landfall {
 
-/// The temporary files that an interrupt must remove. At most 8 at a time, names up to 4095 bytes:
-/// enough for any tool, and readable from a signal handler, which may not allocate. More are simply not
-/// removed on a signal.
+/// The temporary files that an interrupt must remove. At most 8 at a time, names up to 4095 bytes: enough for
+/// any tool, and readable from a signal handler, which may not allocate. Any further files are not removed on
+/// a signal.
 void register_temporary_file(const std::string& path);
 void forget_temporary_file(const std::string& path);
 
-/// On SIGINT, SIGTERM, SIGHUP and SIGXCPU: removes the registered files, says so in one line begun by
-/// `program`, ends by that signal. On SIGPIPE the same without the line. A file-size limit (ulimit -f)
-/// becomes a failed write, as a full disk is. SIGQUIT, which asks for a core, keeps the files for
+/// On SIGINT, SIGTERM, SIGHUP and SIGXCPU: removes the registered files, reports this in one line that begins
+/// with `program`, and ends by that signal. On SIGPIPE: the same without the line. A file-size limit (ulimit
+/// -f) becomes a failed write, like a full disk. SIGQUIT, which requests a core dump, keeps the files for
 /// debugging.
 void install_signal_cleanup(const std::string& program);
 
-/// Where `new` finds no memory: removes the registered files, says so in one line begun by `program`, ends
-/// with ExitCode::data_failed at once. Unwinding would need memory itself, and some of what it passes must
-/// not throw.
+/// When `new` finds no memory: removes the registered files, reports this in one line that begins with
+/// `program`, and ends with ExitCode::data_failed at once. Unwinding itself would need memory, and would pass
+/// through code that must not throw.
 void install_memory_cleanup(const std::string& program);
 
-/// From now on the run ends whole: for the moment when an output is about to get its name. Does not return
-/// where an interrupt came first.
+/// From now on interrupts do not end the run: call it just before an output gets its name. Does not return if
+/// an interrupt came first.
 void ignore_interrupts();
 
 }  // namespace landfall

@@ -16,13 +16,13 @@ inline constexpr std::int64_t kTextHeight = 8 * kDot;
 /// Pixels from the first to the last dot; 0 for an empty text.
 [[nodiscard]] std::int64_t text_width(std::string_view text);
 
-/// Where a text goes: its upper left pixel.
+/// The upper left pixel of a text.
 struct TextPosition {
   std::int64_t row;
   std::int64_t column;
 };
 
-/// Draws ASCII 32 to 126; anything else as '?'. What lies beyond the picture is cut.
+/// Draws ASCII 32 to 126, and '?' for anything else. The part outside the image is clipped.
 void draw_text(RgbImage& image, const TextPosition& position, std::string_view text, Rgb color);
 
 }  // namespace landfall

@@ -11,7 +11,7 @@ enum class Colors {
   diverging,   ///< blue, white, red (ColorBrewer RdBu): 0.5 is white
 };
 
-/// The colour of a fraction in [0, 1]; beyond it that of the nearer end.
+/// The colour of a fraction in [0, 1]; a fraction outside gets the colour of the nearer end.
 [[nodiscard]] Rgb color_of(double fraction, Colors colors);
 /// The colour of a missing value, unlike any colour of the map.
 [[nodiscard]] Rgb no_value_color(Colors colors);

@@ -13,7 +13,7 @@ struct Slope {
   double north = 0;
 };
 
-/// The slope between what lies before and after; either may be missing.
+/// The slope from the values before and after the middle one; either may be missing.
 double slope_between(double before, double middle, double after, double pixel_m) {
   const bool has_before = std::isfinite(before);
   const bool has_after = std::isfinite(after);
@@ -35,7 +35,7 @@ Slope slope_at(const PixelMap& map, std::int64_t row, std::int64_t col) {
 }
 
 double shade_of(const Slope& slope, double factor) {
-  // Normal (-east, -north, 1) and light (-1, 1, sqrt 2) / 2, over the light on level ground.
+  // Normal (-east, -north, 1) times light (-1, 1, sqrt 2) / 2, divided by its value on level ground.
   const double east = factor * slope.east;
   const double north = factor * slope.north;
   const double shade = (east - north + std::numbers::sqrt2) / std::sqrt(1 + east * east + north * north);

@@ -7,10 +7,10 @@
 
 namespace landfall {
 
-/// The shade of each pixel of a map of elevations (metres) under a light from the north-west, 45 degrees
-/// high: 1 is level ground, 0 what faces away. Slopes come from the neighbours; a pixel beside one without a
-/// value has that side's slope left out, one without any neighbour is level. Heights are exaggerated or
-/// flattened by one factor in [1/4, 5] that brings the rms slope nearest to 0.4.
+/// The shade of each pixel of an elevation map (metres) under light from the north-west, 45 degrees high: 1
+/// for level ground, 0 for slopes facing away. Slopes come from the neighbours: a side without a value is
+/// ignored, and a pixel without any neighbour is level. Heights are scaled by one factor in [1/4, 5] that
+/// brings the rms slope nearest to 0.4.
 [[nodiscard]] std::vector<double> hillshade(const PixelMap& elevations);
 
 }  // namespace landfall

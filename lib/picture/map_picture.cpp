@@ -16,7 +16,7 @@ constexpr Rgb kInk = {30, 30, 30};
 constexpr std::int64_t kEnlargeTo = 600;
 constexpr std::int64_t kMinSide = 240;  ///< of the frame, so that labels have room
 constexpr double kOutliers = 0.005;     ///< on either side
-constexpr double kMinRange = 1e-9;      ///< less is rounding
+constexpr double kMinRange = 1e-9;      ///< smaller ranges are rounding errors
 constexpr std::int64_t kTick = 6;
 constexpr std::int64_t kGap = 8;
 constexpr std::int64_t kBarWidth = 22;
@@ -40,7 +40,7 @@ double quantile(std::vector<double>& values, double q) {
   return values[static_cast<std::size_t>(rank)];
 }
 
-/// Where everything stands, in pixels of the picture.
+/// The positions of all elements, in image pixels.
 struct Layout {
   std::int64_t zoom;
   std::int64_t left;
@@ -78,7 +78,7 @@ void fill(RgbImage& image, const Rectangle& r, Rgb color) {
     for (std::int64_t col = r.left; col < r.left + r.width; ++col) image.set(row, col, color);
 }
 
-/// A line one pixel wide around the rectangle.
+/// Draws a line one pixel wide around the rectangle.
 void outline(RgbImage& image, const Rectangle& r) {
   fill(image, {r.top - 1, r.left - 1, 1, r.width + 2}, kInk);
   fill(image, {r.top + r.height, r.left - 1, 1, r.width + 2}, kInk);
@@ -197,7 +197,7 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
 }
 
 std::vector<double> ticks(double low, double high, int count) {
-  constexpr double kRounding = 1e-9;  // of a step: 3 x 0.1 is beyond 0.3
+  constexpr double kRounding = 1e-9;  // of a step: 3 x 0.1 exceeds 0.3
   const double rough = (high - low) / std::max(count, 2);
   const double power = std::pow(10, std::floor(std::log10(rough)));
   double step = power;
@@ -214,7 +214,7 @@ std::vector<double> ticks(double low, double high, int count) {
 RgbImage map_picture(const PixelMap& map, const MapStyle& style) {
   const Layout layout = layout_of(map);
   const std::array<double, 2> range = color_range(map, style);
-  constexpr std::int64_t kRight = 190;  // bar and its labels
+  constexpr std::int64_t kRight = 190;  // width of the colour bar and its labels
   RgbImage image(static_cast<std::size_t>(layout.right() + kRight),
                  static_cast<std::size_t>(layout.bottom() + 2 * kTextHeight + 4 * kGap), kPaper);
   draw_map(image, map, style, layout, range);

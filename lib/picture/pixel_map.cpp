@@ -103,7 +103,7 @@ PointMap::PointMap(const Box& box, std::size_t count, std::int64_t most, Reducti
   const double even = std::sqrt(width * height * kPointsPerPixel / static_cast<double>(count));
   const double finest = std::max(width, height) / static_cast<double>(most);
   const double pixel = std::max(even, finest);
-  frame_.pixel_m = pixel > 0 && std::isfinite(pixel) ? pixel : 1;  // points on one spot
+  frame_.pixel_m = pixel > 0 && std::isfinite(pixel) ? pixel : 1;  // all points at one place
   frame_.rows = pixels_over(height, frame_.pixel_m, most);
   frame_.cols = pixels_over(width, frame_.pixel_m, most);
   frame_.west_m = box.west_m;

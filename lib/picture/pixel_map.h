@@ -9,31 +9,31 @@
 
 namespace landfall {
 
-/// A map as it is drawn: square pixels, row 0 the northern.
+/// A map as drawn: square pixels, row 0 is the northern row.
 struct PixelMap {
   std::int64_t rows = 0;
   std::int64_t cols = 0;
   double pixel_m = 0;          ///< edge of a pixel
   double west_m = 0;           ///< western edge of column 0
   double north_m = 0;          ///< northern edge of row 0
-  std::vector<double> values;  ///< row by row; NaN is no value
+  std::vector<double> values;  ///< row by row; NaN for no value
 
   [[nodiscard]] double at(std::int64_t row, std::int64_t col) const {
     return values[static_cast<std::size_t>(row * cols + col)];
   }
 };
 
-/// What stands for the bins of one pixel.
+/// How the values of a pixel's bins are combined.
 enum class Reduction {
   mean,      ///< of those that have a value
   greatest,  ///< so that no flag is lost
 };
 
-/// Makes a map of a layer that comes in strips.
+/// Reduces a layer that is passed in strips to a map.
 class LayerReducer {
  public:
-  /// At most `most` pixels a side (>= 1): each covers the same square number of bins of the layer, those at
-  /// its southern and eastern border perhaps fewer.
+  /// At most `most` pixels a side (>= 1). Each pixel covers a square of equally many bins of the layer;
+  /// pixels at the southern and eastern border may cover fewer.
   LayerReducer(const GridSpec& layer, Reduction reduction, std::int64_t most);
 
   /// Adds whole rows of the layer, in any order, each once. T: double, float, std::int32_t or std::int8_t.
@@ -48,20 +48,20 @@ class LayerReducer {
   GridSpec layer_;
   Reduction reduction_;
   std::int64_t factor_;
-  PixelMap frame_;            ///< without values
-  std::vector<double> sums_;  ///< or the greatest so far
+  PixelMap frame_;            ///< has no values
+  std::vector<double> sums_;  ///< or the greatest values so far
   std::vector<double> counts_;
 };
 
-/// A layer that is there as a whole.
+/// Reduces a layer that is in memory as a whole.
 template <class T>
 [[nodiscard]] PixelMap reduce(const Grid<T>& layer, Reduction reduction, std::int64_t most);
 
-/// Gathers points seen from above: the mean of their values per pixel, or their count.
+/// Maps points seen from above: per pixel, the mean of their values or their count.
 class PointMap {
  public:
-  /// Points lie within the box; pixels are so large that a pixel has about four of `count` evenly spread
-  /// points, and at most `most` pixels a side.
+  /// The box that contains the points. Pixels are large enough to hold about four of `count` evenly spread
+  /// points each, with at most `most` pixels a side.
   struct Box {
     double west_m;
     double east_m;
@@ -70,7 +70,7 @@ class PointMap {
   };
   PointMap(const Box& box, std::size_t count, std::int64_t most, Reduction reduction = Reduction::mean);
 
-  /// A point outside the box counts in the nearest pixel.
+  /// A point outside the box is added to the nearest pixel.
   void add(double x_m, double y_m, double value);
   /// The mean or the greatest value of each pixel's points; NaN without any.
   [[nodiscard]] PixelMap values() const;
@@ -79,9 +79,9 @@ class PointMap {
  private:
   [[nodiscard]] PixelMap filled(std::span<const double> values) const;
 
-  PixelMap frame_;  ///< without values
+  PixelMap frame_;  ///< has no values
   Reduction reduction_;
-  std::vector<double> gathered_;  ///< sums, or the greatest so far
+  std::vector<double> gathered_;  ///< sums, or the greatest values so far
   std::vector<double> counts_;
 };
 

@@ -6,9 +6,9 @@
 
 namespace landfall {
 
-/// Writes an image as an 8-bit RGB PNG that appears whole or not at all (output_path.h). Equal images give
-/// equal bytes. Throws UsageError where the output exists, IoError, naming the output, where it cannot be
-/// written or the image has no pixels. The compression level of `output` is not used.
+/// Writes an image as an 8-bit RGB PNG that appears complete or not at all (output_path.h). Equal images give
+/// equal bytes. Throws UsageError if the output exists, IoError, naming the output, if it cannot be written
+/// or the image has no pixels. The compression level of `output` is not used.
 void write_png(const OutputOptions& output, const RgbImage& image);
 
 }  // namespace landfall

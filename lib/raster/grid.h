@@ -15,7 +15,7 @@ class Grid {
  public:
   Grid() = default;
   explicit Grid(const GridSpec& spec, T fill = T{}) : spec_(spec), values_(spec.size(), fill) {}
-  /// Of values that are all to be written before one is read.
+  /// A grid whose values are not initialised: write all of them before reading any.
   [[nodiscard]] static Grid unset(const GridSpec& spec) {
     Grid grid;
     grid.spec_ = spec;

@@ -14,9 +14,9 @@ struct BinIndex {
   friend bool operator==(const BinIndex&, const BinIndex&) = default;
 };
 
-/// A regular grid whose centres lie at integer multiples of the resolution: the one definition of where bin
-/// (row, col) lies. x = (first_col + col) * resolution_m, y = (first_row + row) * resolution_m, metres, frame
-/// D. Stored row-major, y ascending.
+/// A regular grid whose centres lie at integer multiples of the resolution. Only this struct defines where
+/// bin (row, col) lies: x = (first_col + col) * resolution_m, y = (first_row + row) * resolution_m, metres,
+/// frame D. Stored row-major, y ascending.
 struct GridSpec {
   double resolution_m = 0;
   std::int64_t first_row = 0;
@@ -39,14 +39,14 @@ struct GridSpec {
   [[nodiscard]] bool contains(BinIndex bin) const {
     return bin.row >= 0 && bin.row < rows && bin.col >= 0 && bin.col < cols;
   }
-  /// Row-major position; the bin must lie in the grid.
+  /// Row-major index; the bin must lie in the grid.
   [[nodiscard]] std::size_t index(BinIndex bin) const {
     return static_cast<std::size_t>(bin.row * cols + bin.col);
   }
 
   /// The bin whose centre is nearest, floor(x/s + 0.5) (half-open: a point on the edge belongs to the greater
-  /// bin). It may lie outside the grid; a coordinate that is not finite or beyond +-2^62 bins gives one
-  /// outside.
+  /// bin). It may lie outside the grid; a coordinate that is not finite or beyond +-2^62 bins gives a bin
+  /// outside the grid.
   [[nodiscard]] BinIndex bin_of(double x_m, double y_m) const {
     return {nearest(y_m) - first_row, nearest(x_m) - first_col};
   }
@@ -57,7 +57,7 @@ struct GridSpec {
     constexpr double kLimit = 0x1p61;
     const double bin = coordinate_m / resolution_m + 0.5;
     if (!(bin > -kLimit && bin < kLimit)) return INT64_MIN / 2;
-    const auto cut = static_cast<std::int64_t>(bin);  // std::floor is a call where the processor is not known
+    const auto cut = static_cast<std::int64_t>(bin);  // std::floor is a call on a generic processor
     return cut - (static_cast<double>(cut) > bin ? 1 : 0);
   }
 };

@@ -14,7 +14,7 @@ struct Rgb {
   friend bool operator==(const Rgb&, const Rgb&) = default;
 };
 
-/// A picture. Row 0 is the upper one, unlike a grid's.
+/// An image. Row 0 is the top row, unlike in a grid.
 struct RgbImage {
   RgbImage(std::size_t columns, std::size_t rows, Rgb fill)
       : width(columns), height(rows), pixels(columns * rows, fill) {}
@@ -26,7 +26,7 @@ struct RgbImage {
   [[nodiscard]] const Rgb& at(std::size_t row, std::size_t column) const {
     return pixels[row * width + column];
   }
-  /// Does nothing beyond the picture's border.
+  /// Does nothing outside the image.
   void set(std::int64_t row, std::int64_t column, Rgb color) {
     if (row < 0 || column < 0 || row >= static_cast<std::int64_t>(height) ||
         column >= static_cast<std::int64_t>(width))

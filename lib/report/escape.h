@@ -9,11 +9,11 @@
 
 namespace landfall::html_report {
 
-/// A text as the content of an element or of a quoted attribute: & < > " ' as character references.
+/// Escapes a text for the content of an element or a quoted attribute: & < > " ' as character references.
 [[nodiscard]] std::string html_text(std::string_view text);
 
-/// JSON that may stand within a <script> element: every < is \u003c, so that neither </script> nor <!-- ends
-/// or changes it. Bytes that are not UTF-8 become U+FFFD; a number that is not finite is null.
+/// JSON that is safe within a <script> element: every < is \u003c, so that neither </script> nor <!-- can end
+/// or change it. Bytes that are not UTF-8 become U+FFFD; a number that is not finite becomes null.
 [[nodiscard]] std::string script_json(const nlohmann::ordered_json& value, int indent = -1);
 
 /// RFC 4648, padded, one line.

@@ -9,8 +9,8 @@
 
 namespace landfall::html_report {
 
-/// How many of a region's values lie in each of equally wide classes from `low` to `high`, the least and the
-/// greatest of them. Empty where there is no value.
+/// The number of a region's values in each of equally wide classes from `low` to `high`, the least and the
+/// greatest value. Empty if there is no value.
 struct Histogram {
   double low = 0;
   double high = 0;
@@ -18,7 +18,7 @@ struct Histogram {
   LANDFALL_FIELDS(low, high, count)
 };
 
-/// NaN and infinite values do not count. One class where all values are equal. T: double or float. The
+/// NaN and infinite values are ignored. There is one class if all values are equal. T: double or float. The
 /// result does not depend on the number of threads.
 template <class T>
 [[nodiscard]] Histogram histogram(const Grid<T>& layer, const BinMask& region, std::size_t classes);

@@ -12,7 +12,7 @@
 namespace landfall::html_report {
 namespace {
 
-/// Null where the file that it came from has something else than expected.
+/// Null if the file that the object came from has an unexpected structure.
 nlohmann::json member(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? nlohmann::json() : *found;
@@ -74,7 +74,7 @@ std::string asset(std::string_view name) {
   throw std::logic_error("no embedded asset " + std::string(name));
 }
 
-/// Each in a script of its own, in the order of their use.
+/// Each script in its own element, in the order of their use.
 std::string programs_html() {
   std::string text;
   for (const char* const name :
@@ -91,7 +91,7 @@ std::string subtitle_html(const nlohmann::json& evaluation) {
          text_of(evaluation, "file_id") + "</code> of DEM <code>" + dem + "</code>";
 }
 
-/// Replaces each @NAME@ of the template that `parts` has.
+/// Replaces each @NAME@ in the template by its value in `parts`.
 std::string filled(const std::string& page, const std::map<std::string, std::string>& parts) {
   std::string text;
   std::size_t at = 0;

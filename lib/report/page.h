@@ -9,17 +9,17 @@
 
 namespace landfall::html_report {
 
-/// The whole report: one HTML file that needs nothing else, neither beside it nor from a network. Equal
-/// contents give equal bytes.
+/// The whole report: one self-contained HTML file, which needs no other files and no network. Equal contents
+/// give equal bytes.
 [[nodiscard]] std::string report_page(const ReportContent& content);
 
-/// The report on the evaluation of a DEM file, whose layers it takes as they pass by.
+/// The report on the evaluation of a DEM file. It receives the layers while they are evaluated.
 class Report : public ReportLayers {
  public:
-  /// `dem` holds the layers of the file; `parameters` outlive the report. Throws FormatError.
+  /// `dem` holds the layers of the file; `parameters` must outlive the report. Throws FormatError.
   Report(const std::filesystem::path& path, const DemLayers& dem, const EvaluationParameters& parameters);
 
-  /// The whole page, after the evaluation. Throws FormatError.
+  /// The whole page; call it after the evaluation. Throws FormatError.
   [[nodiscard]] std::string page(const Evaluation& evaluation, const Provenance& provenance) const;
 
  private:

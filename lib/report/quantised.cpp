@@ -11,7 +11,7 @@
 namespace landfall::html_report {
 namespace {
 
-/// The least of 1, 2, 5 times a power of ten that is not less.
+/// The least number >= `least` that is 1, 2 or 5 times a power of ten.
 double round_step(double least) {
   const double power = std::pow(10.0, std::floor(std::log10(least)));
   for (const double digit : {1.0, 2.0, 5.0})
@@ -40,7 +40,7 @@ Quantised quantise(std::span<const double> values, int most_steps) {
   Quantised result;
   find_extremes(values, result);
   result.offset = result.low;
-  // Halves, for the whole range may be more than the largest double.
+  // Computed from halves, because the whole range may exceed the largest double.
   const double range = 2 * (result.high / (2 * most_steps) - result.low / (2 * most_steps));
   double first = 0;
   if (range >= 1e-290) {
@@ -60,7 +60,7 @@ Quantised quantise(std::span<const double> values, int most_steps) {
 }
 
 std::string packed(std::span<const std::uint16_t> codes) {
-  // Searching longer than at level 6 saves next to nothing.
+  // A higher level than 6 saves almost nothing.
   constexpr int kLevel = 6;
   std::vector<std::uint16_t> differences(codes.size());
   std::uint16_t before = 0;

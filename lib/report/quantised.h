@@ -12,23 +12,23 @@ inline constexpr std::uint16_t kNoValueCode = 65535;
 inline constexpr int kMaxSteps = 65000;
 inline constexpr int kErrorSteps = 500;
 
-/// Numbers as 16-bit codes: value = offset + code * step, within half a step (a whole one beside the greatest
+/// Numbers as 16-bit codes: value = offset + code * step, within half a step (a whole step near the greatest
 /// double); kNoValueCode is NaN.
 struct Quantised {
   double offset = 0;
   double step = 0;
-  double low = 0;  ///< the least and the greatest value before they were rounded; both 0 without a value
+  double low = 0;  ///< the least and the greatest value before rounding; both 0 without a value
   double high = 0;
   std::vector<std::uint16_t> codes;
 };
 
 /// The step is the least of 1, 2 or 5 times a power of ten of which at most `most_steps` (1..kMaxSteps) span
-/// the values, and a value that is a multiple of it is kept exactly (to the rounding of double). A step of 0
-/// stands for a single value. Values that are not finite have kNoValueCode.
+/// the values. A value that is a multiple of it is kept exactly (to the rounding of double). The step is 0 if
+/// there is a single value. Values that are not finite become kNoValueCode.
 [[nodiscard]] Quantised quantise(std::span<const double> values, int most_steps);
 
-/// The codes as text: each less the one before it, 0, -1, 1, -2, .. as 0, 1, 2, 3, ..; the low bytes of all,
-/// then the high bytes; a zlib stream; base64. Neighbouring bins are alike, so that few bytes remain.
+/// The codes as text: differences of neighbours, with 0, -1, 1, -2, .. as 0, 1, 2, 3, ..; all low bytes, then
+/// the high bytes; a zlib stream; base64. Neighbouring bins are similar, so that few bytes remain.
 [[nodiscard]] std::string packed(std::span<const std::uint16_t> codes);
 
 }  // namespace landfall::html_report

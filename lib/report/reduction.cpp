@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// One of two values of a block.
+/// Chooses one of two values of a block.
 double chosen(double a, double b, Rule rule) {
   switch (rule) {
     case Rule::extreme:

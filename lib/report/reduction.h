@@ -8,18 +8,18 @@
 
 namespace landfall::html_report {
 
-/// What a square block of bins becomes when a map is made smaller. NaN and infinite values do not count; a
-/// block without another value is NaN.
+/// The rule by which a square block of bins is reduced to one value. NaN and infinite values are ignored; a
+/// block without any other value becomes NaN.
 enum class Rule {
   mean,
-  extreme,  ///< the value of the largest magnitude, its sign kept; of two equal ones the positive one
+  extreme,  ///< the value of the largest magnitude with its sign; the positive one of two equal magnitudes
   largest,
   least,
-  any_bit,  ///< of integers: the bits that any bin has
+  any_bit,  ///< for integers: the bits that are set in any bin
 };
 
-/// A map made smaller: block (r, c) covers the bins from (r factor, c factor); those at the upper and right
-/// border may be cut short.
+/// A reduced map: block (r, c) covers the bins from (r factor, c factor) on; blocks at the upper and right
+/// border may be smaller.
 struct ReducedMap {
   std::int64_t factor = 1;
   std::int64_t rows = 0;
@@ -27,7 +27,7 @@ struct ReducedMap {
   std::vector<double> cells;  ///< row-major, y ascending
 };
 
-/// The least whole number of bins a side of a block for at most `most_cells` (>= 1) blocks along either axis.
+/// The least block size, in bins a side, that gives at most `most_cells` (>= 1) blocks along either axis.
 [[nodiscard]] std::int64_t reduction_factor(const GridSpec& spec, std::int64_t most_cells);
 
 /// T: double, float, std::int32_t or std::int8_t. The result does not depend on the number of threads.

@@ -71,7 +71,7 @@ Json footprint_json(const EvaluationParameters& parameters, double resolution_m)
           {"half_bins", footprint_of(parameters, resolution_m).half_bins()}};
 }
 
-/// The largest first; of equal ones the first.
+/// Sorted by size, the largest first; equal sizes keep their order.
 Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
   std::ranges::stable_sort(holes, [](const Hole& a, const Hole& b) { return a.size_bins > b.size_bins; });
   holes.resize(std::min(holes.size(), kMaxHoles));
@@ -87,10 +87,10 @@ Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
   return list;
 }
 
-/// Packs layers, as many at a time as there are threads.
+/// Packs layers in parallel, as many at a time as there are threads.
 class Packer {
  public:
-  /// The layer outlives the packer.
+  /// The layer must outlive the packer.
   Json add(const ReportLayer& layer, const std::string& id) {
     ids_.push_back(id);
     codes_.emplace_back(layer.values.codes);

@@ -12,17 +12,17 @@
 
 namespace landfall::html_report {
 
-/// What a report is made of. Everything outlives the call.
+/// The content of a report. All referenced objects must outlive the call.
 struct ReportContent {
   const EvaluationParameters& parameters;
   const Evaluation& evaluation;
   const ReportLayers& layers;
   const std::vector<WorstFootprint>& worst;
-  /// What led to the evaluation, oldest first, the evaluation itself last: Provenance::as_step(). Not empty.
+  /// The steps up to the evaluation, oldest first, the evaluation last: Provenance::as_step(). Not empty.
   const nlohmann::json& steps;
 };
 
-/// What the page's scripts draw from: plain values, and texts packed() apart by name.
+/// The data that the page's scripts draw: plain values, and separately the packed() texts by name.
 struct ReportData {
   nlohmann::ordered_json values;
   std::vector<std::pair<std::string, std::string>> packed;

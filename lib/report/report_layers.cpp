@@ -14,15 +14,15 @@ namespace {
 
 constexpr std::size_t kHistogramClasses = 1000;
 
-/// Errors have about as many steps as a colour map has shades: the digits of noise would fill the file.
-/// Elevations have more, for relief is shown in three dimensions.
+/// Errors have about as many steps as a colour map has shades, because digits of noise would enlarge the
+/// file. Elevations have more steps, because relief is shown in three dimensions.
 int steps_of(Style style) {
   return style == Style::signed_error || style == Style::magnitude ? kErrorSteps : kMaxSteps;
 }
 
 bool is_whole(Style style) { return style == Style::count || style == Style::mask || style == Style::flags; }
 
-/// A step of 1 or more, however few values there are.
+/// Uses a step of 1 or more, even for a small range of values.
 Quantised quantise_whole(const std::vector<double>& cells) {
   Quantised result = quantise(cells, kMaxSteps);
   if (result.step >= 1 || result.high >= kMaxSteps || result.low < 0) return result;

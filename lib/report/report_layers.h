@@ -13,36 +13,36 @@
 
 namespace landfall::html_report {
 
-/// How a map is drawn.
+/// The style in which a map is drawn.
 enum class Style { elevation, signed_error, magnitude, count, mask, flags };
 
-/// A layer as the report holds it.
+/// A layer as stored in the report.
 struct ReportLayer {
-  std::string name;  ///< the dataset's
+  std::string name;  ///< the name of the dataset
   std::string title;
-  std::string unit;  ///< empty for a number
+  std::string unit;  ///< empty for a dimensionless number
   Style style = Style::elevation;
   Rule rule = Rule::mean;
   Quantised values;
 };
 
-/// One axis of the errors, by x, y, z: of the region's bins, and of its footprints.
+/// Error histograms of one axis (x, y or z): of the region's bins, and of its footprints.
 struct AxisHistograms {
   Histogram error;
   Histogram relative;
 };
 
-/// Makes an evaluation's layers small as they pass by. Kept until the end are the small maps and, of every
-/// bin of the DEM, 5 bytes, for a while 9: whether it is judged, and how close the footprint about it is to a
-/// limit.
+/// Reduces an evaluation's layers as it receives them. Keeps the reduced maps to the end and, for every bin
+/// of the DEM, 5 bytes (for a while 9): whether the bin is judged, and how close the footprint centred on it
+/// is to a limit.
 class ReportLayers : public LayerSink {
  public:
-  /// Maps of more than `most_cells` bins along an axis are reduced to at most as many.
+  /// Maps of more than `most_cells` bins along an axis are reduced to at most that number.
   ReportLayers(const GridSpec& spec, const EvaluationParameters& parameters, std::int64_t most_cells = 1024);
 
-  /// z_est, z_true: before they are judged, which uses up the truth.
+  /// Receives z_est and z_true; call it before the evaluation, which overwrites the truth.
   void take(const DemLayers& dem);
-  /// Returns per bin.
+  /// Receives the number of returns per bin.
   void take(const Grid<std::int32_t>& count);
 
   void take(const CoverageLayers& layers) override;
@@ -51,15 +51,15 @@ class ReportLayers : public LayerSink {
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
   [[nodiscard]] std::int64_t factor() const { return factor_; }
-  /// In the order in which they came.
+  /// The layers in the order in which they were received.
   [[nodiscard]] const std::vector<ReportLayer>& layers() const { return layers_; }
   [[nodiscard]] const AxisHistograms& histograms(Axis axis) const {
     return histograms_[static_cast<std::size_t>(axis)];
   }
-  /// Bins of the region with each FailFlag, from the lowest bit up.
+  /// The number of bins of the region with each FailFlag, from the lowest bit up.
   [[nodiscard]] const std::array<std::int64_t, 6>& fail_counts() const { return fail_counts_; }
-  /// Of every footprint the largest of its values over its limit; NaN where there is none. Empty without
-  /// truth.
+  /// For every footprint, the largest ratio of its values to their limits; NaN if there is no footprint.
+  /// Empty without truth.
   [[nodiscard]] const Grid<float>& shares() const { return shares_; }
 
  private:
@@ -75,7 +75,7 @@ class ReportLayers : public LayerSink {
   std::array<std::int64_t, 6> fail_counts_{};
   BinMask region_;
   Grid<float> shares_;
-  Grid<float> absolute_x_;  ///< until that of y has come
+  Grid<float> absolute_x_;  ///< kept until the y axis is received
 };
 
 }  // namespace landfall::html_report

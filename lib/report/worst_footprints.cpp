@@ -21,7 +21,7 @@ bool apart(BinIndex bin, const Chosen& chosen, std::int64_t half_bins) {
   });
 }
 
-/// The column of the row's largest value that may be chosen; -1 if there is none above `floor`.
+/// The column of the row's largest value that is allowed; -1 if none is above `floor`.
 std::int64_t best_of_row(std::span<const float> values, std::int64_t row, const Chosen& chosen,
                          std::int64_t half_bins) {
   std::int64_t best = -1;
@@ -33,7 +33,7 @@ std::int64_t best_of_row(std::span<const float> values, std::int64_t row, const 
   return best;
 }
 
-/// The bins of `dem` up to `half` from the bin along either axis.
+/// The bins of `dem` within `half` of the bin along either axis.
 GridSpec window_about(BinIndex bin, std::int64_t half, const GridSpec& dem) {
   const BinIndex first{std::max<std::int64_t>(0, bin.row - half), std::max<std::int64_t>(0, bin.col - half)};
   const BinIndex end{std::min(dem.rows, bin.row + half + 1), std::min(dem.cols, bin.col + half + 1)};

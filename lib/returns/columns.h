@@ -10,16 +10,16 @@
 
 #include "returns/point_status.h"
 
-// The tables /points and /pulses of a scan. A new column is a member and its line in the declaration below
-// it, nothing else: simulation resizes and packs it, files write it, exports and landfall-info show it.
+// The tables /points and /pulses of a scan. A new column needs only a member and its line in the declaration
+// below: simulation resizes and packs it, files write it, exports and landfall-info show it.
 
 namespace landfall {
 
-/// Whether the errors of a lidar, but for false returns, change a column of /points.
+/// Whether the errors of a lidar, except false returns, change a column of /points.
 enum class ErrorEffect { changed, unchanged };
 
-/// One column: its name, unit and long name in the scan file, and where it is held. Its stored type is that
-/// of the values; doubles of /points become float32 with --float32.
+/// One column: its name, unit and long name in the scan file, and the member that holds it. Its stored type
+/// is that of the values; doubles of /points become float32 with --float32.
 template <class Table, class T>
 struct Column {
   using Value = T;
@@ -41,14 +41,14 @@ constexpr void for_each_column(const Columns& columns, const Visit& visit) {
   std::apply([&](const auto&... column) { (visit(column), ...); }, columns);
 }
 
-/// One row per pixel and pulse, ordered by pulse, then pixel. Positions in D and ranges in metres; NaN where
-/// the status leaves none:
-/// - a return has everything;
-/// - so has a false return, but that its range_true is NaN where nothing was hit; its true point is then that
-///   of the true beam at the false range;
-/// - a dropout, and a dead pixel whose ray met the terrain, keep range_true and the true point;
-/// - all others have nothing.
-/// A column that is not wanted is empty.
+/// One row per pixel and pulse, ordered by pulse, then pixel. Positions in D and ranges in metres; values
+/// that the status leaves undefined are NaN:
+/// - a return has all values;
+/// - a false return has all values, except that range_true is NaN where nothing was hit; its true point then
+/// lies on the true beam at the false range;
+/// - a dropout, and a dead pixel whose ray hit the terrain, have range_true and the true point;
+/// - all others have no values.
+/// A column that is not requested is empty.
 struct PointColumns {
   std::vector<double> x_est, y_est, z_est;     ///< Eq. 7, from the measured range and the estimated pose
   std::vector<double> x_true, y_true, z_true;  ///< Eq. 1, from the true range and the true pose
@@ -76,7 +76,7 @@ inline constexpr std::tuple kPointColumns = {
            ErrorEffect::unchanged},
     Column{"status", &PointColumns::status, "1", "what became of the pixel at this pulse"}};
 
-/// Where a return is estimated to lie, then where it lies: x, y, z each. Finite in every return.
+/// The estimated position of a return, then its true position: x, y, z each. Finite in every return.
 inline constexpr std::array kCoordinates = {&PointColumns::x_est,  &PointColumns::y_est,
                                             &PointColumns::z_est,  &PointColumns::x_true,
                                             &PointColumns::y_true, &PointColumns::z_true};
@@ -89,8 +89,7 @@ struct PulseColumns {
   std::vector<double> px_true, py_true, pz_true, qw_true, qx_true, qy_true, qz_true;
   std::vector<double> px_est, py_est, pz_est, qw_est, qx_est, qy_est, qz_est;
   std::vector<std::int32_t> point_count;  ///< rows of this pulse in the points
-  std::vector<std::int64_t>
-      point_begin;  ///< filled when the rows before are known: by the writer of the file
+  std::vector<std::int64_t> point_begin;  ///< filled by the file's writer, which knows the rows before
 
   [[nodiscard]] std::size_t size() const { return point_count.size(); }
   friend bool operator==(const PulseColumns&, const PulseColumns&) = default;
@@ -133,7 +132,7 @@ template <class Table, class T>
   return name;
 }
 
-// A member without a line in its declaration.
+// Fails if a member has no line in its declaration.
 static_assert(sizeof(PointColumns) == std::tuple_size_v<decltype(kPointColumns)> * sizeof(std::vector<int>));
 static_assert(sizeof(PulseColumns) == std::tuple_size_v<decltype(kPulseColumns)> * sizeof(std::vector<int>));
 

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// What became of one pixel at one pulse. The values are those of the scan file.
+/// The outcome of one pixel at one pulse. The values are those of the scan file.
 enum class PointStatus : std::int8_t {
   returned = 0,
   miss = 1,
@@ -22,7 +22,7 @@ enum class PointStatus : std::int8_t {
 struct PointStatusInfo {
   PointStatus status;
   const char* meaning;     ///< in the scan file (CF: flag_meanings)
-  const char* count_name;  ///< number of such rows: attribute of /points, key of summaries; empty: not told
+  const char* count_name;  ///< number of such rows: attribute of /points, key of summaries; empty: not shown
   const char* cause;       ///< after a number, why there are no returns: "12 misses"; empty for returns
 
   [[nodiscard]] constexpr bool is_counted() const { return *count_name != '\0'; }
@@ -42,7 +42,7 @@ inline constexpr std::array kPointStatuses = {
 
 inline constexpr std::size_t kPointStatusCount = kPointStatuses.size();
 
-/// True where there is a range: a return, or a false one.
+/// True for a status that has a range: a return or a false return.
 [[nodiscard]] constexpr bool is_return(PointStatus status) {
   return status == PointStatus::returned || status == PointStatus::false_return;
 }

@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-/// Reports work that is the part [begin, end] of a whole.
+/// Maps the progress of a part to the interval [begin, end] of the whole.
 ProgressCallback part_of(const ProgressCallback& whole, double begin, double end) {
   return [whole, begin, end](double fraction) { report(whole, begin + fraction * (end - begin)); };
 }

@@ -12,34 +12,34 @@
 
 namespace landfall {
 
-/// What a run needs of its ground.
+/// The terrain data that a run needs.
 enum class SceneUse {
-  identity,  ///< which terrain it is
+  identity,  ///< only the identity of the terrain
   surface,   ///< also its elevations and normals
   rays,      ///< also an engine that traces rays to it
 };
 
 enum class EngineKind { automatic, heightfield, cgal };
 
-/// The ground of a run. This folder lies above files and ray because it joins them: a file reader needs no
-/// engine, and an engine needs no file.
+/// The terrain of a run. This folder lies above files and ray because it joins them: a file reader needs no
+/// ray engine, and a ray engine needs no file.
 struct Scene : TerrainIdentity {
-  std::shared_ptr<const TerrainSurface> surface{};  ///< null where only the identity was asked for
-  std::shared_ptr<const RayEngine> engine{};        ///< null unless rays were asked for
+  std::shared_ptr<const TerrainSurface> surface{};  ///< null if only the identity was requested
+  std::shared_ptr<const RayEngine> engine{};        ///< null unless rays were requested
   std::string engine_name = "none";                 ///< "heightfield", "cgal" or "flat"
-  /// The same object as `surface` where only the part in use of a large terrain is loaded; else null.
+  /// The same object as `surface` if only the part in use of a large terrain is loaded; else null.
   std::shared_ptr<const WindowedTerrain> window{};
 };
 
 struct SceneRequest {
-  std::filesystem::path terrain{};  ///< terrain.h5; empty: level ground, z = 0, without end
+  std::filesystem::path terrain{};  ///< terrain.h5; empty: infinite level ground, z = 0
   SceneUse use = SceneUse::rays;
   EngineKind engine = EngineKind::automatic;        ///< automatic: cgal for a mesh, else heightfield
-  std::int64_t max_loaded_nodes = kMaxLoadedNodes;  ///< a grid of more nodes is loaded in part
+  std::int64_t max_loaded_nodes = kMaxLoadedNodes;  ///< a grid with more nodes is loaded in part
 };
 
 /// Opens level ground, a grid, a grid that is loaded in part, or a mesh. Throws FormatError as read_terrain()
-/// and open_large_terrain() do, and UsageError where a mesh is to be traced by the heightfield engine.
+/// and open_large_terrain() do, and UsageError if the heightfield engine is requested for a mesh.
 [[nodiscard]] Scene open_scene(const SceneRequest& request, const ProgressCallback& progress = {});
 
 }  // namespace landfall

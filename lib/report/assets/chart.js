@@ -3,7 +3,7 @@
 
 // Diagrams: curves, bars and points between two axes, linear or logarithmic.
 
-const LEAST_BOUND_M = 1e-6;  // of an axis: rounding is no error
+const LEAST_BOUND_M = 1e-6;  // least bound of an axis, so that rounding errors do not fill it
 const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};
 
 class Axis {
@@ -100,7 +100,7 @@ class Chart {
     return this;
   }
 
-  /** A line across at x; one beyond the axis is only named. */
+  /** A vertical line at x; outside the axis only its legend entry is shown. */
   limit(x, text, color = VERMILION) {
     const beyond = x > this.x.high || x < this.x.low;
     if (!beyond) this.curve([[x, this.y.low], [x, this.y.high]], {color, dash: "7 3"});
@@ -117,12 +117,12 @@ class Chart {
 
 const AXIS_STYLES = {x: {color: BLUE, dash: ""}, y: {color: VERMILION, dash: "6 3"}, z: {color: INK, dash: "2 2"}};
 
-/** Shares up to a value, on to the right border, where all are below: a single value would be no line. */
+/** Shares up to a value, extended to the right border with share 1, so that a single value gives a line, too. */
 function rising(points, right, factor) {
   return [...points, [Math.max(right, points[points.length - 1][0]), 1]].map(([x, y]) => [x * factor, 100 * y]);
 }
 
-/** [[value, classes up to it]] of a histogram, its upper edges. */
+/** Cumulative share of a histogram: [[upper edge of a class, share up to it]]. */
 function cumulative({low, high, count}) {
   const total = count.reduce((sum, n) => sum + n, 0);
   let sum = 0;
@@ -154,13 +154,13 @@ function errorChart(axes) {
   return chart.element;
 }
 
-/** [[middle, share]] of `classes` even classes from -bound to bound. */
+/** [[middle, share]] of `classes` equally wide classes from -bound to bound. */
 function merged({low, high, count}, bound, classes) {
   const total = count.reduce((sum, n) => sum + n, 0);
   const shares = new Array(classes).fill(0);
   const width = 2 * bound / classes, step = (high - low) / count.length;
   count.forEach((n, k) => {
-    // What lies across a border belongs to both in proportion, or the two divisions would beat against each other.
+    // A class across a border is divided in proportion, because unequal divisions would cause a beat pattern.
     const begin = (low + k * step + bound) / width, end = begin + step / width;
     for (let at = Math.max(0, Math.floor(begin)); at < Math.min(classes, end); ++at) {
       shares[at] += n / total * (Math.min(end, at + 1) - Math.max(begin, at)) / (end - begin);

@@ -3,7 +3,7 @@
 
 // The worst footprints and the largest holes: a table each, and maps of the footprints in full resolution.
 
-/** A table; each cell is [text, value to sort by]. */
+/** Creates a table; each cell is [text, value to sort by]. */
 function tableElement(id, headings, rows) {
   const cell = ([text, value], name) => {
     const attributes = value === undefined ? {} : {class: "number", "data-value": value ?? ""};
@@ -49,7 +49,7 @@ async function cropFigure(footprint, k) {
     const raster = await rasterOf(layer, footprint.crop);
     maps.push(new MapPanel(raster, {footprint}).element);
   }
-  const share = footprint.share === null ? "no limit is kept" : `${formatNumber(100 * footprint.share, 0.1)} % of its limit`;
+  const share = footprint.share === null ? "over a limit of 0" : `${formatNumber(100 * footprint.share, 0.1)} % of its limit`;
   const title = `No. ${k + 1} at x ${formatNumber(footprint.x_m, 0.01)} m, y ${formatNumber(footprint.y_m, 0.01)} m`;
   return htmlElement("div", {class: "crop"}, htmlElement("h3", {}, title),
                      htmlElement("p", {class: "note"}, `${requirementText(footprint)} error: ${share}`),

@@ -16,26 +16,26 @@ class Raster {
     this.cell_m = grid.resolution_m * grid.factor;
     this.left_m = grid.x_m - grid.resolution_m / 2;
     this.bottom_m = grid.y_m - grid.resolution_m / 2;
-    // Cells at the upper and right border may reach past the map.
+    // Cells at the upper and right border may extend beyond the map.
     this.width_m = grid.cols * grid.resolution_m;
     this.height_m = grid.rows * grid.resolution_m;
     this.codes = codes;
   }
 
-  /** NaN where there is none. */
+  /** NaN if the cell has no value. */
   value(index) {
     const code = this.codes[index];
     return code === NO_VALUE_CODE ? NaN : this.layer.offset + code * this.layer.step;
   }
 
-  /** The index of the cell at a place, -1 beyond the map. */
+  /** The index of the cell at a position, -1 outside the map. */
   indexAt(x_m, y_m) {
     const col = Math.floor((x_m - this.left_m) / this.cell_m);
     const row = Math.floor((y_m - this.bottom_m) / this.cell_m);
     return col < 0 || row < 0 || col >= this.cols || row >= this.rows ? -1 : row * this.cols + col;
   }
 
-  /** The cells whose code is not 0. */
+  /** The number of cells whose code is not 0. */
   marked() {
     this.markedCount ??= this.codes.reduce((sum, code) => sum + (code === 0 ? 0 : 1), 0);
     return this.markedCount;
@@ -69,7 +69,7 @@ function unpackCodes(bytes) {
 
 const rasters = new Map();
 
-/** The map of a layer of `grid`, unpacked once. */
+/** The map of a layer of `grid`, unpacked on first use. */
 function rasterOf(layer, grid) {
   if (!rasters.has(layer.id)) {
     const text = document.getElementById("layer-" + layer.id).textContent;
@@ -78,12 +78,12 @@ function rasterOf(layer, grid) {
   return rasters.get(layer.id);
 }
 
-/** The report's own map of a name; null where it has none. */
+/** The report's layer of this name; null if it has none. */
 function layerNamed(name) {
   return report.layers.find((layer) => layer.name === name) ?? null;
 }
 
-/** One value for a block of cells, by the layer's own rule. */
+/** Reduces a block of cells to one value by the layer's rule. */
 function blockValue(raster, [row0, row1], [col0, col1]) {
   if (row1 - row0 === 1 && col1 - col0 === 1) return raster.value(row0 * raster.cols + col0);
   let result = NaN, count = 0;
@@ -122,12 +122,12 @@ function blocksOf(raster, stride) {
   return {rows, cols, values, stride, cell_m: stride * raster.cell_m};
 }
 
-/** Whether a mask has less than 1 % of the region: more marks, enlarged, would hide the map and each other. */
+/** Whether a mask covers less than 1 % of the region: more enlarged marks would hide the map and overlap. */
 function fewMarks(mask, region) {
   return mask.marked() < 0.01 * (region ? region.marked() : mask.codes.length);
 }
 
-/** [{row, col, value}] of the marks with at most one marked neighbour of eight: the larger are seen as they are. */
+/** [{row, col, value}] of the marks with at most one marked neighbour of eight; larger groups are visible. */
 function loneMarks({rows, cols, values}) {
   const marks = [];
   values.forEach((value, i) => {

@@ -81,7 +81,7 @@ class MapPanel {
     this.draw();
   }
 
-  /** Lays everything out for the present width. */
+  /** Computes the layout for the current width and draws. */
   draw() {
     const {left, right, top, bottom} = MAP_MARGIN;
     const plotWidth = this.width - left - right;
@@ -110,7 +110,7 @@ class MapPanel {
 
   paint(ratio) {
     const {width, height} = this.canvas;
-    // All blocks of the same whole number of cells: uneven ones would beat against the map's pattern.
+    // All blocks have the same whole number of cells, because uneven blocks would cause a beat pattern.
     const cells = this.raster.width_m / this.raster.cell_m / width;
     const stride = this.isShaded() ? 1 : Math.max(1, Math.ceil(cells - 1e-9));
     const blocks = blocksOf(this.raster, stride);
@@ -126,7 +126,7 @@ class MapPanel {
     this.tellBlocks(stride, this.isShaded() && cells > 1);
   }
 
-  /** Whether a pixel is the mean colour of its cells: the least count, or whether any bin is marked, would look the
+  /** Whether a pixel has the mean colour of its cells: the least count, or whether any bin is marked, would look the
    * same everywhere on a map with many gaps. */
   isShaded() {
     const {style} = this.raster.layer;
@@ -140,8 +140,8 @@ class MapPanel {
     return judged ? [255, 255, 255] : NO_VALUE_COLOR;
   }
 
-  /** Marks of one block or two, at least 3 pixels wide where marks are few: a single bad bin of a large map would
-   * be lost. */
+  /** Paints marks of one or two blocks at least 3 pixels wide if marks are few: a single bad bin of a large map would
+   * not be visible. */
   paintMarks(context, blocks, ratio) {
     const {style} = this.raster.layer, own = this.isMarks();
     const source = own ? this.raster : this.options.marks;
@@ -157,19 +157,19 @@ class MapPanel {
                          Math.round(this.canvas.height - (row + 0.5) * pixels - width / 2), width, width);
       }
     };
-    // On a coloured map: white with a dark edge, seen on any colour.
+    // On a coloured map: white with a dark edge, visible on any colour.
     if (!own) paint(size + 2 * Math.round(ratio), () => INK);
     paint(size, (value) => own ? markColor(style, value) : "#ffffff");
   }
 
-  /** Adds to the note how the map as it is drawn is smaller than the DEM. */
+  /** Adds to the note how the drawn map is reduced from the DEM. */
   tellBlocks(stride, averaged) {
     const bins = stride * this.raster.factor;
     this.blocks.textContent = (bins === 1 ? "" : `; blocks of ${bins} x ${bins} bins`) +
         (averaged ? "; averaged in each pixel" : "");
   }
 
-  /** The border of a region that is neither a circle nor a square. */
+  /** Paints the border of a region that is neither a circle nor a square. */
   paintRegionEdge(context, ratio) {
     const {region} = this.options;
     if (!region || report.metrics.region.shape !== "mask") return;
@@ -217,7 +217,7 @@ class MapPanel {
                     outline({stroke: INK, "stroke-dasharray": "5 3"}));
   }
 
-  /** At its place on a crop; in the lower left corner of a whole map, to scale. */
+  /** Draws the footprint to scale: at its position on a crop, in the lower left corner of a whole map. */
   drawFootprint() {
     const {shape, half_bins} = report.footprint;
     const half = (half_bins + 0.5) * report.grid.resolution_m * this.pixels_per_m;
@@ -239,8 +239,8 @@ class MapPanel {
     this.svg.append(svgElement("text", {x: x + half + 5, y: y + half, class: "haloed"}, "footprint"));
   }
 
-  /** Circles with a number each, beside it where no other circle or number is: the first ones have the choice, and
-   * one without room has no number. */
+  /** Draws a circle for each point, with its number beside it where no other circle or number is. The first points
+   * are placed first; a point without room gets no number. */
   drawPoints() {
     const places = (this.options.points ?? []).map(({x_m, y_m, text}) => ({x: this.x(x_m), y: this.y(y_m), text}));
     const taken = places.map(({x, y}) => ({left: x - 6, right: x + 6, top: y - 6, bottom: y + 6}));

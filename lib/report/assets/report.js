@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 "use strict";
 
-// Fills the page's sections. data-ready on <body> says that all is drawn.
+// Fills the page's sections. data-ready on <body> means that everything is drawn.
 
 const MAP_GROUPS = [
   ["Elevation and returns", ["z_est", "z_true", "count"]],
@@ -26,7 +26,7 @@ function mapOptions(raster, region, marks) {
   }
   if (layer.name === "fail") {
     options.note = `bins and centres of footprints${enlarged()}` +
-        (report.worst.length > 0 ? "; numbered, where there is room: the worst" : "");
+        (report.worst.length > 0 ? "; the worst are numbered where there is room" : "");
     options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
   }
   return options;
@@ -143,7 +143,7 @@ async function fillPage() {
   }
 }
 
-/** Resolves after the next picture: by then all panels know their width. */
+/** Resolves after the next frame, when all panels have their width. */
 function nextFrame() {
   return new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });
 }

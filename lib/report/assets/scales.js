@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 "use strict";
 
-// Colours, also of pixels; units, ticks and numbers.
+// Colours of values and of pixels; units, ticks and numbers.
 
-// Seventeen colours each, evenly spaced; those between are mixed. All three are read alike with every common
+// Seventeen colours each, evenly spaced; colours between are interpolated. All three are readable with every common
 // colour blindness: viridis (van der Walt and Smith 2015), cividis (Nunez et al. 2018), ColorBrewer's RdBu turned
 // round, blue for negative.
 const COLOR_MAPS = {
@@ -17,13 +17,13 @@ const COLOR_MAPS = {
       "053061 175290 2a71b2 3f8ec0 6bacd1 9bc9e0 c2ddec e0ecf3 f7f6f6 " +
       "fbe5d8 fbccb4 f5aa89 e48066 d05548 ba2832 930e26 67001f"),
 };
-// Okabe and Ito's palette, likewise.
+// Okabe and Ito's palette is readable with every common colour blindness, too.
 const BLUE = "#0072b2", SKY_BLUE = "#56b4e9", VERMILION = "#d55e00", ORANGE = "#e69f00", GREEN = "#009e73",
     PURPLE = "#cc79a7", INK = "#1d2733";
 const NO_VALUE_COLOR = [217, 217, 217];
 
-// FailFlag of lib/evaluation/evaluate.h and the requirement that judges it. A cell is shown in the first colour that
-// it has a bit of.
+// FailFlag of lib/evaluation/evaluate.h and the requirement that judges it. A cell has the colour of the first entry
+// of which it has a bit.
 const FAIL_FLAGS = [
   {bits: 4, text: "relative z", requirement: "relative_elevation", color: VERMILION},
   {bits: 1, text: "relative x", requirement: "relative_horizontal", color: ORANGE},
@@ -53,7 +53,7 @@ function cssColor(rgb) {
   return `rgb(${rgb.join(",")})`;
 }
 
-/** How a raster's values become colours: {colors, low, high, clipped, factor, unit}. */
+/** The mapping of a raster's values to colours: {colors, low, high, clipped, factor, unit}. */
 function scaleOf(raster) {
   const {style, low, high, unit} = raster.layer;
   if (style === "elevation") {
@@ -68,8 +68,8 @@ function scaleOf(raster) {
                    high: bound, clipped}, unit);
 }
 
-/** The largest magnitude, or the 99.5th percentile where that is less than half of it: one outlier would take
- * the colour from all the others. At least 1 mm, so that rounding does not fill a map with colour. */
+/** The largest magnitude, or the 99.5th percentile where that is less than half of it: a single outlier
+ * would make all other colours equal. At least 1 mm, so that rounding errors do not appear in colour. */
 function colorBound(raster, largest) {
   const magnitudes = [];
   const stride = Math.max(1, Math.floor(raster.codes.length / 200000));
@@ -83,13 +83,13 @@ function colorBound(raster, largest) {
   return {bound: Math.max(clipped ? roundUp(usual) : largest, 1e-3), clipped};
 }
 
-/** The next of 1, 1.5, 2, 3, 5, 7 times a power of ten. */
+/** Rounds up to 1, 1.5, 2, 3, 5 or 7 times a power of ten. */
 function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return power * ([1, 1.5, 2, 3, 5, 7, 10].find((digit) => digit * power >= value * (1 - 1e-12)) ?? 10);
 }
 
-/** Metres are shown as m, cm or mm, whichever gives numbers of ordinary size. */
+/** Chooses m, cm or mm for metres so that the numbers are neither very small nor very large. */
 function withUnit(scale, unit) {
   const [shown, factor] = unit === "m" ? lengthUnit(Math.max(Math.abs(scale.low), Math.abs(scale.high))) : [unit, 1];
   return {...scale, unit: shown, factor};
@@ -110,7 +110,7 @@ function failColor(bits) {
   return FAIL_FLAGS.find((flag) => flag.bits & bits)?.color ?? null;
 }
 
-/** Of a set bin of a mask, or of one with flags. */
+/** The colour of a set bin of a mask, or of a bin with flags. */
 function markColor(style, value) {
   return style === "flags" ? failColor(value) : BLUE;
 }
@@ -119,7 +119,7 @@ function failText(bits) {
   return FAIL_FLAGS.filter((flag) => flag.bits & bits).map((flag) => flag.text).join(", ") || "none";
 }
 
-/** The shares of blocks in each of `pixels` that `extent` blocks fill: {first, shares}. */
+/** The shares of blocks in each of `pixels` pixels, which `extent` blocks fill: {first, shares}. */
 function pixelShares(pixels, extent, blocks) {
   const step = extent / pixels;
   return Array.from({length: pixels}, (_, pixel) => {
@@ -133,7 +133,7 @@ function pixelShares(pixels, extent, blocks) {
   });
 }
 
-/** Colours of blocks (three numbers each, `cols` a row) as pixels: each the mean of what it covers. */
+/** Colours of blocks (three numbers each, `cols` a row) as pixels: each is the mean of its blocks. */
 function stretched(colors, cols, columns, rows) {
   const across = new Float32Array(3 * columns.length * (colors.length / 3 / cols));
   for (let row = 0, to = 0; row < colors.length / 3 / cols; ++row) {
@@ -169,7 +169,7 @@ function ticks(low, high, most) {
   return result;
 }
 
-/** With the decimals that a step of this size needs, and a true minus sign. */
+/** A number with the decimals that a step of this size needs, and a typographic minus sign. */
 function formatNumber(value, step) {
   if (value === null || value === undefined || Number.isNaN(value)) return "\u2013";
   const decimals = step > 0 ? Math.min(10, Math.max(0, -Math.floor(Math.log10(step) + 1e-9))) : 3;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 "use strict";
 
-// Tables of class "sortable": a click on a heading sorts by its column, another one turns the order round.
+// Tables of class "sortable": a click on a heading sorts by its column, a second click reverses the order.
 //
 // A cell is compared by its data-value where it has one, otherwise by its text: as numbers where both are
-// numbers, as text otherwise. Empty cells and dashes come last either way. Equal rows keep their order. The
+// numbers, as text otherwise. Empty cells and dashes come last in both orders. Equal rows keep their order. The
 // headings are the last row of thead; a cell that spans columns has no heading of its own to sort by.
 
 function sortKey(cell) {
@@ -30,7 +30,7 @@ function sortRows(table, column, descending) {
   }
 }
 
-/** Once for each table; those of the page as it is loaded need no call. */
+/** Call once for each table added later; tables in the loaded page need no call. */
 function makeSortable(table) {
   if (table.dataset.sortable) return;
   table.dataset.sortable = "yes";

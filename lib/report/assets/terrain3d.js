@@ -4,7 +4,7 @@
 // The DEM in three dimensions (WebGL 2): z_est as the surface, any layer as its colour, holes left out.
 
 const MOST_VERTICES = 512;  // along either axis
-const ZOOM = 1.8;           // the distance over half the width that is seen there
+const ZOOM = 1.8;           // the distance divided by half the width that is visible at that distance
 
 const VERTEX_SHADER = `#version 300 es
 in float elevation;
@@ -26,7 +26,7 @@ void main() {
 const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
 in vec3 shade, place;
-uniform bool level;  // no surface to shade
+uniform bool level;  // without shading
 out vec4 result;
 void main() {
   if (level) {
@@ -39,13 +39,13 @@ void main() {
   result = vec4(shade * light, 1.0);
 }`;
 
-/** The raster with at most MOST_VERTICES cells a side. */
+/** The raster reduced to at most MOST_VERTICES cells a side. */
 function coarseRaster(raster) {
   return blocksOf(raster, Math.ceil(Math.max(raster.rows, raster.cols) / MOST_VERTICES));
 }
 
 /** The corners of the triangles between neighbouring vertices that have a value, and the vertices with a value that
- * are in none. */
+ * belong to no triangle. */
 function surfaceIndices({rows, cols, values}) {
   const corners = [], used = new Uint8Array(values.length);
   const add = (...vertices) => {
@@ -66,7 +66,7 @@ function surfaceIndices({rows, cols, values}) {
 }
 
 class TerrainView {
-  /** Throws where WebGL 2 is missing. */
+  /** Throws if WebGL 2 is missing. */
   constructor(surface, left_m, bottom_m) {
     this.surface = surface;
     this.view = {azimuth: -0.6, tilt: 0.75, distance: 1.4, exaggeration: 1};
@@ -101,7 +101,7 @@ class TerrainView {
     return program;
   }
 
-  /** Where the vertices lie, about the middle of the map. */
+  /** Sets the positions of the vertices relative to the middle of the map. */
   place(left_m, bottom_m) {
     const {rows, cols, cell_m, values} = this.surface;
     let low = Infinity, high = -Infinity;
@@ -129,7 +129,7 @@ class TerrainView {
                            data instanceof Uint8Array, 0, 0);
   }
 
-  /** The colours of another layer's raster. */
+  /** Shows the colours of another layer's raster. */
   show(raster) {
     const {values} = coarseRaster(raster);
     const scale = scaleOf(raster);
@@ -153,7 +153,7 @@ class TerrainView {
     gl.clearColor(0.957, 0.965, 0.973, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const at = (name) => gl.getUniformLocation(this.program, name);
-    // From so far away that exaggerated heights still fit.
+    // The distance is large enough for exaggerated heights to fit.
     const reach_m = Math.hypot(this.size_m, 0.8 * this.relief_m * this.view.exaggeration);
     gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, reach_m, width / height));
     gl.uniform1f(at("exaggeration"), this.view.exaggeration);
@@ -202,7 +202,7 @@ class TerrainView {
       this.canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
     }
     this.canvas.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && document.activeElement !== this.canvas) return;  // the wheel scrolls the page
+      if (!event.ctrlKey && document.activeElement !== this.canvas) return;  // otherwise the wheel scrolls the page
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY / 600));
     }, {passive: false});
@@ -217,7 +217,7 @@ class TerrainView {
   }
 }
 
-/** From the map's coordinates, about its middle, to the screen's; columns first. The eye looks at the middle
+/** Transforms map coordinates relative to the middle to screen coordinates, column-major. The eye looks at the middle
  * from `tilt` above the horizon, `azimuth` from the south, counter-clockwise. */
 function viewMatrix({azimuth, tilt, distance}, size_m, aspect) {
   const [ca, sa, ct, st] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(tilt), Math.sin(tilt)];
@@ -231,7 +231,7 @@ function viewMatrix({azimuth, tilt, distance}, size_m, aspect) {
   return new Float32Array(matrix);
 }
 
-/** The view with its controls. */
+/** Creates the view with its controls. */
 async function fillTerrainView(section) {
   const say = (text) => section.append(htmlElement("p", {}, text));
   const elevation = await rasterOf(layerNamed("z_est"), report.grid);
@@ -253,7 +253,7 @@ async function fillTerrainView(section) {
   return undefined;
 }
 
-/** What the colours mean: without the light that shades the surface. */
+/** The legend of the colours, which ignores the shading of the surface. */
 function terrainLegend(raster) {
   if (raster.layer.style === "flags") return failLegend();
   const {colors, low, high, unit, factor, clipped} = scaleOf(raster);
