@@ -12,8 +12,8 @@ namespace landfall {
 /// vz_mps (in D); and the attitude in one of these forms:
 /// - qw, qx, qy, qz: quaternion D <- B, Hamilton, scalar first;
 /// - roll_deg, pitch_deg, yaw_deg: R_dem_body = Rz(yaw) Ry(pitch) Rx(roll);
-/// - mrp_1, mrp_2, mrp_3: Modified Rodrigues Parameters sigma_BN, N being D (Schaub and Junkins 2018,
-/// Eq. 3.151):
+/// - mrp_1, mrp_2, mrp_3: Modified Rodrigues Parameters sigma_BN, N being D
+///   (Schaub and Junkins 2018, Eq. 3.151):
 ///   sigma = e tan(angle/4), e the axis about which N turns into B. A set and its shadow set,
 ///   -sigma/|sigma|^2, are the same attitude and may change from row to row.
 [[nodiscard]] const TableColumns& trajectory_columns();
