@@ -35,9 +35,8 @@ struct TableMirror {
 /// counts as its end.
 class TableScanner : public Scanner {
  public:
-  /// Throws FormatError unless there are at least two rows, all numbers are finite and times increase
-  /// strictly; the message begins with `name` and names the row, counted from 1. Throws UsageError for a
-  /// mirror parameter out of range.
+  /// At least two rows, all finite, with strictly increasing times. Otherwise throws FormatError, beginning
+  /// with `name`, with the row counted from 1; UsageError for a mirror parameter out of range.
   TableScanner(std::vector<AngleSample> samples, const std::optional<TableMirror>& mirror,
                std::string name = "scanner table");
 
