@@ -11,7 +11,7 @@
 namespace landfall {
 
 /// A pixel by row and column. Row 0 is the top of the image, column 0 its left side: with the nominal mount
-/// they look to +y_D and -x_D.
+/// they look towards +y_D and -x_D.
 struct PixelIndex {
   int row = 0;
   int col = 0;
@@ -26,14 +26,14 @@ struct DetectorSize {
   friend bool operator==(const DetectorSize&, const DetectorSize&) = default;
 };
 
-/// The focal plane: where each pixel looks, in L, before any steering, and which range it makes of those of
-/// its sub-pixels. However the directions came about (perspective.h), this is all that the simulation knows
-/// of a detector.
+/// The focal plane: where each pixel looks, in L, before any steering, and the range that it reports from the
+/// ranges of its sub-pixels. The simulation knows nothing else of a detector; how the directions were
+/// computed (perspective.h) does not matter.
 class Detector {
  public:
   /// `pixels`: rows x columns directions, row-major. `samples`: subpixels^2 directions per pixel, contiguous
-  /// per pixel, row-major in the pixel; empty where subpixels = 1, the pixel's own direction is the sample
-  /// then. Throws UsageError where a count does not fit `size`.
+  /// per pixel, row-major in the pixel; empty where subpixels = 1, where the pixel's own direction is the
+  /// sample. Throws UsageError where a count does not fit `size`.
   Detector(const DetectorSize& size, std::vector<Direction<LidarFrame>> pixels,
            std::vector<Direction<LidarFrame>> samples, const RangeEstimator& estimator = {});
 

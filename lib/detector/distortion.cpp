@@ -13,12 +13,12 @@ double growth(const RadialDistortion& d, double s) {
   return 1 + s * (3 * d.k1 + s * (5 * d.k2 + s * 7 * d.k3));
 }
 
-/// Where growth() turns, in [0, limit]: the roots of 3 k1 + 10 k2 s + 21 k3 s^2, and both ends.
+/// Where growth() is stationary in [0, limit]: the roots of 3 k1 + 10 k2 s + 21 k3 s^2, and both ends.
 std::array<double, 4> turning_points(const RadialDistortion& d, double limit) {
   const double a = 21 * d.k3;
   const double half_b = 5 * d.k2;
   const double c = 3 * d.k1;
-  // Without cancellation: one root is q/a, the other c/q.
+  // This form avoids cancellation: one root is q/a, the other c/q.
   const double root = std::sqrt(std::max(half_b * half_b - a * c, 0.0));
   const double q = -(half_b + std::copysign(root, half_b));
   const auto inside = [limit](double s) { return s > 0 && s < limit ? s : 0.0; };
@@ -27,7 +27,7 @@ std::array<double, 4> turning_points(const RadialDistortion& d, double limit) {
   return points;
 }
 
-/// The sign change of a growth() that falls from positive at `low` to not positive at `high`.
+/// The root of growth() where it falls from positive at `low` to not positive at `high`.
 double falling_root(const RadialDistortion& d, double low, double high) {
   for (double middle = (low + high) / 2; middle > low && middle < high; middle = (low + high) / 2)
     (growth(d, middle) > 0 ? low : high) = middle;

@@ -20,7 +20,7 @@ struct RadialDistortion {
 };
 
 /// The least radius in (0, radius] at which the distorted radius stops growing: from there on the image
-/// folds, two pixels looking the same way. None where it grows over the whole of [0, radius]; else within
+/// folds, so that two pixels look the same way. Empty where it grows over all of [0, radius]; accurate to
 /// 1e-12 of the radius. The coefficients must be finite.
 [[nodiscard]] std::optional<double> fold_radius(const RadialDistortion& distortion, double radius);
 

@@ -18,7 +18,7 @@ constexpr int kMaxPixelsPerAxis = 4096;
 constexpr int kMaxSubpixels = 64;
 constexpr std::int64_t kMaxSamples = std::int64_t{1} << 26;
 
-/// Tangent units, per image axis.
+/// Pixel pitch in tangent units, per image axis.
 struct Pitch {
   double x;
   double y;
@@ -61,7 +61,7 @@ void check(const PerspectiveParameters& p) {
 /// Offset of item `i` of `count` from their middle, in items.
 double from_middle(int i, int count) { return i - (count - 1) / 2.0; }
 
-/// A point on the image plane, tangent units: as ImagePoint, but downwards as rows count.
+/// A point on the image plane, tangent units: an ImagePoint with v counted downwards, like rows.
 struct Spot {
   double right;
   double down;
@@ -83,7 +83,7 @@ class PixelGrid {
     return {point.u + right * pitch_.x, -point.v + down * pitch_.y};
   }
 
-  /// Sub-pixel `i` of the pixel, row-major.
+  /// Where sub-pixel `i` (row-major) of the pixel lies.
   [[nodiscard]] Spot sample(PixelIndex pixel, int i) const {
     const int m = p_.subpixels;
     return at(pixel, from_middle(i % m, m) * filled_ / m, from_middle(i / m, m) * filled_ / m);
@@ -92,7 +92,7 @@ class PixelGrid {
  private:
   const PerspectiveParameters& p_;
   Pitch pitch_;
-  double filled_;  ///< edge of the area that senses, in pixels
+  double filled_;  ///< edge of the sensitive area, in pixels
 };
 
 /// Turns a point on the image plane into a direction.

@@ -11,8 +11,8 @@
 
 namespace landfall {
 
-/// One pixel's angle at the boresight; x along a row of pixels, y along a column. The pitch of the pixels is
-/// this number in tangent units.
+/// The angle of one pixel at the boresight; x along a row of pixels, y along a column. The pitch of the
+/// pixels is this number in tangent units.
 struct PixelFieldOfView {
   double x_rad = 1.6e-3 / 18;
   double y_rad = 1.6e-3 / 18;
@@ -31,21 +31,21 @@ struct PerspectiveParameters {
   int subpixels = 1;    ///< per axis, 1 .. 64; rows x columns x subpixels^2 must not exceed 2^26
   double roll_rad = 0;  ///< turns the pixel grid counter-clockwise on the map, the mount being nominal
   RadialDistortion distortion{};
-  /// The share of a pixel's area that senses, in (0, 1]: a square in its middle. Without sub-pixels a pixel
-  /// is one ray, whatever its area.
+  /// The fraction of a pixel's area that is sensitive, in (0, 1]: a square at its centre. Without sub-pixels,
+  /// a pixel is a single ray and this has no effect.
   double fill_factor = 1;
-  /// Where each pixel's centre lies, row-major; empty: evenly, a pitch apart.
+  /// Where the centre of each pixel lies, row-major; empty: evenly, one pitch apart.
   std::vector<ImagePoint> points{};
   RangeEstimatorParameters estimator{};
 };
 
-/// A pinhole camera. Pixel (row a, column b) lies at u = (b - (columns - 1)/2) pitch_x,
-/// v = ((rows - 1)/2 - a) pitch_y, or where `points` says; its sub-pixels at offsets
-/// ((p - (m - 1)/2)/m) sqrt(fill_factor) pitch, p = 0 .. m - 1, from it. Each point is moved by the
-/// distortion and looks along normalise(u, -v, 1), turned by the roll right-handedly about -z_L.
+/// A pinhole camera. Pixel (row a, column b) lies at u = (b - (columns - 1)/2) pitch_x, v = ((rows - 1)/2 -
+/// a) pitch_y, or at its entry in `points`; its sub-pixels lie at offsets ((p - (m - 1)/2)/m)
+/// sqrt(fill_factor) pitch, p = 0 .. m - 1, from it. Each point is moved by the distortion and looks along
+/// normalise(u, -v, 1), turned by the roll right-handedly about -z_L.
 ///
-/// Throws UsageError, naming the key and the bound, for a value out of range, for a count of points that is
-/// not the pixels', and where the distortion folds the image within a pixel.
+/// Throws UsageError, naming the key and the bound, for a value out of range, for a number of points that
+/// differs from the number of pixels, and where the distortion folds the image within a pixel.
 [[nodiscard]] Detector perspective_detector(const PerspectiveParameters& parameters);
 
 }  // namespace landfall

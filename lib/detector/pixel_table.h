@@ -17,10 +17,10 @@ struct ImagePoint {
 /// The columns of a table of pixel directions: row, column, u, v.
 [[nodiscard]] const TableColumns& pixel_table_columns();
 
-/// Orders the rows of such a table, which may come in any order, as the pixels of a detector of
-/// rows x columns, row-major. Throws FormatError by the table's fail() where a row names no pixel of the
-/// detector, names a pixel again, or has a point that is not finite; and, naming the first, where a pixel is
-/// missing.
+/// Sorts the rows of such a table, which may be in any order, into the row-major order of the pixels of a
+/// rows x columns detector. Throws FormatError by the table's fail() where a row names a pixel outside the
+/// detector or a pixel already named, or has a point that is not finite; and, naming the first, where a pixel
+/// is missing.
 [[nodiscard]] std::vector<ImagePoint> pixel_points(const NumberTable& table, int rows, int columns);
 
 }  // namespace landfall

@@ -26,7 +26,7 @@ double mean_m(std::span<const double> samples) {
   return too_few(hits, samples.size()) ? kNoReturn : sum / static_cast<double>(hits);
 }
 
-/// The ranges of those that hit, ascending, at the front of `samples`.
+/// The ranges of the samples that hit, ascending, at the front of `samples`.
 std::span<const double> sorted_hits(std::span<double> samples) {
   const auto end = std::remove_if(samples.begin(), samples.end(), [](double r) { return std::isnan(r); });
   std::sort(samples.begin(), end);
@@ -47,7 +47,7 @@ double median_m(std::span<double> samples) {
   return (hits[middle - 1] + hits[middle]) / 2;
 }
 
-/// The longest run of `sorted` that spans at most `width`; of several the first.
+/// The longest run of `sorted` that spans at most `width`; the first of several.
 std::span<const double> densest(std::span<const double> sorted, double width) {
   std::span<const double> best;
   for (std::size_t begin = 0, end = 0; begin < sorted.size(); ++begin) {

@@ -5,19 +5,19 @@
 
 namespace landfall {
 
-/// Which range a pixel reports when its sub-pixels see several. A sample that missed is NaN; with one sample
-/// every rule returns it unchanged.
+/// The range that a pixel reports when its sub-pixels see several. A sample that missed is NaN; with one
+/// sample every rule returns it unchanged.
 enum class RangeRule {
-  mean,       ///< of those that hit (Chen et al.); no return where fewer than half hit
+  mean,       ///< mean of the samples that hit (Chen et al.); no return where fewer than half hit
   first,      ///< the nearest, as a leading-edge trigger reports it; one hit is enough
-  median,     ///< of those that hit, of an even count the middle two's mean; none where fewer than half hit
+  median,     ///< median of the hits (even count: mean of the middle two); none where fewer than half hit
   strongest,  ///< the mean of the densest cluster, as a peak detector reports it; one hit is enough
 };
 
 struct RangeEstimatorParameters {
   RangeRule rule = RangeRule::mean;
-  /// What `strongest` takes for one echo: a cluster's farthest range minus its nearest is at most this.
-  /// Finite, > 0.
+  /// The range extent that `strongest` accepts for one echo: a cluster's farthest range minus its nearest is
+  /// at most this. Finite, > 0.
   double range_resolution_m = 0.15;
 };
 
@@ -28,9 +28,9 @@ class RangeEstimator {
   /// Throws UsageError, naming the key, where range_resolution_m is out of range.
   explicit RangeEstimator(const RangeEstimatorParameters& parameters);
 
-  /// Metres; NaN: no return, also where there is no sample. `strongest`: of the clusters with the most ranges
-  /// the nearest, summed from its nearest on. The result of all rules but `mean`, which sums in the order
-  /// given, does not depend on the order of the samples. They may come back reordered.
+  /// Metres; NaN for no return, also without any sample. `strongest` takes the nearest of the clusters with
+  /// the most ranges and sums from its nearest range on. Only the result of `mean`, which sums in the order
+  /// given, depends on the order of the samples. The call may reorder them.
   [[nodiscard]] double range_m(std::span<double> sample_ranges_m) const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace landfall {
 
-/// How far the lander's idea of its pose is off (Eq. 4).
+/// The error of the lander's estimate of its pose (Eq. 4).
 struct PoseError {
   Vector<DemFrame> p_err{};
   Rotation<BodyFrame, BodyFrame> R_err{};
@@ -16,7 +16,7 @@ struct PoseError {
 [[nodiscard]] Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& truth,
                                                        const PoseError& error);
 
-/// What the lander believes about its pose: a pure function of the truth and of time since the first pulse.
+/// The lander's estimate of its pose: a pure function of the truth and of the time since the first pulse.
 class NavigationError {
  public:
   virtual ~NavigationError() = default;
@@ -35,7 +35,7 @@ struct NavigationErrorParameters {
 /// Errors that grow linearly (Chen et al., Eqs. 4-6). With t the time since the first pulse:
 ///   p_err = a_p + a_v t,                          p_est = p - p_err      (frame D)
 ///   R_err = R(rpy = a_theta + a_omega t),         R_est = R R_err        (an error seen in the body)
-/// Mind the two signs: a positive position error is subtracted, a positive rotation error is applied.
+/// The two signs differ: a positive position error is subtracted, a positive rotation error is applied.
 class LinearNavigationError : public NavigationError {
  public:
   /// Throws UsageError, naming the key, where a number is not finite.

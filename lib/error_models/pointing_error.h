@@ -17,20 +17,20 @@ struct PointingErrorParameters {
   double time_stamp_sigma_s = 0;  ///< one sigma, per pulse, in [0, 1e6]
 };
 
-/// Where the lidar looks, and when, apart from what the lander believes.
+/// Where and when the lidar really looks, as opposed to what the lander believes.
 ///
-/// On the true side, the lidar as a whole, exit points included, turns about its origin:
+/// On the true side, the whole lidar, exit points included, turns about its origin:
 ///   R_body_lidar_true = R_body_lidar R_lidar_true,   R_lidar_true = R_misalignment R(rpy = (j_x, j_y, 0)),
 /// j_x and j_y drawn per pulse. The estimate uses the nominal mount. A beam along +z_L thereby moves by
 /// -j_x along y_L and by +j_y along x_L (to first order).
 ///
-/// On the estimate's side, a pulse at t is put together with the pose that the lander believes for t + e,
-/// e = bias + N(0, sigma) per pulse.
+/// On the estimated side, a pulse at t is combined with the pose that the lander believes for t + e, e = bias
+/// + N(0, sigma) per pulse.
 ///
 /// Every draw is a function of (seed, cause, pulse).
 class PointingError {
  public:
-  /// None.
+  /// Without any error.
   PointingError() : PointingError({}, 0) {}
   /// Throws UsageError, naming the key, where a sigma is negative, a number not finite or a time out of
   /// range.
@@ -40,9 +40,9 @@ class PointingError {
   [[nodiscard]] bool turns_beams() const { return turns_beams_; }
   /// R_lidar_true: from the true to the nominal lidar frame.
   [[nodiscard]] Rotation<LidarFrame, LidarFrame> turn(std::int64_t pulse) const;
-  /// e.
+  /// The time-stamp error e of the pulse, seconds.
   [[nodiscard]] double time_stamp_error_s(std::int64_t pulse) const;
-  /// No error exceeds this: the bias and 9 sigma (RandomField's normal draws end at 8.6).
+  /// An upper bound: the bias and 9 sigma (RandomField's normal draws end at 8.6).
   [[nodiscard]] double largest_time_stamp_error_s() const;
 
  private:

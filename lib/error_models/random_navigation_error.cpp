@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-/// A process has nine axes: position, velocity and attitude have three each.
+/// Each process has nine axes: three each for position, velocity and attitude.
 constexpr std::uint64_t kPositionAxis = 0;
 constexpr std::uint64_t kVelocityAxis = 3;
 constexpr std::uint64_t kAttitudeAxis = 6;

@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// Densities q of random walks: the sigma after one second. All zero: none.
+/// Densities q of random walks: the sigma after one second. All zero: no random walk.
 struct RandomWalkParameters {
   Vector<DemFrame> position_m_per_sqrt_s{};
   Vector<DemFrame> velocity_mps_per_sqrt_s{};
@@ -18,7 +18,7 @@ struct RandomWalkParameters {
   friend bool operator==(const RandomWalkParameters&, const RandomWalkParameters&) = default;
 };
 
-/// First-order Gauss-Markov errors: stationary sigmas and correlation times. All sigmas zero: none.
+/// First-order Gauss-Markov errors: stationary sigmas and correlation times. All sigmas zero: no such error.
 struct GaussMarkovParameters {
   Vector<DemFrame> position_sigma_m{};
   double position_time_s = 1;
@@ -33,28 +33,28 @@ struct GaussMarkovParameters {
 struct RandomNavigationParameters {
   RandomWalkParameters random_walk{};
   GaussMarkovParameters gauss_markov{};
-  double interval_s = 0.01;  ///< of the grid of times on which both are drawn
+  double interval_s = 0.01;  ///< of the time grid on which both are drawn
 };
 
-/// A linear error (Eq. 6) with random ones added, as the paper's alternative to Eq. 6:
+/// A linear error (Eq. 6) with random errors added, as the paper's alternative to Eq. 6:
 ///   p_err = linear + walk + Gauss-Markov, each of the latter two its position process plus the integral of
 ///   its velocity process;
 ///   R_err = R_linear R_walk R_gauss_markov, each by its roll, pitch and yaw at that time.
-/// The processes are drawn on a grid of times (sampled_path.h), once, when this is made: 48 bytes per step
-/// and process that is on. What a process draws depends on (seed, process, step, axis) only.
+/// The constructor draws the processes once on a grid of times (sampled_path.h): 48 bytes per step and active
+/// process. The draws of a process depend on (seed, process, step, axis) only.
 class RandomNavigationError : public NavigationError {
  public:
   struct Draw {
     std::uint64_t seed = 1;
-    double duration_s = 2;  ///< later errors stay what they were then
+    double duration_s = 2;  ///< afterwards the errors keep their last value
   };
 
-  /// Throws UsageError, naming the key, where a sigma is negative, a time not positive, a number not finite,
-  /// or the grid too fine.
+  /// Throws UsageError, naming the key, where a sigma is negative, a time is not positive, a number is not
+  /// finite, or the grid is too fine.
   RandomNavigationError(const NavigationErrorParameters& linear, const RandomNavigationParameters& random,
                         const Draw& draw);
 
-  /// Throws what the constructor would, but draws nothing.
+  /// Throws the same errors as the constructor, but draws nothing.
   static void require_valid(const RandomNavigationParameters& random, double duration_s);
 
   [[nodiscard]] Transform<DemFrame, BodyFrame> estimated(const Transform<DemFrame, BodyFrame>& truth,

@@ -9,7 +9,7 @@
 namespace landfall {
 namespace {
 
-/// Beyond all pixels: where the second draw of a pixel and pulse comes from.
+/// Offsets the pixel number beyond all pixels, for the second draw of a pixel and pulse.
 constexpr std::int64_t kSecondDraw = std::int64_t{1} << 32U;
 
 double draw_uniform(const RandomField& field, PulsePixel where) {
@@ -59,7 +59,7 @@ double RangeErrors::sigma_m(double range_m, double tan_incidence) const {
 
 double RangeErrors::measured_m(double range_m, PulsePixel where, double tan_incidence) const {
   const double biased = range_m + parameters_.range_bias_m;
-  if (!is_noisy_) return biased;  // spares the draw, which would add zero
+  if (!is_noisy_) return biased;  // skips the draw, which would add zero
   return biased + sigma_m(range_m, tan_incidence) * noise_.normal(static_cast<std::uint64_t>(where.pulse),
                                                                   static_cast<std::uint64_t>(where.pixel));
 }

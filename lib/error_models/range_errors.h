@@ -12,11 +12,11 @@ namespace landfall {
 struct RangeErrorParameters {
   double range_sigma_m = 0;        ///< one sigma, >= 0
   double range_bias_m = 0;         ///< added to every range
-  double dead_pixel_frac = 0;      ///< chance of a pixel to be dead for good, in [0, 1]
-  double dropout_frac = 0;         ///< chance of a pixel to miss one pulse, in [0, 1]
+  double dead_pixel_frac = 0;      ///< probability that a pixel is dead in all pulses, in [0, 1]
+  double dropout_frac = 0;         ///< probability that a pixel misses one pulse, in [0, 1]
   double range_sigma_per_m = 0;    ///< k >= 0: noise that grows with range
   double incidence_sigma_rad = 0;  ///< a >= 0: half-width of a pixel's beam, one sigma
-  double false_return_frac = 0;    ///< chance of a false detection per pixel and pulse, in [0, 1]
+  double false_return_frac = 0;    ///< probability of a false detection per pixel and pulse, in [0, 1]
   double false_range_min_m = 0;    ///< false ranges lie in [min, max), 0 <= min < max
   double false_range_max_m = 1000;
 };
@@ -27,34 +27,34 @@ struct PulsePixel {
   std::int64_t pixel = 0;
 };
 
-/// What the receiver does to a range. Every draw is a function of (seed, stream, pulse, pixel), each cause
-/// having a stream of its own: no result depends on the order of calls, on threads, or on which of the other
-/// errors are on.
+/// The receiver's effect on a range. Every draw is a function of (seed, stream, pulse, pixel), and each cause
+/// has its own stream: no result depends on the order of calls, on the number of threads, or on which of the
+/// other errors are enabled.
 class RangeErrors {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
   RangeErrors(const RangeErrorParameters& parameters, std::uint64_t seed);
 
-  /// A fixed map: Bernoulli per pixel.
+  /// Whether the pixel is dead: one Bernoulli draw per pixel, for all pulses.
   [[nodiscard]] bool is_dead(std::int64_t pixel) const;
-  /// Bernoulli per pixel and pulse.
+  /// Whether the pixel misses the pulse: one Bernoulli draw per pixel and pulse.
   [[nodiscard]] bool is_dropped(PulsePixel where) const {
-    return parameters_.dropout_frac > 0 && draws_dropout(where);  // here, for it is asked of every pixel
+    return parameters_.dropout_frac > 0 && draws_dropout(where);  // inline: called for every pixel
   }
-  /// sigma^2 = range_sigma_m^2 + (range_sigma_per_m r)^2 + (incidence_sigma_rad r tan(incidence))^2: the last
-  /// is the depth of the ground patch under a pixel's beam, by which its pulse is stretched.
+  /// sigma^2 = range_sigma_m^2 + (range_sigma_per_m r)^2 + (incidence_sigma_rad r tan(incidence))^2. The last
+  /// term is the depth of the ground patch under a pixel's beam, which stretches the pulse.
   [[nodiscard]] double sigma_m(double range_m, double tan_incidence) const;
   /// False: sigma does not depend on the incidence.
   [[nodiscard]] bool needs_incidence() const { return parameters_.incidence_sigma_rad > 0; }
   /// r + b + v, v ~ N(0, sigma) per pixel and pulse.
   [[nodiscard]] double measured_m(double range_m, PulsePixel where, double tan_incidence = 0) const;
-  /// The same for all pixels of a pulse, from the first on, many times as fast; NaN stays NaN. All spans have
-  /// one length, but `tan_incidences` may be empty unless needs_incidence().
+  /// measured_m() for all pixels of a pulse from pixel 0 on, many times faster; NaN stays NaN. All spans have
+  /// the same length, but `tan_incidences` may be empty unless needs_incidence().
   void measure(std::int64_t pulse, std::span<const double> ranges_m, std::span<const double> tan_incidences,
                std::span<double> measured_m) const;
   /// False: no pixel has a false detection.
   [[nodiscard]] bool has_false_returns() const { return parameters_.false_return_frac > 0; }
-  /// The range of a false detection, uniform in its gate; none where there is no such detection.
+  /// The range of a false detection, uniform in its gate; empty without a false detection.
   [[nodiscard]] std::optional<double> false_range_m(PulsePixel where) const;
 
  private:

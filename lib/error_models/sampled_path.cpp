@@ -66,7 +66,7 @@ SampledPath random_walk(const TimeGrid& grid, const Eigen::Vector3d& density, co
 
 SampledPath gauss_markov(const TimeGrid& grid, const GaussMarkov& process, const PathDraws& draws) {
   const double kept = std::exp(-grid.interval_s / process.time_s);
-  // 1 - f^2, without cancellation where the interval is short.
+  // 1 - f^2, computed without cancellation for short intervals.
   const double renewed = std::sqrt(-std::expm1(-2 * grid.interval_s / process.time_s));
   std::vector<Eigen::Vector3d> values(grid.steps + 1);
   values[0] = process.sigma.cwiseProduct(draws.at(0));

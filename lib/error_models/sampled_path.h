@@ -15,13 +15,13 @@ struct TimeGrid {
   double interval_s = 0.01;  ///< h
   std::size_t steps = 0;
 
-  /// The shortest grid that reaches `duration_s`. Throws UsageError, naming navigation_error/interval_s,
-  /// where the interval is not finite and positive or the grid would have more than a million steps.
+  /// The shortest grid that covers `duration_s`. Throws UsageError, naming navigation_error/interval_s, where
+  /// the interval is not finite and positive or the grid would have more than a million steps.
   [[nodiscard]] static TimeGrid covering(double duration_s, double interval_s);
 };
 
-/// Three numbers over time: given on a grid, linear between its points. Before the grid the first value
-/// holds, after it the last.
+/// Three numbers over time, given on a grid and linear between its points. Constant before the first and
+/// after the last point.
 class SampledPath {
  public:
   /// `values` has one more element than the grid has steps.
@@ -29,9 +29,9 @@ class SampledPath {
 
   [[nodiscard]] Eigen::Vector3d at(double t_s) const;
 
-  /// Element by element; both are of one grid.
+  /// Adds element by element. Both paths must have the same grid.
   SampledPath& operator+=(const SampledPath& other);
-  /// From time 0 on, by the trapezoidal rule: exact at the grid's points, for the path is linear between.
+  /// The integral from time 0 by the trapezoidal rule, exact at the grid points for a piecewise linear path.
   [[nodiscard]] SampledPath integral() const;
 
  private:
@@ -42,7 +42,7 @@ class SampledPath {
 /// Standard normal draws for three axes: functions of (seed, stream, step, axis) only.
 struct PathDraws {
   RandomField field;
-  std::uint64_t first_axis = 0;  ///< the numbers first_axis .. first_axis + 2 are this path's own
+  std::uint64_t first_axis = 0;  ///< this path uses the axis numbers first_axis .. first_axis + 2
 
   [[nodiscard]] Eigen::Vector3d at(std::uint64_t step) const;
 };

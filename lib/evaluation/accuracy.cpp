@@ -12,7 +12,7 @@
 namespace landfall {
 namespace {
 
-/// Of the summaries over footprints; it does not follow EvaluationParameters::quantile.
+/// The quantile of the summaries over footprints, independent of EvaluationParameters::quantile.
 constexpr double kSummaryQuantile = 0.95;
 constexpr std::size_t kRowsPerPiece = 64;
 
@@ -24,7 +24,7 @@ auto magnitudes_of(const Grid<double>& grid) {
   return [values = grid.values()](std::size_t i) { return std::abs(values[i]); };
 }
 
-/// Of magnitudes that were looked at; there is one.
+/// The quantile of magnitudes that have already been counted; at least one exists.
 template <ValueAt F>
 double p95(const ValueLook& look, std::size_t bins, const F& magnitude_at) {
   const BucketRange range = *find_buckets(look.counts, kSummaryQuantile);

@@ -10,8 +10,8 @@ namespace landfall {
 
 enum class Axis { x, y, z };
 
-/// e = true - estimate of one axis (Eq. 10), every bin of the DEM: x_true - X, y_true - Y, z_true - z_est,
-/// (X, Y) the bin's centre. NaN where either is NaN. A truth that is moved in lends its memory.
+/// e = true - estimate of one axis (Eq. 10) in every bin of the DEM: x_true - X, y_true - Y, z_true - z_est,
+/// (X, Y) the bin's centre. NaN where either is NaN. A truth that is moved in lends its memory to the result.
 [[nodiscard]] Grid<double> error_of(Axis axis, Grid<double> truth, const Grid<double>& z_est);
 
 /// The errors of a DEM, each on its grid.
@@ -22,7 +22,7 @@ struct ErrorLayers {
 [[nodiscard]] ErrorLayers errors_of(TrueLayers truth, const Grid<double>& z_est,
                                     std::optional<Grid<double>> z_corrected = std::nullopt);
 
-/// Eqs. 11 and 12 of one axis, for the footprints centred on the region's bins; NaN elsewhere and where a
+/// Eqs. 11 and 12 of one axis for the footprints centred on the region's bins; NaN elsewhere and where a
 /// footprint has no valid bin.
 struct FootprintStatistics {
   Grid<double> mean;      ///< of e
@@ -38,13 +38,13 @@ struct FootprintRule {
                                                        const FootprintRule& rule,
                                                        const ProgressCallback& progress = {});
 
-/// The summaries skip NaN and add values in a fixed order, so the mean is the same on every machine.
+/// The summaries skip NaN and sum in a fixed order, so the mean is the same on every machine.
 [[nodiscard]] AbsoluteMetrics summarise_absolute(const Grid<double>& mean);
 [[nodiscard]] RelativeMetrics summarise_relative(const Grid<double>& relative, double limit_m);
-/// From hypot(mean_x, mean_y); within the limit means at most equal to it.
+/// From hypot(mean_x, mean_y). A footprint at most equal to the limit is within it.
 [[nodiscard]] HorizontalMetrics summarise_horizontal(const Grid<double>& horizontal, double limit_m);
 
-/// hypot(x, y) per bin; NaN where either is. It replaces x.
+/// hypot(x, y) per bin; NaN where either is. The result replaces x.
 [[nodiscard]] Grid<double> horizontal_error(Grid<double> x, const Grid<double>& y);
 
 }  // namespace landfall

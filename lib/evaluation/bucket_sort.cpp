@@ -7,7 +7,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kFew = 24;  // a plain sort is faster
+constexpr std::size_t kFew = 24;  // for fewer values a plain sort is faster
 
 bool larger(const TailBin& a, const TailBin& b) { return a.value > b.value; }
 
@@ -16,7 +16,7 @@ bool larger(const TailBin& a, const TailBin& b) { return a.value > b.value; }
 void BucketSort::sort(std::span<TailBin> bins, std::size_t level) {
   if (std::ranges::is_sorted(bins, larger)) return;
   const Buckets buckets = bins.size() > kFew && level < kLevels ? buckets_for(bins) : Buckets{};
-  // Without a width: few bins, or values so close that dividing by their range overflows.
+  // Without a usable width: few bins, or values so close that dividing by their range overflows.
   if (!(buckets.per_unit > 0) || std::isinf(buckets.per_unit)) {
     std::ranges::sort(bins, larger);
     return;

@@ -9,25 +9,25 @@
 
 namespace landfall {
 
-/// A bin and its error, or minus its error.
+/// A bin and its error, multiplied by the sign of the tail.
 struct TailBin {
   double value = 0;
   std::int32_t row = 0;
   std::int32_t col = 0;
 };
 
-/// Sorts bins by descending value; values are finite. They are dealt to as many buckets of equal width as
-/// there are bins, which takes half the time of a plain sort for errors spread like noise. A bucket that
-/// fills is dealt again: errors may be heaped at several scales, rounding on flat ground beside the cells'
-/// size on a flank.
+/// Sorts bins by descending value; values are finite. They are distributed over as many buckets of equal
+/// width as there are bins, which takes half the time of a plain sort for noise-like errors. A crowded bucket
+/// is distributed again: errors may cluster at several scales, for example rounding on flat ground and the
+/// cell size on a slope.
 class BucketSort {
  public:
   void sort(std::span<TailBin> bins) { sort(bins, 0); }
 
  private:
-  static constexpr std::size_t kLevels = 3;  // then a plain sort, which no heap of values slows down
+  static constexpr std::size_t kLevels = 3;  // then a plain sort, which clustered values do not slow down
 
-  /// Where a value goes; widths of buckets are equal.
+  /// Maps a value to its bucket. All buckets have the same width.
   struct Buckets {
     double highest = 0;
     double per_unit = 0;
@@ -38,7 +38,7 @@ class BucketSort {
 
   struct Level {
     std::vector<TailBin> dealt;
-    std::vector<std::size_t> ends;  ///< of the buckets; while they fill, their next free elements
+    std::vector<std::size_t> ends;  ///< ends of the buckets; during filling, their next free elements
   };
 
   void sort(std::span<TailBin> bins, std::size_t level);

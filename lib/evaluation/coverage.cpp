@@ -37,7 +37,7 @@ HoleSizeHistogram histogram(const std::vector<Hole>& holes) {
   return result;
 }
 
-/// Fills the holes' largest distances and counts the bins beyond the limit.
+/// Computes the largest distance of each hole and counts the bins beyond the limit.
 void measure_distances(Coverage& coverage, double limit_bins) {
   for (std::size_t i = 0; i < coverage.invalid.spec().size(); ++i) {
     const std::int32_t id = coverage.hole_id.values()[i];

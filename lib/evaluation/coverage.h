@@ -13,10 +13,10 @@ namespace landfall {
 struct Coverage {
   BinMask invalid;             ///< 1 where z_est is NaN inside the region
   Grid<std::int32_t> hole_id;  ///< 8-connected components of `invalid`; 0 outside them
-  /// Euclidean, to the nearest valid bin of the whole DEM, in bins squared (distance_transform.h), of every
-  /// bin of the DEM, the region's or not.
+  /// Euclidean distance of every bin of the DEM, inside the region or not, to the nearest valid bin of the
+  /// whole DEM, in bins squared (distance_transform.h).
   Grid<std::int64_t> squared_distance;
-  std::vector<Hole> holes;  ///< distances filled
+  std::vector<Hole> holes;  ///< including their distances
   CoverageMetrics metrics;
 };
 

@@ -8,19 +8,19 @@
 
 namespace landfall {
 
-/// Where the terrain under each bin truly is: metres, NaN where unknown.
+/// The true position of the terrain under each bin: metres, NaN where unknown.
 struct TrueLayers {
   Grid<double> x;
   Grid<double> y;
   Grid<double> z;
 };
 
-/// What is judged: the estimated elevation, NaN where a bin is empty, and the truth. A DEM that lacks one of
-/// the three true layers has no truth.
+/// The input of an evaluation: the estimated elevation, NaN where a bin is empty, and the truth. A DEM that
+/// lacks one of the three true layers has no truth.
 struct DemLayers {
   Grid<double> z_est;
   std::optional<TrueLayers> truth;
-  /// Another estimate of the elevation, corrected by the local slope: measured beside z_est, never judged.
+  /// Another estimate of the elevation, corrected by the local slope: measured like z_est, never judged.
   std::optional<Grid<double>> z_corrected = std::nullopt;
   /// Which bins are judged, for RegionShape::mask.
   std::optional<BinMask> region_mask = std::nullopt;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kColumnsPerPiece = 64;
 constexpr std::size_t kRowsPerPiece = 16;
 
-/// Longer than any distance in the grid: what a column without a set bin reports.
+/// Exceeds any distance in the grid: the value of a column without a set bin.
 std::int64_t beyond(const GridSpec& spec) { return spec.rows + spec.cols; }
 
 struct ColumnRange {
@@ -41,8 +41,8 @@ void scan_columns(const BinMask& set, ColumnRange columns, Grid<std::int64_t>& d
   }
 }
 
-/// The lower envelope of the parabolas (x - i)^2 + g(i)^2 of one row, by increasing x. Its buffers are kept
-/// from row to row.
+/// The lower envelope of the parabolas (x - i)^2 + g(i)^2 of one row, by increasing x. Its buffers are reused
+/// for every row.
 class RowEnvelope {
  public:
   /// Replaces the column distances of a row by squared distances.
@@ -66,7 +66,7 @@ class RowEnvelope {
   [[nodiscard]] std::int64_t parabola(std::int64_t x, std::int64_t apex) const {
     return (x - apex) * (x - apex) + g(apex) * g(apex);
   }
-  /// The last x at which the parabola of i is not above that of u > i.
+  /// The last x at which the parabola of i is not above the parabola of u > i.
   [[nodiscard]] std::int64_t last_not_above(std::int64_t i, std::int64_t u) const {
     return (u * u - i * i + g(u) * g(u) - g(i) * g(i)) / (2 * (u - i));
   }
@@ -77,7 +77,7 @@ class RowEnvelope {
       while (!pieces_.empty() &&
              parabola(pieces_.back().begin, pieces_.back().apex) > parabola(pieces_.back().begin, u))
         pieces_.pop_back();
-      // After the loop the numerator of last_not_above is not negative: the division rounds down.
+      // After the loop the numerator of last_not_above is not negative, so the division rounds down.
       const std::int64_t begin = pieces_.empty() ? 0 : last_not_above(pieces_.back().apex, u) + 1;
       if (begin < std::ssize(column_distance_)) pieces_.push_back({u, begin});
     }

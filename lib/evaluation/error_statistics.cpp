@@ -12,10 +12,10 @@
 namespace landfall {
 namespace {
 
-/// The standard deviation of a normal distribution over its median absolute deviation.
+/// The ratio of the standard deviation to the median absolute deviation of a normal distribution.
 constexpr double kNormalPerDeviation = 1.4826;
 
-/// What `of` makes of the region's errors; NaN elsewhere.
+/// `of` applied to the region's errors; NaN elsewhere.
 template <class Of>
 auto in_region(const Grid<double>& error, const BinMask& region, const Of& of) {
   return [errors = error.values(), mask = region.values(), of](std::size_t i) {
@@ -26,7 +26,7 @@ auto in_region(const Grid<double>& error, const BinMask& region, const Of& of) {
 constexpr auto kItself = [](double e) { return e; };
 constexpr auto kSquare = [](double e) { return e * e; };
 
-/// Errors of the region by bucket, and their sum: one pass.
+/// Errors of the region by bucket, and their sum, in one pass.
 struct FirstLook {
   CountedSum sum;
   BucketCounts counts;
@@ -49,10 +49,10 @@ FirstLook first_look(std::size_t bins, const ErrorAt& error_at) {
   return {total(sums), sum_of_counts(counts)};
 }
 
-/// Where the quantiles lie that follow from the counts.
+/// The buckets that hold the quantiles, found from the counts.
 struct Ranges {
   BucketRange median;
-  BucketRange le90;  ///< of magnitudes, as p95
+  BucketRange le90;  ///< of magnitudes, like p95
   BucketRange p95;
 
   explicit Ranges(const BucketCounts& counts) : median(*find_buckets(counts, 0.5)) {
@@ -62,7 +62,7 @@ struct Ranges {
   }
 };
 
-/// The values of these ranges by piece, and the squares about the mean: one pass.
+/// The values of these ranges by piece, and the squared deviations from the mean, in one pass.
 struct SecondLook {
   CountedSum squares;
   std::vector<std::vector<double>> median, le90, p95;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The windows, of `count` centred on consecutive bins from `first`, that hold a bin: begin .. end - 1.
+/// Of `count` windows centred on consecutive bins from `first`, those that hold a bin: begin .. end - 1.
 struct WindowRange {
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -27,7 +27,7 @@ struct WindowLine {
   }
 };
 
-/// Sets of one line of windows, drawn as changes from each window's set to the next one's and then summed.
+/// Builds the sets of one line of windows as changes from each window's set to the next, summed afterwards.
 class SetDrawer {
  public:
   SetDrawer(std::vector<std::uint64_t>& sets, std::size_t words, const WindowLine& line)
@@ -37,14 +37,14 @@ class SetDrawer {
 
   void add_to_all(std::size_t rank) { flip(0, rank); }
 
-  /// To the windows that reach half_bins to either side.
+  /// Adds the bin to the windows that reach half_bins to either side.
   void add(std::int64_t bin, std::int64_t half_bins, std::size_t rank) {
     const WindowRange range = line_.windows_with(bin, half_bins);
     flip(range.begin, rank);
     flip(range.end, rank);
   }
 
-  /// The same where perhaps no window does.
+  /// Like add(), but the bin may be outside all windows.
   void add_if_reached(std::int64_t bin, std::int64_t half_bins, std::size_t rank) {
     if (bin + half_bins >= line_.first && bin - half_bins < line_.first + line_.count)
       add(bin, half_bins, rank);
@@ -76,8 +76,8 @@ Tile reach(const GridSpec& spec, const Tile& tile, std::int64_t half_bins) {
 
 void collect_tails(const Grid<double>& error, const Tile& reached, const TailBounds& bounds,
                    ErrorTails& tails) {
-  // Every bin is written and only the kept ones advance: a branch would cost more than the store. The bin
-  // behind the last kept one may be written too.
+  // Every bin is written and only the kept ones advance, since a branch would cost more than the store. The
+  // bin after the last kept one may be written too.
   const auto largest = static_cast<std::size_t>(reached.rows * reached.cols + 1);
   tails.upper.bins.resize(largest);
   tails.lower.bins.resize(largest);

@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// A rectangle of bins: the windows centred on them, or the bins that those windows reach.
+/// A rectangle of bins: the bins on which windows are centred, or those that the windows reach.
 struct Tile {
   std::int64_t first_row = 0;
   std::int64_t first_col = 0;
@@ -23,30 +23,30 @@ struct Tile {
 /// The bins of the tile's windows of 2 half_bins + 1 bins square, clipped at the grid's border.
 [[nodiscard]] Tile reach(const GridSpec& spec, const Tile& tile, std::int64_t half_bins);
 
-/// One side of the errors that a tile's windows reach: the bins of the largest sign * e, sorted, and which of
-/// them lie in each window. A window's members are the intersection of two sets of bits, its row's and its
-/// column's: for a square, the bins that lie in the rows and in the columns of the window; for another
-/// footprint the row's set holds all bins, and the columns' sets are drawn anew for each row of windows.
+/// One side of the errors that a tile's windows reach: the bins with the largest sign * e, sorted, and the
+/// sets of them in each window. A window's members are the intersection of two bit sets, its row's and its
+/// column's: for a square, the bins in the rows and in the columns of the window; for another footprint the
+/// row's set holds all bins, and the columns' sets are rebuilt for each row of windows.
 ///
-/// Ranks in the sorted list count from kPad. kPad elements of +infinity precede the first bin and kPad of
-/// -infinity follow the last; the two elements next to the bins are members of every window, so that a search
-/// for a member always ends.
+/// Ranks in the sorted list count from kPad. kPad elements of +infinity precede the first bin and kPad
+/// elements of -infinity follow the last; the two elements next to the bins are members of every window, so
+/// that a search for a member always ends.
 class ErrorTail {
  public:
   static constexpr std::size_t kPad = 16;
 
-  /// With sign * e; to be filled before build().
+  /// Bins with sign * e, to be filled before build().
   std::vector<TailBin> bins;
 
-  /// Sorts the bins. The footprint must outlive the tail's use.
+  /// Sorts the bins. The footprint must outlive this object.
   void build(const Tile& tile, const Footprint& footprint);
-  /// Makes the sets of a row of the tile's windows ready.
+  /// Prepares the sets of a row of the tile's windows.
   void enter_row(std::int64_t row);
 
   [[nodiscard]] std::size_t size() const { return bins.size(); }
   /// In descending order, with the padding.
   [[nodiscard]] const double* values() const { return values_.data(); }
-  /// The sets of the row that was entered, or of a column, words() long; bit p is rank p.
+  /// The sets of the entered row or of a column, words() long; bit p is rank p.
   [[nodiscard]] const std::uint64_t* row_set() const { return set(row_sets_, entered_set_); }
   [[nodiscard]] const std::uint64_t* col_set(std::int64_t col) const { return set(col_sets_, col); }
   [[nodiscard]] std::size_t words() const { return words_; }
@@ -69,13 +69,13 @@ class ErrorTail {
   std::size_t words_ = 0;
 };
 
-/// The bins whose deviation from some window's mean may be large.
+/// The bins whose deviation from the mean of some window may be large.
 struct ErrorTails {
   ErrorTail upper;  ///< sign +1
   ErrorTail lower;  ///< sign -1
 };
 
-/// Which bins are worth keeping: those outside the open interval.
+/// The bins that a tail keeps: those outside the open interval.
 struct TailBounds {
   double upper = 0;  ///< keeps e >= upper
   double lower = 0;  ///< and e <= lower; a bin may be both
@@ -84,8 +84,8 @@ struct TailBounds {
 void collect_tails(const Grid<double>& error, const Tile& reached, const TailBounds& bounds,
                    ErrorTails& tails);
 
-/// The bits that are set. Without a machine instruction for it, std::popcount is a call into the compiler's
-/// library, and a build for any x86-64 has none.
+/// The number of set bits. Without the machine instruction, std::popcount is a call into the compiler's
+/// library, and a build for generic x86-64 may not use the instruction.
 [[nodiscard]] inline std::size_t count_bits(std::uint64_t set) {
 #ifdef __POPCNT__
   return static_cast<std::size_t>(std::popcount(set));
@@ -103,7 +103,7 @@ class TailMembers {
   /// In the tail's entered row.
   TailMembers(const ErrorTail& tail, std::int64_t col) : row_(tail.row_set()), col_(tail.col_set(col)) {}
 
-  /// A padding element is one of them.
+  /// The number of members before the rank, including a padding element.
   [[nodiscard]] std::size_t count_before(std::size_t rank) const {
     const std::size_t word = rank / 64;
     std::size_t count = count_bits(in_word(word) & ~from(rank));

@@ -64,7 +64,7 @@ Grid<float> distance_layer(const Grid<std::int64_t>& squared) {
 
 void set_flag(std::int8_t& flags, FailFlag flag) { flags = static_cast<std::int8_t>(flags | flag); }
 
-/// NaN, a footprint without a value, is above no limit.
+/// NaN, the value of a footprint without valid bins, exceeds no limit.
 void flag_above(const Grid<double>& values, double limit, FailFlag flag, Grid<std::int8_t>& fail) {
   for_each_index(fail.values().size(), [&](std::size_t i) {
     if (values.values()[i] > limit) set_flag(fail.values()[i], flag);
@@ -92,7 +92,7 @@ RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& re
 
 using Sinks = std::vector<LayerSink*>;
 
-/// The accuracy requirements, axis after axis, so that few grids of double live at a time.
+/// Judges the accuracy requirements axis by axis, so that few grids of double exist at a time.
 class AccuracyPass {
  public:
   AccuracyPass(const EvaluationParameters& parameters, const Sinks& sinks, Evaluation& result,
@@ -108,7 +108,7 @@ class AccuracyPass {
   void run(ErrorLayers errors, const ProgressCallback& progress) const {
     metrics_.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
     metrics_.quantile = rule_.quantile;
-    const double share = 0.99 / (errors.z_corrected ? 4 : 3);  // the last hundredth is left to the summary
+    const double share = 0.99 / (errors.z_corrected ? 4 : 3);  // the last hundredth is for the summary
     if (errors.z_corrected) measure_corrected(*errors.z_corrected, part(progress, 0, share));
     errors.z_corrected.reset();
     statistics_.z = error_statistics(errors.z, region_);
@@ -177,7 +177,7 @@ class AccuracyPass {
   Grid<std::int8_t>& fail_;
 };
 
-/// Takes over what is known of the coverage and gives its layers to the sinks.
+/// Records the coverage and passes its layers to the sinks.
 void take_coverage(Coverage coverage, const EvaluationLimits& limits, const Sinks& sinks, Evaluation& result,
                    Grid<std::int8_t>& fail) {
   flag_coverage(coverage, limits, fail);
@@ -192,8 +192,8 @@ void take_coverage(Coverage coverage, const EvaluationLimits& limits, const Sink
   result.region = std::move(layers.in_region);
 }
 
-/// Throws UsageError for a region that does not fit the DEM, FormatError for a mask of another grid or
-/// without a bin.
+/// Throws UsageError for a region that does not fit the DEM, FormatError for a mask that has another grid or
+/// no bin.
 BinMask judged_region(const DemLayers& dem, const EvaluationParameters& parameters) {
   const GridSpec& spec = dem.z_est.spec();
   if (parameters.region_shape == RegionShape::circle)

@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// Bits of the layer `fail`: why a bin, or the footprint centred on it, misses a requirement.
+/// Bits of the layer `fail`: why a bin or the footprint centred on it misses a requirement.
 enum FailFlag : std::int8_t {
   fail_relative_x = 1,
   fail_relative_y = 2,
@@ -25,8 +25,8 @@ enum FailFlag : std::int8_t {
 struct CoverageLayers {
   BinMask in_region;
   BinMask invalid;                ///< z_est NaN inside the region; 0 outside it
-  Grid<std::int32_t> hole_id;     ///< 0 for none
-  Grid<float> distance_to_valid;  ///< bins, every bin of the DEM; 0 on valid bins; infinite if there is none
+  Grid<std::int32_t> hole_id;     ///< 0 outside holes
+  Grid<float> distance_to_valid;  ///< bins, in every bin of the DEM; 0 on valid bins; infinite without any
 };
 
 /// One axis: x, y or z.
@@ -36,14 +36,14 @@ struct AxisLayers {
   Grid<float> relative;  ///< quantile of |e - mean| (Eq. 12); NaN outside the region
 };
 
-/// Takes the layers of an evaluation, each as soon as it is final and only for the time of the call: all of
-/// them would take as much memory again as the evaluation itself.
+/// Receives the layers of an evaluation, each as soon as it is final and only for the duration of the call:
+/// keeping all of them would double the memory of the evaluation.
 class LayerSink {
  public:
   virtual ~LayerSink() = default;
   /// Called first.
   virtual void take(const CoverageLayers& layers) = 0;
-  /// Called once for each axis; not at all without truth.
+  /// Called once for each axis; never without truth.
   virtual void take(Axis axis, const AxisLayers& layers) = 0;
   /// Called last, with FailFlag bits; 0 outside the region.
   virtual void take(const Grid<std::int8_t>& fail) = 0;
@@ -55,12 +55,12 @@ struct Evaluation {
   BinMask region;  ///< the bins that were judged
 };
 
-/// Judges a DEM against Table 1 (Chen et al., Eqs. 10-12) and gives the layers to each sink. The result
+/// Judges a DEM against Table 1 (Chen et al., Eqs. 10-12) and passes the layers to each sink. The result
 /// depends neither on the number of threads nor on the sinks. Without truth it judges coverage only. A DEM
-/// that is moved in is freed as its layers are done with.
+/// that is moved in is freed layer by layer.
 ///
-/// A footprint is centred on a bin of the region, clipped at the DEM's border; bins outside the region count,
-/// NaN does not. All limits are compared in double, before layers are rounded to float.
+/// A footprint is centred on a bin of the region and clipped at the DEM's border; bins outside the region
+/// count, NaN does not. All limits are compared in double, before layers are rounded to float.
 ///
 /// Throws UsageError for parameters that check() refuses or a region that does not fit the DEM; FormatError
 /// when the mask is unusable, layers differ in grid or hold an infinite value.

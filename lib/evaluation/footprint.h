@@ -8,18 +8,18 @@
 
 namespace landfall {
 
-/// What lies on the ground at once, about a centre bin: an odd number of rows, in each a span of columns.
+/// The lander's footprint about a centre bin: an odd number of rows, with a span of columns in each.
 class Footprint {
  public:
-  /// 2 half_bins + 1 bins square.
+  /// A square of 2 half_bins + 1 bins.
   [[nodiscard]] static Footprint square(std::int64_t half_bins);
-  /// The bins at (i, j) from the centre with i^2 + j^2 <= squared_radius, in integers.
+  /// The bins at (i, j) from the centre with i^2 + j^2 <= squared_radius, computed in integers.
   [[nodiscard]] static Footprint disc(std::int64_t squared_radius);
 
   [[nodiscard]] bool is_square() const { return is_square_; }
-  /// Rows above and below the centre's, and the largest half width.
+  /// Rows above and below the centre row, which is also the largest half width.
   [[nodiscard]] std::int64_t half_bins() const { return static_cast<std::int64_t>(half_widths_.size()) - 1; }
-  /// Columns on either side of the centre's in the row `offset` above or below it, |offset| <= half_bins().
+  /// Columns on either side of the centre column in row `offset` above or below, |offset| <= half_bins().
   [[nodiscard]] std::int64_t half_width(std::int64_t offset) const {
     return half_widths_[static_cast<std::size_t>(offset < 0 ? -offset : offset)];
   }

@@ -7,7 +7,7 @@
 namespace landfall {
 namespace {
 
-/// Disjoint sets of provisional labels. The root of a set is its smallest label. Labels are handed out in
+/// Disjoint sets of provisional labels. The root of a set is its smallest label. Labels are assigned in
 /// row-major order, so the root is the label of the component's first bin.
 class LabelSets {
  public:
@@ -24,7 +24,7 @@ class LabelSets {
     return label;
   }
 
-  /// The root of the united set.
+  /// Unites the sets and returns the root of the united set.
   std::int32_t unite(std::int32_t a, std::int32_t b) {
     a = root(a);
     b = root(b);
@@ -33,7 +33,7 @@ class LabelSets {
     return a;
   }
 
-  /// Final ids 1, 2, .. in the order of the roots, by provisional label; label 0 stays 0.
+  /// Final ids 1, 2, .. in the order of the roots, indexed by provisional label; label 0 stays 0.
   std::vector<std::int32_t> final_ids() {
     std::vector<std::int32_t> ids(parent_.size(), 0);
     std::int32_t next = 0;
@@ -50,7 +50,7 @@ class LabelSets {
   std::vector<std::int32_t> parent_{0};  // label 0 is the background
 };
 
-/// The label of the bin from its neighbours already seen: west and the three of the row below.
+/// The label of a bin from its neighbours already visited: west and the three in the row below.
 std::int32_t provisional_label(const Grid<std::int32_t>& labels, BinIndex bin, LabelSets& sets) {
   std::int32_t label = 0;
   const BinIndex neighbours[] = {

@@ -26,8 +26,8 @@ struct HoleLabels {
   std::vector<Hole> holes;  ///< hole k has id k + 1
 };
 
-/// Labels the 8-connected components of a mask: two passes over the bins and a union-find over the
-/// provisional labels, so time is linear for any shape. Distances are left 0.
+/// Labels the 8-connected components of a mask with two passes over the bins and a union-find over the
+/// provisional labels: linear time for any shape. Distances are left 0.
 [[nodiscard]] HoleLabels label_holes(const BinMask& mask);
 
 }  // namespace landfall

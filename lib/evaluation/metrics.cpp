@@ -6,7 +6,7 @@
 namespace landfall {
 namespace {
 
-/// Of all axes added; none where an axis has no footprint to judge.
+/// The violations of all axes added; empty where an axis has no footprint to judge.
 std::optional<double> violations(std::initializer_list<RelativeMetrics> axes) {
   double sum = 0;
   for (const RelativeMetrics& axis : axes) {

@@ -12,8 +12,8 @@
 namespace landfall {
 
 // The fields of metrics.json; each struct lists them in the order of the file (base/fields.h). An empty
-// optional is null there, and so is a number that is not finite (max_distance_bins, when the DEM has no valid
-// bin).
+// optional is written as null, and so is a number that is not finite (max_distance_bins if the DEM has no
+// valid bin).
 
 struct RegionMetrics {
   RegionShape shape = RegionShape::circle;
@@ -23,7 +23,7 @@ struct RegionMetrics {
   LANDFALL_FIELDS(radius_m, bin_count, shape, half_width_m)
 };
 
-/// The sizes that occur, ascending, and how many holes have each.
+/// The hole sizes that occur, ascending, and the number of holes of each size.
 struct HoleSizeHistogram {
   std::vector<std::int64_t> size_bins;
   std::vector<std::int64_t> count;
@@ -43,7 +43,7 @@ struct CoverageMetrics {
                   max_distance_bins, distance_over_limit_count, hole_size_histogram)
 };
 
-/// Over the footprints with a value; all null when there is none.
+/// Over the footprints with a value; all null without one.
 struct AbsoluteMetrics {
   std::optional<double> p95_m;   ///< 0.95 quantile of |mean|, independent of EvaluationParameters::quantile
   std::optional<double> mean_m;  ///< signed
@@ -51,7 +51,7 @@ struct AbsoluteMetrics {
   LANDFALL_FIELDS(p95_m, mean_m, max_m)
 };
 
-/// Over the footprints with a value in x and in y; the others are not in the fraction's denominator.
+/// Over the footprints with a value in x and in y. The fraction's denominator excludes the others.
 struct HorizontalMetrics {
   std::optional<double> p95_m;
   std::optional<double> within_limit_frac;
@@ -59,14 +59,14 @@ struct HorizontalMetrics {
 };
 
 struct RelativeMetrics {
-  std::optional<double> p95_m;  ///< 0.95 quantile over footprints, likewise
+  std::optional<double> p95_m;  ///< 0.95 quantile, independent of EvaluationParameters::quantile
   std::optional<double> max_m;
   std::int64_t violation_count = 0;  ///< footprints above the limit, judged in double
   LANDFALL_FIELDS(p95_m, max_m, violation_count)
 };
 
-/// Of the errors of the region's bins (error_statistics.h); all null without truth, all but count without an
-/// error.
+/// Errors of the region's bins (error_statistics.h). All are null without truth; without an error all except
+/// the count are null.
 struct ErrorStatistics {
   std::optional<std::int64_t> count = std::nullopt;
   std::optional<double> mean_m = std::nullopt;
@@ -87,7 +87,7 @@ struct HorizontalStatistics {
 };
 
 struct StatisticsMetrics {
-  double valid_frac = 0;  ///< bins of the region with an elevation, over all
+  double valid_frac = 0;  ///< bins of the region with an elevation, over all its bins
   ErrorStatistics x, y, z;
   std::optional<ErrorStatistics> z_corrected;  ///< for a DEM with that layer
   HorizontalStatistics horizontal;
@@ -100,7 +100,7 @@ struct AccuracyMetrics {
   double quantile = 0;
   struct Absolute {
     AbsoluteMetrics x, y, z;
-    std::optional<AbsoluteMetrics> z_corrected;  ///< for a DEM with that layer; judged by no requirement
+    std::optional<AbsoluteMetrics> z_corrected;  ///< for a DEM with that layer; not judged
     HorizontalMetrics horizontal;
     LANDFALL_FIELDS(x, y, z, horizontal, z_corrected)
   } absolute;
@@ -135,16 +135,16 @@ struct RequirementMetrics {
 /// What the value and the limit of a requirement count.
 enum class RequirementUnit { fraction, bins, footprints };
 
-/// What a reader is told of a requirement of Table 1, on a terminal and in a report.
+/// How a requirement of Table 1 is presented, on a terminal and in a report.
 struct RequirementInfo {
   const char* name;      ///< its key in metrics.json
-  const char* measured;  ///< what has the value
+  const char* measured;  ///< the measured quantity
   RequirementUnit unit;  ///< of value and limit
-  bool at_least;         ///< the limit is the smallest value that passes, else the largest
+  bool at_least;         ///< true: the limit is the smallest value that passes; false: the largest
   Requirement RequirementMetrics::*requirement;
 };
 
-/// All of them, in the order of metrics.json.
+/// All requirements, in the order of metrics.json.
 inline constexpr std::array<RequirementInfo, 6> kRequirementInfo = {
     {{"coverage", "invalid bins of the region", RequirementUnit::fraction, false,
       &RequirementMetrics::coverage},
@@ -164,7 +164,7 @@ void RequirementMetrics::fields(auto& walk, auto& m) {
 
 /// z-scores of one 1-sigma map (uncertainty.h).
 struct ScoreMetrics {
-  /// By the returns of a bin, ascending; empty for a DEM without counts.
+  /// By the number of returns of a bin, ascending; empty for a DEM without counts.
   struct ByCount {
     std::vector<std::int64_t> count;  ///< returns
     std::vector<std::int64_t> bins;
@@ -173,7 +173,7 @@ struct ScoreMetrics {
     std::vector<double> within_2_sigma_frac;
     LANDFALL_FIELDS(count, bins, std, within_1_sigma_frac, within_2_sigma_frac)
   };
-  /// By sigma, ascending: its steps are a quarter of a doubling.
+  /// By sigma, ascending, in steps of a quarter of an octave.
   struct Reliability {
     std::vector<double> sigma_m;  ///< root mean square of the predicted sigma
     std::vector<double> rmse_m;   ///< of the errors
@@ -206,7 +206,7 @@ struct UncertaintyMetrics {
 };
 
 struct Metrics {
-  std::optional<bool> pass;  ///< all requirements; null when one is null
+  std::optional<bool> pass;  ///< all requirements; null if one is null
   RegionMetrics region;
   CoverageMetrics coverage;
   std::optional<AccuracyMetrics> accuracy;  ///< null without truth
@@ -221,7 +221,7 @@ struct Metrics {
                                        const std::optional<AccuracyMetrics>& accuracy,
                                        const EvaluationLimits& limits);
 
-/// Whether all pass; null when one is null, even if another fails.
+/// Whether all requirements pass; null if one is null, even if another fails.
 [[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
 
 }  // namespace landfall

@@ -17,7 +17,7 @@ namespace landfall {
 /// Numbers the values that share their sign, exponent and leading four bits, in ascending order.
 struct ValueBucket {
   static constexpr std::size_t kCount = std::size_t{1} << 16U;
-  /// kCount for NaN.
+  /// The bucket of a value; kCount for NaN.
   [[nodiscard]] static std::size_t of(double value) {
     if (std::isnan(value)) return kCount;
     const auto bits = std::bit_cast<std::uint64_t>(value);
@@ -30,31 +30,31 @@ struct ValueBucket {
   }
 };
 
-/// How many values each bucket holds, the NaN last.
+/// The number of values in each bucket, NaN last.
 using BucketCounts = std::vector<std::uint32_t>;
 
-/// The same of the magnitudes: a value and its negative are counted together.
+/// The counts of the magnitudes: a value and its negative are counted together.
 [[nodiscard]] BucketCounts counts_of_magnitudes(const BucketCounts& counts);
 
-/// Of all pieces together. A map has fewer than 2^32 bins.
+/// The sum of the counts of all pieces. A map has fewer than 2^32 bins.
 [[nodiscard]] BucketCounts sum_of_counts(const std::vector<BucketCounts>& counts_by_piece);
 
 /// The order statistics that a quantile lies between, and the buckets that hold them.
 struct BucketRange {
   QuantileRank rank;  ///< among the values of the buckets
   std::size_t first = 0;
-  std::size_t last = 0;  ///< with it
+  std::size_t last = 0;  ///< inclusive
 
   [[nodiscard]] bool holds(std::size_t bucket) const { return bucket >= first && bucket <= last; }
 };
 
-/// Nothing where all values are NaN.
+/// Empty if all values are NaN.
 [[nodiscard]] std::optional<BucketRange> find_buckets(const BucketCounts& counts, double q);
 
 /// The value at a rank of the pieces' values together. A zero is +0.
 [[nodiscard]] double value_at_rank(const std::vector<std::vector<double>>& pieces, const QuantileRank& rank);
 
-/// The values of the pieces whose buckets a range holds.
+/// The values of the pieces that lie in the buckets of a range.
 template <ValueAt F>
 [[nodiscard]] std::vector<std::vector<double>> values_in(std::size_t count, const F& value_at,
                                                          const BucketRange& range) {
@@ -68,8 +68,8 @@ template <ValueAt F>
   });
 }
 
-/// What one look at values tells: their sum, and of their magnitudes the largest (-infinity without a value),
-/// how many exceed a limit, and how they are spread.
+/// The result of one pass over values: their sum, and of their magnitudes the largest (-infinity without a
+/// value), the number above a limit, and the distribution.
 struct ValueLook {
   CountedSum sum;
   double largest = -HUGE_VAL;
@@ -105,8 +105,8 @@ template <ValueAt F>
   return result;
 }
 
-/// One quantile (quantile.h) of the values that count; nothing without a value. A selection would copy all
-/// values and move them about; this counts them by bucket and copies those of one or two buckets.
+/// One quantile (quantile.h) of the values that count; empty without a value. A selection would copy and
+/// reorder all values; this counts them by bucket and copies only those of one or two buckets.
 template <ValueAt F>
 [[nodiscard]] std::optional<double> quantile_of(std::size_t count, const F& value_at, double q) {
   const auto counts = by_piece(count, [&](std::size_t begin, std::size_t end) {

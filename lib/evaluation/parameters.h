@@ -16,7 +16,7 @@ struct EvaluationLimits {
   double relative_elevation_m = 0.05;      ///< rel_z of every footprint
   double relative_horizontal_m = 0.05;     ///< rel_x and rel_y of every footprint
   double absolute_horizontal_m = 1;        ///< hypot(abs_x, abs_y) of a footprint
-  double absolute_horizontal_frac = 0.95;  ///< the footprints that must keep absolute_horizontal_m
+  double absolute_horizontal_frac = 0.95;  ///< fraction of footprints that must keep it
   LANDFALL_FIELDS(invalid_frac, hole_bins, distance_bins, relative_elevation_m, relative_horizontal_m,
                   absolute_horizontal_m, absolute_horizontal_frac)
 };
@@ -39,9 +39,9 @@ struct EvaluationParameters {
 /// in [0, 1], and the other limits are finite and not negative.
 void check(const EvaluationParameters& parameters);
 
-/// The bins whose centre lies within footprint_m / 2 of the centre bin's, inclusive: along either axis for
-/// the square, h = floor(R) bins for R = footprint_m / (2 resolution_m) + 1e-9; i^2 + j^2 <= R^2 for the
-/// disc. The slack of 1e-9 bins absorbs the division's rounding. Throws UsageError when h exceeds 2^20.
+/// The bins whose centre lies within footprint_m / 2 of the centre bin's, inclusive. The square holds the
+/// bins up to h = floor(R) along either axis, R = footprint_m / (2 resolution_m) + 1e-9; the disc holds i^2 +
+/// j^2 <= R^2. The slack of 1e-9 bins absorbs the division's rounding. Throws UsageError if h exceeds 2^20.
 [[nodiscard]] Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m);
 
 }  // namespace landfall

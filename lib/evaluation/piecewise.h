@@ -11,10 +11,10 @@
 
 namespace landfall {
 
-/// Sums and quantiles of as many values as a map has bins, in parallel and the same for any number of
-/// threads.
+/// Sums and quantiles of as many values as a map has bins, in parallel. The results are the same for any
+/// number of threads.
 ///
-/// The i-th value; NaN for one that does not count. Called more than once for each i, from any thread.
+/// A function that gives the i-th value; NaN for one that does not count. Any thread may call it repeatedly.
 template <class F>
 concept ValueAt = std::is_invocable_r_v<double, const F&, std::size_t>;
 
@@ -29,7 +29,7 @@ void for_each_index(std::size_t count, const Work& work) {
   });
 }
 
-/// Calls work(begin, end) for each piece of [0, count); the results by piece.
+/// Calls work(begin, end) for each piece of [0, count) and returns the results by piece.
 template <class Work>
 [[nodiscard]] auto by_piece(std::size_t count, const Work& work) {
   std::vector<decltype(work(count, count))> results((count + kValuesPerPiece - 1) / kValuesPerPiece);
@@ -39,7 +39,7 @@ template <class Work>
   return results;
 }
 
-/// The values that count, and their sum: each piece from its first value on, then the pieces in order.
+/// The count and sum of the values that count: each piece from its first value, then the pieces in order.
 struct CountedSum {
   std::int64_t count = 0;
   double sum = 0;
@@ -48,7 +48,7 @@ struct CountedSum {
     count += counts ? 1 : 0;
     sum += counts ? value : 0.0;
   }
-  /// NaN without a value.
+  /// NaN without any value.
   [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
 };
 

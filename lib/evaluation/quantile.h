@@ -17,10 +17,10 @@ struct QuantileRank {
 /// n >= 1, q in [0, 1].
 [[nodiscard]] QuantileRank quantile_rank(std::size_t n, double q);
 
-/// The value at a rank of the values, of which there are enough, and which it reorders. O(n).
+/// The value at a rank of enough values, which the function reorders. O(n).
 [[nodiscard]] double value_at_rank(std::span<double> values, const QuantileRank& rank);
 
-/// The q-quantile of the values, which it reorders. NaN when there is none; no value may be NaN. O(n).
+/// The q-quantile of the values, which the function reorders. NaN without values; no value may be NaN. O(n).
 [[nodiscard]] double quantile_in_place(std::span<double> values, double q);
 
 }  // namespace landfall

@@ -18,13 +18,13 @@ double ratio_of(double radius_m, double resolution_m) {
   return std::abs(ratio - whole) <= 1e-9 ? whole : ratio;
 }
 
-/// Bins from the origin to the nearest border of the DEM; negative when the origin is outside.
+/// Bins from the origin to the nearest border of the DEM; negative if the origin is outside.
 std::int64_t margin_bins(const GridSpec& dem) {
   return std::min(
       {-dem.first_row, -dem.first_col, dem.first_row + dem.rows - 1, dem.first_col + dem.cols - 1});
 }
 
-/// `beyond` is how many bins farther than the last bin that fits the length may be.
+/// `beyond` is the number of bins by which the length may exceed the last bin that fits.
 [[noreturn]] void refuse(const GridSpec& dem, const std::string& key, double length_m, std::int64_t beyond) {
   const std::int64_t margin = margin_bins(dem);
   std::ostringstream message;

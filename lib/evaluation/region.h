@@ -14,12 +14,12 @@ using BinMask = Grid<std::int8_t>;
 /// within 1e-9 of an integer is that integer and the comparison is then exact; any other is compared in
 /// double. 50 m at 0.05 m gives 3,141,521 bins, the paper's count: the 28 bins on the circle are out.
 ///
-/// The region fits when every bin of it lies in the DEM. Throws UsageError otherwise, saying the largest
-/// radius that fits.
+/// The region fits if every bin of it lies in the DEM. Otherwise throws UsageError, naming the largest radius
+/// that fits.
 [[nodiscard]] BinMask circular_region(const GridSpec& dem, double radius_m);
 
-/// The bins at most half_width_m / resolution_m + 1e-9 bins from the origin along both axes. It fits, and is
-/// refused, like the circle.
+/// The bins at most half_width_m / resolution_m + 1e-9 bins from the origin along both axes. The conditions
+/// and errors are those of circular_region().
 [[nodiscard]] BinMask square_region(const GridSpec& dem, double half_width_m);
 
 [[nodiscard]] std::int64_t count_set(const BinMask& mask);

@@ -8,9 +8,9 @@
 
 namespace landfall {
 
-/// One window in one tail: a rank that splits the window's members into taken (before it) and left.
-/// Deviations are value - centre, rounded once; they do not increase along the tail. The padding deviates by
-/// infinity.
+/// One window in one tail: a rank that splits the window's members into those taken (before it) and those
+/// left. Deviations are value - centre, rounded once; they do not increase along the tail. The padding has an
+/// infinite deviation.
 class TailCursor {
  public:
   struct Window {
@@ -22,13 +22,13 @@ class TailCursor {
       : values_(tail.values()), members_(tail, window.col), centre_(window.centre), rank_(rank) {}
 
   [[nodiscard]] std::size_t count_taken() const { return members_.count_before(rank_); }
-  /// Of the first member left.
+  /// Deviation of the first member left.
   [[nodiscard]] double next_deviation() const { return deviation(members_.next(rank_)); }
-  /// Of the last member taken.
+  /// Deviation of the last member taken.
   [[nodiscard]] double previous_deviation() const { return deviation(members_.previous(rank_)); }
 
-  /// Takes members that are left, at least one, none of the padding: one, or as many as are at hand if there
-  /// are at most `most` of them and none deviates by less than `least`. Returns how many.
+  /// Takes at least one of the members left, but no padding: one member, or the members of a word if there
+  /// are at most `most` of them and none deviates by less than `least`. Returns the number taken.
   std::size_t take(std::size_t most, double least) {
     const std::size_t first = members_.next(rank_);
     if (most > kFew) {
@@ -43,7 +43,7 @@ class TailCursor {
     return 1;
   }
 
-  /// The reverse: gives back members that were taken, none of which deviates by more than `largest`.
+  /// The reverse of take(): returns members that were taken, none of which deviates by more than `largest`.
   std::size_t give_back(std::size_t most, double largest) {
     const std::size_t last = members_.previous(rank_);
     if (most > kFew) {
@@ -59,7 +59,7 @@ class TailCursor {
   }
 
  private:
-  /// Up to so many members are moved over one at a time.
+  /// Up to this number, members are moved one at a time.
   static constexpr std::size_t kFew = 8;
 
   [[nodiscard]] double deviation(std::size_t rank) const { return values_[rank] - centre_; }

@@ -15,9 +15,9 @@ namespace landfall::HWY_NAMESPACE {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Moves a rank so that exactly the values before it deviate from the centre by more than the limit, which
-/// is finite. Both tails are parted by the rounded deviation itself: a sum like centre + limit has a rounding
-/// of its own, under which the tails would disagree about nearly equal deviations. Most moves are short: the
+/// Moves a rank so that exactly the values before it deviate from the centre by more than the limit, which is
+/// finite. Both tails are split by the rounded deviation itself: a sum like centre + limit has a rounding
+/// error of its own, so the tails would disagree about nearly equal deviations. Most moves are short: the
 /// sixteen values around the rank are compared without a branch.
 inline std::size_t part(const ErrorTail& tail, std::size_t rank, double centre, double limit) {
   constexpr std::size_t kReach = 8;
@@ -36,10 +36,10 @@ inline std::size_t part(const ErrorTail& tail, std::size_t rank, double centre, 
   return static_cast<std::size_t>(parted - values);
 }
 
-/// One walk.
+/// One walk over the windows of a tile.
 class Walk {
  public:
-  /// above: the order statistics of the row of windows before; so many as the tile has columns.
+  /// above: the order statistics of the previous row of windows, one per column of the tile.
   Walk(const WindowQuantileInput& input, Grid<double>& result, double floor, std::vector<double>& above)
       : input_(input), result_(result), floor_(floor), above_(above) {}
 
@@ -68,7 +68,7 @@ class Walk {
   double floor_;
   std::vector<double>& above_;
   WalkOutcome outcome_;
-  Ranks ranks_;  ///< where the last window was parted
+  Ranks ranks_;  ///< where the last window was split
   std::int32_t rank_count_ = 0;
   QuantileRank rank_;  ///< of rank_count_ values
 };
@@ -102,7 +102,7 @@ inline void Walk::look_up_rank(BinIndex bin) {
   rank_ = quantile_rank(static_cast<std::size_t>(count), input_.quantile);
 }
 
-/// Everything above the lower order statistic is taken; the members at the border are the two.
+/// Everything above the lower order statistic is taken; the two statistics are the members at the split.
 inline Walk::OrderStatistics Walk::find(TailCursor upper, TailCursor lower) const {
   // One padding element in each tail is always taken.
   const std::size_t target = static_cast<std::size_t>(rank_count_) - 1 - rank_.below + 2;

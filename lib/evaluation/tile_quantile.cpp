@@ -11,11 +11,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Chosen for speed; none of them changes a result.
-constexpr double kCaution = 0.93;          // a guess, of the smallest answer known
-constexpr double kRetreat = 0.5;           // a second guess, of the first, when that left too few bins
-constexpr int kAttempts = 3;               // before a tile is split
-constexpr double kCrowded = 20;            // tails so many times as large as needed: rather split
-constexpr std::int64_t kSmallestEdge = 4;  // of a tile that is not split
+constexpr double kCaution = 0.93;  // first floor, as a fraction of the smallest known answer
+constexpr double kRetreat = 0.5;   // second floor, as a fraction of the first, if that left too few bins
+constexpr int kAttempts = 3;       // before a tile is split
+constexpr double kCrowded = 20;    // split if the tails are this many times as large as needed
+constexpr std::int64_t kSmallestEdge = 4;  // of a tile that is not split further
 
 struct MeanRange {
   double lowest = kInfinity;
@@ -31,7 +31,7 @@ void for_each_bin(const Tile& tile, Visit visit) {
 
 bool is_small(const Tile& tile) { return tile.rows <= kSmallestEdge && tile.cols <= kSmallestEdge; }
 
-/// Half an edge, unless the other one is more than twice as long or the half would be too small.
+/// Half an edge; the whole edge if the other is more than twice as long or the half would be too small.
 std::int64_t split_edge(std::int64_t edge, std::int64_t other) {
   return edge <= kSmallestEdge || other > 2 * edge ? edge : (edge + 1) / 2;
 }
@@ -100,7 +100,7 @@ void TileQuantile::compute_above(const Tile& tile, double floor) {
     compute_quarters(tile);
 }
 
-/// False when the tails would be too large.
+/// Returns false if the tails would be too large.
 bool TileQuantile::walk_above(const Tile& tile, double floor, WalkOutcome& outcome) {
   MeanRange means;
   for_each_bin(tile, [&](BinIndex bin) {

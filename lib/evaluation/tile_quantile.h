@@ -10,13 +10,13 @@
 
 namespace landfall {
 
-/// Eq. 12 for the windows of one tile after another, best of neighbouring tiles in a row.
+/// Eq. 12 for the windows of one tile after another; fastest for neighbouring tiles in a row.
 ///
-/// A bin counts for a high quantile only if it deviates much. With a floor g under the answers of a tile and
-/// the range of its means, every bin with e < min + g and e > max - g deviates by at most g in all of its
-/// windows and is left out. The tails that remain, 8-15 % of the bins at a quantile of 0.95, are sorted once
-/// and shared by the tile's windows (TailWalk). The floor is a guess, from the tile before: an answer found
-/// below it is only a bound, and the tile is taken again with that bound, or in four quarters.
+/// A bin affects a high quantile only if its deviation is large. With a floor g under the answers of a tile
+/// and the range of its means, every bin with e < min + g and e > max - g deviates by at most g in all of its
+/// windows and is omitted. The remaining tails, 8-15 % of the bins at a quantile of 0.95, are sorted once and
+/// shared by the tile's windows (TailWalk). The floor is guessed from the previous tile: an answer found
+/// below it is only a bound, and the tile is repeated with that bound, or in four quarters.
 class TileQuantile {
  public:
   /// The result is NaN where a window is still to be computed.
@@ -41,8 +41,8 @@ class TileQuantile {
   WindowSelection selection_;
   TailWalk walk_;
   ErrorTails tails_;
-  std::optional<double> guess_;  ///< for the next tile
-  double smallest_ = 0;          ///< answer of this tile
+  std::optional<double> guess_;  ///< floor for the next tile
+  double smallest_ = 0;          ///< the smallest answer of this tile
 };
 
 }  // namespace landfall

@@ -40,14 +40,14 @@ struct Scores {
   }
 };
 
-/// Errors whose sigma lies in one of the four steps of each doubling of it.
+/// The errors whose sigma lies in one step; each octave of sigma has four steps.
 struct SigmaStep {
   std::int64_t count = 0;
   double sum_of_variances = 0;
   double sum_of_squares = 0;
 
-  /// Exact, so that a sigma falls on the same side of a border everywhere: borders are powers of two,
-  /// rounded, to the exponents 0, 1/4, 1/2 and 3/4.
+  /// The computation is exact, so that a sigma falls on the same side of a border on every machine: borders
+  /// are rounded powers of two with the exponents 0, 1/4, 1/2 and 3/4.
   static int of(double sigma) {
     constexpr std::array kBorders{0.5946035575013605, 0.7071067811865476, 0.8408964152537145};
     int exponent = 0;
@@ -57,7 +57,7 @@ struct SigmaStep {
   }
 };
 
-/// Takes one error after another.
+/// Accumulates errors one by one.
 class Assessment {
  public:
   void add(double error, double sigma, std::int32_t count) {

@@ -17,7 +17,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-/// Columns that are summed at a time, in registers: four vectors hide the time that an addition takes.
+/// Columns summed at a time, in registers: four vectors hide the latency of an addition.
 constexpr std::int64_t kVectorLanes = static_cast<std::int64_t>(hn::MaxLanes(D()));
 constexpr std::int64_t kLanes = 4 * kVectorLanes;
 
@@ -45,7 +45,7 @@ struct LaneSums {
 
 inline std::int64_t whole_lanes(std::int64_t cols) { return (cols + kLanes - 1) / kLanes * kLanes; }
 
-/// Some rows of one width, one behind the other.
+/// Contiguous rows of the same width.
 template <class T>
 class RowBuffer {
  public:
@@ -86,7 +86,7 @@ class BandMeans {
   }
 
  private:
-  /// NaN as +0, reach_ zeros before and behind the row.
+  /// Reads a row with NaN as +0 and reach_ zeros before and after it.
   void read_row(std::int64_t row, std::vector<double>& padded) const {
     const std::span<const double> in = values_.row(row);
     double* const out = padded.data() + reach_;
@@ -96,7 +96,7 @@ class BandMeans {
     return std::vector<double>(static_cast<std::size_t>(width_ + 2 * reach_));
   }
 
-  /// Of all rows that the band reaches, at column c + reach_: the valid bins before column c.
+  /// For each row that the band reaches, at column c + reach_: the number of valid bins before column c.
   [[nodiscard]] RowBuffer<std::int32_t> counts_before() const {
     RowBuffer<std::int32_t> result(band_.last - band_.first, width_ + 2 * reach_ + 1);
     for (std::int64_t row = band_.first; row < band_.last; ++row) {
@@ -109,7 +109,7 @@ class BandMeans {
     return result;
   }
 
-  /// Counts are exact in any order: those of a square slide from row to row.
+  /// Counts are exact in any order, so those of a square slide from row to row.
   void write_counts(Grid<std::int32_t>& result) const {
     const RowBuffer<std::int32_t> before = counts_before();
     for (std::int64_t col = 0; col < width_; col += kLanes) {
@@ -133,7 +133,7 @@ class BandMeans {
     }
   }
 
-  /// The row that the windows centred on `row` reach and those before did not, and the reverse.
+  /// Counts the row that the windows centred on `row` newly reach with +1, the one that they left with -1.
   template <class CountRow>
   void slide(std::int64_t row, const CountRow& count_row) const {
     const std::int64_t entering = row + footprint_.half_bins();
@@ -167,14 +167,14 @@ class BandMeans {
   }
 
   /// Each row that the band reaches is summed outwards once; each of its spans is added to the windows that
-  /// hold the row in that width, from the lowest row up.
+  /// hold the row with that width, from the lowest row up.
   void write_sums(Grid<double>& result) const {
     for (std::int64_t row = band_.begin; row < band_.end; ++row) std::ranges::fill(result.row(row), 0.0);
     std::vector<double> padded = padded_row();
     std::vector<double> sums(static_cast<std::size_t>(values_.spec().cols));
     for (std::int64_t row = band_.first; row < band_.last; ++row) {
       read_row(row, padded);
-      // Of the windows that hold the row in the width that is summed up.
+      // Visits the windows that hold the row with the current width.
       std::int64_t offset = std::min(footprint_.half_bins(), values_.spec().rows - 1);
       for (std::int64_t width = 0; width <= reach_; ++width) {
         widen(padded, width, sums);
@@ -186,7 +186,7 @@ class BandMeans {
     }
   }
 
-  /// From the sums of the next smaller width.
+  /// Computes the sums from those of the next smaller width.
   void widen(const std::vector<double>& padded, std::int64_t width, std::span<double> sums) const {
     const double* const left = padded.data() + reach_ - width;
     const double* const right = padded.data() + reach_ + width;
@@ -208,7 +208,7 @@ class BandMeans {
     std::int64_t begin, end;
   };
 
-  /// The rows of the grid that windows centred on `row` reach.
+  /// The rows of the grid that the windows centred on `row` reach.
   [[nodiscard]] RowRange rows_of(std::int64_t row) const {
     return {std::max(row - footprint_.half_bins(), band_.first),
             std::min(row + footprint_.half_bins() + 1, band_.last)};
@@ -228,8 +228,8 @@ class BandMeans {
   const Grid<double>& values_;
   const Footprint& footprint_;
   Band band_;
-  std::int64_t reach_;  ///< columns on either side that a window holds at most
-  std::int64_t width_;  ///< columns, filled up to whole lanes
+  std::int64_t reach_;  ///< the most columns on either side that a window holds
+  std::int64_t width_;  ///< columns, rounded up to whole vectors
 };
 
 void WriteBand(const Grid<double>& values, const Footprint& footprint, std::int64_t begin, std::int64_t end,

@@ -14,7 +14,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kRowsPerPiece = 4;
 
-/// Below it no sum of errors, and no difference from a mean, overflows.
+/// Below this bound no sum of errors and no difference from a mean overflows.
 constexpr double kLargestError = 0x1p900;
 
 bool may_overflow(const Grid<double>& error) {

@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// What Eq. 12 is computed from. The grids share one spec; the caller keeps them alive.
+/// The input of Eq. 12. The grids share one spec; the caller keeps them alive.
 struct WindowQuantileInput {
   const Grid<double>& error;   ///< finite or NaN, metres
   const WindowMeans& windows;  ///< window_means(error, footprint)
@@ -23,21 +23,21 @@ struct WindowQuantileInput {
 /// Eq. 12: for each bin of the region, the quantile (quantile.h) of |error - mean| over the valid bins of its
 /// window. NaN outside the region and where the window has no valid bin.
 ///
-/// The obvious way, a selection in each window: O(window) per bin. It is the oracle of the faster one, which
-/// must equal it to the last bit: the subtraction, the rank and the interpolation are each rounded once, in
-/// double. Parallel by rows.
+/// The straightforward method, a selection in each window: O(window) per bin. It is the oracle of the faster
+/// one, which must equal it to the last bit: the subtraction, the rank and the interpolation are each rounded
+/// once, in double. Parallel by rows.
 [[nodiscard]] Grid<double> window_quantile_naive(const WindowQuantileInput& input,
                                                  const ProgressCallback& progress = {});
 
-/// How many neighbouring windows share their work.
+/// The number of neighbouring windows that share their work.
 struct QuantileTile {
   std::int64_t rows = 32;
   std::int64_t cols = 32;
 };
 
-/// The same, to the last bit, for any tile of at least one window and any number of threads: neighbouring
-/// windows share the sorted tails of the errors that they reach (tile_quantile.h). Made for high quantiles of
-/// windows of many bins. Parallel by rows of tiles.
+/// The same result as window_quantile_naive(), to the last bit, for any tile of at least one window and any
+/// number of threads: neighbouring windows share the sorted tails of the errors that they reach
+/// (tile_quantile.h). Optimised for high quantiles of windows of many bins. Parallel by rows of tiles.
 [[nodiscard]] Grid<double> window_quantile(const WindowQuantileInput& input,
                                            const ProgressCallback& progress = {},
                                            const QuantileTile& tile = {});

@@ -10,15 +10,15 @@
 namespace landfall {
 namespace {
 
-/// Bins of the largest window at most, and one more: a NaN is written behind the last value before it is
-/// dropped.
+/// The number of bins of the largest window plus one, because a NaN is written after the last value before it
+/// is dropped.
 std::size_t buffer_size(const GridSpec& spec, std::int64_t half) {
   const std::int64_t edge = 2 * half + 1;
   return static_cast<std::size_t>(std::min(edge, spec.rows) * std::min(edge, spec.cols) + 1);
 }
 
-/// Writes |error - mean| of the window's valid bins; returns how many. Every bin is written and only valid
-/// ones advance: a branch on NaN would cost more than the store.
+/// Writes |error - mean| of the window's valid bins and returns their number. Every bin is written and only
+/// valid ones advance, since a branch on NaN would cost more than the store.
 std::size_t gather_deviations(const WindowQuantileInput& input, BinIndex bin, double* deviations) {
   const GridSpec& spec = input.error.spec();
   const double mean = input.windows.mean.at(bin);

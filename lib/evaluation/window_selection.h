@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// Eq. 12 of one window at a time, by selection among all its bins: O(window).
+/// Eq. 12 for one window at a time, by selection among all its bins: O(window).
 class WindowSelection {
  public:
   explicit WindowSelection(const WindowQuantileInput& input);

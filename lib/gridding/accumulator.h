@@ -12,15 +12,15 @@
 
 namespace landfall {
 
-/// What a method makes of the returns of one bin. Metres in frame D, seconds. In an empty bin everything but
-/// the count is NaN.
+/// The values that a method computes from the returns of one bin. Metres in frame D, seconds. In an empty bin
+/// everything except the count is NaN.
 struct BinValues {
-  std::int32_t count;  ///< returns that took part
-  double weight_sum;   ///< of the returns; the count where the method knows no weights
+  std::int32_t count;  ///< returns that were used
+  double weight_sum;   ///< sum of the weights; the count for a method without weights
   double z_est;
-  double x_true;  ///< where the returns that z_est comes from truly lie
+  double x_true;  ///< true position of the returns that z_est comes from
   double y_true;
-  double x_est;  ///< where they are believed to lie
+  double x_est;  ///< their estimated position
   double y_est;
   double x_offset;  ///< x_true - x_est, rounded once
   double y_offset;
@@ -30,9 +30,9 @@ struct BinValues {
 
 [[nodiscard]] BinValues empty_bin();
 
-/// A method of making a map of returns: it takes them batch by batch, in order, and tells the values of every
-/// bin. Each bin sees its returns in the order they came in, so that values depend on neither threads nor
-/// batches.
+/// A gridding method: it takes returns batch by batch, in order, and gives the values of every bin. Each bin
+/// sees its returns in the order of arrival, so that values depend neither on the number of threads nor on
+/// the batches.
 class Accumulator {
  public:
   /// Throws UsageError unless the resolution is finite and positive and rows and columns are at least 1.
@@ -41,28 +41,28 @@ class Accumulator {
   Accumulator(const Accumulator&) = delete;
   Accumulator& operator=(const Accumulator&) = delete;
 
-  /// Adds returns; those that reach no bin are counted, not an error.
+  /// Adds returns. Those that reach no bin are counted; they are not an error.
   virtual void add(const GridPoints& points) = 0;
 
-  /// To be called after all returns. True where the method must see all of them once more, in the same order.
+  /// To be called after all returns. True if the method must see all of them again, in the same order.
   virtual bool end_pass() { return false; }
-  /// How far a method of several passes is, from the share of the present pass: in [0, 1], never decreasing.
+  /// Overall progress of a multi-pass method, from that of the present pass: in [0, 1], never decreasing.
   [[nodiscard]] virtual double progress(double pass_fraction) const { return pass_fraction; }
 
-  /// The bins from `first` on along its row, as many as `out` holds; they must lie in the grid. Valid after
-  /// the last pass.
+  /// The values of the bins from `first` along its row, as many as `out` holds; they must lie in the grid.
+  /// Valid after the last pass.
   virtual void values(BinIndex first, std::span<BinValues> out) const = 0;
 
   static constexpr std::int64_t kMaxReturns = std::numeric_limits<std::int32_t>::max();
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
-  /// Returns that reached a bin, and returns that reached none.
+  /// Number of returns that reached a bin, and of those that did not.
   [[nodiscard]] std::int64_t inside_count() const { return inside_count_; }
   [[nodiscard]] std::int64_t outside_count() const { return outside_count_; }
 
  protected:
   Accumulator(Accumulator&&) = default;
-  /// Throws FormatError where a bin's count, an int32, may have gone past its end.
+  /// Throws FormatError where the count of a bin, an int32, may have overflowed.
   void count_points(std::size_t all, std::size_t outside) {
     inside_count_ += static_cast<std::int64_t>(all - outside);
     outside_count_ += static_cast<std::int64_t>(outside);

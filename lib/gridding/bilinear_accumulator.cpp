@@ -11,7 +11,7 @@
 namespace landfall {
 namespace {
 
-/// A coordinate among the centres: the one at or before it, and how far it lies towards the next, in [0, 1).
+/// A coordinate relative to the bin centres: the last centre at or before it, and its offset in [0, 1).
 struct CentrePair {
   std::int64_t before;
   double fraction;
@@ -25,7 +25,7 @@ CentrePair centres_around(double coordinate_m, double resolution_m, std::int64_t
   return {static_cast<std::int64_t>(whole) - first, steps - whole};
 }
 
-/// True where one of the two centres around a point is in the grid and has a weight.
+/// True where one of the two centres around a point is in the grid and has a non-zero weight.
 bool reaches(const CentrePair& pair, std::int64_t size) {
   return (pair.before >= 0 && pair.before < size) || (pair.before == -1 && pair.fraction > 0);
 }
@@ -69,7 +69,7 @@ void BilinearAccumulator::add_pass(const GridPoints& points) {
   count_points(points.size(), all_outside);
 }
 
-/// A band's rows see the returns below and above them in one order: that of the points.
+/// The rows of a band see the returns below and above them in one order: that of the points.
 void BilinearAccumulator::add_band(const GridPoints& points, std::size_t band) {
   const std::span<const std::uint32_t> south = south_.points_of_band(band);
   const std::span<const std::uint32_t> north = north_.points_of_band(band);

@@ -8,14 +8,14 @@
 
 namespace landfall {
 
-/// Bilinear splatting (`bilinear4`): each return counts at the four bin centres around its estimated
-/// position, with the weight (1 - |x_est - X|/s)(1 - |y_est - Y|/s) at each, (X, Y) the centre; the four add
-/// up to 1.
+/// Bilinear splatting (`bilinear4`): each return contributes to the four bin centres around its estimated
+/// position, with the weight (1 - |x_est - X|/s)(1 - |y_est - Y|/s) at each, (X, Y) the centre; the four
+/// weights add up to 1.
 ///
-/// Centres outside the grid are left out, and so is one with the weight 0: a return exactly on a column or
-/// row of centres counts at two, on a centre at one. A return takes part in the count of every bin that it
-/// reaches; inside_count counts it once. Otherwise as WeightedMeanAccumulator: order, memory (16 bytes per
-/// point and pass).
+/// Centres outside the grid and centres with weight 0 are skipped: a return exactly on a column or row of
+/// centres contributes to two bins, a return on a centre to one. The count of every bin that a return reaches
+/// includes it; inside_count counts it once. Order and memory (16 bytes per point and pass) are as in
+/// WeightedMeanAccumulator.
 class BilinearAccumulator final : public Accumulator {
  public:
   explicit BilinearAccumulator(const GridSpec& spec);
@@ -30,7 +30,7 @@ class BilinearAccumulator final : public Accumulator {
 
   ZeroedArray<BinSums> bins_;
   RowPartition south_;  ///< by the row of the two centres below a return
-  RowPartition north_;  ///< and of those above
+  RowPartition north_;  ///< by the row of the two centres above a return
 };
 
 }  // namespace landfall

@@ -18,12 +18,12 @@ namespace landfall::HWY_NAMESPACE {
 using Whole = hn::Rebind<std::int32_t, D>;
 using Half = hn::CappedTag<double, 4>;
 
-/// Returns taken at a time, so that what is made of them, their bins and the
-/// next ones stay in the first cache.
+/// Number of returns processed at a time, so that intermediate values, their bins and the next bins stay in
+/// the first-level cache.
 constexpr std::size_t kBlock = 32;
 static_assert(kBlock % kMaxLanes == 0);
 
-/// GridSpec::bin_of in lanes, by the same operations.
+/// GridSpec::bin_of in SIMD lanes, computed by the same operations.
 struct LaneGrid {
   V resolution, first_row, first_col, rows, cols;
 
@@ -42,14 +42,14 @@ struct LaneGrid {
   }
 };
 
-/// 1 - |u - n|, n the whole number nearest to u.
+/// 1 - |u - n|, n the integer nearest to u.
 HWY_INLINE V Nearness(V u, V n) { return hn::Sub(constant(1), hn::Abs(hn::Sub(u, n))); }
 
 HWY_INLINE V LoadAt(std::span<const double> column, std::size_t i) {
   return hn::LoadU(D(), column.data() + i);
 }
 
-/// What is made of a block of returns before it reaches the bins.
+/// Intermediate values of a block of returns.
 struct Block {
   alignas(64) std::array<double, kBlock> weight;
   alignas(64) std::array<double, kBlock> z_first;
@@ -59,7 +59,7 @@ struct Block {
   std::array<BinSums*, kBlock> sums;
 };
 
-/// Bins and weights.
+/// Computes the bins and weights of a block.
 HWY_INLINE void PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t count, const LaneGrid& grid,
                            BinWeights weights, Block& block) {
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
@@ -80,8 +80,8 @@ HWY_INLINE void PlaceBlock(const GridPoints& p, std::size_t begin, std::size_t c
   }
 }
 
-/// Asks for the memory of the bins. Returns how many returns lie outside; these
-/// are sent to `sink`.
+/// Prefetches the bins. Returns how many returns lie outside; these are sent to
+/// `sink`.
 HWY_INLINE std::size_t AskForBins(std::size_t count, std::span<BinSums> bins, BinSums& sink, Block& block) {
   std::size_t outside = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -95,7 +95,7 @@ HWY_INLINE std::size_t AskForBins(std::size_t count, std::span<BinSums> bins, Bi
   return outside;
 }
 
-/// Counts the returns in their bins and sees to the first elevation of each.
+/// Counts the returns in their bins and sets the first elevation of each bin.
 HWY_INLINE void CountBlock(const GridPoints& p, std::size_t begin, std::size_t count, Block& block) {
   for (std::size_t i = 0; i < count; ++i) {
     BinSums& sums = *block.sums[i];
@@ -132,7 +132,7 @@ HWY_INLINE void AddBlock(std::size_t count, const Block& block) {
   }
 }
 
-/// The columns must be readable up to a whole number of vectors. Returns how many lie outside.
+/// The columns must be readable up to a whole number of vectors. Returns how many points lie outside.
 HWY_INLINE std::size_t AddReadable(const GridPoints& p, std::size_t count, const LaneGrid& grid,
                                    BinWeights weights, std::span<BinSums> bins) {
   std::size_t outside = 0;
@@ -146,7 +146,7 @@ HWY_INLINE std::size_t AddReadable(const GridPoints& p, std::size_t count, const
   };
   if (count > 0) prepare(0);
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
-    if (begin + kBlock < count) prepare(begin + kBlock);  // its bins arrive meanwhile
+    if (begin + kBlock < count) prepare(begin + kBlock);  // its bins are fetched in the meantime
     const std::size_t size = std::min(kBlock, count - begin);
     Block& block = blocks[begin / kBlock % 2];
     CountBlock(p, begin, size, block);
@@ -176,9 +176,9 @@ using Tile = hn::Rebind<std::uint32_t, D>;
 using Part = hn::Rebind<std::uint8_t, D>;
 using Bytes = hn::CappedTag<std::uint8_t, kPointsPerWord>;
 
-/// The parts of kPointsPerWord points. Tile numbers are multiplied by the
-/// fractions of the two-dimensional sequence R2, times 2^32: the parts of
-/// neighbouring tiles are spread evenly, along rows and columns.
+/// Finds the parts of kPointsPerWord points. Tile numbers are multiplied by the fractions of the
+/// two-dimensional sequence R2, times 2^32, which spreads the parts of neighbouring tiles evenly along rows
+/// and columns.
 HWY_INLINE void FindPartsOfWord(const double* x, const double* y, const LaneGrid& grid, const Tiling& tiling,
                                 std::uint8_t* parts) {
   const auto across = hn::Set(Tile(), 3242174889U);
@@ -191,14 +191,14 @@ HWY_INLINE void FindPartsOfWord(const double* x, const double* y, const LaneGrid
     const auto tile_col = hn::ShiftRightSame(hn::BitCast(Tile(), col), tiling.tile_bits);
     const auto tile_row = hn::ShiftRightSame(hn::BitCast(Tile(), row), tiling.tile_bits);
     const auto mixed = hn::Add(hn::Mul(tile_col, across), hn::Mul(tile_row, up));
-    // In two steps: a shift by all 32 bits is not defined.
+    // Two shifts, since a shift by all 32 bits is undefined.
     const auto part = hn::ShiftRightSame(hn::ShiftRight<1>(mixed), 31 - tiling.part_bits);
     hn::StoreU(hn::TruncateTo(Part(), part), Part(), parts + i);
   }
 }
 
 HWY_INLINE std::uint64_t BitsOfPart(const std::uint8_t* parts, std::uint8_t part) {
-  static_assert(std::endian::native == std::endian::little);  // for the bytes of `some`
+  static_assert(std::endian::native == std::endian::little);  // required by the byte order of `some`
   std::uint64_t bits = 0;
   const auto wanted = hn::Set(Bytes(), part);
   for (std::size_t i = 0; i < kPointsPerWord; i += hn::Lanes(Bytes())) {

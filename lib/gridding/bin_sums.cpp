@@ -9,7 +9,7 @@ namespace {
 
 double z_spread(const BinSums& sums) {
   const double mean_dz = sums.w_dz / sums.weight;
-  // Rounding can leave a tiny negative number where all returns are equal.
+  // Rounding can give a tiny negative number where all returns are equal.
   return std::sqrt(std::max(0.0, sums.w_dz_dz / sums.weight - mean_dz * mean_dz));
 }
 
@@ -33,7 +33,7 @@ BinValues values_of(const BinSums& sums) {
 
 void add_return(const GridPoints& points, std::size_t i, double weight, BinSums& bin) {
   BinSums sums =
-      bin;  // a copy may stay in registers: columns and bins could overlap for all the compiler knows
+      bin;  // a copy can stay in registers: the compiler cannot rule out that columns and bins overlap
   const double z = points.z_est[i];
   if (sums.count == 0) sums.z_first = z;
   const double dz = z - sums.z_first;

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// What a bin remembers of its returns: all that BinValues need. Zero bytes are an empty bin. The eight sums
-/// lie side by side: add_returns() takes them as vectors.
+/// The sums that a bin keeps of its returns: all that BinValues need. Zero bytes are an empty bin. The eight
+/// sums are contiguous because add_returns() processes them as vectors.
 struct BinSums {
   double weight;    ///< sum w
   double w_dz;      ///< sum w (z_est - z_first): small numbers, so that squares do not cancel

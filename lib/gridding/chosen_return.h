@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// The return that represents a bin, or the mean of two, by methods that choose.
+/// The return that represents a bin, or the mean of two, in methods that choose a return.
 struct ChosenReturn {
   double z, x_true, y_true, x_est, y_est, t;
 };

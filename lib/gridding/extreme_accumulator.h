@@ -8,9 +8,9 @@
 
 namespace landfall {
 
-/// The lowest or the highest return of each bin (`min`, `max`): all values are those of that one return, the
-/// first where several are equal; count and z_spread are of all returns of the bin. A return belongs to the
-/// bin whose centre is nearest. 80 bytes per bin; otherwise as WeightedMeanAccumulator.
+/// The lowest or the highest return of each bin (`min`, `max`): all values are those of that single return,
+/// the first of several equal ones; count and z_spread cover all returns of the bin. A return belongs to the
+/// bin whose centre is nearest. 80 bytes per bin; otherwise like WeightedMeanAccumulator.
 class ExtremeAccumulator final : public Accumulator {
  public:
   enum class Which { lowest, highest };

@@ -63,7 +63,7 @@ bool MedianAccumulator::end_pass() {
   return more;
 }
 
-/// Cuts the rows into bands of as many returns as are gathered at a time.
+/// Divides the rows into bands with at most as many returns as are gathered at a time.
 void MedianAccumulator::plan() {
   std::int64_t in_band = 0;
   std::int64_t most = 0;

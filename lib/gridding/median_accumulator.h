@@ -11,24 +11,24 @@
 
 namespace landfall {
 
-/// The median return of each bin by z_est (`median`), equal ones in the order they came in: all values are
-/// those of that one return, of an even count the means of the middle two's; count and z_spread are of all
+/// The median return of each bin by z_est (`median`), equal ones in order of arrival: all values are those of
+/// that single return or, for an even count, the means of the middle two; count and z_spread cover all
 /// returns of the bin. A return belongs to the bin whose centre is nearest.
 ///
 /// Medians need every return of a bin at once, so this method sees all returns several times: the first pass
-/// counts them by row of bins, each further one gathers the next rows of at most `points_at_a_time` returns
-/// and sorts them. 56 bytes per bin and 64 per return gathered: 224 + 134 MB for 2001 x 2001 bins, however
-/// many returns there are.
+/// counts them by row of bins, each further pass gathers and sorts the returns of the next rows, at most
+/// `points_at_a_time`. 56 bytes per bin and 64 per gathered return: 224 + 134 MB for 2001 x 2001 bins, for
+/// any number of returns.
 class MedianAccumulator final : public Accumulator {
  public:
   static constexpr std::int64_t kPointsAtATime = std::int64_t{1} << 21U;
   explicit MedianAccumulator(const GridSpec& spec, std::int64_t points_at_a_time = kPointsAtATime);
 
   void add(const GridPoints& points) override;
-  /// Throws FormatError, after the first pass, where one row of bins holds more than points_at_a_time
+  /// Throws FormatError after the first pass if one row of bins holds more than points_at_a_time
   /// returns.
   bool end_pass() override;
-  /// The first pass is taken for a tenth of the whole: the number of the others is not known before it ends.
+  /// The first pass counts as a tenth of the progress: the number of passes is unknown before it ends.
   [[nodiscard]] double progress(double pass_fraction) const override;
   void values(BinIndex first, std::span<BinValues> out) const override;
 
@@ -36,7 +36,7 @@ class MedianAccumulator final : public Accumulator {
   struct Return {
     double z, x_true, y_true, x_est, y_est, t;
     std::uint64_t bin;
-    std::uint64_t number;  ///< among those gathered: equal elevations keep their order
+    std::uint64_t number;  ///< order of arrival among those gathered, which breaks ties of elevation
   };
   /// Zero bytes are an empty bin.
   struct Bin {

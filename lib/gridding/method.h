@@ -7,9 +7,9 @@
 
 namespace landfall {
 
-/// How returns make a map; docs/user/regrid.md says what each layer then means.
+/// How a map is made from returns; docs/user/regrid.md defines each layer for each method.
 enum class Method {
-  bilinear_nearest,  ///< weighted mean of the returns in a bin: the paper's (WeightedMeanAccumulator)
+  bilinear_nearest,  ///< weighted mean of the returns in a bin, as in the paper (WeightedMeanAccumulator)
   bilinear4,         ///< each return at the four centres around it (BilinearAccumulator)
   mean,              ///< plain mean (WeightedMeanAccumulator)
   min,               ///< the lowest return (ExtremeAccumulator)

@@ -9,9 +9,9 @@
 
 namespace landfall {
 
-/// What the uncertainty map needs of a bin's returns beside BinSums. dx and dy are from the bin's centre, dz
-/// from its z_first, so that single precision is enough: sums of n returns are good to about n 6e-8 of
-/// themselves.
+/// The moments of a bin's returns that the uncertainty map needs besides BinSums. dx and dy are relative to
+/// the bin's centre, dz to its z_first, so that single precision is enough: the relative error of a sum of n
+/// returns is about n 6e-8.
 struct BinMoments {
   float w_w;  ///< sum w^2
   float w_dx_dx;
@@ -21,9 +21,9 @@ struct BinMoments {
   float w_dy_dz;
 };
 
-/// Second moments per bin, beside a WeightedMeanAccumulator of the same grid and with its weights. In the
-/// same order at any number of threads: the same bits. 24 bytes per bin, untouched until a return falls on
-/// it.
+/// Second moments per bin, beside a WeightedMeanAccumulator of the same grid and with its weights. Returns
+/// are added in the same order at any number of threads, which gives the same bits. 24 bytes per bin,
+/// untouched until a return falls on it.
 class MomentAccumulator {
  public:
   explicit MomentAccumulator(const GridSpec& spec);

@@ -12,17 +12,17 @@
 
 namespace landfall {
 
-/// So many points at a time: the partition's own memory stays at 48 MB however large the batch.
+/// The number of points per pass: the partition's own memory stays at 48 MB for any size of batch.
 inline constexpr std::size_t kPointsPerPass = std::size_t{1} << 22U;
 
-/// Shares out the returns of a method by which each lands in the one bin whose centre is nearest.
+/// Distributes the returns for a method in which each return falls in the bin with the nearest centre.
 class NearestBins {
  public:
   /// The grid must have at most 2^31 - 1 bins.
   explicit NearestBins(const GridSpec& spec) : spec_(spec), partition_(spec) {}
 
   /// Calls add(spec, points, i, bin) for every return i in a bin (its row-major number), bands of rows in
-  /// parallel, each bin's returns in order. Returns how many lie in none.
+  /// parallel, each bin's returns in order. Returns how many lie in no bin.
   template <class Add>
   std::size_t for_each(const GridPoints& points, const Add& add) {
     std::size_t outside = 0;

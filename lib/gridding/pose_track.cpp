@@ -58,10 +58,10 @@ TimedPose PoseTrack::at(double t_s) const {
   const auto next = static_cast<std::size_t>(std::min(after, scan.t_s.end() - 1) - scan.t_s.begin());
   const std::size_t last = next == 0 ? 0 : next - 1;
   const double span = scan.t_s[next] - scan.t_s[last];
-  const double u = span > 0 ? (t - scan.t_s[last]) / span : 1;  // 0: the last pose, at one time with another
+  const double u = span > 0 ? (t - scan.t_s[last]) / span : 1;  // 0: the last of several poses at one time
   const Eigen::Vector4d from = scan.attitude[last].coeffs();
   Eigen::Vector4d to = scan.attitude[next].coeffs();
-  if (from.dot(to) < 0) to = -to;  // the same attitude, the short way
+  if (from.dot(to) < 0) to = -to;  // the same attitude, so that the interpolation takes the short way
   const Eigen::Quaterniond attitude(Eigen::Vector4d((1 - u) * from + u * to).normalized());
   return {Point<DemFrame>{(1 - u) * scan.position_m[last] + u * scan.position_m[next]},
           Rotation<DemFrame, BodyFrame>{attitude.toRotationMatrix()}, t - scan.t_s.front()};

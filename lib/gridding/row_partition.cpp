@@ -8,8 +8,8 @@
 namespace landfall {
 namespace {
 
-// A band of a 2001-column grid is 1.3 MB of sums, which a core's own cache holds; a scan that sweeps down the
-// map still meets several bands in each batch.
+// A band of a 2001-column grid holds 1.3 MB of sums, which fits in a core's own cache; a scan that sweeps
+// down the map still covers several bands in each batch.
 constexpr std::int32_t kRowsPerBand = 8;
 constexpr std::size_t kPointsPerPiece = 1U << 16U;
 

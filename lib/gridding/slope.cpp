@@ -52,7 +52,7 @@ PlaneSums window_sums(const WeightedMeanAccumulator& bins, BinIndex middle, std:
   return sums;
 }
 
-/// The plane's slope, in metres per bin edge, and how far the centroids scatter across their main direction.
+/// The plane's slope, in metres per bin edge, and the scatter of the centroids across their main direction.
 struct PlaneFit {
   double x;
   double y;
@@ -82,7 +82,7 @@ Slope slope_at(const WeightedMeanAccumulator& bins, BinIndex bin) {
   return {};
 }
 
-/// set(bin, sums) for each bin that holds a return.
+/// Calls set(bin, sums) for each bin that holds a return.
 template <class Set>
 void for_each_filled_bin(const WeightedMeanAccumulator& bins, Set set,
                          const ProgressCallback& progress = {}) {

@@ -15,20 +15,20 @@ struct Slope {
   float y = std::numeric_limits<float>::quiet_NaN();
 };
 
-/// The slope at each bin that holds a return: of the plane fitted by least squares, weighted by sum w, to the
-/// centroids (mean x_est, mean y_est, z_est) of the 3 x 3 bins around it. Centroids, not bin centres: on a
-/// plane the slope is exact wherever the returns lie.
+/// The slope at each bin that holds a return: that of the plane fitted by least squares, weighted by sum w,
+/// to the centroids (mean x_est, mean y_est, z_est) of the 3 x 3 bins around it. With centroids instead of
+/// bin centres, the slope of a plane is exact for any position of the returns.
 ///
-/// Where fewer than 6 of those bins hold returns, or they lie so nearly on a line that their scatter across
-/// it is below 0.1 s^2 (s the bin's edge; 2/3 s^2 for 3 x 3 full bins), 5 x 5 bins are taken, then 7 x 7. NaN
-/// where even these have fewer than 3 bins or lie on a line, and in empty bins. Range noise sigma_z of a bin
-/// gives the slope the noise sigma_z / (s sqrt(6)) on each axis.
+/// Where fewer than 6 of those bins hold returns, or they are so nearly collinear that their scatter across
+/// the line is below 0.1 s^2 (s the bin's edge; 2/3 s^2 for 3 x 3 full bins), 5 x 5 bins are used, then 7 x
+/// 7. NaN where even these have fewer than 3 bins or are collinear, and in empty bins. Range noise sigma_z of
+/// a bin gives the slope the noise sigma_z / (s sqrt(6)) on each axis.
 [[nodiscard]] Grid<Slope> slope_layer(const WeightedMeanAccumulator& bins,
                                       const ProgressCallback& progress = {});
 
-/// z_est - g . D: z_est carried along the slope g from the centroid of the bin's returns to the bin's centre;
-/// D = (mean x_est - X, mean y_est - Y). On a plane it removes the error of quantisation (Eq. 13) altogether.
-/// NaN where z_est or the slope is.
+/// z_est - g . D: z_est moved along the slope g from the centroid of the bin's returns to the bin's centre; D
+/// = (mean x_est - X, mean y_est - Y). On a plane this removes the quantisation error (Eq. 13) completely.
+/// NaN where z_est or the slope is NaN.
 [[nodiscard]] double corrected_elevation(const BinValues& values, const GridSpec& spec, BinIndex bin,
                                          const Slope& slope);
 

@@ -14,8 +14,8 @@ constexpr int kMaxPartBits = 6;
 constexpr std::size_t kPointsPerPiece = std::size_t{1} << 14U;
 static_assert(kPointsPerPiece % kPointsPerWord == 0);
 
-/// So many tiles for each part along a row of the grid, unless tiles become too small: more even
-/// out the work of parts, but the points of a scanner's image then lie in more of them.
+/// The number of tiles for each part along a row of the grid, unless tiles become too small: more tiles
+/// balance the work of the parts, but spread the points of a scanner's image over more of them.
 constexpr std::uint64_t kTilesPerPart = 1;
 constexpr int kMinTileBits = 5;
 

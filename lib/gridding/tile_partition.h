@@ -11,24 +11,24 @@
 
 namespace landfall {
 
-/// Shares out points by square tiles of the grid, so that parts can be summed in parallel while each bin
-/// still sees its points in the order they came in. Tiles are assigned to parts pseudo-randomly: a scan line,
-/// whatever its direction, meets all parts, and many points in a row belong to one.
+/// Distributes points by square tiles of the grid, so that parts can be summed in parallel while each bin
+/// still sees its points in the order of arrival. Tiles are assigned to parts pseudo-randomly: a scan line in
+/// any direction crosses all parts, and many consecutive points belong to one part.
 class TilePartition {
  public:
-  /// Asks for at least `least_parts` parts, of which there are at most 64. The grid's rows and columns lie
-  /// below 2^31.
+  /// Creates at least `least_parts` parts, at most 64. The grid's rows and columns lie below
+  /// 2^31.
   TilePartition(const GridSpec& spec, std::size_t least_parts);
 
   [[nodiscard]] std::size_t part_count() const { return std::size_t{1} << tiling_.part_bits; }
-  /// Bins on a tile's edge.
+  /// The edge of a tile in bins.
   [[nodiscard]] std::int64_t tile_side() const { return std::int64_t{1} << tiling_.tile_bits; }
 
-  /// Sorts points anew; x and y, metres, have one length. A bit per point and part, kept for the next batch.
+  /// Sorts points again; x and y, metres, have one length. A bit per point and part, kept for the next batch.
   void assign(std::span<const double> x_m, std::span<const double> y_m);
 
-  /// Point i belongs to the part where bit i % 64 of word i / 64 is set: each to exactly one, those of a tile
-  /// to the same, and to any one where it lies in no bin.
+  /// Point i belongs to the part where bit i % 64 of word i / 64 is set: each point to exactly one part, all
+  /// points of a tile to the same part, points in no bin to any part.
   [[nodiscard]] std::span<const std::uint64_t> points_of_part(std::size_t part) const {
     return std::span(bits_).subspan(part * words_, words_);
   }

@@ -27,7 +27,7 @@ void check_sigmas(const std::string& key, const Eigen::Vector3d& sigmas) {
       throw UsageError(key + ": " + number_text(sigma) + " is not finite and at least 0");
 }
 
-/// value(bin) of every bin that holds a return, NaN of the others.
+/// value(bin) of every bin that holds a return; NaN in the others.
 template <class Value>
 Grid<float> filled_bins(const WeightedMeanAccumulator& bins, Value value,
                         const ProgressCallback& progress = {}) {
@@ -43,7 +43,7 @@ Grid<float> filled_bins(const WeightedMeanAccumulator& bins, Value value,
   return layer;
 }
 
-/// The sum over the bins within kRoughnessRadius, NaN left out.
+/// The sum over the bins within kRoughnessRadius; NaN is skipped.
 double window_sum(const Grid<float>& layer, BinIndex middle) {
   double sum = 0;
   const GridSpec& spec = layer.spec();
@@ -73,10 +73,10 @@ double quantisation_factor(double count) {
   return kMany + (1.0 / 12.0 - kMany) / count;
 }
 
-/// How the body saw a bin.
+/// The geometry under which the body saw a bin.
 struct UncertaintyMap::Sight {
   Vector<DemFrame> lever;    ///< from the body's origin to (X, Y, z_est)
-  Direction<DemFrame> beam;  ///< the same, of length 1
+  Direction<DemFrame> beam;  ///< the same direction, of length 1
   TimedPose pose;
 };
 
@@ -109,7 +109,7 @@ double UncertaintyMap::sum_of_squared_weights(BinIndex bin) const {
 double UncertaintyMap::scatter_about_slope(BinIndex bin) const {
   const GridSpec& spec = bins_.spec();
   const BinSums& sums = bins_.bins()[spec.index(bin)];
-  if (sums.count == 1) return 0;  // rounding may not give one return a scatter
+  if (sums.count == 1) return 0;  // rounding must not give a single return a scatter
   const BinMoments& m = moments_.bins()[spec.index(bin)];
   const double w = sums.weight;
   const double dx = sums.w_x_est / w - spec.x(bin.col);
@@ -124,9 +124,9 @@ double UncertaintyMap::scatter_about_slope(BinIndex bin) const {
   return zz - 2 * along + plane;
 }
 
-/// The returns of one bin scatter by (1 - sum w_k^2) of the variance of a single one, range noise (J . n)^2
-/// sigma_r^2 included. What they have in excess, pooled over the window with weights N_eff, is the variance
-/// of the relief.
+/// The returns of one bin scatter by (1 - sum w_k^2) of the variance of a single return, including range
+/// noise (J . n)^2 sigma_r^2. The excess over this noise, pooled over the window with weights N_eff, is the
+/// variance of the relief.
 Grid<float> UncertaintyMap::roughness(const ProgressCallback& progress) const {
   const auto excess_of = [&](BinIndex bin) {
     const Slope g = slopes_.at(bin);

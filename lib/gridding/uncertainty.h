@@ -20,7 +20,7 @@ struct NavigationSigma {
   RollPitchYaw rpy_rate_radps{};
 };
 
-/// What the uncertainty map is told about the errors.
+/// The errors that the uncertainty map assumes.
 struct UncertaintyParameters {
   double range_sigma_m = 0;
   NavigationSigma navigation = {};
@@ -37,13 +37,13 @@ struct BinVariances {
   double navigation = 0;
 };
 
-/// The 1-sigma of a DEM's cells as a map reader meets them: of e = H(X, Y) - z_est, the terrain under the
-/// bin's centre minus the map. docs/user/uncertainty.md derives it.
+/// The 1-sigma of a DEM's cells for a map reader: of e = H(X, Y) - z_est, the terrain under the bin's centre
+/// minus the map. docs/user/uncertainty.md derives it.
 ///
 /// With the slope g, J = (-g_x, -g_y, 1), the normalised weights w_k of the bin's N returns, the mean time t
 /// since the scan began, r the bin (X, Y, z_est) seen from the BODY's estimated origin at that time (attitude
 /// errors turn the map about it, and the arm of the lidar's mount is part of r), R the estimated attitude,
-/// and n = r / |r| the direction of the beam (the mount's arm, metres of hundreds, is left out there), the
+/// and n = r / |r| the direction of the beam (neglecting the mount's arm, metres against hundreds), the
 /// variances are:
 ///
 /// range = sigma_r^2 (J . n)^2 sum w_k^2.
@@ -59,8 +59,8 @@ struct BinVariances {
 /// Every part is NaN where the bin is empty or has no slope.
 class UncertaintyMap {
  public:
-  /// All four are of one grid and one set of returns, and outlive the map. 4 bytes per bin, 12 while it is
-  /// made.
+  /// All four arguments belong to one grid and one set of returns, and outlive the map. 4 bytes per bin, 12
+  /// during construction.
   UncertaintyMap(const WeightedMeanAccumulator& bins, const MomentAccumulator& moments,
                  const Grid<Slope>& slopes, const PoseTrack& poses, const UncertaintyParameters& parameters,
                  const ProgressCallback& progress = {});
@@ -70,11 +70,11 @@ class UncertaintyMap {
 
   // One sigma, metres; NaN in an empty bin.
 
-  /// sqrt(range + quant + rough + navigation) and sqrt(range + quant + rough): navigation moves a whole
+  /// sqrt(range + quant + rough + navigation) and sqrt(range + quant + rough): navigation errors move a whole
   /// footprint alike.
   [[nodiscard]] double z_sigma_abs(BinIndex bin) const;
   [[nodiscard]] double z_sigma_rel(BinIndex bin) const;
-  /// The same of z_corrected: without quant.
+  /// The same for z_corrected: without quant.
   [[nodiscard]] double z_corrected_sigma_abs(BinIndex bin) const;
   [[nodiscard]] double z_corrected_sigma_rel(BinIndex bin) const;
   /// Of the horizontal error x_true - X along one axis: the root of the mean of the variances in x and in y,
@@ -99,9 +99,9 @@ class UncertaintyMap {
   Grid<float> roughness_;  ///< rho^2
 };
 
-/// k of the quantisation term: a return lies anywhere in its bin, so the mean of N with the weights of Eq. 9
-/// misses the centre by s^2 k / N on each axis. Exact for N = 1 (1/12) and N -> infinity (1792/29160), within
-/// 0.3 % between.
+/// k of the quantisation term: a return may lie anywhere in its bin, so the mean of N returns with the
+/// weights of Eq. 9 misses the centre by s^2 k / N on each axis. Exact for N = 1 (1/12) and N -> infinity
+/// (1792/29160), within 0.3 % between.
 [[nodiscard]] double quantisation_factor(double count);
 
 }  // namespace landfall

@@ -12,28 +12,28 @@
 namespace landfall {
 namespace {
 
-/// So many points at a time: the partition's own memory stays below 8 MB however large the batch.
+/// The number of points per pass: the partition's own memory stays below 8 MB for any size of batch.
 constexpr std::size_t kPointsPerPass = std::size_t{1} << 20U;
 
-/// Parts for each thread: more even out the work, but the points of each then lie more scattered.
+/// Parts per thread: more parts balance the work, but scatter the points of each part more.
 constexpr std::size_t kPartsPerThread = 2;
 
 /// Shorter runs of points are copied together with others.
 constexpr std::size_t kLongRun = 256;
 
-/// Points from here and there, one behind the other.
+/// Copies scattered points into contiguous memory.
 class GatheredPoints {
  public:
   [[nodiscard]] bool is_empty() const { return count_ == 0; }
   /// True if the points of one more word may not fit.
   [[nodiscard]] bool is_full() const { return count_ + kPointsPerWord > kRoom; }
-  /// Notes the points from `begin` on whose bits are set.
+  /// Adds the points from `begin` on whose bits are set.
   void append(std::size_t begin, std::uint64_t bits) {
     for (; bits != 0; bits &= bits - 1)
       numbers_[count_++] =
           static_cast<std::uint32_t>(begin) + static_cast<std::uint32_t>(std::countr_zero(bits));
   }
-  /// Copies and forgets the points noted; what is returned is valid until the next call.
+  /// Copies the added points and clears the list. The result is valid until the next call.
   GridPoints take(const GridPoints& p) {
     GridPoints::Columns columns = p.columns();
     for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -51,7 +51,7 @@ class GatheredPoints {
   std::size_t count_ = 0;
 };
 
-/// How many points in a row, from word `first` on, all belong to the part, in whole words.
+/// The number of consecutive points, in whole words from word `first`, that all belong to the part.
 std::size_t run_length(std::span<const std::uint64_t> part, std::size_t first) {
   std::size_t end = first;
   while (end < part.size() && part[end] == ~std::uint64_t{0}) ++end;

@@ -15,15 +15,15 @@
 namespace landfall {
 
 /// Weighted sums per bin: the DEM construction of Chen et al., Eqs. 8-9 (`bilinear_nearest`), and the same
-/// without weights (`mean`).
+/// sums without weights (`mean`).
 ///
-/// A return lands in one bin, the one whose centre is nearest in x and in y by its estimated position
+/// A return lands in one bin, the one whose centre is nearest in x and in y to its estimated position
 /// (GridSpec::bin_of); it never spreads to neighbours. Its weight is w = (1 - p)(1 - q), p = |x_est - X|/s, q
-/// likewise in y, (X, Y) the bin's centre, s the bin's edge: weights lie in [1/4, 1]. The paper leaves the
-/// division by s unsaid (docs/reference/decisions.md).
+/// = |y_est - Y|/s, (X, Y) the bin's centre, s the bin's edge: weights lie in [1/4, 1]. The paper does not
+/// state the division by s (docs/reference/decisions.md).
 ///
-/// Sums are in double and each bin adds its returns in the order they came in: the same bits at any number of
-/// threads and for any cutting into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched
+/// Sums are in double and each bin adds its returns in the order of arrival: the same bits at any number of
+/// threads and for any division into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched
 /// until a return falls on them, and up to 8 bytes per point of at most 1 M points at a time.
 class WeightedMeanAccumulator final : public Accumulator {
  public:

@@ -12,7 +12,7 @@
 namespace landfall {
 namespace {
 
-/// Over any surface that numbers its triangles.
+/// A brute-force engine over any surface whose triangles are numbered.
 template <class Surface>
 class BruteForceEngine final : public RayEngine {
  public:

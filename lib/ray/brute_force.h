@@ -9,9 +9,9 @@
 
 namespace landfall {
 
-/// The oracle of the other engines: tests each ray against every triangle. Slow and obvious.
+/// The oracle of the other engines: it tests each ray against every triangle. Slow and obvious.
 ///
-/// The test is WatertightRay's. A ray that is not finite misses. O(triangles) per ray.
+/// The intersection test is WatertightRay. A ray that is not finite misses. O(triangles) per ray.
 [[nodiscard]] std::unique_ptr<RayEngine> make_brute_force_engine(
     std::shared_ptr<const TriangulatedGrid> terrain);
 [[nodiscard]] std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const TriangleMesh> terrain);

@@ -32,8 +32,8 @@ typename K::Triangle_3 cgal_triangle(const std::array<Eigen::Vector3d, 3>& corne
   return {cgal_point<K>(corners[0]), cgal_point<K>(corners[1]), cgal_point<K>(corners[2])};
 }
 
-/// The corner that both triangles of a cell share. The tree's construction asks for it some 50 times per
-/// triangle: taken from the nodes directly, it needs one corner instead of three.
+/// The corner that both triangles of a cell share. The construction of the tree asks for it some 50 times per
+/// triangle, so it is read from the nodes directly: this computes one corner instead of three.
 Kernel::Point_3 reference_corner(const TriangulatedGrid& terrain, std::size_t id) {
   const GridSpec& spec = terrain.nodes().spec();
   const auto cell = static_cast<std::int64_t>(id / 2);
@@ -45,7 +45,7 @@ Kernel::Point_3 reference_corner(const TriangleMesh& terrain, std::size_t id) {
   return cgal_point<Kernel>(terrain.data().vertices[terrain.data().triangles[id][0]]);
 }
 
-/// One triangle of a terrain as the tree stores it: its number. (Concept AABBPrimitiveWithSharedData.)
+/// One triangle of a terrain as the tree stores it: by its number. (Concept AABBPrimitiveWithSharedData.)
 template <class Surface>
 class SurfaceTriangle {
  public:
@@ -68,20 +68,20 @@ class SurfaceTriangle {
   Id id_;
 };
 
-/// A ray as the tree is asked: from `origin` through `second`.
+/// A ray as the tree queries it: from `origin` through `second`.
 struct Query {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
   Eigen::Vector3d second;
   Kernel::Ray_3 ray;
-  Eigen::Array3d inverse_step;  ///< 1 / (second - origin), infinite where that is 0
+  Eigen::Array3d inverse_step;  ///< 1 / (second - origin), infinite where that difference is 0
   double step_m;                ///< |second - origin|
 
-  /// CGAL's rays keep a second point instead of a direction. Its rounding error is that of the larger of the
-  /// origin's coordinates and the step, so a step as large as any coordinate keeps the angle to about 2^-52;
-  /// a much larger one would gain nothing and would spoil the kernel's floating-point filters, whose error
-  /// bound grows with the cube of the step while the determinants grow linearly. A power of two scales the
-  /// direction without rounding.
+  /// CGAL's rays store a second point instead of a direction. The rounding error of that point is that of the
+  /// larger of the origin's coordinates and the step, so a step as large as any coordinate keeps the angle to
+  /// about 2^-52. A much larger step would gain nothing and would defeat the kernel's floating-point filters,
+  /// whose error bound grows with the cube of the step while the determinants grow linearly. A power of two
+  /// scales the direction without rounding.
   Query(const Ray& r, double terrain_extent_m) : origin(r.origin.v), direction(r.direction.v) {
     const double largest = std::max(origin.cwiseAbs().maxCoeff(), terrain_extent_m);
     second = origin + std::exp2(std::ceil(std::log2(std::max(largest, 1.0)))) * direction;
@@ -91,9 +91,9 @@ struct Query {
   }
 };
 
-/// Distance to the triangle's plane, where the error bound of the double evaluation is below 1e-9 m; else
-/// NaN. The bound: each of cross product, dot product and quotient adds a few units of 2^-53 times the
-/// product of the lengths that enter; 32 of them cover the sum.
+/// Distance to the triangle's plane; NaN unless the error bound of the double evaluation is below 1e-9 m. The
+/// bound: the cross product, the dot product and the quotient each add a few units of 2^-53 times the product
+/// of the lengths involved; 32 units cover the sum.
 double plane_range_m(const Query& q, const std::array<Eigen::Vector3d, 3>& corners) {
   constexpr double kBound_m = 1e-9;
   const Eigen::Vector3d e1 = corners[1] - corners[0];
@@ -107,8 +107,8 @@ double plane_range_m(const Query& q, const std::array<Eigen::Vector3d, 3>& corne
   return sharp ? std::max(range, 0.0) : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Distance to the first common point, correctly rounded but for the square root; the two must meet. Also for
-/// a ray in the triangle's plane.
+/// Distance to the first common point, correctly rounded except for the square root. The ray must meet the
+/// triangle; it may lie in the triangle's plane.
 double exact_range_m(const Query& q, const std::array<Eigen::Vector3d, 3>& corners) {
   const auto origin = cgal_point<ExactKernel>(q.origin);
   const ExactKernel::Ray_3 ray(origin, cgal_point<ExactKernel>(q.second));
@@ -148,8 +148,8 @@ class FirstHit {
   }
 
   /// Whether the ray may enter the box before the best hit, and how early. Each bound of the step is within 4
-  /// units of 2^-53 of the exact one; the widening by 2^-49 makes up for both sides: no box that the exact
-  /// ray touches is lost (Ize, "Robust BVH ray traversal", JCGT 2013).
+  /// units of 2^-53 of the exact bound; widening the interval by 2^-49 covers the error of both bounds, so
+  /// that no box that the exact ray touches is lost (Ize, "Robust BVH ray traversal", JCGT 2013).
   template <class Node>
   [[nodiscard]] std::pair<bool, Priority> do_intersect_with_priority(const Query& q, const Node& node) const {
     constexpr double kWiden = 1 + 0x1p-49;
@@ -199,7 +199,7 @@ class AabbTreeEngine final : public RayEngine {
   using Traits = CGAL::AABB_traits<Kernel, Primitive>;
 
   void insert_triangles(const ProgressCallback& progress) {
-    constexpr double kShare = 0.1;  // of the time; the tree's build takes the rest
+    constexpr double kShare = 0.1;  // of the time; building the tree takes the rest
     constexpr std::size_t kPerReport = 1U << 16U;
     const std::size_t count = surface_->triangle_count();
     for (std::size_t id = 0; id < count; ++id) {
@@ -213,7 +213,7 @@ class AabbTreeEngine final : public RayEngine {
   }
 
   void build_tree() {
-    tree_.build();  // now, by one thread: queries then only read
+    tree_.build();  // built here by one thread, so that queries only read
     const CGAL::Bbox_3 box = tree_.bbox();
     for (int axis = 0; axis < 3; ++axis)
       extent_m_ = std::max({extent_m_, std::abs(box.min(axis)), std::abs(box.max(axis))});

@@ -11,18 +11,18 @@
 namespace landfall {
 
 /// First hits through CGAL's AABB tree, with the exact predicates of its EPICK kernel: whether a ray meets a
-/// triangle is decided without rounding, borders included, so that no ray slips between neighbours.
+/// triangle, border included, is decided without rounding, so that no ray slips between neighbours.
 ///
-/// The range is that to the hit triangle's plane, in double where its error bound stays below 1e-9 m, in
-/// rational arithmetic where the ray grazes the plane more flatly. A ray in a triangle's plane meets it where
-/// it enters it; an origin on the surface has range 0. A ray that is not finite misses.
+/// The range is the distance to the plane of the hit triangle: in double where its error bound stays below
+/// 1e-9 m, in rational arithmetic where the ray is flatter. A ray in a triangle's plane meets it where it
+/// enters it; an origin on the surface has range 0. A ray that is not finite misses.
 ///
-/// The ray that is traced passes through the origin and a second point whose rounding turns it by at most
-/// 1e-15 rad. Triangles with a NaN corner are left out. O(log triangles) per ray; the tree takes 72 bytes per
-/// triangle, the triangles themselves are made from the terrain when needed.
+/// The traced ray passes through the origin and a second point, whose rounding turns the ray by at most 1e-15
+/// rad. Triangles with a NaN corner are omitted. O(log triangles) per ray. The tree takes 72 bytes per
+/// triangle; the triangles themselves are computed from the terrain when needed.
 ///
-/// Progress: the triangles are counted to a tenth; building the tree, most of the time, reports nothing until
-/// it is done.
+/// Progress: counting the triangles covers the first tenth. Building the tree takes most of the time and
+/// reports nothing until it is done.
 [[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangulatedGrid> terrain,
                                                           const ProgressCallback& progress = {});
 [[nodiscard]] std::unique_ptr<RayEngine> make_cgal_engine(std::shared_ptr<const TriangleMesh> terrain,

@@ -16,7 +16,7 @@ float rounded_down(double value) {
 
 Bounds joined(Bounds a, Bounds b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
 
-/// The nodes' elevations as bounds; holes bound nothing.
+/// The elevations of the nodes as bounds. A hole (NaN) has empty bounds.
 void bound_nodes(std::span<const double> nodes, std::vector<Bounds>& bounds) {
   std::transform(nodes.begin(), nodes.end(), bounds.begin(), [](double z) {
     return std::isfinite(z) ? Bounds{rounded_down(z), -rounded_down(-z)} : Bounds{};

@@ -20,10 +20,10 @@ struct CellBox {
   double high_y;
 };
 
-/// How low and how high the surface gets, over square blocks of cells: single cells on level 0, blocks of 4 x
-/// 4 cells on level 1, of four blocks of the level below on each further level, one block on the last. Single
-/// precision, `low` rounded down and `high` up; a block that has no finite node has low = +infinity, high =
-/// -infinity.
+/// The lowest and the highest elevation of the surface over square blocks of cells: single cells on level 0,
+/// blocks of 4 x 4 cells on level 1, four blocks of the level below on each further level, one block on the
+/// last level. Single precision, `low` rounded down and `high` up. A block without a finite node has low =
+/// +infinity, high = -infinity.
 class ElevationPyramid {
  public:
   struct Bounds {
@@ -35,13 +35,13 @@ class ElevationPyramid {
   struct Level {
     std::int64_t rows = 0;
     std::int64_t cols = 0;
-    std::size_t first = 0;  ///< block of the pyramid
+    std::size_t first = 0;  ///< index of the level's first block in the pyramid
     [[nodiscard]] std::size_t index(BinIndex block) const {
       return first + static_cast<std::size_t>(block.row * cols + block.col);
     }
   };
 
-  /// How many cells a block is wide.
+  /// The width of a block in cells.
   [[nodiscard]] static constexpr std::int64_t block_cells(int level) {
     return level == 0 ? 1 : std::int64_t{2} << level;
   }
@@ -53,12 +53,12 @@ class ElevationPyramid {
   [[nodiscard]] const Level& level(int level) const { return levels_[static_cast<std::size_t>(level)]; }
   /// The block must lie in the level.
   [[nodiscard]] Bounds bounds(int level, BinIndex block) const { return at(this->level(level).index(block)); }
-  /// Of all blocks, each level row-major from Level::first on.
+  /// The upper bounds of all blocks; each level is row-major from Level::first on.
   [[nodiscard]] std::span<const float> highs() const { return std::span(bounds_).first(block_count()); }
-  /// Likewise; they follow the highs in memory.
+  /// The lower bounds of all blocks in the same order. They follow the highs in memory.
   [[nodiscard]] std::span<const float> lows() const { return std::span(bounds_).last(block_count()); }
-  /// Of the few blocks, at most 2 x 2, that the box widened by 1/16 cell touches: bounds of the surface over
-  /// the box, not the closest. O(levels).
+  /// Bounds of the surface over the box, not the tightest: those of the few blocks (at most 2 x 2) that the
+  /// box, widened by 1/16 cell, touches. O(levels).
   [[nodiscard]] Bounds over(const CellBox& box) const;
   [[nodiscard]] float lowest() const { return at(block_count() - 1).low; }
   [[nodiscard]] float highest() const { return at(block_count() - 1).high; }

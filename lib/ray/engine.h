@@ -13,17 +13,17 @@ struct Ray {
   Direction<DemFrame> direction;
 };
 
-/// Finds where rays first meet the terrain. Every engine answers the same: |range - exact intersection with
-/// the stored surface| <= 1e-6 m, and no leaks: a ray through a shared edge or vertex hits. Surfaces are
-/// two-sided. Holes (NaN) and points outside the terrain are misses. An engine is immutable once
-/// built: any number of threads may use it.
+/// Finds where rays first meet the terrain. Every engine gives the same answer: |range - exact intersection
+/// with the stored surface| <= 1e-6 m, without leaks: a ray through a shared edge or vertex hits. Surfaces
+/// are two-sided. Holes (NaN) and points outside the terrain are misses. An engine is immutable once built:
+/// any number of threads may use it.
 class RayEngine {
  public:
   virtual ~RayEngine() = default;
 
-  /// ranges[i] = distance along rays[i] to its first hit, metres, >= 0; NaN where it misses. Both spans have
-  /// one size. Rays of one pulse in one call, in pixel order, is what engines are tuned for; any bundle is
-  /// allowed.
+  /// ranges[i] = distance along rays[i] to its first hit, metres, >= 0; NaN where the ray misses. Both spans
+  /// have the same size. Engines are tuned for calls that pass the rays of one pulse in pixel order; any set
+  /// of rays is allowed.
   virtual void first_hits(std::span<const Ray> rays, std::span<double> ranges) const = 0;
 };
 

@@ -10,14 +10,14 @@
 
 namespace landfall {
 
-/// How a heightfield's rays become GridRays, and how large numbers get on the way.
+/// How rays on a heightfield become GridRays, and the bounds of the numbers involved.
 struct GridFrame {
   double cells_per_m = 1;
   double first_col = 0;
   double first_row = 0;
   double extent_cells = 0;  ///< bound of |first index| + number of cells, over both axes
   double height_m = 0;      ///< bound of |elevation|
-  double anchor = 0;        ///< of CellOrigin
+  double anchor = 0;        ///< CellOrigin's anchor
 
   GridFrame(const GridSpec& spec, double highest_abs_m, const CellOrigin& origin = {})
       : cells_per_m(1 / spec.resolution_m),
@@ -36,13 +36,13 @@ struct GridFrame {
   }
 };
 
-/// A ray with x and y counted in cells from node (0, 0), z and the range in metres; and how far rounding can
-/// take what is computed from it. Bounds, with 2^-53 the unit of rounding and some 10 operations to a
-/// result: wherever the ray is inside the grid and within the terrain's heights,
+/// A ray with x and y counted in cells from node (0, 0), z and the range in metres, with bounds of the
+/// rounding errors of what is computed from it. With 2^-53 the unit of rounding and some 10 operations per
+/// result, wherever the ray is inside the grid and within the terrain's heights,
 /// - its position in cells errs by less than position_error + horizontal_speed * (error of the range);
 /// - its range to the plane of a cell's triangle errs by less than
 ///   (height_error + (|slope x| + |slope y|) * position_error) / |descent relative to the plane|.
-/// 64 units make each bound generous by a factor of at least 4.
+/// The 64 units of kRounding leave a margin of a factor of at least 4 in each bound.
 struct GridRay {
   static constexpr double kRounding = 64 * 0x1p-53;
   static constexpr double kSharp_m = 1e-9;  ///< the largest error of a range that counts as certain
@@ -68,8 +68,8 @@ struct GridRay {
   }
 };
 
-/// One triangle of a cell, seen from its corner at the right angle: the elevation of that corner and of the
-/// two along x and y, and the ray in coordinates that put the corner at 0 and the other two at (1, 0) and
+/// One triangle of a cell, seen from its right-angled corner: the elevation of that corner and of the two
+/// corners along x and y, and the ray in coordinates that put the corner at 0 and the other two at (1, 0) and
 /// (0, 1).
 struct CornerTriangle {
   double corner, along_x, along_y;
@@ -78,8 +78,8 @@ struct CornerTriangle {
 };
 
 /// Distance to the triangle, metres, where double precision decides: infinite for a certain miss, NaN where
-/// the ray passes so near to an edge, so flat over the plane or from so near that rounding might matter.
-/// A hit errs by less than 1e-9 m by the bound above; measured, by less than 1e-10 m.
+/// the ray passes so close to an edge, so flat over the plane or starts so close to it that rounding might
+/// matter. A hit errs by less than 1e-9 m by the bound above; the measured error is below 1e-10 m.
 inline double certain_range(const GridRay& ray, const CornerTriangle& t) {
   constexpr double kMiss = std::numeric_limits<double>::infinity();
   const double slope_x = t.along_x - t.corner;

@@ -21,43 +21,43 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-/// The walk of one vector of rays from block to block, each lane on a rung of its own. It alternates between
-/// two parts: step() until every lane is done or stands at a cell that its ray may meet, then look() into
-/// these cells. Both are free of branches, so that the steps of several walks overlap. Rays go any way and
-/// start anywhere. Whatever rounding might decide is left open: kUndecided.
+/// Walks one vector of rays over the grid from block to block, each lane on its own rung. The walk alternates
+/// between two parts: step() until every lane is done or has reached a cell that its ray may meet, then
+/// look() into these cells. Both are free of branches, so that the steps of several walks overlap. Rays may
+/// have any origin and any direction. Where rounding might decide, the result is kUndecided.
 class LaneWalk {
  public:
   enum class Start { in_cell, among_cells, among_blocks };
 
   HWY_INLINE void enter(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
                         const HeightSlab& slab, Start start);
-  /// Takes each searching lane one block on, or one rung down; whether any lane searches on.
+  /// Moves each searching lane one block on, or one rung down. Returns whether any lane is still searching.
   HWY_INLINE bool step(const WalkGround& ground);
-  /// Tests the cells at which lanes stand; whether any lane must go on.
+  /// Tests the cells that the lanes have reached. Returns whether any lane must go on.
   HWY_INLINE bool look(const WalkGround& ground);
-  /// Distances, NaN for a miss, kUndecided.
+  /// Distances; NaN for a miss, kUndecided where rounding might decide.
   [[nodiscard]] HWY_INLINE V ranges() const { return hn::IfThenElse(missed_, nan(), range_); }
 
  private:
   using Index = hn::RebindToSigned<D>;
   using VI = hn::Vec<Index>;
 
-  /// Skipping keeps this distance from the surface, in metres, and crossing times must be surer than it.
+  /// Skipped space keeps this distance from the surface, in metres; crossing times must err by less.
   static constexpr double kSlack_m = 1e-6;
-  /// 1 / dz beyond which a ray counts as level: it is not cut to elevations.
+  /// A ray with a larger 1 / dz counts as level: it is not clipped to elevations.
   static constexpr double kLevel = 1e9;
 
   static HWY_INLINE V infinity() { return constant(std::numeric_limits<double>::infinity()); }
   static HWY_INLINE V nan() { return constant(std::numeric_limits<double>::quiet_NaN()); }
 
-  /// The ray along one horizontal axis: `origin + speed * range`, it passes coordinate b at `b * per_speed +
-  /// offset`. A ray too steep to tell that stays in its column (row) and passes at infinity.
+  /// The ray along one horizontal axis: `origin + speed * range`. It crosses b at `b * per_speed + offset`. A
+  /// ray too steep to compute its crossings stays in its column (row) and crosses at infinity.
   struct Axis {
     V per_speed, offset;
-    V ahead;   ///< 1 towards greater cells, else 0
+    V ahead;   ///< 1 towards increasing cells, else 0
     V behind;  ///< 1 - ahead
-    V error;   ///< of the ranges at which it passes borders, metres
-    V leaves;  ///< range at which it leaves the grid's width
+    V error;   ///< of the ranges at which the ray crosses borders, metres
+    V leaves;  ///< range at which the ray leaves the grid's width
     M steep;
   };
   HWY_INLINE Axis axis(V origin, V speed, double width) const;
@@ -82,12 +82,12 @@ class LaneWalk {
   /// Range at which a ray enters the grid's width, -infinity where steep.
   static HWY_INLINE V entrance(const Axis& along, double width);
   static HWY_INLINE void put_on_border(const Axis& along, M comes_over, double width, CellPosition& position);
-  /// Takes rays that start beside the grid to where they enter it; which of them certainly miss it.
+  /// Moves rays that start beside the grid to where they enter it. Returns which of them certainly miss it.
   HWY_INLINE M position_at_entrance(const WalkGround& ground, const Axis& x, const Axis& y, CellPosition& col,
                                     CellPosition& row);
   /// Whether a ray certainly ends in the cell where it starts.
   HWY_INLINE M stays(V origin, V speed, const CellPosition& start) const;
-  /// Begins where a ray nears the heights of the surface, and ends where it has passed them.
+  /// Starts where a ray reaches the elevations of the surface, and ends where it has passed them.
   HWY_INLINE void cut_to_heights(const WalkGround& ground, const RayChunk& chunk, std::size_t begin,
                                  const HeightSlab& slab);
 
@@ -107,20 +107,20 @@ class LaneWalk {
   HWY_INLINE V range_in_cell(const WalkGround& ground);
 
   LaneRays rays_;
-  V per_dx_, per_dy_, offset_x_, offset_y_, ahead_x_, ahead_y_, behind_x_, behind_y_;  // Axis
-  V end_;     ///< range at which it has left the grid's width or the terrain's heights
+  V per_dx_, per_dy_, offset_x_, offset_y_, ahead_x_, ahead_y_, behind_x_, behind_y_;  // the members of Axis
+  V end_;     ///< range at which the ray has left the grid's width or the terrain's heights
   V middle_;  ///< half a cell less the error of a position: how far off the cell's middle it surely is inside
   V col_, row_;   ///< the cell, whole numbers
   V at_;          ///< range at which the ray enters the cell
-  V side_;        ///< 1 where the ray is taken to be above the surface, -1 below: a guess, for speed
-  V side_first_;  ///< where that side's bounds begin
-  M nears_;       ///< nears the surface on that side
+  V side_;        ///< 1 where the ray is assumed above the surface, -1 below: a guess, for speed only
+  V side_first_;  ///< where the bounds of that side begin
+  M nears_;       ///< approaches the surface on that side
   VI rung_;
   V range_;
   M missed_;
   M searching_;
-  M passed_;   ///< has looked into its cell and met nothing
-  M waiting_;  ///< to look into its cell
+  M passed_;   ///< has looked into its cell and found no hit
+  M waiting_;  ///< must still look into its cell
 };
 
 HWY_INLINE LaneWalk::Axis LaneWalk::axis(V origin, V speed, double width) const {
@@ -211,7 +211,7 @@ HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk,
   missed_ = none;
   if (!all(inside)) missed_ = hn::And(known, position_at_entrance(ground, x, y, col, row));
   M sure = hn::And(hn::And(known, in_grid(ground, col, row)), hn::And(col.sure, row.sure));
-  // Too steep to tell when it crosses borders: it must not cross any.
+  // Where a ray is too steep for its crossings to be computed, it must not cross any border.
   if (any(hn::Or(x.steep, y.steep))) {
     sure = hn::And(sure, hn::Or(hn::Not(x.steep), stays(rays_.x, rays_.dx, col)));
     sure = hn::And(sure, hn::Or(hn::Not(y.steep), stays(rays_.y, rays_.dy, row)));
@@ -236,7 +236,7 @@ HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk,
   behind_y_ = y.behind;
 }
 
-/// The height of the lanes' blocks on the side where the ray is.
+/// The elevation bound of the lanes' blocks on the side where the ray is.
 HWY_INLINE V LaneWalk::block_bound(const WalkGround& ground, V row, V col) const {
   const D d;
   const hn::Rebind<std::int32_t, D> d32;
@@ -279,7 +279,7 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
   at_ = hn::IfThenElse(on, leave, at_);
   missed_ = hn::Or(missed_, ended);
 
-  // Up a rung where it leaves the block of the next rung as well, unless that could not be clear.
+  // Move up a rung where the ray also leaves the block of the next rung, unless that block cannot be clear.
   const V border = hn::Mul(hn::IfThenElse(by_x, border_col, border_row), constant(0.25));
   const M far = hn::Gt(hn::Mul(distance, rays_.horizontal_speed), hn::Mul(size, hn::Abs(rays_.dz)));
   const M rise = hn::And(hn::And(on, far), hn::Eq(border, hn::Floor(border)));
@@ -295,7 +295,7 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
   return any(searching_);
 }
 
-/// Distance in the lanes' cells; infinite for a miss, NaN where it is not certain.
+/// Distance to the surface in the lanes' cells; infinite for a miss, NaN where it is not certain.
 HWY_INLINE V LaneWalk::range_in_cell(const WalkGround& ground) {
   const D d;
   const V one = constant(1);
@@ -314,7 +314,7 @@ HWY_INLINE V LaneWalk::range_in_cell(const WalkGround& ground) {
   const V lower = CertainRange(rays_, {south_west, south_east, north_west, x, y, rays_.dx, rays_.dy});
   const V upper = CertainRange(rays_, {north_east, north_west, south_east, hn::Sub(one, x), hn::Sub(one, y),
                                        hn::Neg(rays_.dx), hn::Neg(rays_.dy)});
-  // Minima of NaN differ between instruction sets: choose by comparison, and let any NaN through.
+  // The minimum of NaN differs between instruction sets: choose by comparison, and propagate any NaN.
   const V nearer = hn::IfThenElse(hn::Lt(lower, upper), lower, upper);
   return hn::IfThenElse(hn::Eq(lower, lower), nearer, lower);
 }

@@ -18,7 +18,7 @@ HWY_INLINE V load(const double* values) { return hn::Load(D(), values); }
 HWY_INLINE bool any(M mask) { return !hn::AllFalse(D(), mask); }
 HWY_INLINE bool all(M mask) { return hn::AllTrue(D(), mask); }
 
-/// GridRay in lanes, by the same operations.
+/// GridRay in SIMD lanes, computed by the same operations.
 struct LaneRays {
   V x, y, z, dx, dy, dz, position_error, height_error, horizontal_speed;
 
@@ -35,12 +35,12 @@ struct LaneRays {
         horizontal_speed(hn::Add(hn::Abs(dx), hn::Abs(dy))) {}
 };
 
-/// CornerTriangle in lanes.
+/// CornerTriangle in SIMD lanes.
 struct LaneTriangle {
   V corner, along_x, along_y, x, y, dx, dy;
 };
 
-/// certain_range in lanes, by the same operations.
+/// certain_range in SIMD lanes, computed by the same operations.
 HWY_INLINE V CertainRange(const LaneRays& ray, const LaneTriangle& t) {
   const V slope_x = hn::Sub(t.along_x, t.corner);
   const V slope_y = hn::Sub(t.along_y, t.corner);
@@ -56,7 +56,7 @@ HWY_INLINE V CertainRange(const LaneRays& ray, const LaneTriangle& t) {
   const V v = hn::Add(t.y, hn::Mul(t.dy, range));
   const V w = hn::Sub(hn::Sub(constant(1), u), v);
   const V outside = hn::Neg(margin);
-  // Not by Ne, which says false of NaN on some instruction sets.
+  // Ne is not usable: it is false for NaN on some instruction sets.
   const M hole = hn::Not(hn::Eq(hn::Sub(steepness, steepness), constant(0)));
   const M beside = hn::Or(hn::Or(hn::Lt(u, outside), hn::Lt(v, outside)), hn::Lt(w, outside));
   const M miss = hn::Or(hole, hn::Or(beside, hn::Lt(range, hn::Neg(range_error))));

@@ -15,10 +15,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-/// Walks that take their steps in turn: one waits for memory while the other computes.
+/// Interleaved walks: one waits for memory while the other computes.
 constexpr std::size_t kWalks = 2;
 
-/// Of blocks, until the lanes that still walk are left to PyramidTraversal.
+/// Steps from block to block, after which the lanes still walking are left to PyramidTraversal.
 constexpr int kMaxSteps = 4096;
 
 HWY_INLINE void WalkTogether(const WalkGround& ground, LaneWalk (&walks)[kWalks], bool searching) {
@@ -71,7 +71,7 @@ void WalkBundle(const Heightfield& field, const WalkGround& ground, Bundle& bund
   std::copy_n(chunk.range, ranges.size(), ranges.begin());
 }
 
-/// Prepares each bundle while the one before has yet to walk: its ground arrives in the meantime.
+/// Prepares each bundle before the previous one walks: its ground is fetched in the meantime.
 void WalkBundles(const Heightfield& field, const WalkGround& ground, std::span<const Ray> rays,
                  std::span<double> ranges) {
   Bundle bundles[2];

@@ -45,7 +45,7 @@ void PyramidTraversal::visit_block(int level, BinIndex block) {
   const GridSpec& spec = field_.spec();
   const std::int64_t cells = ElevationPyramid::block_cells(level);
   const ElevationPyramid::Bounds bounds = field_.pyramid.bounds(level, block);
-  if (bounds.empty()) return;  // nothing but holes
+  if (bounds.empty()) return;  // the surface consists of holes
   Interval interval{0, best_m_};
   interval = within(2, bounds.low, bounds.high, interval);
   interval = within(0, spec.x(block.col * cells), spec.x(std::min((block.col + 1) * cells, spec.cols - 1)),

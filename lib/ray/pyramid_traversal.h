@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// What rays on a heightfield need. The terrain must outlive it.
+/// The data that rays on a heightfield need. The terrain must outlive it.
 struct Heightfield {
   const TriangulatedGrid& terrain;
   ElevationPyramid pyramid;
@@ -20,19 +20,19 @@ struct Heightfield {
   [[nodiscard]] const GridSpec& spec() const { return terrain.nodes().spec(); }
 };
 
-/// One ray's way down the pyramid, nearer block first, for any origin and any direction. A block or cell is
-/// left out only where the ray certainly passes it by: each bound of a slab is within 4 units of 2^-53 of the
-/// exact one, the widening by 2^-49 makes up for both sides (Ize, "Robust BVH ray traversal", JCGT 2013).
+/// The descent of one ray through the pyramid, nearer block first, for any origin and any direction. A block
+/// or cell is skipped only where the ray certainly misses it: each bound of a slab is within 4 units of 2^-53
+/// of the exact bound, and widening by 2^-49 covers both (Ize, "Robust BVH ray traversal", JCGT 2013).
 class PyramidTraversal {
  public:
   /// The ray must be finite.
   PyramidTraversal(const Heightfield& field, const Ray& ray);
 
-  /// Distance to the first hit, metres; NaN where there is none.
+  /// Distance to the first hit, metres; NaN for a miss.
   [[nodiscard]] double first_hit();
 
  private:
-  /// Distances between which the ray is inside a slab, or several.
+  /// The distances between which the ray is inside one or more slabs.
   struct Interval {
     double enter = 0;
     double leave = std::numeric_limits<double>::infinity();
@@ -50,7 +50,7 @@ class PyramidTraversal {
   Ray ray_;
   GridRay grid_ray_;
   Eigen::Array3d inverse_direction_;
-  std::optional<WatertightRay> watertight_;  ///< made when first needed
+  std::optional<WatertightRay> watertight_;  ///< constructed when first needed
   double best_m_ = std::numeric_limits<double>::infinity();
 };
 

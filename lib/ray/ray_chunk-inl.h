@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a bundle of rays becomes a RayChunk, where its walk begins and what it will read. Compiled once for
-// each instruction set (Highway).
+// Converts a bundle of rays to a RayChunk, finds where its walk begins and what it will read. Compiled once
+// for each instruction set (Highway).
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-/// The first `end` rays of the chunk, whole vectors; the last one of `rays` fills them up.
+/// The first `end` rays of the chunk in whole vectors; the last ray of `rays` pads them.
 void FillChunk(const GridFrame& frame, std::span<const Ray> rays, std::size_t end, RayChunk& chunk) {
   for (std::size_t i = 0; i < end; ++i) {
     const Ray& ray = rays[std::min(i, rays.size() - 1)];
@@ -53,7 +53,7 @@ void FillChunk(const GridFrame& frame, std::span<const Ray> rays, std::size_t en
   }
 }
 
-/// Where those of the first `end` rays that go down pass elevation after elevation.
+/// For the downward rays among the first `end`: their horizontal position as a linear function of elevation.
 void FillFeet(double height_m, std::size_t end, RayChunk& chunk) {
   const D d;
   const V nan = constant(std::numeric_limits<double>::quiet_NaN());
@@ -80,7 +80,7 @@ void FillFeet(double height_m, std::size_t end, RayChunk& chunk) {
   chunk.greatest_slope = hn::GetLane(hn::MaxOfLanes(d, greatest));
 }
 
-/// The rectangle that the downward rays of a group cross between two elevations; empty where none goes down.
+/// The rectangle that the downward rays of a group cross between two elevations; empty without such a ray.
 class CrossedBox {
  public:
   HWY_INLINE CrossedBox()
@@ -113,15 +113,15 @@ class CrossedBox {
   V low_x_, high_x_, low_y_, high_y_;
 };
 
-/// How many cells the chunk's downward rays cross at most between two elevations.
+/// The most cells that a downward ray of the chunk crosses between two elevations.
 HWY_INLINE double way_cells(const RayChunk& chunk, const HeightSlab& slab) {
   return (slab.high - slab.low) * chunk.greatest_slope;
 }
 
-/// Ways shorter than this begin with a look into the cell where they start.
+/// Shorter ways begin with a look into the cell where the ray starts.
 constexpr double kWayInCell_cells = 0.5;
 
-/// Lowers the slab to the surface under rays [begin, end) of the chunk, as long as that pays.
+/// Lowers the slab to the surface under rays [begin, end) of the chunk, as long as that saves time.
 HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& chunk, std::size_t begin,
                               std::size_t end, HeightSlab slab) {
   constexpr double kShortWay_cells = 1;
@@ -132,14 +132,14 @@ HWY_INLINE HeightSlab lowered(const ElevationPyramid& pyramid, const RayChunk& c
     CrossedBox crossed;
     for (std::size_t i = begin; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
     const ElevationPyramid::Bounds bounds = pyramid.over(crossed.box());
-    // What lies between the old and the new `high` is inside the box, so the rays meet nothing there.
+    // The space between the old and the new `high` lies inside the box, so the rays meet nothing there.
     slab.high = std::min(slab.high, std::max(double{bounds.high}, slab.low));
     slab.low = std::max(slab.low, std::min(double{bounds.low}, slab.high));
   }
   return slab;
 }
 
-/// Asks for one row of values [first, last] ahead of their use.
+/// Prefetches one row of values [first, last].
 template <class T>
 HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
   constexpr auto kLine = static_cast<std::int64_t>(64 / sizeof(T));
@@ -147,12 +147,12 @@ HWY_INLINE void fetch(const T* row, std::int64_t first, std::int64_t last) {
   hwy::Prefetch(row + last);
 }
 
-/// Asks for the nodes that the first `end` rays of the chunk may meet, and for the bounds of their cells
-/// where the ways are long enough to look at these. Speed only: pulses mostly come to ground that the cache
-/// does not hold.
+/// Prefetches the nodes that the first `end` rays of the chunk may meet, and the bounds of their cells where
+/// the ways are long enough to look at these. This affects speed only: most pulses reach ground that the
+/// cache does not hold.
 HWY_INLINE void fetch_ground(const WalkGround& ground, const RayChunk& chunk, std::size_t end,
                              const HeightSlab& slab) {
-  constexpr double kMaxCells = 8192;  // 64 kB of nodes: they must stay cached until their turn
+  constexpr double kMaxCells = 8192;  // 64 kB of nodes, so that they stay cached until they are used
   CrossedBox crossed;
   for (std::size_t i = 0; i < end; i += hn::Lanes(D())) crossed.add(chunk, i, slab);
   const CellBox box = crossed.box();

@@ -8,11 +8,11 @@
 
 namespace landfall {
 
-/// Rays that are prepared together.
+/// The number of rays that are prepared together.
 inline constexpr std::size_t kChunkRays = 64;
 
-/// GridRays component by component. A ray that goes down passes
-/// (foot + slope * elevation) in the horizontal; foot_x is NaN in others.
+/// GridRays component by component. A downward ray passes horizontal position foot + slope * elevation;
+/// foot_x is NaN for other rays.
 struct RayChunk {
   alignas(64) double x[kChunkRays], y[kChunkRays], z[kChunkRays];
   alignas(64) double dx[kChunkRays], dy[kChunkRays], dz[kChunkRays];
@@ -21,18 +21,18 @@ struct RayChunk {
   alignas(64) double foot_x[kChunkRays], foot_y[kChunkRays];
   alignas(64) double slope_x[kChunkRays], slope_y[kChunkRays];
   alignas(64) double range[kChunkRays];
-  double greatest_slope;  ///< cells per metre, of the rays that go down
+  double greatest_slope;  ///< cells per metre, of the downward rays
 };
 
-/// Elevations between which rays are looked at. That no downward ray of the group meets the surface above
-/// `high` is certain; `low` is a guess that holes may belie.
+/// The elevations between which rays are examined. It is certain that no downward ray of the group meets the
+/// surface above `high`; `low` is a guess that holes may contradict.
 struct HeightSlab {
   double low;
   double high;
 };
 
-/// What lanes walk over: rungs of square blocks, 4^rung cells wide, up to one block for the grid or the last
-/// rung that there is room for.
+/// The data that lanes walk over: rungs of square blocks, 4^rung cells wide, up to a single block for the
+/// grid or the last rung that fits.
 struct WalkGround {
   static constexpr int kMaxRungs = 8;
 
@@ -43,10 +43,10 @@ struct WalkGround {
   double rows, cols;  ///< cells
   double lowest, highest;
   int top_rung = 0;
-  alignas(64) double size[kMaxRungs];        ///< of a block, cells
+  alignas(64) double size[kMaxRungs];        ///< edge of a block, cells
   alignas(64) double per_size[kMaxRungs];    ///< its inverse
-  alignas(64) double first[kMaxRungs];       ///< block of each rung, in `highs`
-  alignas(64) double block_cols[kMaxRungs];  ///< of each rung
+  alignas(64) double first[kMaxRungs];       ///< first block of each rung, in `highs`
+  alignas(64) double block_cols[kMaxRungs];  ///< columns of blocks of each rung
 
   explicit WalkGround(const Heightfield& field)
       : highs(field.pyramid.highs().data()),

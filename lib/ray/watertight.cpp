@@ -26,9 +26,9 @@ WatertightRay::Corner WatertightRay::sheared(const Eigen::Vector3d& point) const
           depth};
 }
 
-/// On which side of the ray the edge from p to q passes; the sign is exact. Rounding is monotone, so that
-/// products which differ after rounding are in the right order; equal ones are told apart by what was rounded
-/// off.
+/// The side of the ray on which the edge from p to q passes; the sign is exact. Rounding is monotone, so
+/// products that differ after rounding are in the right order; equal products are compared by their rounding
+/// errors.
 int WatertightRay::side(const Corner& p, const Corner& q) {
   const Real left = p.x * q.y;
   const Real right = p.y * q.x;
@@ -38,7 +38,7 @@ int WatertightRay::side(const Corner& p, const Corner& q) {
   return int{left_rest > right_rest} - int{left_rest < right_rest};
 }
 
-/// The smallest range >= 0 among those between two depths on the ray.
+/// The smallest range >= 0 among the ranges between two depths on the ray.
 double WatertightRay::first_range(Real depth_a, Real depth_b) const {
   constexpr Real kOnSurface_m = 1e-15L;
   const auto [near, far] = std::minmax({depth_a / along_, depth_b / along_});
@@ -46,8 +46,8 @@ double WatertightRay::first_range(Real depth_a, Real depth_b) const {
   return static_cast<double>(std::max<Real>(near, 0));
 }
 
-/// Whether the edge from p to q, in one plane with the ray, crosses it, and at which depth. The whole edge
-/// may lie on the ray: its corners then come up as ends of the other two edges.
+/// Whether the edge from p to q, coplanar with the ray, crosses it, and at which depth. The whole edge may
+/// lie on the ray: its corners are then found as ends of the other two edges.
 bool WatertightRay::edge_crosses(const Corner& p, const Corner& q, Real& depth) {
   const bool along_x = std::abs(p.x) + std::abs(q.x) >= std::abs(p.y) + std::abs(q.y);
   const Real from = along_x ? p.x : p.y;
@@ -57,7 +57,7 @@ bool WatertightRay::edge_crosses(const Corner& p, const Corner& q, Real& depth) 
   return true;
 }
 
-/// The triangle is seen edge-on: the ray lies in its plane and meets it in a piece of itself, or not at all.
+/// The triangle is seen edge-on: the ray lies in its plane and meets it along a segment, or not at all.
 double WatertightRay::edge_on_range(const Triangle& t) const {
   Real nearest = std::numeric_limits<Real>::infinity();
   Real farthest = -nearest;
@@ -80,7 +80,7 @@ double WatertightRay::range_to(const std::array<Eigen::Vector3d, 3>& corners) co
   const Real u = edge_function(t[1], t[2]);
   const Real v = edge_function(t[2], t[0]);
   const Real w = edge_function(t[0], t[1]);
-  if (u + v + w == 0) return edge_on_range(t);  // so thin a sight that the signs alone see it
+  if (u + v + w == 0) return edge_on_range(t);  // so nearly edge-on that only the signs are non-zero
   const Real depth = (u * t[0].depth + v * t[1].depth + w * t[2].depth) / (u + v + w);
   return first_range(depth, depth);
 }

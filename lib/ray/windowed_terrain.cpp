@@ -14,7 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr GroundBox kEverywhere{-kInfinity, kInfinity, -kInfinity, kInfinity};
 
-/// Where the nodes [begin, end) of a terrain's axis with `count` nodes certainly decide, metres.
+/// The range, in metres, in which nodes [begin, end) of an axis with `count` nodes certainly decide.
 std::pair<double, double> certain_range(std::int64_t begin, std::int64_t end, std::int64_t count,
                                         std::int64_t first_node, double resolution_m) {
   const double low = static_cast<double>(first_node + begin + 1) * resolution_m;
@@ -32,7 +32,7 @@ std::pair<std::int64_t, std::int64_t> tiles_around(double low, double high, std:
   };
   const std::int64_t begin = std::max<std::int64_t>(node(low) - 2, 0) / tile * tile;
   const std::int64_t end = (std::min(node(high) + 4, count) + tile - 1) / tile * tile;
-  // A last tile of one node is no cell.
+  // A last tile of a single node holds no cell.
   const std::int64_t last = end + 1 >= count ? count : end;
   return {count - begin < 2 ? std::max<std::int64_t>(begin - tile, 0) : begin, std::min(last, count)};
 }
@@ -101,7 +101,7 @@ GridSpec WindowedTerrain::nodes_around(GroundBox box) const {
   const GroundBox all{whole.x(0), whole.x(whole.cols - 1), whole.y(0), whole.y(whole.rows - 1)};
   box = {std::clamp(box.low_x, all.low_x, all.high_x), std::clamp(box.high_x, all.low_x, all.high_x),
          std::clamp(box.low_y, all.low_y, all.high_y), std::clamp(box.high_y, all.low_y, all.high_y)};
-  // Room for what comes next, so that windows are loaded few times.
+  // A margin for later requests, so that windows are loaded less often.
   const double room_m = std::max((box.high_x - box.low_x + box.high_y - box.low_y) / 8, 8 * s);
   const auto cols = tiles_around(box.low_x - room_m, box.high_x + room_m, whole.cols, whole.first_col, s,
                                  terrain_.tile.col);
@@ -138,7 +138,7 @@ GroundBox WindowedTerrain::needed_by(const Ray& ray, double range_m) const {
   const double high_m = terrain_.highest_m + slack_m;
   const double low_m = terrain_.lowest_m - slack_m;
   if (o.z() > high_m && d.z() >= 0) return {};
-  // Beyond, CellOrigin does not keep answers independent of the window.
+  // Farther out, CellOrigin does not keep answers independent of the window.
   constexpr double kFarthest_cells = 0x1p15;
   const double farthest_m = kFarthest_cells * terrain_.spec.resolution_m;
   if (std::abs(o.x()) >= farthest_m || std::abs(o.y()) >= farthest_m) return kEverywhere;

@@ -29,24 +29,24 @@ struct GroundBox {
   [[nodiscard]] bool contains(const GroundBox& box) const;
 };
 
-/// Makes an engine for a window; empty where no rays are traced.
+/// Makes an engine for a window; empty if no rays are traced.
 using EngineMaker =
     std::function<std::unique_ptr<const RayEngine>(std::shared_ptr<const TriangulatedGrid> surface)>;
 
 /// A large terrain as a surface and as an engine, through one window that grows as points and rays need it.
 ///
-/// No answer depends on the window. The nodes' positions do not (CellOrigin); and an answer is given only
-/// when the window certainly holds all that decides it. A ray can meet the surface only between the
-/// elevations lowest_m and highest_m of the terrain: the points above which it enters and leaves these, or
-/// hits, must lie in the window. A window is a rectangle, so what the ray crosses between them does as well.
-/// A window ends a cell short of its border, and nowhere where that is the terrain's. Answers are those of
-/// make_heightfield_engine() for the whole terrain with CellOrigin::of_windows(), bit for bit.
+/// Answers do not depend on the window. The positions of the nodes do not (CellOrigin), and an answer is
+/// given only when the window certainly holds everything that decides it. A ray can meet the surface only
+/// between the elevations lowest_m and highest_m of the terrain: the window must hold the points where the
+/// ray enters and leaves this range, or hits. A window is a rectangle, so it also holds what the ray crosses
+/// in between. A window counts as ending one cell inside its border, except at the terrain's border. Answers
+/// equal those of make_heightfield_engine() for the whole terrain with CellOrigin::of_windows(), bit for bit.
 class WindowedTerrain final : public TerrainSurface, public RayEngine {
  public:
   /// Throws UsageError unless CellOrigin::has_windows(terrain.spec).
   WindowedTerrain(LargeTerrain terrain, EngineMaker make_engine);
 
-  /// Has the window hold these points, as far as they lie on the terrain.
+  /// Extends the window to hold these points, as far as they lie on the terrain.
   void require(const GroundBox& box) const;
 
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override;
@@ -54,7 +54,7 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   [[nodiscard]] double highest_m() const override { return terrain_.highest_m; }
   [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
 
-  /// The nodes that are in memory; none at first.
+  /// The nodes that are in memory; empty at first.
   [[nodiscard]] GridSpec window() const;
 
  private:

@@ -22,7 +22,7 @@ namespace {
 
 void DeflectionLimit::require_within(const Direction<LidarFrame>& aim, std::int64_t pulse) const {
   const double off_boresight = std::atan2(std::hypot(aim.v.x(), aim.v.y()), aim.v.z());
-  // Negated, so that an aim which is NaN is refused too.
+  // The test is negated so that a NaN aim is refused too.
   if (!(off_boresight <= max_rad_)) refuse_aim(pulse, off_boresight, max_rad_);
 }
 

@@ -10,7 +10,7 @@ namespace landfall {
 /// How far off +z_L a mechanism can point.
 class DeflectionLimit {
  public:
-  /// `max_rad` has been checked by the mechanism whose limit it is.
+  /// The mechanism has already checked its limit `max_rad`.
   explicit DeflectionLimit(double max_rad) : max_rad_(max_rad) {}
 
   /// Throws FormatError, naming pulse and angle, for an aim beyond the limit, or one that is NaN.

@@ -5,7 +5,7 @@
 
 namespace landfall {
 
-/// No steering: every pulse looks where the pixels look, whatever the aim. Both angles are 0.
+/// No steering: every pulse looks where the pixels look and ignores the aim. Both angles are 0.
 class Flash : public Scanner {
  public:
   [[nodiscard]] ScannerState state(const PulseContext&) const override { return {}; }

@@ -14,17 +14,17 @@ namespace landfall {
 struct FsmParameters {
   /// Angle i of the boresight on the resting mirror, >= 0. 0: no image rotation; 45 deg: a folded design.
   double incidence_rad = 0;
-  /// Turns the plane of incidence about +z_L, right-handedly; at 0 the boresight comes in from +y_L.
+  /// Rotates the plane of incidence about +z_L, right-handedly; at 0 the boresight arrives from +y_L.
   double fold_azimuth_rad = 0;
-  /// Aims farther off +z_L than this are refused; > 0 and < pi - 2 incidence, where the mirror is edge-on.
+  /// Aims farther off +z_L are refused; > 0 and < pi - 2 incidence, where the mirror is seen edge-on.
   double max_deflection_rad = std::numbers::pi / 6;
-  /// What the mirror turns about, in L from the point where the boresight meets the resting mirror.
+  /// The point about which the mirror turns, in L from where the boresight meets the resting mirror.
   Vector<LidarFrame> pivot_m{};
-  /// From the focal point along the boresight to the resting mirror, >= 0.
+  /// Distance from the focal point along the boresight to the resting mirror, >= 0.
   double focal_distance_m = 0;
   double encoder_sigma_rad = 0;  ///< one sigma of the reading of each tilt, per pulse, >= 0
   MechanismTimingParameters timing{};
-  bool tof_lag = false;    ///< a pixel looks along the mirror as it stands when the echo returns
+  bool tof_lag = false;    ///< the line of sight uses the mirror's tilts at the time of the echo
   std::uint64_t seed = 1;  ///< of the encoder's noise
 };
 
@@ -35,14 +35,14 @@ struct FsmParameters {
 /// 2 angle_1 in the plane of incidence and by 2 cos(i) angle_2 across it; a cross-plane motion psi turns the
 /// image by psi tan i, to first order.
 ///
-/// Exit point: the mirror's plane goes through c = pivot - R pivot; a pixel's ray leaves the focal point
-/// f = -focal_distance d0 along d and meets it at b = f + d ((c - f).m)/(d.m). With both at 0, b = 0. A ray
-/// that would meet the mirror's back is lost.
+/// Exit point: the mirror's plane goes through c = pivot - R pivot; a pixel's ray leaves the focal point f =
+/// -focal_distance d0 along d and meets it at b = f + d ((c - f).m)/(d.m). With both at 0, b = 0. A ray that
+/// would meet the back of the mirror is lost.
 ///
-/// After a jump of the aim (scanner/mechanism_timing.h) pulses are blanked, and the tilts are still off the
-/// commanded ones, by step_left() times the tilts before the jump minus the commanded ones. The encoder sees
-/// that. It does not see its own noise, nor tof_lag: state() is then the mirror at the echo, while the lander
-/// believes the mirror at the pulse.
+/// After a jump of the aim (scanner/mechanism_timing.h) pulses are blanked, and the tilts still differ from
+/// the commanded ones by step_left() times the tilts before the jump minus the commanded ones. The encoder
+/// measures this difference. It measures neither its own noise nor tof_lag: state() is then the mirror at the
+/// echo, while the lander believes the mirror at the pulse.
 class Fsm : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

@@ -25,8 +25,8 @@ struct GimbalParameters {
 /// A gimbal with two axes that cross at the focal point and turn the whole camera: d' = R d, b = 0.
 ///
 /// Outer axis x_L by angle_1, inner axis y_L by angle_2. The image turns with the camera: an aim with both
-/// angles turns it about the line of sight by angle_1 angle_2 / 2 to first order against the shortest turn.
-/// After a jump it blanks and settles as an Fsm does.
+/// angles turns it about the line of sight by angle_1 angle_2 / 2 to first order, relative to the shortest
+/// turn. After a jump it blanks and settles like an Fsm.
 class Gimbal : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

@@ -6,7 +6,7 @@
 namespace landfall {
 namespace {
 
-/// Item i of count, spread evenly over -half_width_m .. half_width_m; the middle where there is but one.
+/// Item i of count, spread evenly over -half_width_m .. half_width_m; the middle for a single item.
 double spread(double half_width_m, std::int64_t i, std::int64_t count) {
   if (count == 1) return 0;
   return -half_width_m + 2 * half_width_m * static_cast<double>(i) / static_cast<double>(count - 1);

@@ -21,15 +21,15 @@ struct LineSearchParameters {
 /// line. A single row or column aims at 0 on that axis; boustrophedon runs odd lines backwards. After
 /// N = rows x columns pulses it begins anew, or the scan stops.
 ///
-/// Ramped, y = E - 2E k/(N - 1) (0 for a single row): the slow axis moves evenly, as one without steps does.
-/// The corners stay.
+/// Ramped, y = E - 2E k/(N - 1) (0 for a single row): the slow axis moves evenly instead of in steps. The
+/// corners stay the same.
 class LineSearch : public Pattern {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
   explicit LineSearch(const LineSearchParameters& parameters);
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
-  /// Every line begins with a jump, also where the mirror only turns round (boustrophedon).
+  /// Every line begins with a jump, also where the mirror only reverses (boustrophedon).
   [[nodiscard]] std::optional<PatternJump> last_jump(const PulseTime& pulse) const override;
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override;
   [[nodiscard]] bool compensated() const override { return parameters_.compensated; }

@@ -14,10 +14,10 @@ struct LissajousParameters {
   bool compensated = true;
 };
 
-/// Two harmonic axes, what a mirror does that swings at its resonances:
+/// Two harmonic axes, as a mirror oscillating at its resonances moves:
 ///   x = A_x sin(2 pi f_x t + phi),  y = A_y sin(2 pi f_y t),
-/// t the time since the first pulse. Within the rectangle +-A_x, +-A_y, whose corners and edges it visits
-/// most. For f_x/f_y = p/q in lowest terms it closes after q/f_y.
+/// t the time since the first pulse. The pattern fills the rectangle +-A_x, +-A_y, most densely at corners
+/// and edges. For f_x/f_y = p/q in lowest terms it closes after q/f_y.
 class Lissajous : public Pattern {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

@@ -9,7 +9,7 @@ namespace landfall {
 namespace {
 
 constexpr double kTimeRounding_s = 1e-9;
-/// e^-40 = 4e-18: less than the rounding of an angle.
+/// e^-40 = 4e-18 is less than the rounding of an angle.
 constexpr double kSettledExponent = 40;
 
 }  // namespace

@@ -4,10 +4,10 @@
 namespace landfall {
 
 struct MechanismTimingParameters {
-  /// Pulses closer than this behind a jump of the aim are blanked; finite, >= 0.
+  /// Pulses less than this after a jump of the aim are blanked; finite, >= 0.
   double turnaround_time_s = 0;
-  /// Three time constants, 3/(zeta w_n): a step has died away to about 5 % for damping up to 0.7, to 11 %
-  /// at 0.9 (e^-3/sqrt(1 - zeta^2)); finite, >= 0. 0: the mechanism follows at once.
+  /// Three time constants, 3/(zeta w_n): a step has decayed to about 5 % for damping up to 0.7, to 11 % at
+  /// 0.9 (e^-3/sqrt(1 - zeta^2)); finite, >= 0. 0: the mechanism follows at once.
   double settle_time_s = 0;
   double settle_damping = 0.7;  ///< zeta, in (0, 1)
 };
@@ -18,19 +18,19 @@ class MechanismTiming {
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
   explicit MechanismTiming(const MechanismTimingParameters& parameters);
 
-  /// True where jumps matter at all.
+  /// True if jumps affect the mechanism.
   [[nodiscard]] bool minds_jumps() const {
     return parameters_.turnaround_time_s > 0 || parameters_.settle_time_s > 0;
   }
 
-  /// True for a pulse less than turnaround_time behind the jump. A pulse that is due at its very end is
-  /// fired, also where its time is rounded (1 ns).
+  /// True for a pulse less than turnaround_time after the jump. A pulse due at the very end of the turnaround
+  /// is fired, even if its time is rounded (1 ns).
   [[nodiscard]] bool blanks(double since_jump_s) const;
 
-  /// The part of the step that a second-order loop still lacks t after it:
+  /// The fraction of the step that a second-order loop has not yet made, t after the step:
   ///   e(t) = e^(-zeta w_n t) (cos w_d t + zeta/sqrt(1 - zeta^2) sin w_d t), w_d = w_n sqrt(1 - zeta^2),
   /// 1 at t = 0, starting at rest; negative where it overshoots. |e| <= e^(-zeta w_n t)/sqrt(1 - zeta^2).
-  /// Exactly 0 without settling, and once the exponential is below 1e-17, as it is where t is infinite.
+  /// Exactly 0 without settling and once the exponential is below 1e-17, including infinite t.
   [[nodiscard]] double step_left(double since_jump_s) const;
 
  private:

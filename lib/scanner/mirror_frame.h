@@ -8,12 +8,12 @@
 
 namespace landfall {
 
-/// A flat mirror in L and the two axes in which it tilts.
+/// A flat mirror in L and its two tilt axes.
 ///
 /// The boresight comes in along d0 = Rz(fold_azimuth) (0, -sin 2i, -cos 2i), i the incidence; the resting
-/// mirror, normal m0, sends it to +z_L. Pixel directions are given behind the resting mirror, so they come in
-/// reflected by it: d = M(m0) pixel, and leave as d' = M(m) d, M(m) = I - 2 m m^T.
-/// e1 = Rz(fold_azimuth) (1, 0, 0) lies in the mirror across the plane of incidence, e2 = m0 x e1.
+/// mirror, normal m0, sends it to +z_L. Pixel directions are given after the resting mirror, so they arrive
+/// reflected by it: d = M(m0) pixel, and leave as d' = M(m) d, M(m) = I - 2 m m^T. e1 = Rz(fold_azimuth) (1,
+/// 0, 0) lies in the mirror across the plane of incidence, e2 = m0 x e1.
 class MirrorFrame {
  public:
   /// Throws UsageError, naming the key, unless incidence is in [0, pi/2) and the azimuth finite.
@@ -26,14 +26,14 @@ class MirrorFrame {
   [[nodiscard]] Direction<LidarFrame> normal_towards(const Direction<LidarFrame>& c) const {
     return {(c.v - incoming_).normalized()};
   }
-  /// The turn from the resting to the tilted mirror: R(e1, angle_1) R(e2, angle_2).
+  /// The rotation from the resting to the tilted mirror: R(e1, angle_1) R(e2, angle_2).
   [[nodiscard]] Eigen::Matrix3d turn(const TiltAngles& tilts) const;
   /// m = turn(tilts) m0.
   [[nodiscard]] Direction<LidarFrame> normal(const TiltAngles& tilts) const;
   /// The tilts that give a normal, angle_2 within +-pi/2.
   [[nodiscard]] TiltAngles tilts(const Direction<LidarFrame>& normal) const;
 
-  /// M(m) M(m0): pixel to d'.
+  /// M(m) M(m0), which maps a pixel's direction to d'.
   [[nodiscard]] Eigen::Matrix3d steering(const Direction<LidarFrame>& normal) const;
 
  private:

@@ -11,20 +11,20 @@ namespace landfall {
 struct PalmerParameters {
   double tilt_rad = std::numbers::pi / 72;      ///< of the normal off the axis, >= 0, tilt + incidence < pi/2
   double incidence_rad = std::numbers::pi / 4;  ///< of the boresight on the axis, in [0, pi/2)
-  double fold_azimuth_rad = 0;                  ///< as FsmParameters has it
+  double fold_azimuth_rad = 0;                  ///< as in FsmParameters
   double rate_hz = 100;                         ///< revolutions per second, finite and positive
   double phase_rad = 0;                         ///< of the motor at the first pulse
 };
 
 /// A flat mirror on a motor, its normal tilted off the rotation axis.
 ///
-/// The axis is the normal m0 of a MirrorFrame with this incidence; at the motor's turn phi the normal is
-/// m = R(m0, phi) R(e1, tilt) m0, and d' = M(m) M(m0) d: the pattern lies about +z_L. angle_1 is phi in
-/// [0, 2 pi), angle_2 is 0. At phi = 0 the boresight leans towards Rz(fold_azimuth) (-y_L).
+/// The axis is the normal m0 of a MirrorFrame with this incidence. At motor angle phi the normal is m = R(m0,
+/// phi) R(e1, tilt) m0, and d' = M(m) M(m0) d: the pattern is centred on +z_L. angle_1 is phi in [0, 2 pi),
+/// angle_2 is 0. At phi = 0 the boresight leans towards Rz(fold_azimuth) (-y_L).
 ///
-/// At incidence 0 the boresight runs on a cone of half angle 2 tilt, exactly. At incidence i it runs on an
-/// egg-shaped curve; to first order an ellipse with the half axes 2 tilt in the plane of incidence and
-/// 2 tilt cos i across it. b = 0: the boresight meets the mirror on the axis.
+/// At incidence 0 the boresight traces a cone of half angle 2 tilt, exactly. At incidence i it traces an
+/// egg-shaped curve; to first order an ellipse with the semi-axes 2 tilt in the plane of incidence and 2 tilt
+/// cos i across it. b = 0: the boresight meets the mirror on the axis.
 class Palmer : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

@@ -23,7 +23,7 @@ struct RasterOrder {
   AtEnd at_end = AtEnd::wrap;
 };
 
-/// Where a raster is at one step.
+/// The position in a raster at one step.
 struct RasterPosition {
   std::int64_t row = 0;     ///< counted from the top
   std::int64_t column = 0;  ///< counted from the left
@@ -36,11 +36,11 @@ void check_raster(const RasterOrder& order);
 /// Positions in one pass.
 [[nodiscard]] std::int64_t raster_steps(const RasterOrder& order);
 
-/// The position at a step >= 0, counted over all passes; none past the end of a raster that stops.
+/// The position at a step >= 0, counted over all passes; empty past the end of a raster that stops.
 [[nodiscard]] std::optional<RasterPosition> raster_position(const RasterOrder& order, std::int64_t step);
 
-/// The last jump of a pattern that jumps after every `length` pulses, to a new line or step; none in the
-/// first of these pieces.
+/// The last jump of a pattern that jumps after every `length` pulses, to a new line or step; empty before the
+/// first jump.
 [[nodiscard]] std::optional<PatternJump> jump_to_piece(const PulseTime& pulse, std::int64_t length);
 
 }  // namespace landfall

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
 
-/// A face as it stands at one pulse. `offset_m` is normal . vertex.
+/// A face at its orientation at one pulse. `offset_m` is normal . vertex.
 struct TurnedFace {
   double x, y, z;
   double offset_m;
@@ -33,7 +33,7 @@ const RisleyParameters& checked(const RisleyParameters& parameters) {
   return parameters;
 }
 
-/// For people: to a millionth.
+/// Degrees for messages, rounded to 1e-6.
 double degrees(double angle_rad) { return std::round(angle_rad * (180 / kPi) * 1e6) / 1e6; }
 
 [[noreturn]] void refuse_aim(std::int64_t pulse, const Vector3d& aim,
@@ -49,13 +49,13 @@ double degrees(double angle_rad) { return std::round(angle_rad * (180 / kPi) * 1
   throw FormatError(message.str());
 }
 
-/// In [-pi, pi]. Whole turns go first, so that a long scan loses no digits.
+/// The angle in [-pi, pi]. Whole turns are removed first, so that a long scan loses no digits.
 double turned(double rate_hz, double phase_rad, double t_s) {
   const double turns = rate_hz * t_s;
   return std::remainder(2 * kPi * (turns - std::round(turns)) + phase_rad, 2 * kPi);
 }
 
-/// Takes a ray from the focal point through all faces. Plain arithmetic on doubles: this runs for every pixel
+/// Traces a ray from the focal point through all faces. Uses scalar doubles only: this runs for every pixel
 /// of every pulse.
 Beam traced(const std::array<TurnedFace, 4>& faces, const Vector3d& pixel) {
   double dx = pixel.x();
@@ -68,7 +68,7 @@ Beam traced(const std::array<TurnedFace, 4>& faces, const Vector3d& pixel) {
     const double mu = face.index_ratio;
     const double c = dx * face.x + dy * face.y + dz * face.z;
     const double radicand = 1 - mu * mu * (1 - c * c);
-    // Negated, so that NaN is lost too.
+    // The test is negated so that NaN counts as lost too.
     if (!(c > 0 && radicand >= 0)) return Beam{.lost = true};
     const double way = (face.offset_m - (px * face.x + py * face.y + pz * face.z)) / c;
     px += way * dx;

@@ -19,30 +19,30 @@ struct RisleyRotation {
 
 struct RisleyParameters {
   RisleyOptics optics{};
-  /// A rotation, whatever the aim; or a branch: the boresight follows the aim.
+  /// A rotation, which ignores the aim; or a branch: the boresight follows the aim.
   std::variant<RisleyRotation, RisleyBranch> drive{};
-  /// One sigma of each prism's angle about the commanded one, which is what the lander believes; >= 0.
+  /// One sigma of each prism's angle about the commanded one, which the lander believes; >= 0.
   double encoder_sigma_rad = 0;
   std::uint64_t seed = 1;
 };
 
-/// Two rotating wedge prisms, every ray traced through their four faces.
+/// Two rotating wedge prisms. Every ray is traced through their four faces.
 ///
-/// All rays start in the origin of L, the focal point, where the axis meets the first face. At a face with
-/// unit normal N along the beam, from index n to n', a ray d goes on as
+/// All rays start at the origin of L, the focal point, where the axis meets the first face. At a face with
+/// unit normal N along the beam, from index n to n', a ray d continues as
 ///   d' = mu d + (sqrt(1 - mu^2 (1 - c^2)) - mu c) N,  mu = n/n', c = d.N,
-/// and is lost where the root is of a negative number (total reflection) or where it does not meet the face
-/// (c <= 0). `exit` is where the ray leaves the last face, a distance of thicknesses and gap ahead of the
-/// focal point; ranges count from there. The faces are unbounded planes.
+/// and is lost where the radicand is negative (total reflection) or where the ray does not meet the face (c
+/// <= 0). `exit` is where the ray leaves the last face, the thicknesses and the gap ahead of the focal point;
+/// ranges count from there. The faces are unbounded planes.
 ///
-/// angle_1 and angle_2 are theta_1 and theta_2 of the prisms; commanded ones lie in [-pi, pi].
+/// angle_1 and angle_2 are theta_1 and theta_2 of the prisms; the commanded angles lie in [-pi, pi].
 class Risley : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
   explicit Risley(const RisleyParameters& parameters);
 
-  /// Steered by an aim, throws FormatError, naming pulse and angle, for one outside the reach; without an aim
-  /// both commanded angles are 0.
+  /// When steered by an aim, throws FormatError, naming pulse and angle, for an aim outside the reach.
+  /// Without an aim both commanded angles are 0.
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
   [[nodiscard]] bool is_known() const override { return encoder_sigma_rad_ == 0; }
   /// The commanded angles.
@@ -56,7 +56,7 @@ class Risley : public Scanner {
   struct Face {
     double wedge_rad;  ///< 0 for the plane faces
     double vertex_m;
-    double index_ratio;  ///< before / behind
+    double index_ratio;  ///< before the face / after it
   };
 
   [[nodiscard]] RisleyAngles commanded(const PulseContext& pulse) const;

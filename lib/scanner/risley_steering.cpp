@@ -11,10 +11,10 @@ namespace landfall {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// An aim this far outside the reach is within it: the ends of the reach are rounded themselves.
+/// The tolerance of the reach, whose ends are rounded themselves: an aim this far outside counts as inside.
 constexpr double kEdge = 1e-15;
 
-/// m: the beam across the axis behind prism 1, along u(theta_1). NaN for total reflection.
+/// m: the transverse component of the beam after prism 1, along u(theta_1). NaN for total reflection.
 double across_behind(const RisleyPrism& prism, bool exit_is_tilted) {
   const double n = prism.index;
   const double s = std::sin(prism.wedge_rad);
@@ -61,7 +61,7 @@ std::optional<Direction<LidarFrame>> RisleySteering::direction(const RisleyAngle
   const double meets = across_ * sine_ * std::cos(turn) + before_ * cosine_;
   const double bend = exit_is_tilted_ ? 1 - index_squared_ : index_squared_ - 1;
   const double radicand = meets * meets + bend;
-  // Negated, so that NaN, prism 1's total reflection, is caught too.
+  // The test is negated so that NaN (total reflection in prism 1) is caught too.
   if (!(meets > 0 && radicand >= 0)) return std::nullopt;
   const double h = std::sqrt(radicand) - meets;
   const double x = across_ * std::cos(angles.theta_1_rad) + h * sine_ * std::cos(angles.theta_2_rad);
@@ -81,16 +81,16 @@ std::optional<RisleyAngles> RisleySteering::angles(const Direction<LidarFrame>& 
                                                    RisleyBranch branch) const {
   const double sine = std::hypot(aim.v.x(), aim.v.y());
   const double h = bend_at_tilted_face(sine, aim.v.z());
-  // The triangle of the two prisms' shares and the whole.
+  // The triangle formed by the contributions of the two prisms and their sum.
   const double a = std::abs(across_);
   const double b = std::abs(h) * sine_;
-  // Beyond it, or with the other sign, h is a root that no beam through the face has.
+  // Beyond this bound, or with the other sign, h is a root that belongs to no beam through the face.
   const double largest_h = std::sqrt(index_squared_ - 1);
   const bool beam_meets_face =
       aim.v.z() > 0 && (exit_is_tilted_ ? h < 0 && h >= -largest_h : h > 0 && h <= largest_h);
   if (!(beam_meets_face && sine <= a + b + kEdge && sine >= std::abs(a - b) - kEdge)) return std::nullopt;
-  // The angle between the shares from its half, by differences of squares: an arc cosine would lose half of
-  // the digits at both ends of the reach.
+  // The angle between the contributions from its half angle, by differences of squares: an arc cosine would
+  // lose half of the digits at both ends of the reach.
   const double between = 2 * std::atan2(root_of_positive((a + b - sine) * (a + b + sine)),
                                         root_of_positive((sine - (a - b)) * (sine + (a - b))));
   const double turn_size = across_ * h > 0 ? between : kPi - between;
@@ -111,7 +111,7 @@ std::optional<RisleyReach> RisleySteering::reach() const {
   const auto opposed = deflection(kPi);
   if (!aligned && !opposed) return std::nullopt;
   if (aligned && opposed) return RisleyReach{std::min(*aligned, *opposed), std::max(*aligned, *opposed)};
-  // One end is reflected: there the beam leaves along the face.
+  // At one end the boresight is totally reflected: the beam leaves along the face.
   const double grazing =
       exit_is_tilted_ ? std::acos(before_ - std::sqrt(index_squared_ - 1) * cosine_) : kPi / 2;
   return RisleyReach{aligned ? *aligned : *opposed, grazing};

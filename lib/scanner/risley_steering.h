@@ -28,47 +28,47 @@ struct RisleyOptics {
 /// Throws UsageError, naming the key and the bound, for a value out of range.
 void check(const RisleyOptics& optics);
 
-/// Prism `prism` (0 or 1) is tilted on the side where the beam leaves it.
+/// True if the tilted face of prism `prism` (0 or 1) is the one where the beam leaves it.
 [[nodiscard]] bool tilted_at_exit(RisleyConfiguration configuration, std::size_t prism);
 
-/// How far the prisms have turned, right-handedly about +z_L; at 0 the normal of the tilted face, taken along
-/// the beam, leans to +x_L.
+/// The rotation angles of the prisms, right-handed about +z_L; at 0 the normal of the tilted face, taken
+/// along the beam, leans towards +x_L.
 struct RisleyAngles {
   double theta_1_rad = 0;
   double theta_2_rad = 0;
 };
 
-/// Two pairs of angles send the beam the same way: sin(theta_2 - theta_1) is >= 0 or <= 0.
+/// Two pairs of angles give the same beam direction: sin(theta_2 - theta_1) is >= 0 or <= 0.
 enum class RisleyBranch { positive, negative };
 
-/// Between which angles off +z_L the boresight can be sent: an annulus where the inner one is above 0.
+/// The angles off +z_L between which the boresight can be steered: an annulus if the inner one is above 0.
 struct RisleyReach {
   double min_rad = 0;
   double max_rad = 0;
 };
 
-/// The closed forms of a pair of wedges for the beam that comes in along +z_L, in all four configurations
-/// (docs/user/lidar/scanner-risley.md derives them). Behind prism 1 the beam is (m u(theta_1), w), behind prism 2
-/// (m u(theta_1) + h sin(wedge_2) u(theta_2), z), u(a) = (cos a, sin a): m is a constant, and h a function of
-/// theta_2 - theta_1 one way, of the deflection alone the other way.
+/// Closed forms for a pair of wedges and a beam that comes in along +z_L, in all four configurations
+/// (docs/user/lidar/scanner-risley.md derives them). After prism 1 the beam is (m u(theta_1), w), after prism
+/// 2 (m u(theta_1) + h sin(wedge_2) u(theta_2), z), u(a) = (cos a, sin a). m is constant; h is a function of
+/// theta_2 - theta_1 in the forward problem and of the deflection alone in the inverse problem.
 ///
-/// Directions only: thicknesses and gap shift the exit point by a millimetre or less, the same shift on the
-/// ground.
+/// Directions only: thicknesses and gap shift the exit point by a millimetre or less, and the ground point by
+/// the same amount.
 class RisleySteering {
  public:
   /// `optics` must pass check().
   explicit RisleySteering(const RisleyOptics& optics);
 
-  /// Where the boresight goes, to 1e-15; none where a face reflects it totally.
+  /// The direction of the boresight, to 1e-15; empty where a face reflects it totally.
   [[nodiscard]] std::optional<Direction<LidarFrame>> direction(const RisleyAngles& angles) const;
-  /// The angles, in [-pi, pi], that send the boresight along `aim`; none where it lies outside the reach by
-  /// more than 1e-15 rad. direction() gives the aim back to 5e-15, and to 2e-15 / x at x rad before a grazing
-  /// exit (reach()). Straight ahead, any turn of both prisms together would do: the aim's azimuth is taken as
-  /// 0.
+  /// The angles, in [-pi, pi], that steer the boresight along `aim`; empty where the aim lies outside the
+  /// reach by more than 1e-15 rad. direction() reproduces the aim to 5e-15, and to 2e-15 / x at x rad before
+  /// a grazing exit (reach()). Straight ahead, any common rotation of both prisms is a solution: the azimuth
+  /// of the aim is taken as 0.
   [[nodiscard]] std::optional<RisleyAngles> angles(const Direction<LidarFrame>& aim,
                                                    RisleyBranch branch) const;
-  /// Up to 90 deg, or to the grazing exit, where total reflection bounds it; none where no turn of the prisms
-  /// lets the boresight through.
+  /// Up to 90 deg, or up to the grazing exit where total reflection limits it; empty where the boresight is
+  /// totally reflected at any rotation of the prisms.
   [[nodiscard]] std::optional<RisleyReach> reach() const;
 
  private:

@@ -14,11 +14,11 @@ struct RosetteParameters {
   bool compensated = true;
 };
 
-/// Two phasors of equal length, what two equal Risley prisms draw to first order:
+/// Two phasors of equal length, which two equal Risley prisms trace to first order:
 ///   x + i y = R/2 (e^{i (2 pi f1 t + phi1)} + e^{i (2 pi f2 t + phi2)}),
-/// t the time since the first pulse. Within the circle of radius R, whose rim and centre it visits most. For
-/// f2/f1 = p/q in lowest terms it closes after q turns of the first phasor and has |p - q| petals; an
-/// irrational ratio never closes. f2 = -f1 is a line, f2 = f1 a circle.
+/// t the time since the first pulse. The pattern fills the circle of radius R, most densely at its rim and
+/// centre. For f2/f1 = p/q in lowest terms it closes after q turns of the first phasor and has |p - q|
+/// petals; with an irrational ratio it never closes. f2 = -f1 gives a line, f2 = f1 a circle.
 class Rosette : public Pattern {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

@@ -10,50 +10,50 @@
 
 namespace landfall {
 
-/// What a scanner is told of a pulse. All aims are seen from the nominal pose of this pulse.
+/// The input of a scanner for a pulse. All aims are seen from the nominal pose of this pulse.
 struct PulseContext {
   PulseTime time{};
-  /// Where the pattern wants the boresight; none where there is no pattern, or none for this pulse.
+  /// The direction in which the pattern aims the boresight; empty without a pattern or an aim.
   std::optional<Direction<LidarFrame>> aim{};
-  /// Time since the aim last jumped, to a new line or step, and where it was before; infinite and none where
-  /// it has not jumped. Only for scanners that ask for it.
+  /// Time since the last jump of the aim, to a new line or step, and the aim before it; infinite and empty
+  /// without a jump. Only for scanners that ask for it.
   double since_jump_s = std::numeric_limits<double>::infinity();
   std::optional<Direction<LidarFrame>> aim_before_jump{};
-  /// The aim when the echo from the aimed point comes back, 2 r/c after the pulse; between two pulses the aim
-  /// moves evenly. Only for scanners that ask for it.
+  /// The aim when the echo from the aimed point returns, 2 r/c after the pulse; the aim moves linearly
+  /// between two pulses. Only for scanners that ask for it.
   std::optional<Direction<LidarFrame>> aim_at_echo{};
 };
 
-/// The parts of a PulseContext that cost something and that not every mechanism looks at.
+/// The parts of a PulseContext that are expensive and that not every mechanism needs.
 struct ContextNeeds {
   bool jumps = false;  ///< since_jump_s, aim_before_jump
   bool echo = false;   ///< aim_at_echo
 };
 
-/// The mechanism at one pulse.
+/// The state of the mechanism at one pulse.
 struct ScannerState {
-  double angle_1_rad = 0;  ///< what the two angles are, each scanner says
+  double angle_1_rad = 0;  ///< each scanner defines its two angles
   double angle_2_rad = 0;
-  /// A mirror's normal: exact, where the angles are rounded. Scanners without a mirror leave it alone.
+  /// The normal of a mirror, exact, unlike the rounded angles. Scanners without a mirror leave it unset.
   Direction<LidarFrame> mirror_normal{};
   bool blanked = false;  ///< the laser does not fire
 };
 
-/// One pixel's ray behind the scanner, in L: points b + r n of Eq. 1.
+/// The ray of one pixel after the scanner, in L: points b + r n of Eq. 1.
 struct Beam {
   Direction<LidarFrame> direction{};  ///< n
   Point<LidarFrame> exit{};           ///< b
-  bool lost = false;                  ///< total reflection: it never leaves; the rest has no meaning
+  bool lost = false;                  ///< totally reflected: it never leaves, and the rest is undefined
 };
 
-/// beams[i] leaves the focal point along the turned direction of pixels[i]: d' = R d, b = 0.
+/// beams[i] leaves the focal point along the rotated direction of pixels[i]: d' = R d, b = 0.
 inline void turn_all(const Eigen::Matrix3d& turn, std::span<const Direction<LidarFrame>> pixels,
                      std::span<Beam> beams) {
   for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = {turn * pixels[i].v}};
 }
 
-/// Steers the rays of all pixels: a pure function of time, without stepping state. Any thread may ask for any
-/// pulse in any order.
+/// Steers the rays of all pixels: a pure function of time, without stepping state. Any thread may call it for
+/// any pulse in any order.
 class Scanner {
  public:
   virtual ~Scanner() = default;
@@ -62,14 +62,14 @@ class Scanner {
   [[nodiscard]] virtual ScannerState state(const PulseContext& pulse) const = 0;
   [[nodiscard]] virtual ContextNeeds needs() const { return {}; }
 
-  /// False where the lander's idea of the mechanism may differ from what it is, by encoder noise say.
+  /// False where the state that the lander believes may differ from the true one, e.g. by encoder noise.
   [[nodiscard]] virtual bool is_known() const { return true; }
-  /// The state that the lander believes, from which it computes its points; `truth` is state()'s answer.
+  /// The state that the lander believes and computes its points from; `truth` is the result of state().
   [[nodiscard]] virtual ScannerState believed_state(const PulseContext&, const ScannerState& truth) const {
     return truth;
   }
-  /// beams[i] is the ray of pixels[i]; both spans have one size. `pixels` are directions in L as they leave
-  /// the resting scanner, `state` comes from state().
+  /// beams[i] is the ray of pixels[i]; both spans have the same size. `pixels` are directions in L as they
+  /// leave the resting scanner, `state` comes from state().
   virtual void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
                      std::span<Beam> beams) const = 0;
 };

@@ -9,7 +9,7 @@
 namespace landfall {
 namespace {
 
-/// The share of the way out: 0 .. 1 and back again in every two periods.
+/// The fraction of the way outwards: 0 .. 1 and back again in every two periods.
 double share_of_way(double periods) {
   const double in_cycle = periods - 2 * std::floor(periods / 2);
   return in_cycle <= 1 ? in_cycle : 2 - in_cycle;

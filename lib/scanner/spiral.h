@@ -16,11 +16,11 @@ struct SpiralParameters {
   bool compensated = true;
 };
 
-/// A spiral of Archimedes about the origin, run so that every pulse sweeps the same area:
+/// An Archimedean spiral about the origin, traced so that every pulse sweeps the same area:
 ///   r(t) = sqrt(r0^2 + (R^2 - r0^2) t/T),  azimuth = 2 pi r/p, counter-clockwise from +x,
-/// t the time since the first pulse. Turns lie p apart; from one pulse to the next the aim moves
-/// pi (R^2 - r0^2)/(N p) along its turn, N = T x pulse rate. From T to 2 T it runs back along its way, and so
-/// on; inward it begins at R. Near r = 0 the azimuth's rate grows without bound, as 1/r.
+/// t the time since the first pulse. Turns lie p apart; from one pulse to the next the aim moves pi (R^2 -
+/// r0^2)/(N p) along its turn, N = T x pulse rate. From T to 2 T it returns along the same path, and so on;
+/// inward it begins at R. Near r = 0 the azimuth rate grows without bound, as 1/r.
 class Spiral : public Pattern {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

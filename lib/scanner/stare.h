@@ -12,8 +12,8 @@ struct StareParameters {
   bool compensated = true;
 };
 
-/// One point on the map, at every pulse. Compensated, the boresight tracks it; otherwise the scanner keeps
-/// the angle that meets it from the first pose.
+/// One point on the map at every pulse. Compensated, the boresight tracks it; otherwise the scanner keeps the
+/// angle at which the boresight meets it from the first pose.
 class Stare : public Pattern {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

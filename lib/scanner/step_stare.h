@@ -16,11 +16,11 @@ struct StepStareParameters {
   AtEnd at_end = AtEnd::wrap;
 };
 
-/// The mosaic of a flash array: a square of half width E is cut into rows x columns tiles, and the boresight
-/// rests on a tile's centre for n pulses, then steps to the next. Pulse k is on step j = k div n, at row
-/// l = j div columns and column c = j mod columns (odd rows reversed: boustrophedon), and aims at
-/// (-E + 2E (c + 1/2)/columns, E - 2E (l + 1/2)/rows, 0). Images of 2E/columns x 2E/rows cover the square
-/// without overlap. After rows x columns steps it begins anew, or the scan stops.
+/// A mosaic of a flash array: a square of half width E is divided into rows x columns tiles, and the
+/// boresight dwells on a tile's centre for n pulses, then steps to the next. Pulse k is on step j = k div n,
+/// at row l = j div columns and column c = j mod columns (odd rows reversed: boustrophedon), and aims at (-E
+/// + 2E (c + 1/2)/columns, E - 2E (l + 1/2)/rows, 0). Images of 2E/columns x 2E/rows cover the square without
+/// overlap. After rows x columns steps it starts again, or the scan stops.
 class StepStare : public Pattern {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.

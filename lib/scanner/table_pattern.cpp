@@ -57,13 +57,13 @@ std::optional<Point<DemFrame>> TablePattern::ground_aim(const PulseTime& pulse) 
   if (parameters_.at_end == AtTableEnd::wrap) t = std::fmod(t, end_s);
   if (parameters_.at_end == AtTableEnd::stop && t > end_s + kTimeSlack_s) return std::nullopt;
   t = std::min(t, end_s);
-  // The piece that begins at or before t; the last time belongs to the last piece.
+  // The piece that begins at or before t. The last time belongs to the last piece.
   const auto next = std::upper_bound(samples.begin() + 1, samples.end() - 1, t,
                                      [](double time, const AimSample& s) { return time < s.t_s; });
   const AimSample& a = *(next - 1);
   const AimSample& b = *next;
   const double u = (t - a.t_s) / (b.t_s - a.t_s);
-  // Written from both ends, so that every row is met exactly.
+  // Interpolates from both ends, so that every row is reproduced exactly.
   return Point<DemFrame>{{(1 - u) * a.x_m + u * b.x_m, (1 - u) * a.y_m + u * b.y_m, 0}};
 }
 

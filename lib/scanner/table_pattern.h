@@ -22,8 +22,8 @@ struct AimSample {
 
 enum class AtTableEnd {
   stop,  ///< no more pulses are fired
-  hold,  ///< the last aim stays
-  wrap,  ///< the table begins anew
+  hold,  ///< the last aim is held
+  wrap,  ///< the table starts again
 };
 
 struct TablePatternParameters {
@@ -32,13 +32,13 @@ struct TablePatternParameters {
   bool compensated = true;
 };
 
-/// A tabulated aim, linear in time between rows. A time that lies up to 1 ns past the last row counts as its
-/// end: pulse times are rounded.
+/// A tabulated aim, linear in time between rows. Pulse times are rounded, so a time up to 1 ns past the last
+/// row counts as the last row.
 class TablePattern : public Pattern {
  public:
-  /// Times begin at 0 and increase strictly, everything is finite, there are at least 2 rows, and a table
-  /// that wraps ends within 1 mm of where it begins. Throws FormatError, begun by `name` and naming the row
-  /// counted from 1, otherwise.
+  /// Times must begin at 0 and increase strictly, all numbers must be finite, at least 2 rows are needed, and
+  /// a table that wraps must end within 1 mm of its first aim. Throws FormatError otherwise; the message
+  /// begins with `name` and names the row counted from 1.
   explicit TablePattern(TablePatternParameters parameters, const std::string& name = "pattern table");
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;

@@ -55,7 +55,7 @@ TiltAngles TableScanner::angles(const PulseTime& pulse) const {
     refuse(pulse, "is outside the table, which goes from " + number_text(first_s) + " to " +
                       number_text(last_s) + " s");
   const double t_s = std::clamp(wanted_s, first_s, last_s);
-  // The first row after t, but never the first row, nor the end.
+  // The first row after t, but neither the first row of the table nor the end.
   const auto after = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, t_s,
                                       [](double t, const AngleSample& row) { return t < row.t_s; });
   const AngleSample& before = *(after - 1);

@@ -11,7 +11,7 @@ struct TiltAngles {
   friend bool operator==(const TiltAngles&, const TiltAngles&) = default;
 };
 
-/// a + s (b - a), angle by angle.
+/// Linear interpolation a + s (b - a) of each angle.
 inline TiltAngles between(const TiltAngles& a, double s, const TiltAngles& b) {
   return {a.angle_1_rad + s * (b.angle_1_rad - a.angle_1_rad),
           a.angle_2_rad + s * (b.angle_2_rad - a.angle_2_rad)};

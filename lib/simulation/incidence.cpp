@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kSmallestCosine = 0.017452406437283512;  // of 89 deg
+constexpr double kSmallestCosine = 0.017452406437283512;  // cosine of 89 deg
 
 }  // namespace
 
@@ -17,7 +17,7 @@ double tan_incidence(const TerrainSurface& ground, const Point<DemFrame>& hit,
   if (!hit.v.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::Vector3d normal = ground.normal(hit.v);
   if (!normal.allFinite()) return 0;
-  // The cross product keeps small angles, which the cosine loses.
+  // The cross product resolves small angles, which the cosine does not.
   const double cosine = std::max(std::abs(normal.dot(beam.v)), kSmallestCosine);
   const double sine = std::min(normal.cross(beam.v).norm(), std::sqrt(1 - kSmallestCosine * kSmallestCosine));
   return sine / cosine;

@@ -35,7 +35,7 @@ PulseTime pulse_ahead(const PulseInput& pulse, std::int64_t ahead) {
   return {pulse.time.pulse + ahead, pulse.time.since_start_s + static_cast<double>(ahead) * pulse.interval_s};
 }
 
-/// The last of the next `most` pulses before the pattern jumps; `most` where it does not.
+/// The offset of the last pulse before the pattern's next jump; `most` if it does not jump before.
 std::int64_t pulses_without_jump(const Pattern& pattern, const PulseInput& pulse, std::int64_t most) {
   while (const auto jump = pattern.last_jump(pulse_ahead(pulse, most))) {
     const std::int64_t before = jump->before.pulse - pulse.time.pulse;
@@ -45,8 +45,8 @@ std::int64_t pulses_without_jump(const Pattern& pattern, const PulseInput& pulse
   return most;
 }
 
-/// Where the pattern aims `later_s` after a pulse, moving evenly from one pulse's aim to the next. Where a
-/// jump follows, or a pulse without an aim, it carries on as between the two pulses before.
+/// The point that the pattern aims at `later_s` after a pulse, moving linearly from pulse to pulse. Before a
+/// jump or a pulse without an aim it extrapolates from the two previous pulses.
 Point<DemFrame> aim_after(const Pattern& pattern, const PulseInput& pulse, double later_s) {
   const double pulses = pulse.interval_s > 0 ? later_s / pulse.interval_s : 0;
   const auto aim = [&](std::int64_t ahead) { return pattern.ground_aim(pulse_ahead(pulse, ahead)); };
@@ -58,21 +58,21 @@ Point<DemFrame> aim_after(const Pattern& pattern, const PulseInput& pulse, doubl
   if (pulse.time.pulse + from < 0) return *aim(to);
   if (to == 0) {
     const auto jump = pattern.last_jump(pulse.time);
-    if (jump && jump->before.pulse == pulse.time.pulse - 1) return *aim(0);  // a step of one pulse
+    if (jump && jump->before.pulse == pulse.time.pulse - 1) return *aim(0);  // the step lasts a single pulse
   }
   const auto start = aim(from);
   if (!start) return *aim(to);
   return *start + (pulses - static_cast<double>(from)) * (*aim(to) - *start);
 }
 
-/// The columns of a pose, whichever of the two it is.
+/// The columns of a true or an estimated pose.
 struct PoseColumns {
   std::vector<double>&px, &py, &pz, &qw, &qx, &qy, &qz;
 };
 
 void record_pose(const Pose& pose, std::size_t slot, const PoseColumns& columns) {
   Eigen::Quaterniond q(pose.rotation.m);
-  if (q.w() < 0) q.coeffs() *= -1;  // q and -q are one attitude; the file holds one of them
+  if (q.w() < 0) q.coeffs() *= -1;  // q and -q are the same attitude; the file holds the one with w >= 0
   columns.px[slot] = pose.position.v.x();
   columns.py[slot] = pose.position.v.y();
   columns.pz[slot] = pose.position.v.z();
@@ -92,7 +92,7 @@ void record_pulse(const PulseInput& pulse, const ScannerState& state, std::size_
               {out.px_est, out.py_est, out.pz_est, out.qw_est, out.qx_est, out.qy_est, out.qz_est});
 }
 
-/// Puts the engine's ranges, which leave out the lost beams, back among all beams.
+/// Expands the engine's ranges, which omit the lost beams, to all beams.
 void spread_over(std::span<const Beam> beams, std::vector<double>& hits_m) {
   std::size_t from = hits_m.size();
   hits_m.resize(beams.size());
@@ -170,7 +170,7 @@ void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) c
   workspace.believed_beams.resize(pixels.size());
   scanner.steer(scanner.believed_state(context, workspace.state), pixels, workspace.believed_beams);
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (workspace.believed_beams[i].lost) workspace.beams[i].lost = true;  // it has no estimate
+    if (workspace.believed_beams[i].lost) workspace.beams[i].lost = true;  // such a point has no estimate
 }
 
 void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
@@ -227,7 +227,7 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
   const bool can_be_false = lidar_.range_errors.has_false_returns() &&
                             (has_echo || what == PointStatus::miss || what == PointStatus::dropout);
   if (can_be_false) {
-    // The first detection is reported. The true range decides, so that no other error changes which it is.
+    // The first detection is reported. The true range decides, so that other errors do not change the choice.
     const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
     if (false_m && !(has_echo && *false_m >= workspace.ranges_m[i]))
       return {PointStatus::false_return, *false_m};
@@ -258,7 +258,7 @@ void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatc
   if (batch.points.holds_truth()) record_truth(pulse, first_row, batch.points, workspace);
 }
 
-// A range that is NaN makes its point NaN.
+// A NaN range gives a NaN point.
 void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                      const PulseWorkspace& workspace) const {
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;

@@ -20,32 +20,32 @@
 
 namespace landfall {
 
-/// The instrument: everything about a scan that is neither the lander's motion nor the terrain.
+/// The instrument: everything about a scan except the lander's motion and the terrain.
 struct Lidar {
   Detector detector;
   std::unique_ptr<const Scanner> scanner;
-  std::unique_ptr<const Pattern> pattern{};  ///< none: the scanner gets no aim
+  std::unique_ptr<const Pattern> pattern{};  ///< empty: the scanner gets no aim
   /// T_body_lidar. Nominally +z_L looks down and x_L is x_B: diag(1, -1, -1).
   Transform<BodyFrame, LidarFrame> mount{rotation_from<BodyFrame, LidarFrame>({std::numbers::pi, 0, 0}), {}};
   RangeErrors range_errors;
   PointingError pointing_error{};
 };
 
-/// One pulse, as whoever moves the lander gives it.
+/// One pulse, as the caller that moves the lander defines it.
 struct PulseInput {
   PulseTime time{};
   double t_s = 0;         ///< as written to the pulse table
-  double interval_s = 0;  ///< to the next pulse; 0: as if the aim stood still
+  double interval_s = 0;  ///< to the next pulse; 0: the aim is taken as constant
   Pose truth{};
   Pose estimate{};  ///< what the lander believes
   Pose nominal{};   ///< the pose that the pattern aims from
 };
 
-/// Memory that a thread keeps between pulses; its contents mean nothing to the caller.
+/// Memory that a thread reuses between pulses. Its contents have no meaning for the caller.
 struct PulseWorkspace {
   ScannerState state;
   std::vector<Beam> beams;
-  std::vector<Beam> believed_beams;  ///< empty where the scanner is known: as `beams`
+  std::vector<Beam> believed_beams;  ///< empty where the scanner is known: equal to `beams`
   std::vector<Beam> sample_beams;
   std::vector<Ray> rays;
   std::vector<double> hits_m;
@@ -55,22 +55,22 @@ struct PulseWorkspace {
   Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
 };
 
-/// One pulse from poses to points. It knows no trajectory, so that a host simulator can step it with poses
-/// and a RayEngine of its own. The result depends on the arguments only: any thread may compute any pulse.
+/// One pulse from poses to points, independent of a Trajectory: a host simulator can step it with its own
+/// poses and RayEngine. The result depends on the arguments only: any thread may compute any pulse.
 ///
 /// The true beam leaves from the true pose and mount (PointingError), aimed from the nominal ones: navigation
-/// error never moves it. A point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7), the true one with the
-/// true range, mount and pose, the estimated one with the measured range, the nominal mount and the estimated
-/// pose, both with the same n and b unless the lander does not know the mechanism's state
+/// error never moves it. A point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7). The true point uses the
+/// true range, mount and pose; the estimated point uses the measured range, the nominal mount and the
+/// estimated pose. Both use the same n and b unless the lander does not know the mechanism's state
 /// (Scanner::is_known). A pixel's status is the first that applies of dead, blanked, total reflection, miss,
-/// dropout; instead of the last two, or of a return from farther away, it may be a false return.
+/// dropout. A false return may replace a miss, a dropout or a return from farther away.
 ///
-/// Time-stamp errors are the affair of whoever gives the estimated poses.
+/// The caller applies time-stamp errors when it chooses the estimated poses.
 class PulseSimulator {
  public:
-  /// `engine` must outlive this; where it is null, only replay() may be called. So must `ground`; where
-  /// given, a beam that starts at or below it is refused (of surfaces with ground below). Throws UsageError
-  /// where it is not and the noise depends on the incidence.
+  /// `engine` must outlive this object; if it is null, only replay() may be called. `ground` must outlive it
+  /// too; if given, a beam that starts at or below it is refused (for surfaces with ground below). Throws
+  /// UsageError if it is missing and the noise depends on the incidence.
   PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
@@ -78,13 +78,13 @@ class PulseSimulator {
   [[nodiscard]] std::span<const std::int8_t> dead_map() const { return dead_map_; }
 
   /// Fills pulse `slot` of `batch`, which has been resized to this detector's pixels; the truth only where
-  /// the batch holds it. All rays of the pulse go to the engine in one call, in pixel order, sub-pixels
-  /// within. Throws FormatError, naming the pulse, where the scanner cannot follow the aim, or for a beam
-  /// that starts at or below the ground.
+  /// the batch holds it. All rays of the pulse go to the engine in one call, in pixel order and, within a
+  /// pixel, in sub-pixel order. Throws FormatError, naming the pulse, where the scanner cannot follow the
+  /// aim, or for a beam that starts at or below the ground.
   void simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                 PulseWorkspace& workspace) const;
 
-  /// The same with true ranges from an earlier run, one per pixel, NaN for a miss, instead of tracing.
+  /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss.
   void replay(const PulseInput& pulse, std::span<const double> ranges_true_m, std::size_t slot,
               PulseBatch& batch, PulseWorkspace& workspace) const;
 
@@ -101,10 +101,10 @@ class PulseSimulator {
   static void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                            const PulseWorkspace& workspace);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
-  /// What the receiver reports of a pixel.
+  /// What the receiver reports for a pixel.
   struct Report {
     PointStatus status;
-    double range_m;  ///< NaN where there is no return
+    double range_m;  ///< NaN without a return
   };
   [[nodiscard]] Report report(PulsePixel where, const PulseWorkspace& workspace) const;
 

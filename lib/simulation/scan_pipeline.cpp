@@ -16,18 +16,18 @@ namespace {
 
 using BatchPtr = std::unique_ptr<PulseBatch>;
 
-/// A batch of pulses on its way through the stages.
+/// A batch of pulses that passes through the stages.
 struct Passage {
   PulseSpan pulses;
-  std::vector<double> ranges_true_m;  ///< empty: trace
+  std::vector<double> ranges_true_m;  ///< empty: trace the rays
   BatchPtr batch;
-  /// Why there is no batch. Thrown only in its turn, so that the first pulse that fails is the one named, on
-  /// any number of threads.
+  /// Why there is no batch. It is thrown when the batch's turn comes, so that the error names the first pulse
+  /// that fails, for any number of threads.
   std::exception_ptr failure;
   SinkWork work;
 };
 
-/// Batches that are not in use: their memory is touched for the first time only once.
+/// A pool of unused batches, so that their memory is allocated and touched only once.
 class BatchPool {
  public:
   BatchPtr take() {
@@ -48,11 +48,11 @@ class BatchPool {
   std::vector<BatchPtr> free_;
 };
 
-/// The stages, and what they share. They hand on pointers: what a run that fails leaves between two stages,
-/// oneTBB never destroys.
+/// The stages and their shared state. They pass pointers, which the pipeline owns: oneTBB does not destroy
+/// what a failing run leaves between two stages.
 class ScanPipeline {
  public:
-  /// At most so many batches are on their way at once.
+  /// The largest number of batches in the pipeline at once.
   ScanPipeline(const Simulation& simulation, const Replay& replay, const BatchSink& sink, std::size_t most)
       : simulation_(simulation), replay_(replay), sink_(sink), passages_(most) {}
 
@@ -61,7 +61,7 @@ class ScanPipeline {
       control.stop();
       return nullptr;
     }
-    // The last stage is in order: the previous user of this slot is done.
+    // The last stage runs in order, so the previous user of this slot is done.
     Passage& passage = passages_[begun_++ % passages_.size()];
     passage.pulses = {next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
     next_pulse_ += passage.pulses.count;

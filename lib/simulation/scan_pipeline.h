@@ -13,29 +13,29 @@ namespace landfall {
 /// The true ranges of consecutive pulses, one per pixel and pulse, NaN for a miss.
 using RangeSource = std::function<std::vector<double>(PulseSpan pulses)>;
 
-/// An earlier run to take the true ranges from.
+/// The source of true ranges from an earlier run.
 struct Replay {
-  RangeSource ranges{};                      ///< none: trace
-  PointContent content = PointContent::all;  ///< what the batches are to hold
+  RangeSource ranges{};                      ///< empty: trace the rays
+  PointContent content = PointContent::all;  ///< the columns that the batches hold
 };
 
-/// What is left to do when a sink has taken a batch; either may be empty.
+/// The remaining work after a sink has taken a batch. Either function may be empty.
 struct SinkWork {
   std::function<void()> in_parallel;  ///< on any thread, at the same time as other batches' work
   std::function<void()> in_order;     ///< afterwards, one at a time, in the order of the batches
 };
 
-/// Takes the next batch; may change it, and has no use of it afterwards.
+/// Takes the next batch. It may change the batch but must not keep it.
 using BatchSink = std::function<SinkWork(PulseBatch& batch)>;
 
-/// Simulates all pulses of a scan on all threads, batch by batch, and gives the batches to `sink` in order.
-/// Where `replay` has ranges nothing is traced: the true ranges come from there, asked for in order. Each of
-/// the source, the sink and the work in order is called by one thread at a time, but they may run at the same
-/// time as each other.
+/// Simulates all pulses of a scan on all threads, batch by batch, and passes the batches to `sink` in
+/// order. If `replay` has ranges, nothing is traced: the true ranges come from it, requested in order. One
+/// thread at a time calls the source, the sink and the work in order, but these calls may overlap with each
+/// other.
 ///
-/// Throws what simulating, the source or the sink throws; where several pulses fail, for the first of them.
+/// Throws what the simulation, the source or the sink throws; if several pulses fail, the error of the first.
 /// Only a few batches per thread exist at a time: memory does not depend on the number of pulses. The result
-/// depends on neither threads nor points_per_batch.
+/// depends neither on the number of threads nor on points_per_batch.
 void run_scan(const Simulation& simulation, const Replay& replay, const BatchSink& sink,
               std::int64_t points_per_batch, const ProgressCallback& progress = {});
 

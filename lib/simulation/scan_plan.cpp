@@ -67,7 +67,7 @@ ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region, std::
 }
 
 BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::int8_t>& region) {
-  std::vector<std::int64_t> bins_of;  // by value
+  std::vector<std::int64_t> bins_of;  // number of bins by value
   std::int64_t bins = 0;
   double sum = 0;
   for (std::size_t i = 0; i < region.values().size(); ++i) {
@@ -87,7 +87,7 @@ BinSpread spread_over_region(const Grid<std::int32_t>& values, const Grid<std::i
     return value;
   };
   const std::int64_t at_most_one = bins_of[0] + (bins_of.size() > 1 ? bins_of[1] : 0);
-  constexpr double kMin = 1e-300;  // the first bin
+  constexpr double kMin = 1e-300;  // selects the first bin
   return {.mean = sum / static_cast<double>(bins),
           .min = quantile(kMin),
           .p05 = quantile(0.05),

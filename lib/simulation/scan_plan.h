@@ -11,31 +11,31 @@
 
 namespace landfall {
 
-/// What became of a scan's pulses. The four kinds add up to all pulses.
+/// The outcome of a scan's pulses. The four kinds add up to all pulses.
 struct PulseBudget {
-  std::int64_t in_region = 0;         ///< every return in the region
-  std::int64_t partly_in_region = 0;  ///< some
-  std::int64_t off_region = 0;        ///< fired, none
-  std::int64_t blanked = 0;           ///< not fired
+  std::int64_t in_region = 0;         ///< pulses with every return in the region
+  std::int64_t partly_in_region = 0;  ///< pulses with some returns in the region
+  std::int64_t off_region = 0;        ///< fired pulses without a return in the region
+  std::int64_t blanked = 0;           ///< pulses that were not fired
   friend bool operator==(const PulseBudget&, const PulseBudget&) = default;
 };
 
-/// What a scan would do on known ground: how often it sees each bin, and where its pulses go. Returns are
-/// binned by their true position, so errors in the estimate change nothing.
+/// The result of a scan over known ground: how often it sees each bin, and where its pulses go. Returns are
+/// binned by their true position, so errors of the estimate have no effect.
 class ScanPlan {
  public:
-  /// `region`: 1 for each bin that the scan is for.
+  /// `region`: 1 for each bin that the scan should cover.
   explicit ScanPlan(Grid<std::int8_t> region);
 
-  /// Adds the next pulses, all of whose pixels the batch holds, in order of time.
+  /// Adds the next pulses in order of time. The batch must hold all their pixels.
   void add(const PulseBatch& batch);
 
   [[nodiscard]] const Grid<std::int8_t>& region() const { return region_; }
   /// Returns in each bin.
   [[nodiscard]] const Grid<std::int32_t>& count() const { return count_; }
-  /// Pulses that have a return in the bin: more than one is overlap.
+  /// Number of pulses with a return in the bin; more than one means overlap.
   [[nodiscard]] const Grid<std::int32_t>& frames() const { return frames_; }
-  /// When the bin was first seen, seconds, as the pulse table's t; NaN where never.
+  /// When the bin was first seen, seconds, as t in the pulse table; NaN if never.
   [[nodiscard]] const Grid<float>& first_seen_s() const { return first_seen_s_; }
   [[nodiscard]] const PulseBudget& pulses() const { return pulses_; }
   [[nodiscard]] std::int64_t return_count() const { return return_count_; }
@@ -48,17 +48,17 @@ class ScanPlan {
   Grid<std::int32_t> count_;
   Grid<std::int32_t> frames_;
   Grid<float> first_seen_s_;
-  Grid<std::int32_t> last_pulse_;  ///< that had a return in the bin, -1 before any
+  Grid<std::int32_t> last_pulse_;  ///< last pulse with a return in the bin, -1 before any
   PulseBudget pulses_;
   std::int64_t return_count_ = 0;
   std::int64_t region_return_count_ = 0;
 };
 
-/// The plan of a whole scan, of run_scan()'s batches.
+/// Plans a whole scan from the batches of run_scan().
 [[nodiscard]] ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region,
                                  std::int64_t points_per_batch, const ProgressCallback& progress = {});
 
-/// How a whole number that belongs to each bin is spread over the region.
+/// The distribution of an integer per bin over the region.
 struct BinSpread {
   double mean = 0;
   std::int64_t min = 0;
@@ -66,7 +66,7 @@ struct BinSpread {
   std::int64_t median = 0;
   std::int64_t p95 = 0;
   std::int64_t max = 0;
-  double above_one_frac = 0;  ///< bins with 2 or more
+  double above_one_frac = 0;  ///< fraction of bins with 2 or more
   LANDFALL_FIELDS(mean, min, p05, median, p95, max)
 };
 

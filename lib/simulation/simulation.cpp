@@ -17,7 +17,7 @@ std::int64_t pulse_count(const ScanModel& model) {
   const double time = model.scan_time_s;
   require_positive({"", "pulse_rate_hz"}, rate);
   require_positive({"", "scan_time_s"}, time);
-  // A product such as 100 Hz x 0.29 s is a hair below the whole number that it stands for.
+  // A product such as 100 Hz x 0.29 s is slightly below the whole number that it represents.
   const double pulses = std::floor(rate * time + 1e-9);
   require(pulses >= 1 && pulses <= std::numeric_limits<std::int32_t>::max(),
           {"", "pulse_rate_hz x scan_time_s"}, pulses, "in 1..2147483647 pulses");
@@ -35,7 +35,7 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
       navigation_error_(std::move(model.navigation_error)),
       estimate_(std::move(model.estimate)),
       simulator_(std::move(model.lidar), engine, ground) {
-  // A trajectory or a table of angles that is too short shall fail now, not after an hour.
+  // Fail now, not after an hour, if a trajectory or a table of angles is too short.
   const PulseInput last = pulse(pulse_count_ - 1);
   static_cast<void>(simulator_.lidar().scanner->state({.time = last.time}));
   static_cast<void>(believed_pose(0));

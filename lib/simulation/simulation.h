@@ -11,24 +11,24 @@
 
 namespace landfall {
 
-/// What the lander takes for its attitude, before the navigation error's part: the true one, or, where it
-/// does not measure it, the trajectory's nominal one.
+/// The attitude that the lander starts from, before the navigation error is applied: the true one or, if the
+/// lander does not measure it, the nominal one of the trajectory.
 enum class AttitudeKnowledge { truth, commanded };
 
 /// A whole scan.
 struct ScanModel {
   Lidar lidar;
   std::unique_ptr<const Trajectory> trajectory;
-  std::unique_ptr<const NavigationError> navigation_error{};  ///< none: the estimate is the truth
+  std::unique_ptr<const NavigationError> navigation_error{};  ///< empty: the estimate equals the truth
   double pulse_rate_hz = 20000;
   double scan_time_s = 2;
-  /// What the lander believes, in place of the truth with a navigation error.
+  /// The lander's estimated trajectory, used instead of the truth with a navigation error.
   std::unique_ptr<const Trajectory> estimate{};
   AttitudeKnowledge attitude_knowledge = AttitudeKnowledge::truth;
 };
 
-/// The pulses of a scan. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and positive or
-/// they give no pulse or 2^31 and more.
+/// The number of pulses of a scan. Throws UsageError where pulse_rate_hz or scan_time_s is not finite and
+/// positive, or where they give no pulse or 2^31 and more.
 [[nodiscard]] std::int64_t pulse_count(const ScanModel& model);
 
 struct PulseSpan {
@@ -36,26 +36,26 @@ struct PulseSpan {
   std::int64_t count = 0;
 };
 
-/// The pulse loop. Pulses are sent at t_k = t0 + k/f, k = 0 .. N - 1, N = floor(f T + 1e-9), or fewer where
-/// the pattern stops; all pixels of a pulse share its time, pose and scanner state. The nominal pose, which
-/// the pattern aims from, is the trajectory's: at t_k for a compensated pattern, at t0 otherwise.
+/// The pulse loop. Pulses are sent at t_k = t0 + k/f, k = 0 .. N - 1, N = floor(f T + 1e-9), or fewer if the
+/// pattern stops; all pixels of a pulse share its time, pose and scanner state. The pattern aims from the
+/// trajectory's nominal pose: at t_k for a compensated pattern, at t0 otherwise.
 ///
-/// The estimated pose of the pulse at t is that of t + e, e the lidar's time-stamp error; t + e is kept
-/// within the times of the trajectory, or of the estimate where it is given.
+/// The estimated pose of the pulse at t is the one at t + e, e the lidar's time-stamp error; t + e is clamped
+/// to the times of the trajectory, or of the estimate where one is given.
 ///
 /// Immutable: any number of threads may simulate batches of any size, with identical results.
 class Simulation {
  public:
-  /// `engine` and `ground` must outlive this (see PulseSimulator); a null `engine` allows replay() only. The
-  /// model's scanner and trajectory must be set. Throws as pulse_count() does, and FormatError where the
-  /// trajectory or a scanner that replays angles ends before the last pulse or an estimate does not hold all
-  /// pulses.
+  /// `engine` and `ground` must outlive this object (see PulseSimulator); a null `engine` allows replay()
+  /// only. The model's scanner and trajectory must be set. Throws as pulse_count() does, and FormatError
+  /// where the trajectory or a scanner that replays angles ends before the last pulse, or where an estimate
+  /// does not cover all pulses.
   Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
-  /// Pulses over pulse rate, seconds.
+  /// Number of pulses over pulse rate, seconds.
   [[nodiscard]] double duration_s() const { return static_cast<double>(pulse_count_) / pulse_rate_hz_; }
-  /// Of all pulses, with those of sub-pixels.
+  /// Rays of all pulses, including those of sub-pixels.
   [[nodiscard]] std::int64_t ray_count() const {
     return pulse_count_ * static_cast<std::int64_t>(detector().samples().size());
   }
@@ -69,8 +69,8 @@ class Simulation {
   void simulate(PulseSpan pulses, PulseBatch& batch) const;
   [[nodiscard]] PulseBatch simulate(PulseSpan pulses) const;
 
-  /// The same with the true ranges of an earlier run, one per pixel and pulse, NaN for a miss, instead of
-  /// tracing: only the errors are drawn anew. Throws FormatError where their number does not fit.
+  /// simulate() without tracing: the true ranges come from an earlier run, one per pixel and pulse, NaN for a
+  /// miss; only the errors are drawn anew. Throws FormatError where the number of ranges does not fit.
   void replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
               PointContent content = PointContent::all) const;
 

@@ -6,20 +6,20 @@
 
 namespace landfall {
 
-/// The true surface of a terrain, frame D, metres: what rays hit and what a DEM is compared with. Immutable:
-/// any number of threads may ask.
+/// The true surface of a terrain, frame D, metres: rays hit it and DEMs are compared with it. Immutable: any
+/// number of threads may use it.
 class TerrainSurface {
  public:
   virtual ~TerrainSurface() = default;
 
-  /// H(x, y): the highest elevation of the surface on the vertical through (x, y); NaN where it has none.
+  /// H(x, y): the highest elevation of the surface on the vertical through (x, y); NaN off the surface.
   [[nodiscard]] virtual double elevation(double x_m, double y_m) const = 0;
 
-  /// No elevation is greater, metres; infinite where that is not known.
+  /// An upper bound of all elevations, metres; infinite if unknown.
   [[nodiscard]] virtual double highest_m() const { return std::numeric_limits<double>::infinity(); }
 
-  /// A unit normal, of either sense, of the triangle that `point`, a point of the surface, lies on: on an
-  /// edge or node of one of those that share it. NaN where there is no triangle.
+  /// A unit normal, of either sense, of the triangle at `point`, a point of the surface; on an edge or node,
+  /// of one of the triangles that share it. NaN without a triangle.
   [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& point) const = 0;
 
   /// Whether everything below elevation() is underground, where no lidar can be.

@@ -20,26 +20,26 @@ struct PlaneBase {
   friend bool operator==(const PlaneBase&, const PlaneBase&) = default;
 };
 
-/// Self-affine relief: the rms elevation difference of two points L apart is
-/// rms_deviation_m (L / reference_length_m)^hurst_exponent. The defaults are those of Europa's ridged plains
-/// (a slope of 12 deg rms at 10 m; Schenk 2009).
+/// Self-affine relief: the rms elevation difference of two points L apart is rms_deviation_m (L /
+/// reference_length_m)^hurst_exponent. The defaults describe Europa's ridged plains (a slope of 12 deg rms at
+/// 10 m; Schenk 2009).
 struct FractalBase {
   double hurst_exponent = 0.8;
   double rms_deviation_m = 2.13;
   double reference_length_m = 10;
-  /// Only shorter waves are made; infinity: all that the grid holds. None: those that the DEMs of the same
-  /// model lack, shorter than twice the posting of the finest; all without a DEM.
+  /// Only shorter waves are made; infinity: all that the grid holds. Empty: the waves that the DEMs of the
+  /// same model lack, shorter than twice the finest posting; all waves without a DEM.
   std::optional<double> longest_wavelength_m{};
   friend bool operator==(const FractalBase&, const FractalBase&) = default;
 };
 
 enum class Interpolation { nearest, bilinear, bicubic };
 
-/// What z = 0 means: the elevation at the site centre, or the raster's own zero.
+/// The elevation at z = 0: that of the site centre, or the raster's own zero.
 enum class Datum { center, none };
 
 /// Elevations from a raster file around a site centre, which becomes the origin of frame D. At most one of
-/// `center` and `center_pixel`; neither means the middle of the raster.
+/// `center` and `center_pixel` is set; without both, the centre is the middle of the raster.
 struct DemBase {
   std::string path;
   int band = 1;
@@ -48,14 +48,14 @@ struct DemBase {
   Interpolation interpolation = Interpolation::bicubic;
   Datum datum = Datum::center;
   double vertical_scale = 1;  ///< multiplies the elevation, after the band's own scale and offset
-  /// Metres per unit of the raster's coordinates (per pixel where it has none): for a raster without a CRS.
+  /// Metres per unit of the raster's coordinates (per pixel without any), for a raster without a CRS.
   std::optional<double> horizontal_scale_m;
   friend bool operator==(const DemBase&, const DemBase&) = default;
 };
 
 using Base = std::variant<PlaneBase, FractalBase, DemBase>;
 
-/// A gridded terrain: the sum of the bases, then what lies and stands on it (feature_field.h): features in
+/// A gridded terrain: the sum of the bases, then the features on it (feature_field.h): the listed ones in
 /// their order, then those of the patterns in theirs.
 struct TerrainModel {
   std::vector<Base> bases = {PlaneBase{}};
@@ -65,8 +65,8 @@ struct TerrainModel {
   friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
 };
 
-/// Throws UsageError, naming the position in the model, key, value and bound, on the first parameter that
-/// makes no sense. Opens nothing.
+/// Throws UsageError, naming the position in the model, key, value and bound, on the first invalid parameter.
+/// Opens nothing.
 void validate(const TerrainModel& model);
 
 }  // namespace landfall

@@ -15,8 +15,8 @@ struct ConstantVelocityParameters {
   RollPitchYaw rpy_rate_radps{};
 };
 
-/// p = position + velocity (t - t0); roll, pitch and yaw are each linear in t - t0; t0 = 0. It has neither
-/// beginning nor end: times before t0 are extrapolated.
+/// p = position + velocity (t - t0); roll, pitch and yaw are each linear in t - t0; t0 = 0. The motion has no
+/// beginning and no end: times before t0 are extrapolated.
 class ConstantVelocity : public Trajectory {
  public:
   /// Throws UsageError, naming the key, where a number is not finite.

@@ -39,7 +39,7 @@ void check(const DynamicsParameters& p) {
                          p.disturbance.torque_sigma_nm.v[i]);
 }
 
-/// What disturbs the body during a control period.
+/// The disturbance torque during a control period.
 class Disturbance {
  public:
   explicit Disturbance(const DynamicsParameters& p)
@@ -62,7 +62,7 @@ RigidBodyState first_state(const DynamicsParameters& p) {
   return {p.position_m, p.velocity_mps, Eigen::Quaterniond(rotation_matrix(p.rpy)), p.rate_radps};
 }
 
-/// Refuses a control period in which the body would turn so far that its attitude could not be interpolated.
+/// Refuses a control period in which the body turns too far for its attitude to be interpolated.
 void require_short(double period_s, const RigidBody& body, const RigidBodyState& state, const Load& load) {
   const double gained = period_s * body.inertia_kgm2.inverse().norm() * load.torque_nm.norm();
   require(period_s * (state.rate_radps.norm() + gained) <= kMaxTurn_rad, {"", "control_period_s"}, period_s,

@@ -13,7 +13,7 @@ namespace landfall {
 /// Disturbance torque about the axes of B.
 struct DisturbanceTorque {
   Vector<BodyFrame> torque_nm{};        ///< constant
-  Vector<BodyFrame> torque_sigma_nm{};  ///< of a normal draw per control period and axis
+  Vector<BodyFrame> torque_sigma_nm{};  ///< one sigma of a normal draw per control period and axis
   std::uint64_t seed = 1;
 };
 
@@ -23,29 +23,29 @@ struct DynamicsParameters {
   Vector<DemFrame> velocity_mps{{0, 0, -23}};
   RollPitchYaw rpy{};
   Vector<BodyFrame> rate_radps{};
-  double gravity_mps2 = 1.315;  ///< along -z_D, everywhere the same
+  double gravity_mps2 = 1.315;  ///< along -z_D, uniform
   DescentThrust thrust{};
   AttitudeControl attitude_control{};
   DisturbanceTorque disturbance{};
   double control_period_s = 0.01;
-  double duration_s = 2;  ///< that shall have poses
+  double duration_s = 2;  ///< the motion has poses at least until this time
 };
 
 /// A rigid body's descent in six degrees of freedom: gravity, an engine that holds the descent rate, on-off
-/// thrusters that hold the attitude within a deadband, and disturbing torques. Force and torque are set anew
+/// thrusters that hold the attitude within a deadband, and disturbance torques. Force and torque are updated
 /// at the times k * control_period_s and held in between.
 ///
-/// The motion is integrated once, by the constructor; the state of every control time is kept, 104 bytes
-/// each. In between, positions are cubic Hermite pieces with the known velocities, and attitudes
-/// R_k exp(phi(t)), phi the cubic Hermite piece of the rotation vector with the known rates. Both are
-/// continuous with their rates and off by at most h^4/384 max|d^4/dt^4|, h the control period: at h = 0.01 s,
-/// below 1e-10 m and 1e-10 rad for rates up to 1 rad/s. Turns about a principal axis and motion under a force
-/// of constant direction are exact to rounding.
+/// The constructor integrates the motion once and keeps the state at every control time, 104 bytes each. In
+/// between, positions are cubic Hermite pieces with the known velocities, and attitudes are R_k exp(phi(t)),
+/// phi the cubic Hermite piece of the rotation vector with the known rates. Both are continuous with their
+/// rates. Their error is at most h^4/384 max|d^4/dt^4|, h the control period: at h = 0.01 s, below 1e-10 m
+/// and 1e-10 rad for rates up to 1 rad/s. Turns about a principal axis and motion under a force of constant
+/// direction are exact to rounding.
 class DynamicsTrajectory : public Trajectory {
  public:
-  /// Throws UsageError, naming the key, for a parameter that is not finite or out of range, for more than
-  /// 2,000,000 control periods, and where the body could turn by more than
-  /// 1 rad in one of them.
+  /// Throws UsageError, naming the key, for a parameter that is not finite or out of range, for more
+  /// than 2,000,000 control periods, and where the body could turn by more than 1 rad in one control
+  /// period.
   explicit DynamicsTrajectory(const DynamicsParameters& parameters);
 
   /// A time that lies up to 1 ns outside the span counts as its end.
@@ -54,9 +54,9 @@ class DynamicsTrajectory : public Trajectory {
   /// The last control time: duration_s or up to one control period later.
   [[nodiscard]] double end_time_s() const override;
 
-  /// The planned motion at any time: from the first position with the first velocity across and the commanded
-  /// descent rate (without an engine: in free fall), in the commanded attitude (without thrusters: the
-  /// first).
+  /// The planned motion at any time: from the first position with the first horizontal velocity and the
+  /// commanded descent rate (without an engine: in free fall), in the commanded attitude (without thrusters:
+  /// the first attitude).
   [[nodiscard]] Pose nominal_pose(double t_s) const override;
 
   /// The state at k * control_period_s, k = 0, 1, ...

@@ -11,7 +11,7 @@ struct HermiteEnd {
   Eigen::Vector3d slope;
 };
 
-/// The piece at u in [0, 1]; written from the two ends, so that u = 0 and u = 1 give them exactly.
+/// The piece at u in [0, 1], computed from both ends so that u = 0 and u = 1 reproduce them exactly.
 [[nodiscard]] inline Eigen::Vector3d hermite(double u, const HermiteEnd& a, const HermiteEnd& b) {
   const double w = u * u * (3 - 2 * u);
   const Eigen::Vector3d bend = (u * (1 - u)) * ((1 - u) * a.slope - u * b.slope);

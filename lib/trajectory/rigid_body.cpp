@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kStepTolerance = 1e-13;
 
-/// p, v, q (x, y, z, w as Eigen stores it), omega. Zero from the start, for Odeint copies its scratch memory.
+/// p, v, q (x, y, z, w as in Eigen), omega. Initialised to zero because Odeint copies its scratch memory.
 struct Numbers : std::array<double, 13> {
   Numbers() : std::array<double, 13>{} {}
 };

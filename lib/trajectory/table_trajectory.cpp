@@ -81,7 +81,7 @@ Pose TableTrajectory::pose(double t_s) const {
     throw FormatError(name_ + ": time " + number_text(t_s) + " s lies outside the table, " +
                       number_text(start_time_s()) + " .. " + number_text(end_time_s()) + " s");
   const double t = std::clamp(t_s, start_time_s(), end_time_s());
-  // The piece that begins at or before t; the last time belongs to the last piece.
+  // The piece that begins at or before t. The last time belongs to the last piece.
   const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, t,
                                      [](double time, const TrajectorySample& s) { return time < s.t_s; });
   const auto i = static_cast<std::size_t>(next - samples_.begin()) - 1;

@@ -16,21 +16,21 @@ struct TrajectorySample {
   Point<DemFrame> position_m{};
   /// D <- B, Hamilton; note that Eigen's constructor takes (w, x, y, z).
   Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();
-  std::optional<Vector<DemFrame>> velocity_mps{};  ///< none: taken from the positions
+  std::optional<Vector<DemFrame>> velocity_mps{};  ///< empty: computed from the positions
 };
 
-/// A sampled trajectory, such as another simulator exports. Both parts go through every sample:
-/// - positions by cubic Hermite pieces, whose slope at a sample is its velocity where it has one, otherwise
-/// that
-///   of the parabola through it and its two neighbours (at an end: through the last three), however the times
-///   are spaced. Motion that is quadratic in time (with velocities: cubic) is reproduced to rounding; two
-///   samples without velocities give a straight line.
+/// A sampled trajectory, for example exported by another simulator. It passes through every sample:
+/// - positions by cubic Hermite pieces. The slope at a sample is its velocity where it has one, otherwise
+///   the slope of the parabola through it and its two neighbours (at an end: through the last three samples),
+///   for any spacing of the times.
+///   Motion that is quadratic in time (with velocities: cubic) is reproduced to rounding; two samples without
+///   velocities give a straight line.
 /// - attitudes by slerp between neighbours, the shortest way: constant body rate from sample to sample.
 class TableTrajectory : public Trajectory {
  public:
-  /// Times must increase strictly, everything be finite, and a quaternion's norm be within 1e-3 of 1 (it is
-  /// then normalised); at least 2 rows. Throws FormatError, begun by `name` and naming the row counted from
-  /// 1, otherwise.
+  /// Times must increase strictly, all numbers must be finite, and the norm of a quaternion must be within
+  /// 1e-3 of 1 (it is then normalised); at least 2 rows. Throws FormatError otherwise; the message begins
+  /// with `name` and names the row counted from 1.
   explicit TableTrajectory(std::vector<TrajectorySample> samples, std::string name = "trajectory table");
 
   /// A time that lies up to 1 ns outside the table counts as its end: pulse times are rounded.

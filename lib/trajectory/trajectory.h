@@ -5,17 +5,17 @@
 
 namespace landfall {
 
-/// T_dem_body: where the lander is and how it is turned.
+/// T_dem_body: position and attitude of the lander.
 using Pose = Transform<DemFrame, BodyFrame>;
 
-/// The motion of the lander as a pure function of time; any number of threads may ask.
+/// The motion of the lander as a pure function of time. Any number of threads may call it.
 class Trajectory {
  public:
   virtual ~Trajectory() = default;
 
   /// Throws FormatError, naming the time and the span, outside [earliest_time_s(), end_time_s()].
   [[nodiscard]] virtual Pose pose(double t_s) const = 0;
-  /// What was planned for that time, independent of the real motion: patterns aim from it.
+  /// The planned pose at that time, independent of the real motion. Patterns compute their aim from it.
   [[nodiscard]] virtual Pose nominal_pose(double t_s) const { return pose(t_s); }
   /// t0: the time of the first pulse.
   [[nodiscard]] virtual double start_time_s() const = 0;

@@ -24,7 +24,7 @@ std::string list_of(const Names& names) {
   return text;
 }
 
-/// Whether the table has these columns; refuses some of them without the others.
+/// Whether the table has all of these columns. Refuses a table that has only some of them.
 bool has_all(const NumberTable& table, const Names& names) {
   const auto is_there = [&](const std::string& name) { return table.has(name); };
   if (std::ranges::none_of(names, is_there)) return false;
@@ -49,8 +49,8 @@ Eigen::Quaterniond from_roll_pitch_yaw(const NumberTable& table, std::size_t row
   return Eigen::Quaterniond(rotation_matrix({angles.x(), angles.y(), angles.z()}));
 }
 
-/// With s = |sigma|^2: q = (1 - s, 2 sigma) / (1 + s). The shadow set gives -q. [BN] turns components in N
-/// into components in B, so that its transpose, R_dem_body, is the active turn that q stands for.
+/// With s = |sigma|^2: q = (1 - s, 2 sigma) / (1 + s). The shadow set gives -q. [BN] maps components in N to
+/// components in B, so its transpose, R_dem_body, is the active rotation that q represents.
 Eigen::Quaterniond from_rodrigues(const NumberTable& table, std::size_t row) {
   const Eigen::Vector3d sigma = vector_of(table, kRodrigues, row);
   const double s = sigma.squaredNorm();

@@ -195,7 +195,7 @@ class Errors(ChainTest):
             self.refuse(2, *self.redraw_arguments(*options), words=words, output=self.path("out.h5"))
 
     def test_a_table_of_estimates(self):
-        """The truth as a table is no error; a table that is too short is refused."""
+        """The truth is accepted as a table; a table that is too short is refused."""
         config = scan_config(OFF)
         config["noise"], config["pointing_error"] = {}, {}
         rows = [f"{t},{0.5 + 0.4 * t},{-0.3 + 0.2 * t},{50 - 5 * t},1,0,0,0" for t in (0, 0.1, 0.2)]

@@ -189,7 +189,7 @@ class Export(ImportTest):
         np.testing.assert_array_equal(points[..., 2], np.float32(z))  # GMT's grids are float32
 
     def test_the_terrain_need_not_be_written_first(self):
-        """The GeoTIFF of a configuration is that of its terrain.h5, byte for byte, whatever the threads."""
+        """The GeoTIFF of a configuration equals that of its terrain.h5, byte for byte, for any number of threads."""
         terrain = self.made(*CONE)
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("a.TIFF"), "-t", "1")
         self.made(*CONE, "-t", "2", name="b.tif")

@@ -70,7 +70,7 @@ def ranges_from(origin, directions, corners):
 
 
 def highest(x, y, corners):
-    """H at places (N,) by all triangles (F, 3, 3); NaN where there is none."""
+    """H at places (N,) from all triangles (F, 3, 3); NaN off the mesh."""
     result = np.full(len(x), -np.inf)
     for a, b, c in corners:
         u = (b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)
@@ -90,7 +90,7 @@ def flash(rows, pitch, position, **values):
 
 
 def flash_directions(rows, pitch):
-    """Of the pixels in their order, the top row to +y: nominal mount, no roll."""
+    """Pixel directions in order, the top row towards +y: nominal mount, no roll."""
     u = (np.arange(rows) - (rows - 1) / 2) * pitch
     d = np.array([[ub, va, -1] for va in u[::-1] for ub in u])
     return d / np.linalg.norm(d, axis=1)[:, None]
@@ -164,7 +164,7 @@ class MeshTest(ToolTest):
             hit = scan["points/status"][:] == 0
             x, y, z = (scan["points/" + k][:][hit][::40] for k in ["x_true", "y_true", "z_true"])
             self.assertGreater(len(x), 400)
-            # From above a first hit is seldom far from the highest surface, and never above it.
+            # Seen from above, a first hit is seldom far from the highest surface, and never above it.
             H = highest(x, y, corners)
             self.assertLess(np.max(z - H), 1e-9)
             self.assertGreater(np.mean(np.abs(z - H) < 1e-9), 0.9)

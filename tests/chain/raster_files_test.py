@@ -240,7 +240,7 @@ REAL_FILES = {
     "mesh/itokawa_49152f.obj": LoadsMesh(
         "Wavefront OBJ, kilometres", "--set mesh.scale_m=1000", 1000, os.path.join(DATA, "mesh/itokawa_49152f.obj")),
 }
-# However a malformed file is asked for: as it is, small, large, with and without a scale, at a corner.
+# How a malformed file is read: unchanged, small, large, with and without a scale, at a corner.
 WAYS = [f"{site}{scale}{center}" for site in ["", "--half-width 1 --resolution 1", "--half-width 60 --resolution 0.05"]
         for scale in ["", " --horizontal-scale 1", " --horizontal-scale 1000"]
         for center in ["", " --center-pixel 2,2 --datum none --interpolation nearest"]]

@@ -297,7 +297,7 @@ class ReportTest(ToolTest):
         self.assertTrue(len(found) == 10 or np.isnan(share).all())
 
     def test_numbers_of_worst_footprints_do_not_overlap(self):
-        """As many as there is room for on a map of footprints of one bin, all close to each other."""
+        """As many as fit on a map with footprints of one bin that lie close together."""
         self.report(self.chain.dem, "--set", "footprint_m=0.1", "--set", "region_radius_m=0.5")
         overlaps = """
             const boxes = [...document.querySelectorAll("#maps text.number")].map((e) => e.getBoundingClientRect());

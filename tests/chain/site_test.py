@@ -51,7 +51,7 @@ class Site(ToolTest):
         self.check_chain()
 
     def check_only_short_waves(self, added):
-        """What the fractal adds has no content at 25 m and beyond, and below it the law's deviation at 1 m."""
+        """The fractal adds no content at 25 m and beyond; below that it has the law's deviation at 1 m."""
         block = 500  # 25 m
         means = added[:2000, :2000].reshape(4, block, 4, block).mean(axis=(1, 3))
         self.assertLess(means.std(), 0.1 * added.std())

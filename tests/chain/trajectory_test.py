@@ -158,7 +158,7 @@ class Rover(ToolTest):
         self.assertLess(np.nanmedian(np.abs(errors)), 0.02)
 
 
-# The deadband is no whole number of drifts per period: a switch must not hang on rounding.
+# The deadband is not a multiple of the drift per period, so that no switch depends on rounding.
 TORQUE, INERTIA, PERIOD, DEADBAND, GAIN = 40.0, 100.0, 0.01, 1.107e-3, 0.05
 FIRING = TORQUE * PERIOD / INERTIA  # rad/s
 

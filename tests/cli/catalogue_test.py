@@ -136,7 +136,7 @@ class Catalogue(unittest.TestCase):
                     self.assertEqual(result.stderr, with_version(case["text"], "VERSION", version) + "\n")
                     self.assertEqual(result.returncode, fault["exit"])
                     changed = {path for path, there in state().items() if made.get(path) != there}
-                    # A missed requirement is no failure: the metrics are written.
+                    # A missed requirement is not a failure: the metrics are written.
                     written = set(case.get("files", {})) | ({"out.json"} if fault["exit"] == 3 else set())
                     self.assertEqual(changed, written)
                 tidy(made)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the four tools share (docs/user/cli.md): options, exit codes, messages, refusals."""
+"""The common behaviour of the four tools (docs/user/cli.md): options, exit codes, messages, refusals."""
 import json
 import os
 import shutil
@@ -180,7 +180,7 @@ class Output(ChainTest):
     """The output's name: refusals come before the work, an existing file is safe without -O."""
 
     def test_no_file_that_the_run_reads_is_an_output(self):
-        """Not even with -O: the configuration, and what it names."""
+        """Even with -O the tools refuse to write to the configuration and the files that it names."""
         for name in TOOLS:
             config = self.config(CONFIGS[name], "mine.json")
             before = read_bytes(config)
@@ -382,7 +382,7 @@ class Inputs(ChainTest):
                 self.refuse_input(name, data)
 
     def test_bytes_lost_in_the_data_are_an_error_or_harmless_never_a_crash(self):
-        # In the second half, where the datasets' chunks lie: damage to the texts of the root's attributes
+        # The second half of the file holds the chunks of the datasets: damage to the texts of the root's attributes
         # makes libhdf5 1.10 itself loop or crash (H5HG), h5dump and h5py too.
         data = self.path("holed.h5")
         for name, kind in self.READERS.items():

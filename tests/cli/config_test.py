@@ -43,7 +43,7 @@ class Check(ToolTest):
 
 
 class Resolved(ToolTest):
-    """What --print-config adds to what was given."""
+    """The keys that --print-config adds to the given ones."""
 
     def resolved(self, *values):
         return json.loads(self.succeed("scan-sim", "--print-config", *values).stdout)

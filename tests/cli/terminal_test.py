@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tools show on a terminal, a pseudo-terminal here, and what they leave out on request."""
+"""The output of the tools on a terminal, here a pseudo-terminal, and what options suppress."""
 import os
 import pty
 import subprocess

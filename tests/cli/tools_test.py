@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each tool alone promises: its own options and the refusals that its data call for."""
+"""The behaviour specific to each tool: its own options and the refusals that its data require."""
 import json
 import os
 import shutil

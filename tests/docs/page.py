@@ -33,12 +33,12 @@ class Block:
 
     @property
     def is_command(self):
-        """Whether the block shows commands to a reader."""
+        """True if the block shows commands to a reader."""
         return self.language in RUN_LANGUAGES and "file" not in self.notes
 
     @property
     def is_run(self):
-        """Whether this run of the tests executes it."""
+        """True if this run of the tests executes the block."""
         if self.language in ("setup", "long setup"):
             return LONG or self.language == "setup"
         return self.is_command and not RUN_ELSEWHERE & self.notes.keys() and (LONG or "long" not in self.notes)

@@ -19,7 +19,7 @@ def run(text):
 
 
 def verdict(text):
-    """None, or what run_docs_test says is wrong."""
+    """The error that run_docs_test reports; None without one."""
     page, done = run(text)
     try:
         run_docs_test.Commands().check(page, done)

@@ -62,7 +62,7 @@ def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False
             continue
         number, size = calls.count(one)
         judge.counts["calls"] += number
-        # Not all: an HDF5 file has room in it that nobody writes.
+        # Half of the bytes suffices: an HDF5 file has space that is never written.
         if kind == "write" and size < sum(map(len, workshop.whole[one].values())) / 2:
             judge.broken.append(f"{what}: {one.label}: only {size} bytes went through the calls that were watched")
         for at in spread(number, most):

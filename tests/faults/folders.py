@@ -32,7 +32,7 @@ def try_vanishing(workshop, random, count, tasks=None):
     for turn in range(count):
         one = tasks[turn % len(tasks)]
         run = at_random(workshop, random, one, False, lambda _: shutil.rmtree(workshop.out, ignore_errors=True))
-        # Where the run was over before, its files went with the folder.
+        # If the run had already ended, its files were removed with the folder.
         if run.code == 0:
             run.files = workshop.whole[one]
         judge.take(one, run)
@@ -63,7 +63,7 @@ def try_becoming_a_folder(workshop, random, count):
 
 
 def try_read_only(workshop):
-    """As a user who may not write there."""
+    """Runs as a user without write permission there."""
     judge = Judge(workshop, "a folder without write permission")
     for one in WRITING:
         for old in (False, True):
@@ -93,7 +93,7 @@ def judge_race(judge, tasks, ends, files, old):
     if set(files) != set(one.outputs):
         faults.append(f"left behind: {sorted(set(files) - set(one.outputs))}")
     done = sum(code == 0 for code, _ in ends)
-    # With several outputs two runs may each get one of them and refuse the other.
+    # With several outputs, each of two runs may get one of them and refuse the other.
     if old and done != len(ends) or not old and done != 1 and len(one.outputs) == 1:
         faults.append(f"{done} of {len(ends)} succeeded")
     for code, message in ends:

@@ -60,7 +60,7 @@ def with_paths(tree, path):
     return path if isinstance(tree, str) and tree.endswith((".h5", ".csv", ".json", ".tif")) else tree
 
 
-# What is done to a file, and words of the refusal.
+# How a file is damaged, and words of the refusal.
 WAYS = {external_link: ["is a link to another file, ", ":/z", "one file"], soft_link: ["is a soft link, to /elsewhere"],
         virtual: ["is a virtual dataset, of "], external_values: ["stores its values in another file, "],
         external_group: ["is a link to another file, "]}

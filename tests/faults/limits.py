@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What bounds the size of a run: the largest that is taken, and what one beyond it says."""
+"""The limits on the size of a run: the largest accepted size, and the message for one beyond it."""
 import dataclasses
 import json
 import os

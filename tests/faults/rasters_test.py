@@ -179,7 +179,7 @@ class Rasters(ToolTest):
             self.assert_refused(name, path + ": /z is a virtual dataset, of " + target)
 
     def test_a_header_costs_what_it_holds(self):
-        """10^6 x 10^6 pixels of which there is none."""
+        """A header of 10^6 x 10^6 pixels without any data."""
         path = self.write("huge.hdr", "ENVI\nsamples = 1000000\nlines = 1000000\nbands = 1\ndata type = 5\ninterleave = bsq\n")
         self.assert_refused(self.write("huge.dat", b"\0" * 64), "huge.dat: ")
         self.assertTrue(os.path.exists(path))

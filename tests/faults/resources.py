@@ -15,7 +15,7 @@ def limit(kind, value):
 
 
 def starts(workshop, one, size):
-    """Whether the program gets as far as its own first line within so much address space."""
+    """True if the program reaches its own first line within this much address space."""
     run = workshop.run(one, preexec_fn=limit(resource.RLIMIT_AS, size))
     return run.code in (0, 1, 2)
 
@@ -48,7 +48,7 @@ def try_memory(workshop, tasks=None):
 
 
 def try_descriptors(workshop):
-    """ulimit -n: with too few the loader itself gives up, which is no run of ours."""
+    """ulimit -n: with too few descriptors the loader itself fails, before our code runs."""
     judge = Judge(workshop, "3 to 16 file descriptors (ulimit -n)")
     for one in TASKS:
         for number in (3, 4, 5, 6, 7, 8, 12, 16):

@@ -19,7 +19,7 @@ from case import BIN, PYTHON, SIGMAS, StudyTest, read, study
 
 HOSTILE = "a b'\"$(touch hacked)`touch hacked`;-x"
 MARKUP = "</script><img src=x onerror=alert(1)>"
-# What turns texts into programs.
+# Calls that execute text as a program or that are unsafe.
 FORBIDDEN_CALLS = {"eval", "exec", "compile", "os.system", "os.popen", "subprocess.getoutput", "subprocess.getstatusoutput",
                    "tempfile.mktemp", "pickle.load", "pickle.loads", "yaml.load"}
 FORBIDDEN_SHELL = re.compile(r"(^|[;&|({]\s*)eval\s|\b(ba|da)?sh\s(-\w+\s)*-c\s+\"\w*[^\"]*\s")

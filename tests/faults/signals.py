@@ -38,7 +38,7 @@ class Moments:
 
 
 def swept(workshop, one):
-    """Whether the next run of the same name removes what a killed one left."""
+    """True if the next run with the same name removes the file that a killed run left."""
     run = workshop.finish(workshop.start(one, True))
     return run.code == 0 and run.files == workshop.whole[one]
 

@@ -44,7 +44,7 @@ class Study:
         return process.returncode, output
 
     def results(self):
-        """The bytes of what was gathered, as far as it is there."""
+        """The bytes of the gathered results that exist."""
         found = {}
         for name in RESULTS:
             with contextlib.suppress(FileNotFoundError):

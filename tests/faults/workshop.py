@@ -22,7 +22,7 @@ REGRID = {"resolution_m": 0.1, "half_width_m": 5}
 EVAL = {"region_radius_m": 4, "footprint_m": 0.7}
 CONFIGS = {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL}
 MOST_SECONDS = 60  # no task needs one
-HANGS = 1000  # stands for the exit code of a run that had to be killed after that
+HANGS = 1000  # in place of the exit code of a run that had to be killed after MOST_SECONDS
 OLD = b"the old output\n"
 PART = re.compile(r"^\.(?P<name>.+)\.[0-9a-f]{8}-\d+\.part$")
 
@@ -223,7 +223,7 @@ class Judge:
             return len(one.outputs)
         if "--view" in one.arguments:  # the picture is made of the output that is there already
             return 1
-        # Of several outputs one gets its name after the other.
+        # With several outputs, one gets its name after the other.
         return len(one.outputs) - 1 if "renaming failed" in run.stderr else 0
 
     def take(self, one, run, *, old=False, ended_by=0, parts_may_stay=False, how=""):

@@ -71,7 +71,7 @@ class Browser:
         return self.driver.execute_script(script, *arguments)
 
     def resize(self, width, height=1000):
-        """The page's own size, whatever frame the window has."""
+        """The page's own size, for any window frame."""
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
         self.driver.execute_async_script(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where pixels and sub-pixels look, and the range that a pixel makes of its sub-ranges (docs/user/lidar/detector-*.md)."""
+"""The directions of pixels and sub-pixels, and the range of a pixel from its sub-ranges (docs/user/lidar/detector-*.md)."""
 import numpy as np
 
 from oracle import tables

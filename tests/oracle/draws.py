@@ -43,7 +43,7 @@ def unit(word):
 
 
 def uniform(seed, stream, i, j=0):
-    """In [0, 1)."""
+    """A uniform number in [0, 1)."""
     return unit(blocks(seed, stream, i, j)[0])
 
 

@@ -9,7 +9,7 @@ STEPS_PER_PERIOD = 16
 
 
 def quaternion_of_matrix(m):
-    """Of one matrix that turns by less than half a turn."""
+    """The quaternion of a matrix that turns by less than half a turn."""
     w = np.sqrt(1 + np.trace(m)) / 2
     return np.array([w, *(np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]]) / (4 * w))])
 

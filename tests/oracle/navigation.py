@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the lander believes about its pose (docs/user/lidar/error-navigation.md)."""
+"""The lander's estimate of its pose (docs/user/lidar/error-navigation.md)."""
 import numpy as np
 
 from oracle import draws, trajectory

@@ -19,7 +19,7 @@ class Bins:
         self.place()
 
     def place(self):
-        """For each return and each bin that it belongs to: `of`, the return; `bin`, row major; `weight`."""
+        """For each return and each of its bins: `of`, the return; `bin`, row major; `weight`."""
         u, v = (self.points[f"{axis}_est"] / self.s for axis in "xy")
         if self.method == "bilinear4":
             parts = [self.share(u, v, dx, dy) for dy in (0, 1) for dx in (0, 1)]
@@ -151,7 +151,7 @@ class Uncertainty:
         return windows(self.shaky, 3).max(-1) > 0
 
     def lever(self, pulses):
-        """From the body at the bin's mean time to the bin; the pose is linear between pulses."""
+        """The vector from the body at the bin's mean time to the bin; the pose is linear between pulses."""
         t = self.bins.mean("t")
         interpolated = lambda name: np.interp(t, pulses["t"], pulses[name])
         body = np.stack([interpolated(f"p{axis}_est") for axis in "xyz"], -1)

@@ -9,7 +9,7 @@ RETURN, MISS, DROPOUT, DEAD, BLANKED, TOTAL_REFLECTION, FALSE_RETURN = range(7)
 
 
 class Scan:
-    """What depends on the pulse alone: times, poses, the mechanism."""
+    """The quantities that depend on the pulse alone: times, poses, the mechanism."""
 
     def __init__(self, config):
         self.config, self.seed = config, config["seed"]

@@ -42,7 +42,7 @@ class Flash(Scanner):
 
 
 class Aimed(Scanner):
-    """What fsm and gimbal share: commanded tilts, jumps, settling."""
+    """The common part of fsm and gimbal: commanded tilts, jumps, settling."""
 
     def __init__(self, config):
         self.c = config
@@ -102,7 +102,7 @@ class Mirror:
         return about(self.e1, angles[:, 0]) @ about(self.e2, angles[:, 1])
 
     def tilts(self, c):
-        """Of m = R(e1, a1) R(e2, a2) m0 = (c - d0)/|c - d0|."""
+        """The tilts of m = R(e1, a1) R(e2, a2) m0 = (c - d0)/|c - d0|."""
         m = normalised(c - self.d0)
         return np.stack([np.arctan2(-m @ self.e2, m @ self.m0), np.arcsin(m @ self.e1)], -1)
 

@@ -154,7 +154,7 @@ class Mesh:
         return result
 
     def distances(self, points):
-        """Of each point to each triangle: to its face where the foot lies inside, else to its edges."""
+        """The distance of each point to each triangle: to its face if the foot lies inside, else to its edges."""
         result = np.full((len(points), len(self.a)), np.inf)
         for start, end in ((self.a, self.b), (self.b, self.c), (self.c, self.a)):
             along = end - start
@@ -167,7 +167,7 @@ class Mesh:
         return np.where(inside, abs(height), result)
 
     def normals_at(self, points):
-        """Of the nearest triangle; unsure where others that face elsewhere are as near."""
+        """The normals of the nearest triangles; unsure where triangles that face elsewhere are as near."""
         result, unsure = np.empty(points.shape), np.empty(len(points), bool)
         for rows in np.array_split(np.arange(len(points)), max(1, len(points) * len(self.a) // 1000000)):
             distances = self.distances(points[rows])

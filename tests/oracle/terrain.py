@@ -189,7 +189,7 @@ def base_elevation(base, x, y):
 
 
 def is_known(config):
-    """Whether elevations() can make it: neither fractals nor populations."""
+    """True if elevations() can compute it: neither fractals nor populations."""
     bases = config["base"] if isinstance(config["base"], list) else [config["base"]]
     return all(base["type"] != "fractal" for base in bases) and all(
         pattern["type"] == "ring" for pattern in config.get("patterns", []))

@@ -35,7 +35,7 @@ class Table:
         self.q = self.quaternions(c)
 
     def slopes(self):
-        """Of the parabola through each row and its neighbours; at the ends that of the three outermost rows."""
+        """The velocities of the parabola through each row and its neighbours; at the ends through the three outermost rows."""
         if len(self.t) == 2:
             return np.tile((self.p[1] - self.p[0]) / (self.t[1] - self.t[0]), (2, 1))
         result = np.empty_like(self.p)

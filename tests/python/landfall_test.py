@@ -32,7 +32,7 @@ PYRAMID = "v 0 0 1\nv 1 -1 0\nv 1 1 0\nv -1 0 0\nf 1 2 3\nf 1 3 4\nf 1 4 2\n"
 
 
 def python(text):
-    """What a new python3 prints."""
+    """The output of a new python3."""
     return subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {os.path.join(ROOT, 'python')!r}); {text}"],
                           capture_output=True, text=True, check=True).stdout
 

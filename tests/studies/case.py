@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests of studies share: a study of some 25,600 rays a scan, and how it is made."""
+"""The common part of the study tests: a study of some 25,600 rays a scan, and how it is made."""
 import copy
 import csv
 import io

@@ -12,7 +12,7 @@ from case import BIN, ROOT, SIGMAS, StudyTest, study
 
 
 class Changes(StudyTest):
-    """What a study follows: its files, data files and the tools."""
+    """The inputs that a study depends on: its files, data files and the tools."""
 
     def test_base_files_and_data_files(self):
         tree = study(SIGMAS)

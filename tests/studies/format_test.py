@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Study files: what they stand for, and what is refused, with file, key, value and bound."""
+"""Study files: their meaning, and what is refused, with file, key, value and bound."""
 import json
 import math
 import os
@@ -194,7 +194,7 @@ BAD = [
     (study(options={"regrid": ["--fast"]}), ["/options/regrid/0", '"--fast" is not one of', "--corrected"]),
     (study(plot={"metrics": []}), ["/plot/metrics", "expected at least 1"]),
 ]
-# What the tools refuse.
+# Inputs that the tools refuse.
 REFUSED = [
     (study({"key": "scan.noise.range_sigma", "list": [0.1]}), ["the first case", "scan-sim", "range_sigma"]),
     (study({"key": "scan.noise.dropout_frac", "list": [0.1, 1.5]}), ["dropout_frac = 1.5", "/noise/dropout_frac", "1.5"]),

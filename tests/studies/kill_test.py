@@ -97,7 +97,7 @@ class Kills(StudyTest):
                     os.remove(self.out(folder, name))
 
     def wait_for_orphans(self):
-        """What a killed make leaves behind goes on to its end."""
+        """Waits until the processes that a killed make left have ended."""
         for _ in range(300):
             if not self.victims():
                 return

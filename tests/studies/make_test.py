@@ -39,7 +39,7 @@ class Builds(StudyTest):
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def test_a_case_equals_the_chain_by_hand(self):
-        """From `sweep.py show`: traced with its errors, all layers, no sharing."""
+        """The chain by hand uses `sweep.py show`: traced with its errors, all layers, no sharing."""
         path = self.write(study(SIGMAS, {"key": "scan.noise.dropout_frac", "list": [0, 0.2]}, RESOLUTIONS,
                                 repeat={"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}},
                                 options={"regrid": ["--corrected"]}))

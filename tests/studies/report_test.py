@@ -249,7 +249,7 @@ def scaled(tree, factor):
 
 
 def write_numbers(folder):
-    """What plot_study.py writes, without the pictures."""
+    """Writes the files of plot_study.py except for the pictures."""
     with h5py.File(os.path.join(folder, "results.h5")) as file:
         results = table.Results(file)
     axes, metrics = [axis.name for axis in results.axes], results.plot.get("metrics", ["accuracy.relative.z.max_m", "coverage.invalid_frac"])

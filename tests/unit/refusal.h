@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// The message of the UsageError that `work` throws; "accepted" where it throws none.
+/// The message of the UsageError that `work` throws; "accepted" if it throws none.
 template <class Work>
 std::string refusal(const Work& work) {
   try {

@@ -6,8 +6,8 @@
 
 namespace landfall {
 
-/// The folder of real rasters, which is no part of the repository and may be missing: LANDFALL_DATA, or the one beside
-/// the repository, which CMake names.
+/// The folder of real rasters, which is not part of the repository and may be missing: LANDFALL_DATA, or the
+/// folder beside the repository, whose path CMake sets.
 inline std::filesystem::path shared_data() {
   const char* const given = std::getenv("LANDFALL_DATA");
   return given == nullptr ? LANDFALL_SHARED_DATA : given;

@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// An empty folder that lives as long as the test.
+/// An empty folder that is removed at the end of the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -16,27 +16,27 @@ namespace landfall {
 ///   1.02 < x <= 1.5    0.188253307 - 0.187050452 x + 0.01844746 x^2 + 0.01505647 x^3
 ///   beyond             none
 ///
-/// The floor is level at depth_m below the rim, where the first would go deeper: the rim keeps its height.
-/// As published, the pieces meet at 0.98 and end in 0 at 1.5 (both within 1e-9 D), but fall by 0.00418947 D
-/// at 1.02. Degradation multiplies the whole profile by `freshness`.
+/// Where the first piece would go deeper than depth_m below the rim, the floor is level at that depth; the
+/// rim keeps its height. As published, the pieces meet at 0.98 and end in 0 at 1.5 (both within 1e-9 D), but
+/// drop by 0.00418947 D at 1.02. Degradation multiplies the whole profile by `freshness`.
 struct Crater {
   static constexpr const char* kName = "crater";
   static constexpr FeatureRole kRole = FeatureRole::adds;
   static constexpr double kRimPerDiameter = 0.036822095;
-  /// The profile's own depth below the rim at the centre: the greatest that there is.
+  /// The depth of the profile below the rim at the centre, which is the greatest possible depth.
   static constexpr double kDeepestPerDiameter = 0.228809953 + kRimPerDiameter;
 
   double diameter_m = 10;
-  double depth_m = 0;  ///< rim to floor before `freshness`; 0: that of a fresh crater of this size
+  double depth_m = 0;  ///< rim to floor before `freshness`; 0: as in a fresh crater of this size
   double freshness = 1;
 
-  /// Of a fresh crater, rim to floor. The depth over the diameter goes by classes of diameter: 0.13 from 40
-  /// m, 0.15 from 100 m, 0.17 from 200 m, 0.21 from 400 m (Stopar et al. 2017, Icarus 298, 34-48); below
-  /// them, as synthterrain continues it, 0.11 from 10 m, 0.10 under that.
+  /// Depth of a fresh crater, rim to floor. The ratio of depth to diameter is constant within classes of
+  /// diameter: 0.13 from 40 m, 0.15 from 100 m, 0.17 from 200 m, 0.21 from 400 m (Stopar et al. 2017, Icarus
+  /// 298, 34-48); below them, as in synthterrain, 0.11 from 10 m and 0.10 under 10 m.
   [[nodiscard]] static double fresh_depth_m(double diameter_m);
 
   /// Throws UsageError unless the diameter is finite and positive, 0 <= depth_m <= kDeepestPerDiameter
-  /// diameter_m, and the freshness in (0, 1].
+  /// diameter_m, and the freshness is in (0, 1].
   void validate(const std::string& owner) const;
   [[nodiscard]] double reach_m() const { return 0.75 * diameter_m; }
   /// The height is minus the remaining depth, rim to floor.

@@ -19,16 +19,16 @@
 
 namespace landfall {
 
-/// Each shape says what it is called (kName, the word of configurations and object lists), what it does with
-/// its relief (kRole), how far it reaches from its centre (reach_m: half the width of a box that holds its
-/// footprint), how high it is at a point (relief_m: kNoRelief outside the footprint), its size for a list of
-/// objects, and whether its parameters make sense (validate). One that has a yaw_rad also gives own_relief_m,
-/// the relief at a point in its own axes (turned_axes.h), so that the turn is found once for all nodes. A new
-/// shape is a file here and a name in this list.
+/// Each shape gives its name (kName, the word in configurations and object lists), its effect on the terrain
+/// (kRole), its largest distance from the centre (reach_m: half the width of a box that holds its footprint),
+/// its height at a point (relief_m: kNoRelief outside the footprint), its size for a list of objects, and a
+/// check of its parameters (validate). A shape with a yaw_rad also gives own_relief_m, the relief at a point
+/// in its own axes (turned_axes.h), so that the rotation is computed once for all nodes. A new shape is a
+/// file here and a name in this list.
 using FeatureShape =
     std::variant<Cone, Hemisphere, Pyramid, Rock, Crater, IceBlock, Ridge, Fracture, Pit, PenitenteField>;
 
-/// The kNames, in the order of FeatureShape's alternatives.
+/// The kName of each shape, in the order of FeatureShape's alternatives.
 [[nodiscard]] const std::vector<std::string>& feature_kinds();
 
 /// A shape at a point, metres, frame D.
@@ -46,7 +46,7 @@ struct PatternSite {
   double south_m = 0;
   double north_m = 0;
   std::uint64_t seed = 1;
-  std::uint64_t pattern = 0;  ///< its number: patterns of one seed are independent
+  std::uint64_t pattern = 0;  ///< number of the pattern: patterns with one seed are independent
 
   [[nodiscard]] double area_m2() const { return (east_m - west_m) * (north_m - south_m); }
 };
@@ -67,7 +67,7 @@ struct RingPattern {
   friend bool operator==(const RingPattern&, const RingPattern&) = default;
 };
 
-/// Throws UsageError, its message begun by `owner`, where a parameter makes no sense.
+/// Throws UsageError, beginning with `owner`, if a parameter is invalid.
 void validate(const FeatureShape& shape, const std::string& owner);
 
 }  // namespace landfall

@@ -12,10 +12,10 @@ struct Offset {
   double y_m = 0;
 };
 
-/// What a feature does with its relief, the height that it has at a point (docs/reference/decisions.md, D98).
+/// How a feature changes the terrain by its relief, its height at a point (docs/reference/decisions.md, D98).
 enum class FeatureRole {
-  adds,    ///< changes the ground: craters, pits. Where several meet, all add.
-  drapes,  ///< lies on the ground point by point, as long objects do. Where several meet, the highest
+  adds,    ///< changes the ground: craters, pits. Where several overlap, their reliefs add up.
+  drapes,  ///< follows the ground point by point, as long objects do. Where several overlap, the highest
            ///< counts.
   stands,  ///< rests on the ground under its own centre; visible where it is higher than everything else.
 };
@@ -23,13 +23,13 @@ enum class FeatureRole {
 /// The relief outside the footprint of a feature.
 inline constexpr double kNoRelief = std::numeric_limits<double>::quiet_NaN();
 
-/// An object in a list of objects. Metres; counter-clockwise from +x.
+/// An object in a list of objects. Lengths in metres; angles counter-clockwise from +x.
 struct FeatureSize {
   double diameter_m = 0;  ///< the greatest extent along the ground
   double height_m = 0;    ///< above the ground; below it where negative (a crater's depth)
-  double yaw_rad = 0;     ///< of the axis that has the greatest extent; 0 where round
+  double yaw_rad = 0;     ///< of the axis with the greatest extent; 0 for a round object
 
-  /// Of what is `along_m` long in the direction of yaw_rad and `across_m` at a right angle to it.
+  /// The size of an object `along_m` long in the direction of yaw_rad and `across_m` at a right angle to it.
   [[nodiscard]] static FeatureSize of_rectangle(double along_m, double across_m, double height_m,
                                                 double yaw_rad) {
     if (along_m >= across_m) return {along_m, height_m, yaw_rad};

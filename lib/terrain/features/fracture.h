@@ -13,9 +13,9 @@ namespace landfall {
 ///   cliff    sign(throw_m) min(|throw_m|, v tan wall_slope) taper(fade_m - v, fade_m)  for 0 <= v <= fade_m
 ///
 /// Their sum is multiplied by taper(length_m / 2 - |u|, taper_m) of taper.h, |u| <= length_m / 2. The trough
-/// has a level floor, or is a V where its walls meet before depth_m. The cliff lifts (lowers, for a negative
-/// throw) the ground on the +v side, which returns to its level at fade_m. Walls of 90 deg fall within one
-/// cell of the grid.
+/// has a level floor, or is V-shaped where its walls meet before depth_m. The cliff raises (lowers, for a
+/// negative throw) the ground on the +v side, which returns to its level at fade_m. Walls of 90 deg fall
+/// within one cell of the grid.
 struct Fracture {
   static constexpr const char* kName = "fracture";
   static constexpr FeatureRole kRole = FeatureRole::adds;
@@ -29,12 +29,12 @@ struct Fracture {
   double taper_m = 10;          ///< length of each tapered end
   double yaw_rad = 0;
 
-  /// Throws UsageError unless the length is finite and positive, the slope in (0, pi/2], 0 <= taper_m <=
-  /// length_m / 2, the rest finite, width and depth both positive or both 0, throw or depth other than 0, and
-  /// fade_m positive where there is a throw.
+  /// Throws UsageError unless the length is finite and positive, the slope is in (0, pi/2], 0 <= taper_m <=
+  /// length_m / 2, the rest is finite, width and depth are both positive or both 0, throw or depth is not 0,
+  /// and fade_m is positive for a non-zero throw.
   void validate(const std::string& owner) const;
   [[nodiscard]] double reach_m() const;
-  /// The height is minus the depth of the trough, else the throw.
+  /// The height is minus the depth of the trough or, without a trough, the throw.
   [[nodiscard]] FeatureSize size() const;
   [[nodiscard]] double relief_m(const Offset& offset) const;
   [[nodiscard]] double own_relief_m(const Offset& own) const;

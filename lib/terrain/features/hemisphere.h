@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// Half a ball, flat side down: sqrt(radius_m^2 - r^2) for r <= radius_m.
+/// A hemisphere, flat side down: sqrt(radius_m^2 - r^2) for r <= radius_m.
 struct Hemisphere {
   static constexpr const char* kName = "hemisphere";
   static constexpr FeatureRole kRole = FeatureRole::stands;

@@ -13,14 +13,14 @@
 namespace landfall {
 
 /// A box of ice. Its bottom rests on the ground, length_m along the u axis (turned counter-clockwise from +x
-/// by yaw_rad), width_m along v; then it is turned by tilt_rad about the u axis through the middle of its
-/// bottom, so that the +v side rises for a positive tilt and the other sinks in. The relief is the top of the
-/// box so placed, |u| <= length_m / 2; with t = |tilt|, v towards the risen side:
+/// by yaw_rad), width_m along v; then it is tilted by tilt_rad about the u axis through the middle of its
+/// bottom, so that the +v side rises for a positive tilt and the other side sinks. The relief is the top of
+/// the tilted box, |u| <= length_m / 2; with t = |tilt|, v towards the raised side:
 ///
 ///   top   (height_m + v sin t) / cos t   for -w - s <= v <= w - s,
 ///   side  (width_m / 2 - v cos t) / sin t   for w - s < v <= w,
 ///
-/// where w = width_m cos t / 2 and s = height_m sin t. It is below 0 where the box has sunk in.
+/// where w = width_m cos t / 2 and s = height_m sin t. It is negative where the box has sunk in.
 struct IceBlock {
   static constexpr const char* kName = "ice_block";
   static constexpr FeatureRole kRole = FeatureRole::stands;
@@ -41,7 +41,7 @@ struct IceBlock {
     require(std::abs(tilt_rad) <= kMaxTilt_rad, {owner, "tilt_rad"}, tilt_rad, "within 80 deg (1.3963 rad)");
   }
   [[nodiscard]] double reach_m() const { return std::hypot(length_m / 2, half_span_m()); }
-  /// The diameter is the longer side of the footprint, the height that of the highest edge.
+  /// The diameter is the longer side of the footprint, the height is that of the highest edge.
   [[nodiscard]] FeatureSize size() const {
     const double t = std::abs(tilt_rad);
     const double top_m = height_m * std::cos(t) + width_m / 2 * std::sin(t);
@@ -65,7 +65,7 @@ struct IceBlock {
  private:
   static constexpr double kMaxTilt_rad = 80 * std::numbers::pi / 180 * (1 + 1e-12);
 
-  /// The farthest point from the u axis, over the ground.
+  /// The largest horizontal distance of the box from the u axis.
   [[nodiscard]] double half_span_m() const {
     const double t = std::abs(tilt_rad);
     return width_m / 2 * std::cos(t) + height_m * std::sin(t);

@@ -12,7 +12,7 @@
 namespace landfall {
 
 /// A pattern generates many features: features() lists them in a fixed order, a pure function of pattern and
-/// site. kByChance tells whether their positions are drawn. A new pattern is a file and a name in this list.
+/// site. kByChance is true if their positions are random. A new pattern is a file and a name in this list.
 using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, CraterPattern, LinePattern>;
 
 /// The site that a pattern fills on a grid.
@@ -20,7 +20,7 @@ using FeaturePattern = std::variant<RingPattern, RockPattern, IceBlockPattern, C
   return {grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1), seed, number};
 }
 
-/// Throws the UsageError that features() would throw at once, before it draws anything.
+/// Throws the UsageError that features() would throw immediately, without drawing anything.
 inline void require_bounded(const FeaturePattern& pattern, const PatternSite& site) {
   std::visit(
       [&](const auto& p) {

@@ -14,7 +14,7 @@ namespace {
 
 double smooth(double t) { return t * t * (3 - 2 * t); }
 
-/// A lattice number as a counter of draws: negative ones wrap.
+/// A lattice index as a counter of draws: negative ones wrap.
 std::uint64_t counter(double whole) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(whole)); }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace landfall {
 
 /// A round hole without a rim: -min(depth_m, (diameter_m / 2 - r) tan wall_slope) for r <= diameter_m / 2.
-/// The floor is level; walls that meet before depth_m make a cone. A wall of 90 deg falls within one cell.
+/// The floor is level; walls that meet before depth_m form a cone. A wall of 90 deg falls within one cell.
 struct Pit {
   static constexpr const char* kName = "pit";
   static constexpr FeatureRole kRole = FeatureRole::adds;

@@ -27,7 +27,7 @@ struct Pyramid {
     require_positive({owner, "height_m"}, height_m);
     require_finite({owner, "yaw_rad"}, yaw_rad);
   }
-  /// Half the diagonal, for any yaw.
+  /// Half the diagonal of the base, which covers any yaw.
   [[nodiscard]] double reach_m() const { return std::hypot(base_width_m, base_width_m) / 2; }
   [[nodiscard]] FeatureSize size() const { return {base_width_m, height_m, yaw_rad}; }
   [[nodiscard]] double relief_m(const Offset& offset) const {

@@ -12,15 +12,15 @@
 
 namespace landfall {
 
-/// A ridge along its u axis (turned counter-clockwise from +x by yaw_rad), with one crest or with two, as
-/// Europa's double ridges have. With d the distance across it, |v|, to the nearest crest (which lie at
-/// v = +-spacing_m / 2):
+/// A ridge along its u axis (turned counter-clockwise from +x by yaw_rad), with one crest or two, like
+/// Europa's double ridges. With d the distance across it, |v|, to the nearest crest (the crests lie at v =
+/// +-spacing_m / 2):
 ///
-///   height_m 2^(-(2 d / width_m)^2) taper(length_m / 2 - |u|, taper_m)     for |u| <= length_m / 2, d <= 3
-///   width_m
+///   height_m 2^(-(2 d / width_m)^2) taper(length_m / 2 - |u|, taper_m)
+///     for |u| <= length_m / 2, d <= 3 width_m
 ///
-/// a Gaussian whose full width at half height is width_m, and taper.h's smooth ends. Where the cross-section
-/// ends it has fallen to 2^-36 of the height. Between two crests the flanks meet in a V.
+/// a Gaussian whose full width at half height is width_m, with the smooth ends of taper.h. At the end of the
+/// cross-section it has fallen to 2^-36 of the height. Between two crests the flanks meet in a V.
 struct Ridge {
   static constexpr const char* kName = "ridge";
   static constexpr FeatureRole kRole = FeatureRole::drapes;
@@ -43,7 +43,7 @@ struct Ridge {
     require_finite({owner, "yaw_rad"}, yaw_rad);
   }
   [[nodiscard]] double reach_m() const { return std::hypot(length_m / 2, spacing_m / 2 + 3 * width_m); }
-  /// Across it, from one half height to the other.
+  /// The extent across is measured between the points at half height.
   [[nodiscard]] FeatureSize size() const {
     return FeatureSize::of_rectangle(length_m, spacing_m + width_m, height_m, yaw_rad);
   }

@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// A half-buried ellipsoid, the part above the ground: height_m sqrt(1 - (u / a)^2 - (v / b)^2), with the
+/// The part of a half-buried ellipsoid above the ground: height_m sqrt(1 - (u / a)^2 - (v / b)^2), with the
 /// horizontal semi-axes a = diameter_m / 2 along the yaw and b = axis_ratio a across it.
 struct Rock {
   static constexpr const char* kName = "rock";

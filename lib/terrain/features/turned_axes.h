@@ -12,7 +12,7 @@ class TurnedAxes {
  public:
   explicit TurnedAxes(double yaw_rad) : cos_(std::cos(yaw_rad)), sin_(std::sin(yaw_rad)) {}
 
-  /// A point in these axes, (u, v).
+  /// A point in the object's axes, (u, v).
   [[nodiscard]] Offset own(const Offset& offset) const {
     return {cos_ * offset.x_m + sin_ * offset.y_m, cos_ * offset.y_m - sin_ * offset.x_m};
   }

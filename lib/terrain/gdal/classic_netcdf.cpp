@@ -17,9 +17,9 @@
 namespace landfall {
 namespace {
 
-constexpr double kMaxElements = 65536;  ///< of a list in the header
+constexpr double kMaxElements = 65536;  ///< largest accepted length of a list in the header
 
-/// One variable's values: of a single record where it has the record dimension.
+/// The values of one variable; those of a single record if it has the record dimension.
 struct Values {
   double bytes = 0;
   double begin = 0;
@@ -32,8 +32,8 @@ struct Closer {
   void operator()(VSILFILE* file) const { VSIFCloseL(file); }
 };
 
-/// The header of a classic file, read once from its beginning; the grammar is that of the netCDF User's
-/// Guide, "File Format Specifications". Sizes are doubles: products of the numbers of a damaged header may be
+/// The header of a classic file, read once from its beginning; the grammar is in the netCDF User's Guide,
+/// "File Format Specifications". Sizes are doubles because products of the numbers in a damaged header may be
 /// huge.
 class Header {
  public:
@@ -43,7 +43,7 @@ class Header {
     version_ = magic[0] == 'C' && magic[1] == 'D' && magic[2] == 'F' ? magic[3] : 0;
   }
 
-  /// The least size of the file; 0 where it is not a classic file or its header cannot be followed.
+  /// The smallest possible size of the file; 0 if it is not a classic file or its header is not readable.
   [[nodiscard]] double promised_bytes() {
     if (version_ != 1 && version_ != 2) return 0;
     const double records = number(4);
@@ -60,7 +60,7 @@ class Header {
     failed_ = failed_ || VSIFReadL(data.data(), 1, bytes, file_.get()) != bytes;
     return data;
   }
-  /// Big-endian.
+  /// Reads a big-endian number.
   double number(std::size_t bytes) {
     const std::array<unsigned char, 8> digits = read(bytes);
     double value = 0;
@@ -69,7 +69,7 @@ class Header {
   }
   double count() { return number(4); }
   double offset() { return number(version_ == 1 ? 4 : 8); }
-  /// The number of a list's elements; a tag comes before it.
+  /// Reads the length of a list, which follows a tag.
   double list() {
     (void)number(4);
     const double elements = count();
@@ -113,12 +113,12 @@ class Header {
       const double dimension = count();
       failed_ = failed_ || dimension >= static_cast<double>(dimensions_.size());
       const double length = failed_ ? 0 : dimensions_[static_cast<std::size_t>(dimension)];
-      values.in_records = values.in_records || length == 0;  // that of the record dimension
+      values.in_records = values.in_records || length == 0;  // the record dimension has length 0
       if (length > 0) values.bytes *= length;
     }
     skip_attributes();
     values.bytes *= type_bytes();
-    (void)count();  // the size again, which does not hold large ones
+    (void)count();  // the size in the header is skipped: it cannot represent large variables
     values.begin = offset();
     return values;
   }

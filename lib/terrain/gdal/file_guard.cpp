@@ -27,29 +27,29 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Empty where there is no such file.
+/// Empty if the file does not exist.
 fs::path real_path(const fs::path& file) {
   std::error_code unreachable;
   return fs::canonical(file, unreachable);
 }
 
-/// Where GDAL's own schemas and tables lie; empty where it does not find them.
+/// The folder of GDAL's own schemas and tables; empty if GDAL does not find it.
 fs::path resource_folder() {
   const char* const file = CPLFindFile("gdal", "gdalvrt.xsd");
   return file != nullptr ? real_path(fs::path(file).parent_path()) : fs::path();
 }
 
-/// One file of a raster and what belongs to it; or a folder.
+/// A folder, or a file of a raster together with the files that belong to it.
 struct Product {
   fs::path file;
   fs::path folder;
-  std::string stem;  ///< empty: all of the folder
+  std::string stem;  ///< empty: all files of the folder
 
   explicit Product(const std::string& name) : file(real_path(name)), folder(file.parent_path()) {
     std::error_code unreachable;
     if (fs::is_directory(file, unreachable)) folder = file;
     const bool whole_folder =
-        folder == file || lower(file.extension().string()) == ".adf";  // ArcInfo's grids
+        folder == file || lower(file.extension().string()) == ".adf";  // the grids of ArcInfo
     if (!whole_folder) stem = lower(fs::path(name).stem().string());
   }
   [[nodiscard]] bool holds(const std::string& name, const fs::path& real) const {
@@ -66,7 +66,7 @@ struct Permit {
   std::optional<std::string> refused{};
 };
 
-/// Those of all guards that live.
+/// The permits of all existing guards.
 class Permits {
  public:
   static Permits& of_process() {
@@ -86,7 +86,7 @@ class Permits {
     const std::lock_guard guard(lock_);
     return permits_.at(number).refused;
   }
-  /// Remembers a refusal.
+  /// Records a refusal.
   bool allow(const std::string& name) {
     const std::lock_guard guard(lock_);
     if (permits_.empty()) return true;
@@ -109,7 +109,7 @@ class Permits {
   fs::path resources_ = resource_folder();
 };
 
-/// GDAL's handler of local files behind the permits.
+/// GDAL's handler of local files, restricted by the permits.
 class GuardedFiles final : public VSIFilesystemHandler {
  public:
   explicit GuardedFiles(VSIFilesystemHandler& files) : files_(files) {}
@@ -143,7 +143,7 @@ class GuardedFiles final : public VSIFilesystemHandler {
   VSIFilesystemHandler& files_;
 };
 
-/// A file system in which there is nothing.
+/// A file system without files.
 class NoFiles final : public VSIFilesystemHandler {
  public:
   VSIVirtualHandle* Open(const char*, const char*, bool, CSLConstList) override {
@@ -159,7 +159,7 @@ class NoFiles final : public VSIFilesystemHandler {
   }
 };
 
-/// GDAL owns the handlers.
+/// GDAL takes ownership of the handlers.
 void install_handlers() {
   VSIFileManager::InstallHandler("", new GuardedFiles(*VSIFileManager::GetHandler("")));
   VSIFileManager::InstallHandler("/vsistdin/", new NoFiles);
@@ -176,7 +176,7 @@ FileGuard::FileGuard(std::string raster, RasterLinks links) : raster_(std::move(
   const std::vector<std::string> files = own_files(raster_);
   const bool unguarded = any_hdf5_or_netcdf(files);
   prepare_gdal_to_read(raster_, follows || unguarded ? Unguarded::offered : Unguarded::withheld);
-  // An .aux.xml could name a layer of another file, which HDF5 would open past the guard.
+  // An .aux.xml could name a layer of another file, which HDF5 would open without the guard.
   if (unguarded && !follows) no_sidecars_.emplace("GDAL_PAM_ENABLED", "NO", false);
   Permit permit{follows, {}};
   for (const std::string& file : files) permit.products.emplace_back(file);

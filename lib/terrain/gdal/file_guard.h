@@ -11,20 +11,20 @@
 
 namespace landfall {
 
-/// While one lives, GDAL opens no local file but those of one raster (raster_links.h) and its own resources;
-/// what else it tries, because a file tells it to, fails as if it might not be read. Guards that live at the
-/// same time allow what any of them allows. Python in a file and the standard input are refused at any time.
+/// While a guard exists, GDAL opens only the local files of one raster (raster_links.h) and its own
+/// resources; other files that a file refers to fail to open as if they were unreadable. Guards that exist at
+/// the same time allow what any of them allows. Python in a file and the standard input are always refused.
 class FileGuard {
  public:
-  /// With RasterLinks::followed nothing is refused. Makes GDAL ready to read (registry.h).
+  /// With RasterLinks::followed nothing is refused. Prepares GDAL for reading (registry.h).
   FileGuard(std::string raster, RasterLinks links);
   ~FileGuard();
   FileGuard(const FileGuard&) = delete;
   FileGuard& operator=(const FileGuard&) = delete;
 
-  /// Opens the raster; null where GDAL does not.
+  /// Opens the raster; null if GDAL cannot open it.
   [[nodiscard]] GDALDatasetUniquePtr open(unsigned flags) const;
-  /// The first file that is there and was refused.
+  /// The first existing file that was refused.
   [[nodiscard]] std::optional<std::string> refused() const;
 
  private:

@@ -9,8 +9,8 @@
 
 namespace landfall {
 
-/// Keeps GDAL's first error of this thread instead of printing it, for as long as it lives; and the first
-/// warning that it goes on without something that it could not read.
+/// While it exists, captures GDAL's first error of this thread instead of printing it, and the first warning
+/// that GDAL continues without data that it could not read.
 class GdalErrors {
  public:
   GdalErrors() { CPLPushErrorHandlerEx(&GdalErrors::keep, this); }
@@ -21,7 +21,7 @@ class GdalErrors {
   [[nodiscard]] bool any() const { return !first_.empty(); }
   [[nodiscard]] std::string reason() const { return any() ? first_ : "GDAL gives no reason"; }
   void clear() { first_.clear(); }
-  /// The warning that a tag could not be read; empty where there was none. clear() leaves it.
+  /// The warning that a tag could not be read; empty without one. clear() keeps it.
   [[nodiscard]] const std::string& loss() const { return loss_; }
 
  private:
@@ -33,7 +33,7 @@ class GdalErrors {
   }
   static std::string line(std::string text) {
     if (const std::size_t end = text.find(':'); text.starts_with('_') && end != std::string::npos)
-      text.erase(0, end + 1);  // the name of a function of GDAL's
+      text.erase(0, end + 1);  // the name of a GDAL function
     std::replace(text.begin(), text.end(), '\n', ' ');
     text.erase(text.find_last_not_of(" .") + 1);
     return text;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> plugin_folders() {
   std::vector<fs::path> folders;
-  // Nothing here changes the environment.
+  // getenv is safe here because the program never changes the environment.
   if (const char* chosen = std::getenv("LANDFALL_PLUGIN_DIR");  // NOLINT(concurrency-mt-unsafe)
       chosen != nullptr && *chosen != '\0')
     folders.emplace_back(chosen);
@@ -34,7 +34,7 @@ std::vector<fs::path> plugin_folders() {
   return folders;
 }
 
-/// GDAL, its hundred libraries and their start; with less some of them crash.
+/// GDAL, its hundred libraries and their initialisation; some of them crash with less memory.
 constexpr std::size_t kHeadroomOfGdal = std::size_t{192} << 20U;
 
 std::string last_dl_error() {
@@ -66,13 +66,13 @@ const GdalPlugin& find_plugin() {
                 "; set LANDFALL_PLUGIN_DIR to its directory");
 }
 
-/// Never unloaded: GDAL keeps pointers into it. A search that failed is repeated by the next call.
+/// Never unloaded because GDAL keeps pointers into it. The next call repeats a search that failed.
 const GdalPlugin& plugin() {
   static const GdalPlugin& found = find_plugin();
   return found;
 }
 
-/// Without it the raster cannot be read, and an output that the run would have written is not to blame.
+/// Without the plugin the raster cannot be read; the message must not blame the output of the run.
 const GdalPlugin& plugin_for(const DemBase& dem) {
   try {
     return plugin();

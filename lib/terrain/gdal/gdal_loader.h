@@ -14,21 +14,21 @@
 
 namespace landfall {
 
-/// The DemLoader that opens files: any raster of the formats that docs/user/terrain-gen.md lists, by GDAL.
-/// GDAL brings about a hundred shared libraries along, so it lives in a plugin, landfall-gdal.so, which the
-/// first call loads. Looked for in $LANDFALL_PLUGIN_DIR, then beside the running program (../lib/landfall and
-/// ../<libdir>/landfall), then where it was installed to.
+/// The DemLoader for files: any raster of the formats that docs/user/terrain-gen.md lists, read by GDAL. GDAL
+/// depends on about a hundred shared libraries, so it is in a plugin, landfall-gdal.so, which the first call
+/// loads. The plugin is searched for in $LANDFALL_PLUGIN_DIR, then beside the running program
+/// (../lib/landfall and ../<libdir>/landfall), then in the installation folder.
 ///
-/// Holes are NaN: what the band's nodata value, its mask or alpha band, or NaN says. Scale and offset are
-/// applied. Rasters up to 64 Mpx (2^26) are read whole, of larger ones the window that the site needs, at
-/// most 256 Mpx. The site's frame is
+/// Holes are NaN: pixels marked by the band's nodata value, by its mask or alpha band, or as NaN. Scale and
+/// offset are applied. Rasters up to 64 Mpx (2^26) are read whole; of larger ones only the window that the
+/// site needs, at most 256 Mpx. The site's frame is
 /// - for a projected or local CRS: its own axes, shifted to the centre, in metres;
 /// - for a geographic CRS: the orthographic frame of its body around the centre;
 /// - without a CRS: the raster's axes times horizontal_scale_m; a raster without georeference counts columns
 ///   from its left and rows from its bottom edge.
 ///
-/// Opens no file that is not part of the raster (raster_links.h), no other machine, and runs nothing that a
-/// file holds.
+/// Opens no file that is not part of the raster (raster_links.h), connects to no other machine, and runs no
+/// code that a file contains.
 ///
 /// Throws UsageError for a horizontal_scale_m that is missing or not allowed, a band that does not exist, and
 /// both kinds of centre at once; FormatError where the raster cannot be opened or read, needs a file that is
@@ -37,32 +37,32 @@ namespace landfall {
 /// a time: GDAL has one list of drivers, and reading a raster changes it.
 [[nodiscard]] DemRaster load_dem(const DemBase& dem, const GridSpec& site);
 
-/// load_dem(), or one that opens all local files that a raster names.
+/// Returns load_dem(), or a loader that opens all local files that a raster refers to.
 [[nodiscard]] DemLoader dem_loader(RasterLinks links);
 
-/// The size of a site that leaves its half width or resolution to the raster (site_fit.h). Reads the header;
-/// throws as load_dem() and fit_site() do.
+/// The size of a site whose half width or resolution is derived from the raster (site_fit.h). Reads the
+/// header; throws as load_dem() and fit_site() do.
 [[nodiscard]] SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request,
                                     RasterLinks links = RasterLinks::refused);
 
-/// The files that a raster's name leads to before GDAL opens any: itself, those inside a name such as
-/// NETCDF:"f.h5":z, and with RasterLinks::followed those that VRTs among them name. FormatError without the
-/// plugin.
+/// The files that a raster's name refers to before GDAL opens any: the file itself, those inside a name such
+/// as NETCDF:"f.h5":z, and with RasterLinks::followed those that VRTs among them name. Throws FormatError
+/// without the plugin.
 [[nodiscard]] std::vector<std::string> named_dem_files(const DemBase& dem, RasterLinks links);
 
-/// The files that load_dem() may read: also what lies beside a raster and belongs to it. Opens the raster,
-/// but does not throw where that fails; FormatError without the plugin.
+/// The files that load_dem() may read, including files beside a raster that belong to it. Opens the raster,
+/// but does not throw if that fails; throws FormatError without the plugin.
 [[nodiscard]] std::vector<std::string> dem_files(const DemBase& dem,
                                                  RasterLinks links = RasterLinks::refused);
 
 /// Writes grids as the bands of a cloud-optimized GeoTIFF: deflate with a predictor, tiles of 512 x 512, each
-/// node the centre of its pixel, row 0 the northern. Bands of a TIFF have one type: float64 if a band is or
-/// if there are float32 and int32, else float32, int32, or int16 for int8. Floating-point files have nodata
-/// NaN, integer ones none. Overviews hold the mean of the nodes that are not holes, those of integers, which
-/// may be flags, their middle node. The grids are not copied: tiles and GDAL's block cache (64 MiB) are all
-/// that it needs besides. `path` is written in place and holds nothing useful after a failure.
+/// node at the centre of its pixel, row 0 northernmost. All bands have one type: float64 if a band is float64
+/// or if there are both float32 and int32, else float32, int32, or int16 for int8. Floating-point files have
+/// nodata NaN, integer files no nodata. Overviews hold the mean of the nodes that are not holes; those of
+/// integers, which may be flags, hold the middle node. The grids are not copied: memory is needed only for
+/// tiles and GDAL's block cache (64 MiB). `path` is written in place; its content is useless after a failure.
 ///
-/// Throws IoError with GDAL's reason, or without the plugin.
+/// Throws IoError with GDAL's reason, or if the plugin is missing.
 void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                   const ProgressCallback& progress = {});
 

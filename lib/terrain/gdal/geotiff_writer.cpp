@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kBlock = 512;
 
-/// Pixel `i` of `parts` that share `count` nodes evenly covers the nodes first(i) .. first(i + 1) - 1.
+/// Divides `count` nodes evenly into `parts` pixels: pixel `i` covers the nodes first(i) .. first(i + 1) - 1.
 struct Division {
   std::int64_t count;
   std::int64_t parts;
@@ -40,7 +40,7 @@ const GridSpec& spec_of(const GeotiffContent& content) {
                     content.bands.front().values);
 }
 
-/// The one type of all bands.
+/// The common type of all bands.
 GDALDataType type_of(const GeotiffContent& content) {
   const auto any = [&content]<class T>(T /*of*/) {
     return std::any_of(content.bands.begin(), content.bands.end(), [](const GeotiffBand& band) {
@@ -120,7 +120,7 @@ void fill(GDALDataType type, const Grid<T>& nodes, const Level& level, const Blo
   }
 }
 
-/// Grids as GDAL sees them, without a copy: north up, each node the centre of its pixel.
+/// Presents grids to GDAL without a copy: north up, each node at the centre of its pixel.
 class GridDataset final : public GDALDataset {
  public:
   GridDataset(const GeotiffContent& content, int level);
@@ -196,7 +196,7 @@ GridDataset::GridDataset(const GeotiffContent& content, int level)
     SetBand(++number, new GridBand(*this, band, type));  // the dataset owns its bands
 }
 
-/// Full grid and overviews: GDAL would compute these in a temporary file of its own.
+/// Full grid and overviews, since GDAL would compute overviews in a temporary file.
 std::unique_ptr<GridDataset> source_of(const GeotiffContent& content) {
   auto source = std::make_unique<GridDataset>(content, 0);
   const GridSpec& spec = spec_of(content);
@@ -240,7 +240,7 @@ void write_cloud_optimized_geotiff(const std::string& path, const GeotiffContent
   GDALDatasetUniquePtr written(driver->CreateCopy(path.c_str(), source.get(), FALSE,
                                                   creation_options(options).List(), tell_progress, &told));
   const bool made = written != nullptr;
-  written.reset();  // what is still in buffers is written now
+  written.reset();  // flushes the buffers, so that errors are known
   if (!made || errors.any()) throw IoError("writing failed: " + errors.reason());
 }
 

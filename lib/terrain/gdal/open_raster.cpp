@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::int64_t kBlockBytesLimit = std::int64_t{256} << 20U;
 
-/// Names what the file holds instead of a band, since a container of several rasters is a common slip.
+/// Lists the rasters in the file: naming a container of several rasters is a common mistake.
 std::string subdataset_hint(GDALDataset& dataset) {
   const char* const first = CSLFetchNameValue(dataset.GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
   return first != nullptr ? std::string("; it holds several rasters, name one, such as ") + first : "";
@@ -34,7 +34,7 @@ struct Magic {
   const char* format;
 };
 
-/// The format that the first bytes of a file promise, empty where they promise none.
+/// The format that the first bytes of a file indicate; empty if they indicate none.
 std::string promised_format(const std::string& path) {
   static const Magic kMagics[] = {{"CDF", "netCDF"},
                                   {"\x89HDF", "HDF5"},
@@ -68,7 +68,7 @@ std::string promised_format(const std::string& path) {
       "size, type and byte order (VRTRawRasterBand); convert other formats with gdal_translate");
 }
 
-/// Rasters may be folders.
+/// Refuses pipes and devices. Rasters may be folders.
 void require_no_stream(const std::string& file) {
   std::error_code unreachable;
   if (!std::filesystem::is_directory(file, unreachable)) require_regular_file(file);
@@ -81,14 +81,14 @@ std::int64_t block_bytes(const OpenRaster& raster) {
   const std::int64_t sample_bytes = GDALGetDataTypeSizeBytes(raster.band->GetRasterDataType());
   const char* const interleave = raster.dataset->GetMetadataItem("INTERLEAVE", "IMAGE_STRUCTURE");
   const bool together = interleave != nullptr && std::strcmp(interleave, "PIXEL") == 0;
-  // Beyond any limit, two products of 32-bit numbers and a few bands could overflow: a double cannot.
+  // Uses double because products of two 32-bit numbers and a few bands could overflow an integer.
   const double bytes = static_cast<double>(cols) * rows * static_cast<double>(sample_bytes) *
                        (together ? raster.dataset->GetRasterCount() : 1);
   return bytes < 0x1p62 ? static_cast<std::int64_t>(bytes) : std::int64_t{1} << 62U;
 }
 
-/// A DTED cell stores whole columns, so its length tells how many there are; GDAL takes those that are
-/// missing for holes. A cell that calls itself complete must not lack any.
+/// A DTED cell stores whole columns, so its length tells how many it has; GDAL takes missing columns for
+/// holes. A cell that is marked complete must hold all of them.
 void require_whole_dted(const OpenRaster& raster, const DemBase& dem) {
   const char* const partial = raster.dataset->GetMetadataItem("DTED_PartialCellIndicator");
   if (partial == nullptr || std::strcmp(partial, "00") != 0) return;

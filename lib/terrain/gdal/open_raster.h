@@ -18,14 +18,14 @@ struct OpenRaster {
   RasterSize size;
 };
 
-/// Opens the band of a DemBase and judges it by what its header says, before a sample is read. Throws
-/// UsageError for a band that does not exist; FormatError where it or a file that it names is a pipe or
-/// device, where it cannot be opened, needs a file that may not be followed, is smaller than 2 x 2, is
-/// complex-valued, has blocks of more than 256 MiB or is shorter than it must be. Messages say what can be
-/// done.
+/// Opens the band of a DemBase and checks it by its header, before a sample is read. Throws UsageError for
+/// a band that does not exist; FormatError where the raster or a file that it names is a pipe or device,
+/// where it cannot be opened, needs a file that may not be followed, is smaller than 2 x 2, is
+/// complex-valued, has blocks of more than 256 MiB or is shorter than its header implies. Messages suggest
+/// a remedy.
 [[nodiscard]] OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors);
 
-/// Throws FormatError where the raster's guard refused a file: for what has failed.
+/// Throws FormatError if the raster's guard refused a file, which then explains a failure.
 void refuse_link(const FileGuard& guard, const DemBase& dem);
 
 /// The georeference of the raster. Points into the raster.

@@ -14,7 +14,7 @@
 
 namespace landfall {
 
-/// What the plugin gives to its loader. Both sides are of one build: `version` guards against a stale file.
+/// The functions of the plugin. Loader and plugin must be of one build: `version` detects a stale file.
 struct GdalPlugin {
   const char* version;
   DemRaster (*read_dem)(const DemBase& dem, const GridSpec& site, RasterLinks links);

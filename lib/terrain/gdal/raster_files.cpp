@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSeparators = ":\"'?";
-constexpr std::size_t kMaxSeparators = 16;  // of a name that is cut into parts; more make no file's name
+constexpr std::size_t kMaxSeparators = 16;  // names with more separators are not file names
 constexpr std::uintmax_t kMaxVrtBytes = std::uintmax_t{64} << 20U;
 
 bool is_there(const std::string& path) {
@@ -29,7 +29,7 @@ bool is_there(const std::string& path) {
   return !path.empty() && fs::exists(path, unreachable);
 }
 
-/// Between any two separators may stand a file's name, which may hold separators itself.
+/// A file's name, which may contain separators itself, may lie between any two separators.
 std::vector<std::string> parts_of(const std::string& name) {
   std::vector<std::size_t> ends;
   for (std::size_t at = name.find_first_of(kSeparators); at != std::string::npos;
@@ -102,7 +102,7 @@ void add_once(std::vector<std::string>& files, const std::string& file) {
   if (is_there(file) && std::ranges::find(files, file) == files.end()) files.push_back(file);
 }
 
-/// Adds the files that a name leads to without any being opened.
+/// Adds the files that a name refers to. Opens none of them.
 void add_own(const std::string& name, std::vector<std::string>& files) {
   add_once(files, name);
   if (is_there(name)) return;

@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// The files that a raster's name itself leads to: the name, and those inside a name such as NETCDF:"f.nc":z
+/// The files that a raster's name itself refers to: the name, and those inside a name such as NETCDF:"f.nc":z
 /// or /vsizip/f.zip/a.tif. Names of files that do not exist are omitted. Opens no file.
 [[nodiscard]] std::vector<std::string> own_files(const std::string& path);
 

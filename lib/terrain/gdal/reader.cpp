@@ -29,7 +29,7 @@ struct Window {
   RasterSize size;
 };
 
-/// All of a raster of ordinary size, else what the site needs and the ring that interpolation adds.
+/// The whole raster up to the size limit, else the part that the site and its interpolation need.
 Window window_to_read(const OpenRaster& raster, const SiteMapping& mapping, const GridSpec& site,
                       const DemBase& dem) {
   const auto [rows, cols] = raster.size;
@@ -51,7 +51,7 @@ Window window_to_read(const OpenRaster& raster, const SiteMapping& mapping, cons
   return window;
 }
 
-/// The raw number that means "no data", as the band's own type holds it.
+/// The raw number that means "no data", in the band's own type.
 struct Nodata {
   std::optional<double> value;
   bool single_precision = false;
@@ -93,7 +93,7 @@ Scaling scaling_of(GDALRasterBand& band, const DemBase& dem) {
   return scaling;
 }
 
-/// Reads a window strip by strip, so that what GDAL needs besides stays small.
+/// Reads a window strip by strip to limit the memory that GDAL needs.
 class WindowReader {
  public:
   WindowReader(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors)
@@ -103,13 +103,13 @@ class WindowReader {
         errors_(errors),
         nodata_(nodata_of(band_)),
         scaling_(scaling_of(band_, dem)) {
-    // The nodata value is judged here, in the band's own type; any other mask is asked for.
+    // The nodata value is compared here, in the band's own type; GDAL evaluates any other mask.
     const int flags = band_.GetMaskFlags();
     if (flags != GMF_ALL_VALID && flags != GMF_NODATA) mask_ = band_.GetMaskBand();
   }
 
   DemSamples read(const Window& window) {
-    // Grown strip by strip: a file that claims more than it holds costs no more than what it holds.
+    // Grown strip by strip, so that a file costs no more memory than it has data.
     DemSamples samples{window.size, {}};
     samples.values.reserve(static_cast<std::size_t>(window.size.rows * window.size.cols));
     const std::int64_t step = std::max<std::int64_t>(1, kStripSamples / window.size.cols);
@@ -137,7 +137,7 @@ class WindowReader {
       if (mask_values_[i] == 0) out[i] = kNan;
   }
 
-  /// Throws unless all of it was read: some drivers report an error and carry on, so both are asked.
+  /// Throws unless all of it was read. Also checks the errors, since some drivers go on after an error.
   void transfer(GDALRasterBand& band, const Window& w, void* out, GDALDataType type) {
     errors_.clear();
     const CPLErr status =
@@ -162,14 +162,14 @@ class WindowReader {
   std::vector<unsigned char> mask_values_;
 };
 
-/// Without a tag, the raster would be another one: at another position, without its scale or its holes.
+/// A missing tag would change the position, the scale or the holes of the raster.
 void require_no_loss(const DemBase& dem, const GdalErrors& errors) {
   if (!errors.loss().empty())
     throw FormatError(dem.path + ": cannot be read as a whole (" + errors.loss() +
                       "); get or export it again");
 }
 
-/// That a file is damaged is said before what it lacks besides: a horizontal scale would not help it.
+/// Damage of the file is reported before anything missing: a horizontal scale would not repair it.
 SiteFrame frame_of(const OpenRaster& raster, const DemBase& dem, GdalErrors& errors) {
   const Georeference reference = georeference(raster);
   require_no_loss(dem, errors);

@@ -24,7 +24,7 @@ constexpr const char* kRasterDrivers[] = {
     "JPEG",   "JP2OpenJPEG", "GSAG",           "GSBG",    "GS7BG",   "SAGA", "RST",
     "ERS",    "Terragen",    "GRIB",           "GPKG",    "NITF",    "VRT",  nullptr};
 
-/// Those of them whose libraries open files by themselves, past the guard (file_guard.h).
+/// The drivers among them whose libraries open files without the guard (file_guard.h).
 constexpr const char* kUnguardedDrivers[] = {"netCDF", "HDF5", "HDF5Image", "BAG"};
 
 bool names_network(const std::string& path) {
@@ -35,7 +35,7 @@ bool contains(std::span<const char* const> names, const std::string& name) {
   return std::ranges::any_of(names, [&](const char* entry) { return entry != nullptr && name == entry; });
 }
 
-/// GDAL's drivers, of which some are on offer. None is ever deleted: an open raster points to its own.
+/// GDAL's drivers, some of which are offered. None is ever deleted because open rasters point to theirs.
 class Drivers {
  public:
   Drivers() {
@@ -57,10 +57,10 @@ class Drivers {
   std::vector<GDALDriver*> all_;
 };
 
-/// Made once, before anything else, and there until the process ends, as its drivers are.
+/// Created before anything else and kept until the process ends, because its drivers are.
 Drivers& drivers() {
   static auto* const drivers = [] {
-    CPLSetErrorHandler(CPLQuietErrorHandler);  // of threads that GDAL starts itself
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // for threads that GDAL starts itself
     GDALSetCacheMax64(kBlockCacheBytes);
     return new Drivers;
   }();

@@ -5,8 +5,8 @@
 
 namespace landfall {
 
-/// Whether the drivers are offered whose libraries open files past the guard (file_guard.h): those of netCDF
-/// and HDF5.
+/// Whether to offer the netCDF and HDF5 drivers, whose libraries open files without the guard
+/// (file_guard.h).
 enum class Unguarded { withheld, offered };
 
 /// Makes GDAL ready to open `path`: its block cache bounded, its messages off stderr on every thread, and no
@@ -17,7 +17,7 @@ void prepare_gdal_to_read(const std::string& path, Unguarded unguarded);
 /// The same for writing, with all drivers.
 void prepare_gdal_to_write();
 
-/// The drivers that may open a raster: formats of elevations and images in files, and the VRT. Ends with
+/// The drivers that may open a raster: file formats of elevations and images, and the VRT. The list ends with
 /// null.
 [[nodiscard]] const char* const* raster_drivers();
 

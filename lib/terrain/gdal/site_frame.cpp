@@ -16,7 +16,7 @@
 namespace landfall {
 namespace {
 
-/// Column from the left edge, row from the bottom edge.
+/// Columns count from the left edge, rows from the bottom edge.
 GeoTransform upright_pixels(const RasterSize& size) {
   return GeoTransform({0, 1, 0, static_cast<double>(size.rows), 0, -1});
 }
@@ -68,7 +68,7 @@ bool is_shift_of(OGRSpatialReference site, OGRSpatialReference crs, const MapPoi
       OGRCreateCoordinateTransformation(&crs, &site));
   if (!transformation) return false;
   constexpr double kStep = 100;
-  constexpr double kTolerance_m = 1e-3;  // what projections invert to
+  constexpr double kTolerance_m = 1e-3;  // the accuracy of inverse projections
   double x[] = {center.x, center.x + kStep, center.x};
   double y[] = {center.y, center.y, center.y + kStep};
   if (!transformation->Transform(3, x, y)) return false;

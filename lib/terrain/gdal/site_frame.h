@@ -24,12 +24,12 @@ struct Georeference {
 struct SiteFrame {
   SiteMapping mapping;
   std::string crs_wkt;
-  /// Distance of the pixels, metres: the shorter edge of a cell, of a geographic raster the longer one, for
-  /// its meridians draw together.
+  /// Pixel spacing, metres: the shorter edge of a cell; for a geographic raster the longer edge, because its
+  /// meridians converge.
   double posting_m = 0;
 };
 
-/// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal/gdal_loader.h) says.
+/// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal/gdal_loader.h) does.
 [[nodiscard]] SiteFrame site_frame(const Georeference& georeference, const DemBase& dem);
 
 }  // namespace landfall

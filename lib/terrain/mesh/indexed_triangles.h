@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// Three numbers of vertices.
+/// The indices of a triangle's three vertices.
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
 /// Triangles that share vertices, frame D, metres.
@@ -24,13 +24,13 @@ struct IndexedTriangles {
   }
 };
 
-/// The largest coordinate of a vertex, metres: further out than any body's surface, and far from where
+/// The largest coordinate of a vertex, metres: beyond the surface of any body, and far below the range where
 /// products of coordinates overflow.
 inline constexpr double kLargestCoordinate_m = 1e12;
-/// The most vertices and the most triangles of a mesh: files number them in 32 bits with a sign.
+/// The most vertices and the most triangles of a mesh: files index them with signed 32-bit integers.
 inline constexpr std::size_t kMaxMeshElements = 2147483647;
 
-/// True where the corners lie exactly on one line, including two or all of them at one point.
+/// True where the corners are exactly collinear, including coincident corners.
 [[nodiscard]] bool has_no_area(const std::array<Eigen::Vector3d, 3>& corners);
 
 /// Throws FormatError beginning with `name` unless there is a triangle, every vertex is within

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// True where a path ends as a mesh file's does: .obj, .ply, .off or .stl, in any case.
+/// True for a path with a mesh file's extension: .obj, .ply, .off or .stl, in any case.
 inline bool is_mesh_name(const std::string& path) {
   const std::string extension = file_extension(path);
   return extension == ".obj" || extension == ".ply" || extension == ".off" || extension == ".stl";

@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-/// An unevaluated sum; the rest is what rounding took from the value.
+/// An unevaluated sum of a rounded value and its rounding error.
 struct Exact {
   double value;
   double rest;
@@ -25,8 +25,8 @@ Exact product(double a, double b) {
   return {value, std::fma(a, b, -value)};
 }
 
-/// A sum without rounding of up to 16 numbers: components of growing size that do not overlap, so that the
-/// last one that is not 0 has the sign of all.
+/// An exact sum of up to 16 numbers as components of increasing size that do not overlap, so that the last
+/// non-zero component has the sign of the sum.
 class Expansion {
  public:
   void add(double term) {
@@ -68,7 +68,7 @@ double exact_orientation(const Eigen::Vector2d& a, const Eigen::Vector2d& b, con
 }  // namespace
 
 double orient2d(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
-  // Rounding errs by less than 4 units of 2^-53; beyond 2^22 of those the value is good to 2^-20 as well.
+  // Rounding errs by less than 4 units of 2^-53; a value above 2^22 of those is also accurate to 2^-20.
   constexpr double kBound = 4 * 0x1p-53 * 0x1p22;
   const double left = (a.x() - c.x()) * (b.y() - c.y());
   const double right = (a.y() - c.y()) * (b.x() - c.x());

@@ -43,7 +43,7 @@ std::vector<std::uint32_t> first_in_place(const std::vector<Eigen::Vector3d>& po
   return first;
 }
 
-/// A polygon's corners without those that repeat their neighbour.
+/// Removes the corners of a polygon that repeat their neighbour.
 void keep_distinct(std::span<const std::uint32_t> polygon, const std::vector<std::uint32_t>& first,
                    std::vector<std::uint32_t>& distinct) {
   distinct.clear();
@@ -82,7 +82,7 @@ void cut_polygons(const PolygonSoup& soup, const std::vector<std::uint32_t>& fir
   clean.degenerate_facet_count += static_cast<std::size_t>(std::erase_if(triangles, is_flat));
 }
 
-/// Moves the points that triangles name into the mesh, in their order.
+/// Moves the points that triangles use into the mesh, in their order.
 void keep_used(const std::vector<Eigen::Vector3d>& points, const std::vector<std::uint32_t>& first,
                CleanMesh& clean) {
   constexpr std::uint32_t kUnused = ~0U;

@@ -13,13 +13,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A corner of what is left of the polygon.
+/// A corner of the remaining polygon.
 struct Corner {
   std::uint32_t vertex;
-  Vector2d seen;  ///< so that the polygon turns counter-clockwise
+  Vector2d seen;  ///< projected so that the polygon is counter-clockwise
 };
 
-/// Twice the area, as a vector along the normal.
+/// A vector along the normal with twice the area as its length.
 Vector3d newell_normal(std::span<const std::uint32_t> polygon, const std::vector<Vector3d>& vertices) {
   Vector3d normal = Vector3d::Zero();
   const Vector3d& first = vertices[polygon[0]];

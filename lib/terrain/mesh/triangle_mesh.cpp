@@ -17,8 +17,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// The highest point of an edge on the vertical through a point that lies on the edge's line, seen from
-/// above; minus infinity beside the edge.
+/// The highest point of an edge above a point that lies on the edge's line as seen from above; minus infinity
+/// beside the edge.
 double highest_on_edge(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& point) {
   const Eigen::Vector2d low = p.head<2>().cwiseMin(q.head<2>());
   const Eigen::Vector2d high = p.head<2>().cwiseMax(q.head<2>());
@@ -30,13 +30,13 @@ double highest_on_edge(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const
   return std::clamp(p.z() + part * (q.z() - p.z()), std::min(p.z(), q.z()), std::max(p.z(), q.z()));
 }
 
-/// The highest point of an upright triangle on the vertical; the point lies on its line.
+/// The highest point of a vertical triangle above a point, which lies on its line as seen from above.
 double highest_of_upright(const Corners& t, const Eigen::Vector2d& point) {
   return std::max({highest_on_edge(t[0], t[1], point), highest_on_edge(t[1], t[2], point),
                    highest_on_edge(t[2], t[0], point)});
 }
 
-/// z of the triangle's plane, in long double from the corner that is nearest as seen from above.
+/// z of the triangle's plane, in long double, relative to the corner nearest as seen from above.
 double plane_elevation(const Corners& t, const Eigen::Vector2d& point) {
   using Vector = Eigen::Matrix<long double, 3, 1>;
   std::size_t nearest = 0;
@@ -50,12 +50,12 @@ double plane_elevation(const Corners& t, const Eigen::Vector2d& point) {
   return static_cast<double>(corner.z() + rise);
 }
 
-/// The highest point of a triangle on the vertical, minus infinity where it has none.
+/// The highest point of a triangle above a point; minus infinity beside the triangle.
 double highest_of(const Corners& t, const Eigen::Vector2d& point) {
   const auto side = [&](std::size_t i) { return orient2d(t[i].head<2>(), t[(i + 1) % 3].head<2>(), point); };
   const auto [least, greatest] = std::minmax({side(0), side(1), side(2)});
   if (least < 0 && greatest > 0) return -kInfinity;
-  // Seen from above, an upright triangle is a line: that of the point where all three sides are 0.
+  // Seen from above, a vertical triangle is a line, on which the point lies if all three sides are 0.
   if (least == 0 && greatest == 0) return highest_of_upright(t, point);
   const auto [low, high] = std::minmax({t[0].z(), t[1].z(), t[2].z()});
   const double z = plane_elevation(t, point);
@@ -92,7 +92,7 @@ Eigen::Vector3d unit_normal(const Corners& t) {
   return Eigen::Vector3d(component(1, 2), component(2, 0), component(0, 1)).stableNormalized();
 }
 
-/// Throws where the mesh is not sound; then hands it on.
+/// Throws unless the mesh is sound; otherwise returns it.
 IndexedTriangles checked(IndexedTriangles mesh, const std::string& name) {
   require_sound(mesh, name);
   return mesh;

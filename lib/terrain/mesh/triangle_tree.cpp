@@ -71,7 +71,7 @@ struct TriangleTree::Builder {
     return triangle_boxes[triangle].low[axis] + triangle_boxes[triangle].high[axis];
   }
 
-  /// How many triangles lie side by side along an axis: the span of their centres in mean widths.
+  /// The number of triangles side by side along an axis: the span of their centres over their mean width.
   [[nodiscard]] double layers(const Branch& branch, std::size_t axis) const {
     double width = 0;
     float low = std::numeric_limits<float>::infinity();

@@ -38,19 +38,19 @@ struct TriangleBox {
 /// depth and at most four triangles. It does not depend on the number of threads.
 class TriangleTree {
  public:
-  /// The mesh must be sound. Halves the triangles at the median of their centres, along the axis on which
-  /// most of them lie side by side: along the longest one, the tall triangles of a rough surface would stay
-  /// together.
+  /// The mesh must be sound. Splits the triangles at the median of their centres, along the axis on which
+  /// most of them lie side by side: a split along the longest axis would keep the tall triangles of a rough
+  /// surface together.
   explicit TriangleTree(const IndexedTriangles& mesh);
 
-  /// Calls leaf(triangles) for every leaf that may matter, the one with the least rank first: rank(box) is a
-  /// bound for all that is within it, and boxes are left out once it is more than limit(). A box of NaN or
-  /// infinite rank is left out.
+  /// Calls leaf(triangles) for every leaf that may matter, in ascending order of rank: rank(box) is a bound
+  /// for everything within the box, and boxes are skipped once it exceeds limit(). A box of NaN or infinite
+  /// rank is skipped.
   template <class Rank, class Limit, class Leaf>
   void search(const Rank& rank, const Limit& limit, const Leaf& leaf) const;
 
  private:
-  /// A node, in the order of a heap, and its part of order_.
+  /// A node, in heap order, and its part of order_.
   struct Branch {
     std::size_t node = 0;
     std::size_t begin = 0;
@@ -58,14 +58,14 @@ class TriangleTree {
   };
   struct Builder;
   static constexpr double kNever = std::numeric_limits<double>::infinity();
-  static constexpr int kDeepest = 31;  ///< more than kMaxMeshElements needs
+  static constexpr int kDeepest = 31;  ///< exceeds what kMaxMeshElements needs
 
   [[nodiscard]] static std::pair<Branch, Branch> halves(const Branch& branch) {
     const std::size_t middle = branch.begin + (branch.end - branch.begin) / 2;
     return {{2 * branch.node + 1, branch.begin, middle}, {2 * branch.node + 2, middle, branch.end}};
   }
 
-  std::vector<std::uint32_t> order_;  ///< triangles, those of a node side by side
+  std::vector<std::uint32_t> order_;  ///< triangles; those of a node are contiguous
   std::vector<TriangleBox> boxes_;
   std::size_t first_leaf_ = 0;
 };

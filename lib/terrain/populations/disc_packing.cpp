@@ -11,7 +11,7 @@ std::int64_t cell_of(double coordinate_m, double cell_m) {
   return static_cast<std::int64_t>(std::floor(coordinate_m / cell_m));
 }
 
-/// Cells of one key share a list, which only costs time.
+/// Cells with equal keys share a list, which costs time but affects no result.
 std::uint64_t key_of(std::int64_t col, std::int64_t row) {
   return static_cast<std::uint64_t>(col) * 0x9e3779b97f4a7c15U ^
          static_cast<std::uint64_t>(row) * 0xc2b2ae3d27d4eb4fU;

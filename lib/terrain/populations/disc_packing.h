@@ -23,11 +23,11 @@ struct Disc {
   }
 };
 
-/// Discs of which none overlaps another. Those of radii within a factor of two share a hash grid of their
-/// own: a question costs the same for any number of discs, as long as large ones come first.
+/// Discs that do not overlap each other. Radii within a factor of two share a hash grid: a query takes the
+/// same time for any number of discs if large discs are added first.
 class DiscPacking {
  public:
-  /// Adds `disc` unless it overlaps one that is there; its radius must be positive. Whether it was added.
+  /// Adds `disc` unless it overlaps an earlier one; its radius must be positive. Returns true if added.
   bool add_if_free(const Disc& disc);
 
  private:
@@ -39,7 +39,7 @@ class DiscPacking {
 
   [[nodiscard]] static bool overlaps(const Level& level, const Disc& disc);
 
-  std::map<int, Level> levels_;  ///< by the radius' power of two
+  std::map<int, Level> levels_;  ///< by the exponent of the radius
 };
 
 }  // namespace landfall

@@ -24,7 +24,7 @@ Shape with_length(Shape shape, double length_m) {
   return shape;
 }
 
-/// The site, widened by as far as the longest line reaches.
+/// The site, extended by the reach of the longest line.
 Box centres(const LinePattern& pattern, const PatternSite& site) {
   const double reach_m = std::visit([](const auto& shape) { return shape.reach_m(); }, pattern.shape);
   return Box{site.west_m, site.east_m, site.south_m, site.north_m}.widened(reach_m);

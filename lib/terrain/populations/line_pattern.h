@@ -12,12 +12,12 @@
 
 namespace landfall {
 
-/// What a pattern of lines is made of.
+/// The shapes that a pattern of lines may repeat.
 using LineShape = std::variant<Ridge, Fracture>;
 
-/// Copies of a ridge or fracture at uniform positions, as a Poisson process of a density per area: lengths
-/// uniform from shortest_m to the shape's own, yaws uniform within +-yaw_spread_rad of the shape's own. Those
-/// whose centre is off the site, but which may reach into it, are listed as well.
+/// Copies of a ridge or fracture at uniform positions, as a Poisson process with a density per area: lengths
+/// are uniform from shortest_m to the shape's own, yaws uniform within +-yaw_spread_rad of the shape's own.
+/// Copies whose centre is off the site, but which may reach into it, are listed as well.
 struct LinePattern {
   static constexpr bool kByChance = true;
 
@@ -25,17 +25,17 @@ struct LinePattern {
   double density_per_m2 = 0;
   double shortest_m = 0;
   double yaw_spread_rad = std::numbers::pi / 2;  ///< pi / 2: any direction
-  /// Draws are functions of the site's seed and of this; empty: of the pattern's number.
+  /// Draws are functions of the site's seed and of this seed; empty: of the pattern's number instead.
   std::optional<std::uint64_t> seed = std::nullopt;
 
   static constexpr double kMaxLines = 1e6;
 
-  /// Throws UsageError unless the shape makes sense, also at its shortest, the density is finite and
-  /// positive, 0 < shortest_m <= the shape's length, the spread is in [0, pi / 2] and the seed is below 2^32.
+  /// Throws UsageError unless the shape is valid, also at its shortest, the density is finite and positive, 0
+  /// < shortest_m <= the shape's length, the spread is in [0, pi / 2] and the seed is below 2^32.
   void validate(const std::string& owner) const;
-  /// Throws UsageError where more than kMaxLines are expected.
+  /// Throws UsageError if more than kMaxLines are expected.
   void require_bounded(const PatternSite& site) const;
-  /// In the order of their numbers; line i is a function of (seed, i). Throws as require_bounded() does.
+  /// The lines by number; line i is a function of (seed, i). Throws as require_bounded() does.
   [[nodiscard]] std::vector<Feature> features(const PatternSite& site) const;
   friend bool operator==(const LinePattern&, const LinePattern&) = default;
 };

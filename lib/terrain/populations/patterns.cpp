@@ -20,7 +20,7 @@ constexpr std::uint64_t kHeightDraw = 1;
 constexpr std::uint64_t kFreshnessDraw = 2;
 constexpr std::uint64_t kTiltDraw = 3;
 
-/// About the middle of a block's bottom, at the greatest tilt and height (IceBlock::reach_m).
+/// Largest distance from the middle of the bottom, at the greatest tilt and height (IceBlock::reach_m).
 double ice_block_reach() {
   const double tilt = IceBlockPattern::kMaxTilt_rad;
   return std::hypot(0.5, kAxisRatio / 2 * std::cos(tilt) + kMaxHeightRatio * std::sin(tilt));

@@ -10,12 +10,12 @@
 
 namespace landfall {
 
-// Patterns that scatter objects randomly. validate() throws UsageError where a parameter makes no sense;
-// features() lists the objects in descending order of diameter, a pure function of pattern and site, and
-// throws UsageError as PopulationSampler does; require_bounded() throws it where that is known before a draw.
+// Patterns that scatter objects randomly. validate() throws UsageError if a parameter is invalid; features()
+// lists the objects in descending order of diameter, a pure function of pattern and site, and throws
+// UsageError as PopulationSampler does; require_bounded() throws it if that is known before a draw.
 
-/// Half-buried ellipsoids, their centres on the site: horizontal axes 1 : 0.8, any yaw, heights of 0.5 +- 0.1
-/// (1 sigma) of the diameter, cut to 0.25 .. 0.75.
+/// Half-buried ellipsoids with centres on the site: horizontal axes 1 : 0.8, any yaw, heights of 0.5 +- 0.1
+/// (1 sigma) of the diameter, clamped to 0.25 .. 0.75.
 struct RockPattern {
   static constexpr bool kByChance = true;
 
@@ -27,12 +27,12 @@ struct RockPattern {
   friend bool operator==(const RockPattern&, const RockPattern&) = default;
 };
 
-/// Boxes of ice, their centres on the site: the diameter is the length, the width 0.8 of it, heights as
-/// those of rocks, any yaw, tilts uniform within +-max_tilt_rad.
+/// Boxes of ice with centres on the site: the diameter is the length, the width 0.8 of it, heights as for
+/// rocks, any yaw, tilts uniform within +-max_tilt_rad.
 struct IceBlockPattern {
   static constexpr bool kByChance = true;
 
-  /// Up to which the length stays the longest side of every block's footprint.
+  /// Up to this tilt the length is the longest side of every block's footprint.
   static constexpr double kMaxTilt_rad = 15 * std::numbers::pi / 180;
 
   Population population;
@@ -45,9 +45,9 @@ struct IceBlockPattern {
   friend bool operator==(const IceBlockPattern&, const IceBlockPattern&) = default;
 };
 
-/// Craters of the fresh depth of their size, degraded by a freshness that is uniform in [freshness_min, 1].
-/// Those whose centre is off the site, but whose rim or ejecta reach into it, are listed as well, so that
-/// the site's edge has as many as its middle.
+/// Craters with the fresh depth of their size, degraded by a freshness that is uniform in [freshness_min, 1].
+/// Craters whose centre is off the site, but whose rim or ejecta reach into it, are listed as well, so that
+/// the density at the site's edge equals that at its middle.
 struct CraterPattern {
   static constexpr bool kByChance = true;
 

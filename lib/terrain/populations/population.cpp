@@ -86,7 +86,7 @@ void PopulationSampler::require_bounded() const {
     expected += o.box.area_m2() * (density_per_m2(population_.law, o.diameters.min_m) -
                                    density_per_m2(population_.law, o.diameters.max_m));
   if (expected <= kMaxObjects) return;
-  if (std::isnan(expected)) expected = std::numeric_limits<double>::infinity();  // infinite ones subtracted
+  if (std::isnan(expected)) expected = std::numeric_limits<double>::infinity();  // infinity - infinity
   throw UsageError(name() + ": about " + number_text(std::round(expected)) + " " + kind_.name +
                    "s would be drawn, more than " + number_text(kMaxObjects) + "; raise min_diameter_m");
 }

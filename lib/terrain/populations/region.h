@@ -27,14 +27,14 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-// Where the centres of a population may lie, each border included.
+// Regions for the centres of a population, including their borders.
 
 /// The whole site.
 struct SiteRegion {
   friend bool operator==(const SiteRegion&, const SiteRegion&) = default;
 };
 
-/// width_m along x and length_m along y about a centre.
+/// A rectangle, width_m along x and length_m along y, about a centre.
 struct RectangleRegion {
   SitePoint center;
   double width_m = 0;
@@ -42,7 +42,7 @@ struct RectangleRegion {
   friend bool operator==(const RectangleRegion&, const RectangleRegion&) = default;
 };
 
-/// From inner_radius_m (0: a disc) to outer_radius_m about a centre.
+/// An annulus about a centre, from inner_radius_m (0: a disc) to outer_radius_m.
 struct AnnulusRegion {
   SitePoint center;
   double inner_radius_m = 0;
@@ -54,7 +54,7 @@ using Region = std::variant<SiteRegion, RectangleRegion, AnnulusRegion>;
 
 /// Throws UsageError unless every number is finite, sizes are positive and an inner radius is in [0, outer).
 void validate(const Region& region, const std::string& owner);
-/// The part of `site` outside which there is nothing of the region.
+/// The part of `site` that encloses the region.
 [[nodiscard]] Box bounds(const Region& region, const Box& site);
 /// Whether a point of the site is in the region.
 [[nodiscard]] bool contains(const Region& region, const SitePoint& point);

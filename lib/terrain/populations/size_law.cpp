@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// E_2(x) = exp(-x) - x E_1(x), which loses a factor of x in precision; N(>D), which falls as exp(-x), loses
-/// the same when D does. Not by long double, which is another type on another processor.
+/// E_2(x) = exp(-x) - x E_1(x), which loses a factor of x in precision; computing N(>D), which falls as
+/// exp(-x), from D loses the same. long double would differ between processors.
 double exponential_integral_2(double x) {
   using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
   return std::exp(-x) - x * boost::math::expint(1, x, Policy());
@@ -87,7 +87,7 @@ double GolombekLaw::diameter_m(double density_per_m2, const DiameterRange& range
   const auto excess = [&](double diameter_m) {
     return std::log(std::max(this->density_per_m2(diameter_m), kMin) / density_per_m2);
   };
-  // A root that rounding has put outside the range is at its end.
+  // If rounding has moved the root outside the range, it is the nearest end.
   const double at_min = std::max(excess(range.min_m), 0.0);
   const double at_max = std::min(excess(range.max_m), 0.0);
   std::uintmax_t steps = 200;

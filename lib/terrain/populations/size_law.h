@@ -6,7 +6,7 @@
 
 namespace landfall {
 
-/// Diameters that a population is cut to, metres.
+/// The range of diameters of a population, metres.
 struct DiameterRange {
   double min_m = 0;
   double max_m = 0;
@@ -20,7 +20,7 @@ struct DiameterRange {
 //                           a normal number; N must lie between the values at the range's ends;
 //   area_fraction(range)    the share of the ground that the discs of these diameters cover where they do not
 //                           overlap: the integral of pi D^2 / 4 dN;
-//   validate(owner)         throws UsageError where a parameter makes no sense.
+//   validate(owner)         throws UsageError if a parameter is invalid.
 // docs/reference/decisions.md, D112, D113.
 
 /// N(>D) = coefficient D^-exponent, D in metres, N per square metre.
@@ -36,11 +36,11 @@ struct PowerLaw {
   friend bool operator==(const PowerLaw&, const PowerLaw&) = default;
 };
 
-/// Rocks of VIPER's environmental specification: typical, with few rocks, and the rim of Haworth crater.
+/// Rocks of VIPER's environmental specification: typical, sparse, and at the rim of Haworth crater.
 inline constexpr PowerLaw kViperRocks{3e-4, 2.482};
 inline constexpr PowerLaw kLowBlockyRocks{1e-4, 1.75457};
 inline constexpr PowerLaw kHaworthRocks{2e-3, 2.6607};
-/// Craters in equilibrium: as many vanish as are made (Trask 1966); 10^-1.1 per square metre.
+/// Craters in equilibrium, formed as fast as they are erased (Trask 1966); 10^-1.1 per square metre.
 inline constexpr PowerLaw kTraskCraters{0.07943282347242814, 2};
 
 /// Golombek and Rapp (1997): rocks of at least D cover the share F(D) = k exp(-q D) of the ground,
@@ -50,7 +50,7 @@ struct GolombekLaw {
   double k = 0.05;
 
   /// The law by which rocks of at least diameter_m (>= 0) cover `area_fraction`, 0 < area_fraction <= 1.
-  /// Throws UsageError, its message begun by `owner`, where that needs k > 1.
+  /// Throws UsageError, beginning with `owner`, if that needs k > 1.
   static GolombekLaw covering(double area_fraction, double diameter_m, const std::string& owner);
 
   /// k must lie in (0, 1].
@@ -63,9 +63,9 @@ struct GolombekLaw {
 };
 
 /// Craters of VIPER's environmental specification: as many per metre of diameter as N(>D) = 0.029174 D^-1.92
-/// has up to 80 m, and 0.156228 D^-2.389 above. These N themselves leap at 80 m, from 6.5e-6 to 4.4e-6 per
-/// square metre; here N(>D) is the sum of what is larger: 0.156228 D^-2.389 from 80 m on, and below less than
-/// the first formula by the leap, 2.0e-6 per square metre (docs/reference/decisions.md, D114).
+/// has up to 80 m, and 0.156228 D^-2.389 above. These formulas are discontinuous at 80 m, from 6.5e-6 to
+/// 4.4e-6 per square metre. Here N(>D) is the sum over larger diameters: 0.156228 D^-2.389 from 80 m on, and
+/// below 80 m the first formula minus the step, 2.0e-6 per square metre (docs/reference/decisions.md, D114).
 struct ViperCraterLaw {
   void validate(const std::string& /*owner*/) const {}
   [[nodiscard]] double density_per_m2(double diameter_m) const;

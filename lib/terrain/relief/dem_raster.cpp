@@ -19,14 +19,14 @@ constexpr double kBorderTolerance = 1e-6;  // pixels; georeferences carry no mor
 /// How far beyond the first and the last pixel centre a method reaches.
 double overhang(Interpolation method) { return method == Interpolation::nearest ? 0.5 : 0; }
 
-/// The samples that one axis uses: first, first + 1, .. and their weights.
+/// The samples that one axis uses, first, first + 1, .., and their weights.
 template <std::size_t N>
 struct Taps {
   std::int64_t first = 0;
   std::array<double, N> weight{};
 };
 
-/// The cell of a coordinate and the fraction within it; the last centre belongs to the last cell.
+/// The cell of a coordinate and the fraction within it. The last centre belongs to the last cell.
 struct Cell {
   std::int64_t index;
   double fraction;
@@ -57,7 +57,7 @@ Taps<4> cubic_taps(double coordinate, std::int64_t count) {
           {(-t3 + 2 * t2 - t) / 2, (3 * t3 - 5 * t2 + 2) / 2, (-3 * t3 + 4 * t2 + t) / 2, (t3 - t2) / 2}};
 }
 
-/// The weighted sum, indices beyond the border clamped to it. A weight of zero takes no part.
+/// The weighted sum, with indices beyond the border clamped to it. Samples of zero weight are ignored.
 template <std::size_t N>
 double weighted(const DemSamples& samples, const Taps<N>& rows, const Taps<N>& cols) {
   double sum = 0;
@@ -88,7 +88,7 @@ bool inside(const RasterSize& size, Interpolation method, const PixelBox& box) {
 }
 
 void extend(PixelBox& box, const PixelPosition& p) {
-  // The comparisons let a NaN through.
+  // The comparisons are negated so that a NaN enters the box.
   if (!(p.col >= box.low.col)) box.low.col = p.col;
   if (!(p.row >= box.low.row)) box.low.row = p.row;
   if (!(p.col <= box.high.col)) box.high.col = p.col;
@@ -114,8 +114,8 @@ bool inside(const RasterSize& size, Interpolation method, const PixelPosition& p
 }
 
 PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site) {
-  // Along a border of very many nodes some 4096 points, corners always among them, bound the box well enough
-  // to choose a window by; every node is checked again when it is interpolated.
+  // On a border with very many nodes, some 4096 points, always including the corners, bound the box well
+  // enough to choose a window; every node is checked again when it is interpolated.
   const auto visit = [](std::int64_t count, const auto& at) {
     const std::int64_t step = std::max<std::int64_t>(1, count / 4096);
     for (std::int64_t i = 0; i < count; i += step) at(i);

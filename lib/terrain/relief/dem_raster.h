@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// The site frame of a terrain that no CRS ties to a body: metres, x east, y north. WKT2.
+/// The site frame of a terrain without a CRS: metres, x east, y north. WKT2.
 inline constexpr const char* kLocalSiteCrsWkt =
     R"wkt(ENGCRS["landfall site frame",EDATUM["landing site"],CS[Cartesian,2],)wkt"
     R"wkt(AXIS["easting (E)",east,ORDER[1],LENGTHUNIT["metre",1]],)wkt"
@@ -24,7 +24,7 @@ struct RasterSize {
   friend bool operator==(const RasterSize&, const RasterSize&) = default;
 };
 
-/// Raster samples, row-major, row 0 the file's first; holes are NaN.
+/// Raster samples, row-major, in the file's order of rows; holes are NaN.
 struct DemSamples {
   RasterSize size;
   std::vector<double> values;
@@ -33,7 +33,7 @@ struct DemSamples {
   }
 };
 
-/// What was read, for provenance.
+/// The source of a DEM, for provenance.
 struct DemSource {
   std::string path;
   std::string driver;  ///< GDAL's short name
@@ -42,7 +42,7 @@ struct DemSource {
   friend bool operator==(const DemSource&, const DemSource&) = default;
 };
 
-/// An imported raster: elevations in metres before vertical_scale and datum, and where the site lies in them.
+/// An imported raster: elevations in metres before vertical_scale and datum, and the site's position in it.
 struct DemRaster {
   DemSamples samples;   ///< the raster, or a window of it that holds the site
   SiteMapping mapping;  ///< to pixels of `samples`
@@ -50,11 +50,11 @@ struct DemRaster {
   DemSource source;
 };
 
-/// Reads the raster of a DemBase for a site: lib/terrain/gdal/gdal_loader.h has the one that opens files.
+/// Reads the raster of a DemBase for a site; lib/terrain/gdal/gdal_loader.h has the loader for files.
 using DemLoader = std::function<DemRaster(const DemBase& dem, const GridSpec& site)>;
 
 /// The elevation at `pixel`; NaN in holes and outside the samples. Inside means within the hull of the pixel
-/// centres, for `nearest` within the pixels' outer edges; 1e-6 pixel beyond counts as on the border.
+/// centres or, for `nearest`, of the pixels' outer edges; 1e-6 pixel beyond counts as on the border.
 ///
 /// - nearest: the pixel that holds the point, the greater one on an edge.
 /// - bilinear: reproduces a + b x + c y + d x y. NaN where a sample of non-zero weight is NaN.
@@ -63,7 +63,7 @@ using DemLoader = std::function<DemRaster(const DemBase& dem, const GridSpec& si
 ///   weight is NaN it is bilinear, so that holes do not grow.
 [[nodiscard]] double interpolate(const DemSamples& samples, Interpolation method, const PixelPosition& pixel);
 
-/// True where interpolate() has samples to work on.
+/// True where interpolate() has samples to interpolate.
 [[nodiscard]] bool inside(const RasterSize& size, Interpolation method, const PixelPosition& pixel);
 
 /// A box of continuous pixel coordinates, inclusive.
@@ -72,12 +72,12 @@ struct PixelBox {
   PixelPosition high;
 };
 
-/// The pixels that the nodes of a site lie on, from the nodes of its border; NaN where one has no position in
-/// the raster's coordinates.
+/// The pixels under the nodes of a site, computed from the nodes of its border; NaN if one of them has no
+/// position in the raster's coordinates.
 [[nodiscard]] PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site);
 
 /// The largest half width around the site's centre, in nodes of `resolution_m` and up to `limit`, whose
-/// square lies inside a raster of this size; -1 where the centre does not.
+/// square lies inside a raster of this size; -1 if the centre lies outside.
 [[nodiscard]] std::int64_t largest_half(const SiteMapping& mapping, const RasterSize& size,
                                         Interpolation method, double resolution_m, std::int64_t limit);
 

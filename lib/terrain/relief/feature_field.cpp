@@ -47,8 +47,8 @@ struct NodeRange {
   std::int64_t end;
 };
 
-/// The nodes within `reach` of `center` (both in node spacings from node 0), one more on each side, cut to
-/// the first `count` nodes.
+/// The nodes within `reach` of `center` (both in node spacings from node 0), plus one more on each side,
+/// clipped to the first `count` nodes.
 NodeRange nodes_within(double center, double reach, std::int64_t count) {
   const auto clamped = [&](double node) {
     if (!(node > 0)) return std::int64_t{0};
@@ -63,7 +63,7 @@ struct NodeBox {
   [[nodiscard]] bool empty() const { return rows.begin >= rows.end || cols.begin >= cols.end; }
 };
 
-/// Nodes of a grid that hold all those of a feature's footprint.
+/// The nodes of a grid that hold a feature's whole footprint.
 NodeBox box_of(const Feature& feature, const GridSpec& spec) {
   const double reach_m = std::visit([](const auto& shape) { return shape.reach_m(); }, feature.shape);
   const double reach = reach_m / spec.resolution_m;
@@ -72,7 +72,7 @@ NodeBox box_of(const Feature& feature, const GridSpec& spec) {
       nodes_within(feature.x_m / spec.resolution_m - static_cast<double>(spec.first_col), reach, spec.cols)};
 }
 
-/// The relief of a shape as a function of the offset from its centre, what all points share computed once.
+/// The relief of a shape as a function of the offset from its centre. Common terms are computed once.
 template <class Shape>
 auto relief_of(const Shape& shape) {
   if constexpr (requires { shape.own_relief_m(Offset{}); })
@@ -100,8 +100,8 @@ void stamp(const GridSpec& spec, const Feature& feature, const NodeRange& rows, 
       feature.shape);
 }
 
-/// The features of one role that may reach a band of kRowGrain rows of a grid, for each of its bands, in the
-/// order of the features: what a node gets depends on neither the bands nor the threads.
+/// For each band of kRowGrain rows of a grid, the features of one role that may reach it, in the order of the
+/// features: the elevation of a node depends neither on the bands nor on the threads.
 class FeatureBands {
  public:
   FeatureBands(const std::vector<PlacedFeature>& features, FeatureRole role, const GridSpec& spec)
@@ -123,8 +123,8 @@ class FeatureBands {
     for_each_entry([&](std::size_t band, std::size_t i) { entries_[next[band]++] = i; });
   }
 
-  /// Calls work(rows, entries) for every band that has features, on all threads; feature() says what an entry
-  /// is.
+  /// Calls work(rows, entries) for every band that has features, on all threads; feature() maps an entry to
+  /// its feature.
   template <class F>
   void for_each(const ProgressCallback& progress, const F& work) const {
     parallel_for(
@@ -172,16 +172,16 @@ void drape(Grid<double>& part, const FeatureBands& bands, const ProgressCallback
   });
 }
 
-/// A coordinate in node spacings from the origin, a node where it is within 1e-9 of one.
+/// A coordinate in node spacings from the origin, rounded to a node within 1e-9 of it.
 double node_place(double position_m, double resolution_m) {
   const double position = position_m / resolution_m;
   const double node = std::round(position);
   return std::abs(position - node) < 1e-9 ? node : position;
 }
 
-/// The elevation of the ground at a point, the same to the bit for every part that has its cell: the
-/// position in the cell does not come from the part's first node. NaN where the part lacks the cell or the
-/// cell has a hole there.
+/// The elevation of the ground at a point, bit-identical for every part that has its cell: the position in
+/// the cell is independent of the part's first node. NaN where the part lacks the cell or the cell has a hole
+/// there.
 double ground_in_cell(const Grid<double>& part, const Feature& feature) {
   const GridSpec& spec = part.spec();
   const double x = node_place(feature.x_m, spec.resolution_m);
@@ -214,7 +214,7 @@ void for_each_listed(const std::vector<Feature>& features, const F& take) {
     take(PlacedFeature{.feature = features[i], .number = static_cast<std::int64_t>(i)});
 }
 
-/// Those of a pattern, in its order.
+/// The features of a pattern, in its order.
 template <class Pattern, class F>
 void for_each_of(const Pattern& pattern, std::size_t index, const PatternSite& site, const F& take) {
   std::int64_t number = 0;

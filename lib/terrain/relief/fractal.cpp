@@ -9,7 +9,7 @@
 namespace landfall {
 namespace {
 
-/// What the waves of the whole domain must be multiplied with to meet the law at that lag.
+/// The factor by which the waves of the whole domain are multiplied to meet the law at that lag.
 double calibrated_amplitude(const FractalWaves& waves, const WaveDomain& domain, const FractalBase& fractal) {
   const double lag_nodes = calibration_lag(domain, fractal);
   return lawful_deviation_m(fractal, lag_nodes * domain.spacing_m) /

@@ -12,7 +12,7 @@
 namespace landfall {
 namespace {
 
-/// Small primes only, for the FFT's sake; a multiple of 4 so that the real transform takes its fast way.
+/// Small prime factors make the FFT fast; a multiple of 4 enables the fast real transform.
 std::int64_t next_fft_size(std::int64_t least) {
   for (std::int64_t size = (least + 3) / 4 * 4;; size += 4) {
     std::int64_t rest = size;
@@ -67,7 +67,7 @@ double FractalWaves::wave_y(std::int64_t j) const {
 }
 
 double FractalWaves::power(double k2) const {
-  // The longest wavelength is left out, the shortest is in: [from_m, below_m).
+  // The band is half-open, [from_m, below_m): the longest wavelength is excluded, the shortest included.
   return k2 > least_k2_ && k2 <= end_k2_ ? std::pow(k2, -(hurst_ + 1)) : 0;
 }
 
@@ -135,7 +135,7 @@ void FractalWaves::draw_columns(std::size_t begin, std::size_t end, const Fracta
 }
 
 void FractalWaves::add_to(Grid<double>& z, double factor, const ProgressCallback& progress) const {
-  // Eight rows at a time, since a column keeps neighbouring rows in one cache line.
+  // Eight rows at a time, because a column stores neighbouring rows in one cache line.
   parallel_for(
       static_cast<std::size_t>(rows_), 8,
       [&](std::size_t begin, std::size_t end) { add_rows(z, factor, begin, end); }, progress);

@@ -25,11 +25,11 @@ struct WaveDomain {
   std::int64_t nx = 0;
   std::int64_t ny = 0;
 
-  /// One at least twice the grid in both directions, of a size that transforms fast.
+  /// A domain at least twice the grid in both directions, of a size with a fast transform.
   [[nodiscard]] static WaveDomain around(const GridSpec& grid);
 };
 
-/// The factor of one wave's amplitude so that the waves of a domain add up to the law of `fractal`, whose
+/// The factor of one wave's amplitude with which the waves of a domain add up to the law of `fractal`, whose
 /// spectrum is S(k) = C k^-(2 H + 2), C = nu_0^2 L_0^(-2 H) 2^(2 H + 1) Gamma(1 + H)^2 sin(pi H), k in rad/m:
 /// a wave has the variance S(k) / (area of the domain).
 [[nodiscard]] double law_amplitude(const FractalBase& fractal, const WaveDomain& domain);
@@ -37,15 +37,15 @@ struct WaveDomain {
 /// rms_deviation_m (lag_m / reference_length_m)^H, metres.
 [[nodiscard]] double lawful_deviation_m(const FractalBase& fractal, double lag_m);
 
-/// The lag, in nodes, at which the law is met where the domain is all there is: the reference length, but not
-/// shorter than 4 nodes nor longer than a twentieth of the domain.
+/// The lag, in nodes, at which a single domain meets the law: the reference length, but not shorter than 4
+/// nodes nor longer than a twentieth of the domain.
 [[nodiscard]] double calibration_lag(const WaveDomain& domain, const FractalBase& fractal);
 
-/// A realisation of the waves of a band on a periodic domain: one Gaussian amplitude per wave, power
-/// |k|^-(2 H + 2) with k in radians per node. Of the domain's nodes the first rows are kept.
+/// A realisation of the waves of a band on a periodic domain: one Gaussian amplitude per wave, power |k|^-(2
+/// H + 2) with k in radians per node. Only the first rows of the domain are kept.
 class FractalWaves {
  public:
-  /// `rows`: those that are kept.
+  /// `rows`: the number of rows that are kept.
   FractalWaves(const WaveDomain& domain, const WaveBand& band, double hurst_exponent, std::int64_t rows);
 
   /// Draws the waves and transforms along y. 16 bytes per kept row and half the columns of the domain.
@@ -53,7 +53,7 @@ class FractalWaves {
   /// Transforms along x and adds the field, times `factor`, to a grid of the nodes that are kept.
   void add_to(Grid<double>& z, double factor, const ProgressCallback& progress = {}) const;
 
-  /// The expected squared difference of nodes `lag_nodes` apart, mean of both axes, at the factor 1.
+  /// The expected squared difference of nodes `lag_nodes` apart, mean of both axes, for the factor 1.
   [[nodiscard]] double squared_deviation(double lag_nodes) const;
 
  private:
@@ -63,7 +63,7 @@ class FractalWaves {
   [[nodiscard]] double wave_y(std::int64_t j) const;
   [[nodiscard]] double power(double k2) const;
   [[nodiscard]] std::vector<double> column_powers(std::size_t i) const;
-  /// Columns 0 and nx/2 are their own mirror images; each other one stands for two.
+  /// Columns 0 and nx/2 are their own mirror images; every other column represents two.
   [[nodiscard]] bool own_mirror(std::size_t i) const { return i == 0 || i + 1 == columns_; }
   void draw_column(std::size_t i, const RandomField& random, std::uint64_t layer,
                    std::vector<Complex>& column) const;
@@ -76,7 +76,7 @@ class FractalWaves {
   double end_k2_;
   std::int64_t rows_;
   std::size_t columns_;
-  std::vector<Complex> partial_;  ///< column by column, the rows that are kept
+  std::vector<Complex> partial_;  ///< column by column, the kept rows
 };
 
 }  // namespace landfall

@@ -38,7 +38,7 @@ std::array<double, kPatch> patch_weights() {
   return weights;
 }
 
-/// The weights of four neighbours, for a point t of the way from the second to the third.
+/// The weights of four neighbours for a point at fraction t between the second and the third.
 std::array<double, 4> cubic_weights(double t) {
   return {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t,
           (0.5 * t - 0.5) * t * t};
@@ -61,8 +61,8 @@ struct Bands {
   [[nodiscard]] bool has_longer() const { return longer.from_m < longer.below_m; }
 };
 
-/// What both bands' amplitudes in the law must be multiplied with to meet it at the reference length although
-/// the longest waves are missing: as calibrated_amplitude() of one transform does.
+/// The factor by which both bands' amplitudes in the law are multiplied to meet it at the reference length
+/// although the longest waves are missing, like calibrated_amplitude() for one transform.
 double calibration(const GridSpec& grid, const FractalBase& fractal, const Bands& bands) {
   const WaveDomain whole = WaveDomain::around(grid);
   const double lag_nodes = calibration_lag(whole, fractal);
@@ -78,7 +78,7 @@ double calibration(const GridSpec& grid, const FractalBase& fractal, const Bands
   return lawful_deviation_m(fractal, lag_nodes * grid.resolution_m) / std::sqrt(square_m2);
 }
 
-/// Patches of one layer draw from layers that no base has: a model has at most 2^32 bases.
+/// The patches of a layer use layers above those of all bases: a model has at most 2^32 bases.
 std::uint64_t patch_layer(std::uint64_t layer, std::int64_t number) {
   return layer + (static_cast<std::uint64_t>(number + 1) << 32U);
 }
@@ -92,7 +92,7 @@ LargeFractal::LargeFractal(const FractalBase& fractal, const FractalDraw& draw, 
       grid_(grid),
       longest_m_(fractal.longest_wavelength_m.value_or(std::numeric_limits<double>::infinity())) {
   const Bands bands(grid, longest_m_);
-  // Without relief there is nothing to meet.
+  // A fractal without relief needs no calibration.
   const bool calibrated = std::isinf(longest_m_) && fractal.rms_deviation_m > 0;
   const double scale = calibrated ? calibration(grid, fractal, bands) : 1;
   patch_amplitude_ = scale * law_amplitude(fractal, patch_domain(grid));

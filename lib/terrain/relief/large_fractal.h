@@ -11,25 +11,25 @@
 
 namespace landfall {
 
-/// A fractal on a grid that is too large for one transform, made in strips of rows. Two bands, cut sharply at
-/// L1 = 64 nodes, so that nothing counts twice:
+/// A fractal on a grid that is too large for one transform, made in strips of rows. It has two bands, divided
+/// sharply at L1 = 64 nodes, so that no wave counts twice:
 /// - longer waves on a grid of every 8th node over the whole site, as add_fractal() makes them, interpolated
 ///   by cubic convolution (Keys 1981, a = -1/2);
 /// - shorter ones in periodic patches of 512 x 512 nodes, each with draws of its own, that overlap by 128
 ///   nodes. There their weights are a sine and a cosine, whose squares sum to 1: the variance is kept.
 ///
-/// The law, its amplitude and the longest wavelength are those of add_fractal(). An overlap, in which two
-/// patches are mixed, adds less than 2 % to differences within the shorter band.
+/// The law, its amplitude and the longest wavelength are as in add_fractal(). An overlap, which mixes two
+/// patches, adds less than 2 % to differences within the shorter band.
 ///
-/// The values are a pure function of draw, parameters and grid: at any thread count, in any strips. Memory:
+/// The values are a pure function of draw, parameters and grid: at any thread count, for any strips. Memory:
 /// 0.4 bytes per node of the grid, and 32 kB for each of its columns.
 class LargeFractal {
  public:
   LargeFractal(const FractalBase& fractal, const FractalDraw& draw, const GridSpec& grid,
                const ProgressCallback& progress = {});
 
-  /// Adds the fractal to `strip`: some rows of the grid, all columns. Going up strip by strip makes every
-  /// patch once.
+  /// Adds the fractal to `strip`: some rows of the grid, all columns. Strips in order from south to north
+  /// compute each patch once.
   void add_to(Grid<double>& strip, const ProgressCallback& progress = {});
 
  private:
@@ -47,7 +47,7 @@ class LargeFractal {
   double longest_m_;
   double patch_amplitude_ = 0;
   Grid<double> long_waves_;                   ///< of node (8 (row - 1), 8 (col - 1)); empty without any
-  std::map<std::int64_t, PatchRow> patches_;  ///< those that the next strip may need
+  std::map<std::int64_t, PatchRow> patches_;  ///< patches that the next strip may need
 };
 
 }  // namespace landfall

@@ -22,7 +22,7 @@ double dividing(double half_width_m, double posting_m) {
 
 double largest_half_width(const SiteRaster& raster, Interpolation method, double resolution_m,
                           const std::string& what) {
-  // One node more than is allowed tells whether that many would do.
+  // Searching up to one node beyond the limit shows whether the limit is exceeded.
   const std::int64_t half = largest_half(raster.mapping, raster.size, method, resolution_m, kHalfLimit + 1);
   if (half < 1)
     throw FormatError(what + ": not one cell of " + number_text(resolution_m) +

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// The grid of a site, as far as it is given; metres.
+/// The requested grid of a site; metres. Missing values are derived from the raster.
 struct SiteRequest {
   std::optional<double> half_width_m;
   std::optional<double> resolution_m;
@@ -20,19 +20,19 @@ struct SiteSize {
   friend bool operator==(const SiteSize&, const SiteSize&) = default;
 };
 
-/// A raster as a site meets it.
+/// The mapping of a site to a raster, and the raster's properties.
 struct SiteRaster {
   const SiteMapping& mapping;
   RasterSize size;
-  double posting_m = 0;  ///< the distance of its pixels
+  double posting_m = 0;  ///< the pixel spacing
 };
 
-/// Completes a request. The resolution is the raster's posting, made finer by as little as it takes to divide
-/// a half width that is given; the half width the largest multiple of the resolution whose square lies inside
-/// the raster.
+/// Completes a request. The default resolution is the raster's posting, reduced by as little as needed to
+/// divide a given half width; the default half width is the largest multiple of the resolution whose square
+/// lies inside the raster.
 ///
-/// The message begins with `what`. Throws UsageError where a default half width would make more than
-/// 2^26 nodes, FormatError where not one cell fits around the centre.
+/// The message begins with `what`. Throws UsageError if a default half width would give more than 2^26 nodes,
+/// FormatError if not even one cell fits around the centre.
 [[nodiscard]] SiteSize fit_site(const SiteRaster& raster, Interpolation method, const SiteRequest& request,
                                 const std::string& what);
 

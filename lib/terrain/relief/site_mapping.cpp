@@ -44,7 +44,7 @@ LonLat OrthographicFrame::difference(const SitePoint& point) const {
   const Eigen::Vector3d stretch(1, 1, 1 / (axis_ratio * axis_ratio));
   const double A = up.dot(stretch.cwiseProduct(up));
   const double B = p.dot(stretch.cwiseProduct(up));
-  // The centre lies on the ellipsoid, so that its own terms cancel.
+  // The centre lies on the ellipsoid, so its own terms cancel.
   const Eigen::Vector3d step = p - origin_m_;
   const double C = step.dot(stretch.cwiseProduct(p + origin_m_));
   const double h_m = -C / (B + std::sqrt(B * B - A * C));

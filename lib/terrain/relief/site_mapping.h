@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// A point in a raster. Whole numbers are pixel centres, (0, 0) that of the first pixel of the first row.
+/// A point in a raster. Integers are pixel centres; (0, 0) is that of the first pixel of the first row.
 struct PixelPosition {
   double col = 0;
   double row = 0;
@@ -28,7 +28,7 @@ struct MapPoint {
 class GeoTransform {
  public:
   explicit GeoTransform(const std::array<double, 6>& coefficients);
-  /// False where cells have no area or a coefficient is not finite: it has no inverse then.
+  /// False if cells have no area or a coefficient is not finite: no inverse exists.
   [[nodiscard]] bool invertible() const;
   [[nodiscard]] MapPoint map_point(const PixelPosition& pixel) const;
   [[nodiscard]] PixelPosition pixel(const MapPoint& point) const;
@@ -50,20 +50,20 @@ struct Ellipsoid {
   double flattening = 0;
 };
 
-/// Geodetic, radians.
+/// Geodetic coordinates, radians.
 struct LonLat {
   double lon_rad = 0;
   double lat_rad = 0;
 };
 
-/// The orthographic frame of a body around a centre: the tangent plane at the centre, x east and y north,
-/// every point of the surface projected along the centre's normal (EPSG method 9840). Exact for spheres and
-/// ellipsoids; metres on the plane are true at the centre and shrink as the cosine of the distance.
+/// The orthographic frame of a body around a centre: the tangent plane at the centre, x east and y north, the
+/// surface projected along the centre's normal (EPSG method 9840). Exact for spheres and ellipsoids; metres
+/// on the plane are true at the centre and shrink as the cosine of the angular distance.
 class OrthographicFrame {
  public:
   OrthographicFrame(const Ellipsoid& body, const LonLat& center);
-  /// Longitude and latitude of the surface under a point of the plane, both as differences from the centre's;
-  /// NaN beyond the body's limb. The longitude difference lies in [-pi, pi].
+  /// Longitude and latitude of the surface under a point of the plane, both relative to the centre; NaN
+  /// beyond the body's limb. The longitude difference lies in [-pi, pi].
   [[nodiscard]] LonLat difference(const SitePoint& point) const;
 
  private:
@@ -73,21 +73,21 @@ class OrthographicFrame {
   Eigen::Matrix3d R_body_plane_;  // columns: north, up; east is the body's y
 };
 
-/// Where in a raster a point of the site lies.
+/// Maps a point of the site to a position in a raster.
 class SiteMapping {
  public:
-  /// The site's axes are the raster's coordinate axes, `metres_per_unit` long per unit.
+  /// The site's axes are the raster's axes; a unit of the raster is `metres_per_unit` long.
   SiteMapping(const GeoTransform& georeference, const PixelPosition& center, double metres_per_unit);
   /// The raster's coordinates are longitude and latitude in units of `radians_per_unit`; the site's axes are
-  /// those of `frame`, which is centred on the same point.
+  /// those of `frame`, which has the same centre.
   SiteMapping(const GeoTransform& georeference, const PixelPosition& center, const OrthographicFrame& frame,
               double radians_per_unit);
 
   [[nodiscard]] PixelPosition pixel(const SitePoint& point) const;
-  /// Metres on the site, at its centre, from a pixel's centre to the nearer of its neighbours in the row and
-  /// in the column; not finite or 0 where the centre is a pole of the raster's longitudes.
+  /// Distance on the site, metres, at its centre, from a pixel's centre to the nearer of its neighbours in
+  /// the row and in the column; not finite or 0 if the centre is a pole of the raster's longitudes.
   [[nodiscard]] double posting_m() const;
-  /// The same site in a window of the raster that begins at pixel `first`.
+  /// The mapping to a window of the raster that begins at pixel `first`.
   [[nodiscard]] SiteMapping in_window(const PixelPosition& first) const;
 
  private:

@@ -10,7 +10,7 @@ namespace landfall {
 GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec, const DemLoader& load_dem,
                                   const ProgressCallback& progress) {
   StripSize size;
-  size.rows = spec.rows;  // never more than one
+  size.rows = spec.rows;  // makes a single strip
   TerrainStrips strips(model, spec, load_dem, size,
                        [&](double fraction) { report(progress, 0.1 * fraction); });
   GeneratedTerrain terrain{{}, strips.crs_wkt(), strips.dem_sources(), {}};

@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// What generate_terrain makes.
+/// The result of generate_terrain.
 struct GeneratedTerrain {
   Grid<double> nodes;
   std::string crs_wkt;                 ///< of the first imported DEM's site frame, else kLocalSiteCrsWkt
@@ -21,20 +21,20 @@ struct GeneratedTerrain {
 };
 
 /// Throws UsageError, naming the position in the model, where generate_terrain() would before it loads a DEM
-/// or draws by chance: validate() of the model; more than 2^30 nodes; a fractal's longest wavelength that is
-/// set and not above twice the resolution, since the grid would hold no wave; a standing feature whose centre
-/// is off the grid.
+/// or draws at random: validate() of the model; more than 2^30 nodes; an explicit longest wavelength of a
+/// fractal that is not above twice the resolution, since the grid would hold no wave; a standing feature
+/// whose centre is off the grid.
 void validate(const TerrainModel& model, const GridSpec& spec);
 
 /// Builds a gridded terrain: the sum of the bases at each node, then the features (feature_field.h). Fractal
-/// base number i (counted among all bases) draws its own waves; one without a longest wavelength those that
-/// no DEM has, shorter than twice the finest posting. Holes of any base are holes of the terrain, whatever
-/// is there.
+/// base number i (counted among all bases) draws its own waves; one without a longest wavelength draws those
+/// that no DEM has, shorter than twice the finest posting. Holes of any base are holes of the terrain, even
+/// under features.
 ///
-/// Throws UsageError as validate(), and, without a DEM, for an elevation farther than 1e12 m from 0;
+/// Throws UsageError as validate() does, and, without a DEM, for an elevation farther than 1e12 m from 0;
 /// FormatError for such an elevation with a DEM, where a DEM is refused (no finite node, NaN at the centre
-/// with Datum::center, a node outside the raster, or by the loader itself) or a standing feature's centre is
-/// on a hole; both name the cause. The result does not depend on the number of threads.
+/// with Datum::center, a node outside the raster, or by the loader itself) or where a standing feature's
+/// centre is on a hole; both name the cause. The result does not depend on the number of threads.
 [[nodiscard]] GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec,
                                                 const DemLoader& load_dem,
                                                 const ProgressCallback& progress = {});

@@ -28,7 +28,7 @@ TerrainModel checked(TerrainModel model, const GridSpec& spec) {
   return model;
 }
 
-/// Explicit wavelengths only: waves that a raster leaves to a fractal may be none.
+/// Checks explicit wavelengths only: a raster may leave no waves to a fractal.
 void require_waves(const TerrainModel& model, const GridSpec& spec) {
   for (std::size_t i = 0; i < model.bases.size(); ++i)
     if (const auto* const fractal = std::get_if<FractalBase>(&model.bases[i]);
@@ -51,7 +51,7 @@ void for_each_node(Grid<double>& z, const ProgressCallback& progress, const F& s
       progress);
 }
 
-/// The elevation that becomes 0.
+/// The elevation of the raster that becomes 0.
 double datum_of(const DemBase& dem, const DemRaster& raster) {
   if (dem.datum == Datum::none) return 0;
   const double datum_m =
@@ -69,7 +69,7 @@ void add_plane(Grid<double>& z, const PlaneBase& plane, const ProgressCallback& 
   });
 }
 
-/// z += elevation - datum at every node; whether any elevation is finite.
+/// z += elevation - datum at every node. Returns whether any elevation is finite.
 bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, double datum_m,
                 const ProgressCallback& progress) {
   std::atomic<bool> any_finite = false;
@@ -87,8 +87,8 @@ bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, do
   return any_finite;
 }
 
-/// The first node, row by row, whose elevation is infinite or farther than kLargestCoordinate_m from 0; a
-/// hole is none.
+/// The first node, row by row, whose elevation is infinite or farther than kLargestCoordinate_m from 0. Holes
+/// are skipped.
 std::optional<BinIndex> first_absurd_node(const Grid<double>& z, const ProgressCallback& progress) {
   const auto is_absurd = [](double z_m) { return std::abs(z_m) > kLargestCoordinate_m; };
   std::atomic<std::int64_t> first_row = z.spec().rows;
@@ -108,14 +108,14 @@ std::optional<BinIndex> first_absurd_node(const Grid<double>& z, const ProgressC
   return BinIndex{first_row, std::ranges::find_if(nodes, is_absurd) - nodes.begin()};
 }
 
-/// Part `step` of `steps` equal ones; `progress` must outlive it.
+/// The progress of part `step` of `steps` equal parts; `progress` must outlive it.
 ProgressCallback step_of(const ProgressCallback& progress, std::size_t step, std::size_t steps) {
   return [&progress, step, steps](double fraction) {
     report(progress, (static_cast<double>(step) + fraction) / static_cast<double>(steps));
   };
 }
 
-/// The last rows of one grid and the first of the one north of it.
+/// Joins the last rows of one grid and the first rows of the grid north of it.
 Grid<double> joined(const Grid<double>& south, const Grid<double>& north) {
   GridSpec spec = south.spec();
   spec.rows += kBorderRows;
@@ -202,7 +202,7 @@ std::vector<GridSpec> TerrainStrips::cut() const {
   const std::int64_t height = is_whole() ? spec_.rows : size_.rows;
   for (std::int64_t row = 0; row < spec_.rows;) {
     const std::int64_t left = spec_.rows - row;
-    // What would be left must be enough for the borders.
+    // The remaining rows must suffice for the borders.
     const std::int64_t rows = left < height + 2 * kBorderRows ? left : height;
     strips.push_back({spec_.resolution_m, spec_.first_row + row, spec_.first_col, rows, spec_.cols});
     row += rows;

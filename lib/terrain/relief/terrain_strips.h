@@ -19,18 +19,18 @@
 
 namespace landfall {
 
-/// How a terrain is cut.
+/// The size of the strips of a terrain.
 struct StripSize {
   std::int64_t most_nodes = std::int64_t{1} << 26U;  ///< of a terrain that is made in one piece
   std::int64_t rows = 768;  ///< of a strip of others, >= 4; chunks of a file have 256, fractals' patches 384
 };
 
-/// Makes a terrain (generate_terrain()) in strips of rows, from the south up, that are given away as they are
-/// ready. A terrain of up to StripSize::most_nodes is one strip. Larger ones take LargeFractal for their
-/// fractals; the nodes do not depend on the strips' height.
+/// Makes a terrain (generate_terrain()) in strips of rows, from south to north, and passes each on when it is
+/// ready. A terrain of up to StripSize::most_nodes is one strip. Larger ones use LargeFractal for their
+/// fractals; the nodes do not depend on the height of the strips.
 ///
-/// Memory, besides the DEMs' and the fractals': two strips, and those that wait for the ground under the
-/// centre of a standing feature that reaches into them from farther north.
+/// Memory, besides that of the DEMs and the fractals: two strips, and those that wait for the ground under
+/// the centre of a standing feature that reaches into them from farther north.
 class TerrainStrips {
  public:
   /// Loads the DEMs, synthesises long waves and places the features. Throws as generate_terrain().
@@ -41,15 +41,15 @@ class TerrainStrips {
   /// See GeneratedTerrain.
   [[nodiscard]] std::string crs_wkt() const;
   [[nodiscard]] std::vector<DemSource> dem_sources() const;
-  /// Seated once all strips have been made.
+  /// The features, which are seated once all strips have been made.
   [[nodiscard]] const std::vector<PlacedFeature>& features() const { return field_.features(); }
 
   using Sink = std::function<void(Grid<double> strip)>;
-  /// Gives all strips to `sink`; once. Throws as generate_terrain(), also after strips were given.
+  /// Passes all strips to `sink`; may be called once. Throws as generate_terrain(), also after strips.
   void make(const Sink& sink, const ProgressCallback& progress = {});
 
  private:
-  /// Of a DemBase.
+  /// The raster of a DemBase.
   struct DemLayer {
     DemRaster raster;
     double datum_m = 0;
@@ -71,8 +71,8 @@ class TerrainStrips {
   StripSize size_;
   FeatureField field_;
   std::vector<DemLayer> dems_;                          ///< of the DemBases, in their order
-  std::map<std::size_t, LargeFractal> large_fractals_;  ///< by number of the base; none in one piece
-  std::optional<Grid<double>> border_;  ///< the last two rows of the strip before, ground only
+  std::map<std::size_t, LargeFractal> large_fractals_;  ///< by number of the base; empty for a single strip
+  std::optional<Grid<double>> border_;  ///< the last two rows of the previous strip, ground only
   std::deque<Grid<double>> waiting_;
 };
 

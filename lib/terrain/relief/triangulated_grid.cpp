@@ -18,7 +18,7 @@ struct TriangulatedGrid::CellPosition {
 
 CellOrigin CellOrigin::of_windows(const GridSpec& whole, double highest_abs_m) {
   CellOrigin origin;
-  origin.anchor_ = 0x1.8p16;  // its last digit is worth 2^-36
+  origin.anchor_ = 0x1.8p16;  // its last bit is worth 2^-36
   origin.whole_ = whole;
   origin.highest_abs_m_ = highest_abs_m;
   return origin;

@@ -149,7 +149,7 @@ def meshes():
 
 
 def hdf5_files():
-    """Every file with each of its readers, as it is and with one edit of each kind."""
+    """Every file with each of its readers, unchanged and with one edit of each kind."""
     for file, reader in itertools.product(range(7), range(6)):
         yield bytes([file, reader])
         for edit in range(15):

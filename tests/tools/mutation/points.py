@@ -15,7 +15,7 @@ ARITHMETIC = {"+": ("add", "-"), "-": ("subtract", "+"), "*": ("multiply", "/"),
               "|": ("bit_or", "&"), "^": ("bit_xor", "&"), "==": ("equal", "!="), "!=": ("unequal", "==")}
 ASSIGNMENT = {"+=": ("add_to", "-="), "-=": ("subtract_from", "+="), "*=": ("multiply_by", "/="),
               "/=": ("divide_by", "*="), "&=": ("and_into", "|="), "|=": ("or_into", "&="), "^=": ("xor_into", "|=")}
-# Of Highway: functions of vectors that take and give the same types.
+# Highway: functions of vectors whose arguments and results have the same types.
 LANES = {"Add": ["Sub"], "Sub": ["Add"], "Mul": ["Add"], "Div": ["Mul"], "Ge": ["Gt", "Lt"], "Gt": ["Ge", "Le"],
          "Le": ["Lt", "Gt"], "Lt": ["Le", "Ge"], "Eq": ["Ne"], "And": ["Or"], "Or": ["And"], "Min": ["Max"], "Max": ["Min"],
          "Floor": ["Ceil"], "Abs": ["Neg"]}

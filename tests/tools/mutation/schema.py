@@ -17,7 +17,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 OUTERMOST_FIRST = ["array", "statement", "return", "condition", "logical", "relational", "assignment", "arithmetic", "extreme", "lanes",
                    "constant", "use"]
 COPIED = ["CMakeLists.txt", "CMakePresets.json", "cmake", "lib", "tools", "tests", "testdata", "schemas", "packaging", "scripts"]
-# Of the mutated sources and their tests: libstdc++ checks indices.
+# For the mutated sources and their tests: libstdc++ checks indices.
 FLAGS = "-O1 -g0 -Wno-error=deprecated-declarations -D_GLIBCXX_ASSERTIONS"
 
 

@@ -9,7 +9,7 @@
 
 namespace landfall::testing_layers {
 
-/// Keeps the layers that an evaluation gives.
+/// Collects the layers of an evaluation.
 struct Layers : LayerSink {
   void take(const CoverageLayers& layers) override { coverage = layers; }
   void take(Axis axis, const AxisLayers& layers) override {

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// Keeps what is written.
+/// Stores the written bytes in memory.
 class MemorySink final : public ByteSink {
  public:
   void write(std::string_view bytes) override { bytes_ += bytes; }
@@ -19,7 +19,7 @@ class MemorySink final : public ByteSink {
   std::string bytes_;
 };
 
-/// The number that begins at `offset`, little endian.
+/// The little-endian number at `offset`.
 template <class T>
 [[nodiscard]] T at(const std::string& bytes, std::size_t offset) {
   T value{};

@@ -12,8 +12,8 @@
 
 namespace landfall {
 
-/// A scan of three pulses: five rows, of which the second is a miss and the fourth a false return. x_est is
-/// 0.5 more per row, y_est and z_est are -x_est and 2 x_est, the truth is 100 m beside.
+/// A scan of three pulses: five rows, of which the second is a miss and the fourth a false return. x_est
+/// grows by 0.5 per row, y_est and z_est are -x_est and 2 x_est, and the truth is 100 m away.
 struct SmallScan {
   std::vector<double> x = {1, std::numeric_limits<double>::quiet_NaN(), 2, 2.5, 3};
   std::vector<std::int32_t> pulse = {0, 0, 1, 1, 2};

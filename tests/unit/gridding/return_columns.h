@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// One return; what a test does not name is 0.
+/// One return; fields that a test does not set are 0.
 struct ReturnPoint {
   double x_est = 0;
   double y_est = 0;
@@ -19,7 +19,7 @@ struct ReturnPoint {
   double t = 0;
 };
 
-/// The columns that GridPoints looks at.
+/// The columns that GridPoints reads.
 struct ReturnColumns {
   std::vector<double> x_est, y_est, z_est, x_true, y_true, z_true, t;
 

@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// One chunk by an encoder of its own.
+/// Encodes one chunk with a new encoder.
 inline std::vector<std::byte> encode_chunk(std::span<const std::byte> raw, std::size_t element_size,
                                            int level) {
   ChunkEncoder encoder(element_size, level);

@@ -54,7 +54,7 @@ inline std::unique_ptr<RayEngine> make_heightfield(Terrain terrain) {
 }
 inline std::unique_ptr<RayEngine> make_cgal(Terrain terrain) { return make_cgal_engine(std::move(terrain)); }
 
-/// How many rays the tests with many rays take: LANDFALL_TEST_RAYS, or 10^5.
+/// The number of rays in tests with many rays: LANDFALL_TEST_RAYS, or 10^5.
 inline std::size_t test_rays() {
   const char* given = std::getenv("LANDFALL_TEST_RAYS");
   return given == nullptr ? 100000U : std::stoull(given);

@@ -18,12 +18,12 @@ class PatternRandom {
   std::mt19937_64 engine_{test_seed()};
 };
 
-/// The aim of a pulse that has one.
+/// The aim of a pulse, which must have one.
 inline Eigen::Vector3d aim_of(const Pattern& pattern, const PulseTime& pulse) {
   return pattern.ground_aim(pulse).value().v;
 }
 
-/// The same by time alone, for patterns that do not count pulses.
+/// The aim by time alone, for patterns that do not count pulses.
 inline Eigen::Vector3d aim_at(const Pattern& pattern, double t_s) { return aim_of(pattern, {0, t_s}); }
 
 }  // namespace landfall

@@ -12,7 +12,7 @@
 #include "scanner/scanner.h"
 #include "test_seed.h"
 
-// What the tests of the scanners share.
+// Helpers of the scanner tests.
 namespace landfall {
 
 inline constexpr double kPi = std::numbers::pi;
@@ -31,7 +31,7 @@ inline Beam beam_of(const Scanner& scanner, const ScannerState& state, const Eig
   return beams[0];
 }
 
-/// The boresight behind the scanner.
+/// The boresight after the scanner.
 inline Eigen::Vector3d line_of_sight(const Scanner& scanner, const ScannerState& state) {
   return beam_of(scanner, state, Eigen::Vector3d::UnitZ()).direction.v;
 }
@@ -44,7 +44,7 @@ inline Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, double angle_rad)
   return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
 }
 
-/// d - 2 (d.m) m.
+/// The reflection d - 2 (d.m) m.
 inline Eigen::Vector3d reflected(const Eigen::Vector3d& d, const Eigen::Vector3d& m) {
   return d - 2 * d.dot(m) * m;
 }

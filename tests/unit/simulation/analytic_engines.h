@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// z = z0 + slope_x x + slope_y y, without end.
+/// An infinite plane z = z0 + slope_x x + slope_y y.
 struct Plane {
   double z0_m = 0;
   double slope_x = 0;
@@ -36,7 +36,7 @@ class PlaneEngine : public RayEngine {
   Plane plane_;
 };
 
-/// The plane z = 0 where x >= edge_m; nothing elsewhere, or a plane at west_z_m (its wall is not seen from
+/// The plane z = 0 where x >= edge_m; elsewhere no surface, or a plane at west_z_m (its wall is not seen from
 /// above).
 class EdgeEngine : public RayEngine {
  public:
@@ -55,7 +55,7 @@ class EdgeEngine : public RayEngine {
   double west_z_m_;
 };
 
-/// A plane that keeps what it was asked; for one thread.
+/// A plane that records its queries; for one thread.
 class RecordingEngine : public PlaneEngine {
  public:
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {

@@ -25,7 +25,7 @@ inline PolygonSoup soup_of(std::vector<Eigen::Vector3d> points,
   return soup;
 }
 
-/// Adds a box of 12 triangles, seen counter-clockwise from outside.
+/// Adds a box of 12 triangles, counter-clockwise as seen from outside.
 inline void add_box(IndexedTriangles& mesh, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (int i = 0; i < 8; ++i)
@@ -58,7 +58,7 @@ inline IndexedTriangles tetrahedron_mesh() {
   return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 }
 
-/// An octahedron, each triangle cut into four `steps` times, the vertices on the unit sphere.
+/// An octahedron, each triangle divided into four `steps` times, the vertices on the unit sphere.
 inline IndexedTriangles sphere_mesh(int steps) {
   IndexedTriangles mesh{
       {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
@@ -88,7 +88,7 @@ inline double random_in(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
 }
 
-/// Triangles of any shape, size and attitude within 10 m of the origin, which cross each other.
+/// Triangles of any shape, size and attitude within 10 m of the origin, which intersect each other.
 inline IndexedTriangles random_mesh(std::mt19937_64& random, std::size_t count) {
   const auto vector = [&](double size) {
     const double x = random_in(random, -size, size);
@@ -106,8 +106,8 @@ inline IndexedTriangles random_mesh(std::mt19937_64& random, std::size_t count) 
   return mesh;
 }
 
-/// A closed sheet over the square |x|, |y| <= 1 without a straight line in it: the inner of (cells + 1)^2
-/// nodes are moved at random, all are lifted at random.
+/// A closed sheet over the square |x|, |y| <= 1 without straight lines: the inner of (cells + 1)^2 nodes are
+/// moved randomly in the plane, all nodes randomly in height.
 inline IndexedTriangles rough_sheet(std::mt19937_64& random, std::uint32_t cells) {
   IndexedTriangles mesh;
   const double step = 2.0 / cells;

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// A hectare about the origin.
+/// A site of one hectare about the origin.
 inline PatternSite hectare(std::uint64_t seed = 1, std::uint64_t pattern = 0) {
   return {-50, 50, -50, 50, seed, pattern};
 }

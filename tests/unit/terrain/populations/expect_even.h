@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-/// Mean and standard deviation of an even distribution on [a, b], within 4 standard errors.
+/// Expects the mean and standard deviation of a uniform distribution on [a, b], within 4 standard errors.
 inline void expect_even(const std::vector<double>& list, double a, double b) {
   double sum = 0;
   double squares = 0;

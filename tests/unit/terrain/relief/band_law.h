@@ -8,9 +8,9 @@
 
 namespace landfall {
 
-/// The law's structure function with waves shorter than `longest_m` alone:
-/// (C / pi) integral of k^(-2 H - 1) (1 - J0(k L)) over k > 2 pi / longest_m, C of law_amplitude(). By
-/// Simpson's rule in log k, and beyond k = 1e4 / L, where J0 adds nothing, in closed form.
+/// The structure function of the law with only waves shorter than `longest_m`:
+/// (C / pi) integral of k^(-2 H - 1) (1 - J0(k L)) over k > 2 pi / longest_m, C of law_amplitude(). Computed
+/// by Simpson's rule in log k, and beyond k = 1e4 / L, where J0 is negligible, in closed form.
 inline double band_deviation_m(const FractalBase& law, double longest_m, double lag_m) {
   const double hurst = law.hurst_exponent;
   const double gamma = std::tgamma(1 + hurst);
