@@ -139,7 +139,7 @@ class Layout(ChainTest):
                                                 "direction_z": FLOAT64, "dead": INT8}, 64)
 
     def test_scan_page_lists_the_datasets_with_their_types_and_units(self):
-        with open(os.path.join(os.environ["LANDFALL_ROOT"], "docs", "files", "scan.md"), encoding="utf-8") as page:
+        with open(os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "files", "scan.md"), encoding="utf-8") as page:
             rows = re.findall(r"^\| (`/.*?) \| (\S+) \| (\S+) \| (.*) \|$", page.read(), re.MULTILINE)
         listed = {name: (kind, unit) for names, kind, unit, _ in rows for name in re.findall("`/(.*?)`", names)}
         statuses = next(meaning for names, _, _, meaning in rows if names == "`/points/status`")

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness import CONFIGS, ChainTest, columns, read_bytes, run
 
-FOLDER = os.path.join(os.environ["LANDFALL_ROOT"], "tests", "pipeline", "components")
+FOLDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "lidars")
 
 
 class Risley(ChainTest):
