@@ -143,7 +143,7 @@ TEST(GenerateTerrain, AFractalNeedsAWaveThatTheGridHolds) {
   EXPECT_EQ(
       refusal(model),
       "usage: base/1/longest_wavelength_m: 2 is not above twice the grid's resolution, the shortest wave "
-      "that it holds");
+      "that the grid can represent");
   model.bases = {FractalBase{.longest_wavelength_m = 2.5}};
   EXPECT_EQ(refusal(model), "accepted");
 }
