@@ -53,7 +53,8 @@ void bind(CLI::App& app, Options& o) {
             "Interpolation: nearest, bilinear or bicubic (default)");
   of_raster("--datum", import.datum, "DATUM",
             "Zero elevation: center (elevation at the site centre, default) or none (that of the raster)");
-  of_raster("--vertical-scale", import.vertical_scale, "FACTOR", "Metres per unit of the elevations");
+  of_raster("--vertical-scale", import.vertical_scale, "FACTOR",
+            "Metres per unit of the elevations; default: the unit that the raster declares, else 1");
   of_raster(
       "--horizontal-scale", import.horizontal_scale, "M",
       "Metres per unit of the coordinates (per pixel without a georeference), for a raster without a CRS");

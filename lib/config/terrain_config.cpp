@@ -82,7 +82,7 @@ DemBase dem_base(const Json& json) {
   base.center_pixel = optional_pair(json, "center_pixel");
   base.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
   base.datum = json.at("datum") == "center" ? Datum::center : Datum::none;
-  base.vertical_scale = json.at("vertical_scale").get<double>();
+  if (json.contains("vertical_scale")) base.vertical_scale = json.at("vertical_scale").get<double>();
   if (json.contains("horizontal_scale_m"))
     base.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
   return base;

@@ -33,8 +33,8 @@ void validate_base(const DemBase& dem, const std::string& owner) {
     require_finite({owner, "center"}, value);
   for (const double value : dem.center_pixel.value_or(std::array<double, 2>{}))
     require_finite({owner, "center_pixel"}, value);
-  require(std::isfinite(dem.vertical_scale) && dem.vertical_scale != 0, {owner, "vertical_scale"},
-          dem.vertical_scale, "finite and other than 0");
+  const double scale = dem.vertical_scale.value_or(1);
+  require(std::isfinite(scale) && scale != 0, {owner, "vertical_scale"}, scale, "finite and other than 0");
   if (dem.horizontal_scale_m) require_positive({owner, "horizontal_scale_m"}, *dem.horizontal_scale_m);
 }
 

@@ -47,7 +47,9 @@ struct DemBase {
   std::optional<std::array<double, 2>> center_pixel;  ///< [column, row] from 0, the centre of that pixel
   Interpolation interpolation = Interpolation::bicubic;
   Datum datum = Datum::center;
-  double vertical_scale = 1;  ///< multiplies the elevation, after the band's own scale and offset
+  /// Metres per unit of the elevations, after the band's own scale and offset; none: the unit that the raster
+  /// declares, else metres.
+  std::optional<double> vertical_scale{};
   /// Metres per unit of the raster's coordinates (per pixel without any), for a raster without a CRS.
   std::optional<double> horizontal_scale_m;
   friend bool operator==(const DemBase&, const DemBase&) = default;

@@ -146,7 +146,7 @@ def raster(base, x, y):
     z = at(samples, middle[0] + x / step, middle[1] + y / step)
     if base["datum"] == "center":
         z = z - at(samples, np.array(middle[0]), np.array(middle[1]))
-    return base["vertical_scale"] * z
+    return base.get("vertical_scale", 1) * z
 
 
 def nearest(samples, u, v):

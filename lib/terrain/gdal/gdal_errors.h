@@ -4,6 +4,7 @@
 #include <cpl_error.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 
@@ -21,15 +22,22 @@ class GdalErrors {
   [[nodiscard]] bool any() const { return !first_.empty(); }
   [[nodiscard]] std::string reason() const { return any() ? first_ : "GDAL gives no reason"; }
   void clear() { first_.clear(); }
-  /// The warning that a tag could not be read; empty without one. clear() keeps it.
+  /// The warning that data could not be read as stored; empty without one. clear() keeps it.
   [[nodiscard]] const std::string& loss() const { return loss_; }
 
  private:
   static void CPL_STDCALL keep(CPLErr level, CPLErrorNum /*number*/, const char* message) {
     auto& self = *static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
     if (level >= CE_Failure && !self.any()) self.first_ = line(message);
-    const bool is_loss = level == CE_Warning && std::strstr(message, "IO error during reading") != nullptr;
-    if (is_loss && self.loss_.empty()) self.loss_ = line(message);
+    if (level == CE_Warning && self.loss_.empty() && is_loss(message)) self.loss_ = line(message);
+  }
+  /// libtiff goes on after a tag that it could not read, guesses the sizes of strips that a file does not
+  /// state, and fills up JPEG data that end early.
+  static bool is_loss(const char* message) {
+    constexpr std::array kLosses = {"IO error during reading", "\"StripByteCounts\"", "\"TileByteCounts\"",
+                                    "Premature end of JPEG", "Corrupt JPEG data"};
+    return std::ranges::any_of(kLosses,
+                               [&](const char* part) { return std::strstr(message, part) != nullptr; });
   }
   static std::string line(std::string text) {
     if (const std::size_t end = text.find(':'); text.starts_with('_') && end != std::string::npos)

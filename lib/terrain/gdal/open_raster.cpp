@@ -5,10 +5,13 @@
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "base/error.h"
@@ -34,13 +37,21 @@ struct Magic {
   const char* format;
 };
 
+/// "P5\n12 " or "P2 # made by": a portable anymap, whose text header a raw raster is unlikely to begin with.
+bool is_pnm(std::span<const char> head) {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; };
+  if (head[0] != 'P' || head[1] < '1' || head[1] > '7' || !is_blank(head[2])) return false;
+  return head[3] == '#' || (head[3] >= '0' && head[3] <= '9');
+}
+
 /// The format that the first bytes of a file indicate; empty if they indicate none.
 std::string promised_format(const std::string& path) {
   static const Magic kMagics[] = {{"CDF", "netCDF"},
                                   {"\x89HDF", "HDF5"},
                                   {std::string("II*\0", 4), "TIFF"},
                                   {std::string("MM\0*", 4), "TIFF"},
-                                  {"\x89PNG", "PNG"}};
+                                  {"\x89PNG", "PNG"},
+                                  {"\xff\xd8\xff", "JPEG"}};
   std::array<char, 8> head{};
   VSILFILE* const file = VSIFOpenL(path.c_str(), "rb");
   if (file == nullptr) return "";
@@ -48,7 +59,7 @@ std::string promised_format(const std::string& path) {
   VSIFCloseL(file);
   for (const Magic& magic : kMagics)
     if (std::memcmp(head.data(), magic.bytes.data(), magic.bytes.size()) == 0) return magic.format;
-  return "";
+  return is_pnm(head) ? "PNM" : "";
 }
 
 [[noreturn]] void refuse_unopened(const DemBase& dem, const GdalErrors& errors) {
@@ -103,6 +114,19 @@ void require_whole_dted(const OpenRaster& raster, const DemBase& dem) {
                       " columns of a complete DTED cell: it is truncated; get or export it again");
 }
 
+/// A header beside an image of another format (FILE.hdr beside FILE.pgm) makes the drivers of raw rasters
+/// read the image's own header and samples as elevations.
+void require_own_data(const OpenRaster& raster, const DemBase& dem) {
+  constexpr std::array<std::string_view, 6> kRawDrivers = {"EHdr", "ENVI", "ERS", "RST", "SAGA", "PDS"};
+  const std::string_view driver = GDALGetDriverShortName(raster.dataset->GetDriver());
+  if (std::ranges::find(kRawDrivers, driver) == kRawDrivers.end()) return;
+  const std::string format = promised_format(dem.path);
+  if (!format.empty())
+    throw FormatError(dem.path + ": is a " + format + " file, which a header of a raw raster beside it (" +
+                      std::string(driver) +
+                      ") describes otherwise; rename one of them, or gdal_translate it");
+}
+
 void require_usable(const OpenRaster& raster, const DemBase& dem) {
   const auto [rows, cols] = raster.size;
   if (rows < 2 || cols < 2)
@@ -116,6 +140,7 @@ void require_usable(const OpenRaster& raster, const DemBase& dem) {
     throw FormatError(dem.path + ": is stored in blocks of " + std::to_string(bytes >> 20U) +
                       " MiB, more than 256; gdal_translate -co TILED=YES makes smaller ones");
   require_whole_dted(raster, dem);
+  require_own_data(raster, dem);
 }
 
 }  // namespace
@@ -133,6 +158,7 @@ OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& 
     require_no_stream(file);
     require_whole_classic_netcdf(file);
   }
+  auto checks = std::make_unique<DamageChecks>();
   auto guard = std::make_unique<FileGuard>(dem.path, links);
   constexpr unsigned kFlags = GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR;
   GDALDatasetUniquePtr dataset = guard->open(kFlags);
@@ -147,7 +173,7 @@ OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& 
                      std::to_string(bands));
   GDALRasterBand* band = dataset->GetRasterBand(dem.band);
   const RasterSize size{dataset->GetRasterYSize(), dataset->GetRasterXSize()};
-  OpenRaster raster{std::move(guard), std::move(dataset), band, size};
+  OpenRaster raster{std::move(checks), std::move(guard), std::move(dataset), band, size};
   require_usable(raster, dem);
   return raster;
 }

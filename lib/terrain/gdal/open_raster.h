@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "terrain/gdal/damage_checks.h"
 #include "terrain/gdal/file_guard.h"
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/site_frame.h"
@@ -12,7 +13,8 @@
 namespace landfall {
 
 struct OpenRaster {
-  std::unique_ptr<FileGuard> guard;  ///< outlives the dataset
+  std::unique_ptr<DamageChecks> checks;  ///< outlives the dataset, as the guard does
+  std::unique_ptr<FileGuard> guard;      ///< outlives the dataset
   GDALDatasetUniquePtr dataset;
   GDALRasterBand* band;
   RasterSize size;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
 #include "terrain/gdal/raster_files.h"
+#include "terrain/gdal/vertical_unit.h"
 
 namespace landfall {
 namespace {
@@ -62,7 +64,15 @@ struct Nodata {
   }
 };
 
-Nodata nodata_of(GDALRasterBand& band) {
+/// GDAL before 3.7 has no type for signed bytes: it reads them as unsigned ones and says so.
+bool is_signed_byte(GDALRasterBand& band) {
+  const char* const type = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
+  return band.GetRasterDataType() == GDT_Byte && type != nullptr && EQUAL(type, "SIGNEDBYTE");
+}
+
+double as_signed_byte(double raw) { return raw > 127 ? raw - 256 : raw; }
+
+Nodata nodata_of(GDALRasterBand& band, bool is_signed_byte) {
   const GDALDataType type = band.GetRasterDataType();
   int given = 0;
   double value = kNan;
@@ -72,16 +82,18 @@ Nodata nodata_of(GDALRasterBand& band) {
     value = static_cast<double>(band.GetNoDataValueAsUInt64(&given));
   else
     value = band.GetNoDataValue(&given);
+  if (is_signed_byte) value = as_signed_byte(value);
   return {given != 0 ? std::optional(value) : std::nullopt, type == GDT_Float32};
 }
 
-/// Metres from raw numbers: z = scale raw + offset.
+/// Metres from raw numbers, in the unit that the raster declares: z = scale raw + offset.
 struct Scaling {
   double scale = 1;
   double offset = 0;
 };
 
-Scaling scaling_of(GDALRasterBand& band, const DemBase& dem) {
+Scaling scaling_of(const OpenRaster& raster, const DemBase& dem) {
+  GDALRasterBand& band = *raster.band;
   int given = 0;
   Scaling scaling;
   const double scale = band.GetScale(&given);
@@ -90,7 +102,8 @@ Scaling scaling_of(GDALRasterBand& band, const DemBase& dem) {
   if (given != 0) scaling.offset = offset;
   if (!std::isfinite(scaling.scale) || !std::isfinite(scaling.offset) || scaling.scale == 0)
     throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " has a scale of 0 or not finite");
-  return scaling;
+  const double unit_m = metres_per_elevation_unit(raster, dem);
+  return {scaling.scale * unit_m, scaling.offset * unit_m};
 }
 
 /// Reads a window strip by strip to limit the memory that GDAL needs.
@@ -101,8 +114,10 @@ class WindowReader {
         band_(*raster.band),
         dem_(dem),
         errors_(errors),
-        nodata_(nodata_of(band_)),
-        scaling_(scaling_of(band_, dem)) {
+        type_(band_.GetRasterDataType()),
+        is_signed_byte_(is_signed_byte(band_)),
+        nodata_(nodata_of(band_, is_signed_byte_)),
+        scaling_(scaling_of(raster, dem)) {
     // The nodata value is compared here, in the band's own type; GDAL evaluates any other mask.
     const int flags = band_.GetMaskFlags();
     if (flags != GMF_ALL_VALID && flags != GMF_NODATA) mask_ = band_.GetMaskBand();
@@ -124,8 +139,8 @@ class WindowReader {
 
  private:
   void read_strip(const Window& strip, double* out) {
-    transfer(band_, strip, out, GDT_Float64);
     const auto count = static_cast<std::size_t>(strip.size.rows * strip.size.cols);
+    read_numbers(strip, out, count);
     for (std::size_t i = 0; i < count; ++i) {
       const double z = scaling_.scale * out[i] + scaling_.offset;
       out[i] = nodata_.matches(out[i]) || !std::isfinite(z) ? kNan : z;
@@ -135,6 +150,17 @@ class WindowReader {
     transfer(*mask_, strip, mask_values_.data(), GDT_Byte);
     for (std::size_t i = 0; i < count; ++i)
       if (mask_values_[i] == 0) out[i] = kNan;
+  }
+
+  /// Reads the numbers in the type of the band, to which a VRT rounds resampled values.
+  void read_numbers(const Window& strip, double* out, std::size_t count) {
+    if (type_ == GDT_Float64) return transfer(band_, strip, out, type_);
+    const int bytes = GDALGetDataTypeSizeBytes(type_);
+    raw_.resize(count * static_cast<std::size_t>(bytes));
+    transfer(band_, strip, raw_.data(), type_);
+    GDALCopyWords64(raw_.data(), type_, bytes, out, GDT_Float64, sizeof(double),
+                    static_cast<GPtrDiff_t>(count));
+    if (is_signed_byte_) std::ranges::transform(std::span(out, count), out, as_signed_byte);
   }
 
   /// Throws unless all of it was read. Also checks the errors, since some drivers go on after an error.
@@ -156,9 +182,12 @@ class WindowReader {
   GDALRasterBand& band_;
   const DemBase& dem_;
   GdalErrors& errors_;
+  GDALDataType type_;
+  bool is_signed_byte_;
   Nodata nodata_;
   Scaling scaling_;
   GDALRasterBand* mask_ = nullptr;
+  std::vector<unsigned char> raw_;
   std::vector<unsigned char> mask_values_;
 };
 

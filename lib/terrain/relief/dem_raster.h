@@ -42,7 +42,8 @@ struct DemSource {
   friend bool operator==(const DemSource&, const DemSource&) = default;
 };
 
-/// An imported raster: elevations in metres before vertical_scale and datum, and the site's position in it.
+/// An imported raster: elevations in metres (in the raster's own unit if vertical_scale is set), before
+/// datum, and the site's position in it.
 struct DemRaster {
   DemSamples samples;   ///< the raster, or a window of it that holds the site
   SiteMapping mapping;  ///< to pixels of `samples`

@@ -55,7 +55,7 @@ void for_each_node(Grid<double>& z, const ProgressCallback& progress, const F& s
 double datum_of(const DemBase& dem, const DemRaster& raster) {
   if (dem.datum == Datum::none) return 0;
   const double datum_m =
-      dem.vertical_scale * interpolate(raster.samples, dem.interpolation, raster.mapping.pixel({0, 0}));
+      dem.vertical_scale.value_or(1) * interpolate(raster.samples, dem.interpolation, raster.mapping.pixel({0, 0}));
   if (!std::isfinite(datum_m))
     throw FormatError(dem.path +
                       ": has no elevation at the site centre, which datum \"center\" needs; give another "
@@ -80,7 +80,7 @@ bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, do
       message << dem.path << ": the site's node at (" << x_m << ", " << y_m << ") m lies outside the raster";
       throw FormatError(message.str());
     }
-    const double elevation = dem.vertical_scale * interpolate(raster.samples, dem.interpolation, pixel);
+    const double elevation = dem.vertical_scale.value_or(1) * interpolate(raster.samples, dem.interpolation, pixel);
     if (std::isfinite(elevation) && !any_finite.load(std::memory_order_relaxed)) any_finite = true;
     node += elevation - datum_m;
   });

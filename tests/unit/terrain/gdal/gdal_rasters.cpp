@@ -39,8 +39,12 @@ void write_geotiff(const std::string& path, const TestRaster& raster) {
   GDALRegister_GTiff();
   CPLSetThreadLocalConfigOption("GDAL_TIFF_INTERNAL_MASK", "YES");
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  const GDALDatasetUniquePtr dataset(driver->Create(path.c_str(), raster.cols, raster.rows, 1,
-                                                    GDALGetDataTypeByName(raster.type.c_str()), nullptr));
+  const char* const signed_bytes[] = {"PIXELTYPE=SIGNEDBYTE", nullptr};
+  const bool is_signed_byte = raster.type == "SignedByte";
+  const GDALDatasetUniquePtr dataset(
+      driver->Create(path.c_str(), raster.cols, raster.rows, 1,
+                     is_signed_byte ? GDT_Byte : GDALGetDataTypeByName(raster.type.c_str()),
+                     is_signed_byte ? const_cast<char**>(signed_bytes) : nullptr));
   require(dataset != nullptr);
   if (!raster.crs.empty()) {
     const OGRSpatialReference crs = crs_of(raster.crs);
@@ -54,6 +58,7 @@ void write_geotiff(const std::string& path, const TestRaster& raster) {
   if (raster.nodata) require(band.SetNoDataValue(*raster.nodata) == CE_None);
   if (raster.scale != 1) require(band.SetScale(raster.scale) == CE_None);
   if (raster.offset != 0) require(band.SetOffset(raster.offset) == CE_None);
+  if (!raster.unit.empty()) require(band.SetUnitType(raster.unit.c_str()) == CE_None);
   if (raster.valid) {
     require(dataset->CreateMaskBand(GMF_PER_DATASET) == CE_None);
     write_pixels(*band.GetMaskBand(), raster, [&](int c, int r) { return raster.valid(c, r) ? 255 : 0; });
