@@ -167,7 +167,7 @@ class Rasters(ToolTest):
     def test_only_formats_of_rasters_are_opened(self):
         for name, text in {"service.xml": "<GDAL_WMS><Service name='TMS'><ServerUrl>http://127.0.0.1:9/</ServerUrl></Service></GDAL_WMS>",
                            "index.gti": "<GDALTileIndexDataset><IndexDataset>secret.img</IndexDataset></GDALTileIndexDataset>"}.items():
-            self.assert_refused(self.write(name, text), name + ": no raster format")
+            self.assert_refused(self.write(name, text), name + ": is not in a supported raster format")
 
     def test_an_hdf5_raster_is_screened(self):
         target, path = self.pipe(), self.path("data/layers.h5")
