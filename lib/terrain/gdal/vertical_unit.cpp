@@ -12,6 +12,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -60,8 +61,10 @@ std::string normalised(const std::string& unit) {
   return name;
 }
 
-std::string override_hint() {
-  return "; vertical_scale (--vertical-scale) gives the metres per unit instead";
+[[noreturn]] void refuse(const DemBase& dem, const std::string& what) {
+  throw ParameterError<FormatError>(dem.path + ": band " + std::to_string(dem.band) + " " + what +
+                                        "; give the metres per unit as vertical_scale",
+                                    "vertical_scale");
 }
 
 /// The unit that the band declares; none where it declares none.
@@ -72,8 +75,7 @@ std::optional<double> band_unit_m(GDALRasterBand& band, const DemBase& dem) {
   if (name.empty() || name == "1" || name == "none" || name == "unknown") return std::nullopt;
   for (const Unit& known : kUnits)
     if (name == known.name) return known.metres;
-  throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " has the unit '" + abbreviated(unit) +
-                    "', which is not a known unit of length" + override_hint());
+  refuse(dem, "has the unit '" + abbreviated(unit) + "', which is not a known unit of length");
 }
 
 /// The unit of the heights of a compound or three-dimensional CRS; none for a horizontal one.
@@ -95,9 +97,8 @@ double metres_per_elevation_unit(const OpenRaster& raster, const DemBase& dem) {
   const std::optional<double> band_m = band_unit_m(*raster.band, dem);
   const std::optional<double> crs_m = crs_unit_m(georeference(raster).crs);
   if (band_m && crs_m && std::abs(*band_m - *crs_m) > 1e-9 * *crs_m)
-    throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " declares elevations in units of " +
-                      number_text(*band_m) + " m, its CRS in units of " + number_text(*crs_m) + " m" +
-                      override_hint());
+    refuse(dem, "declares elevations in units of " + number_text(*band_m) + " m, its CRS in units of " +
+                    number_text(*crs_m) + " m");
   return band_m.value_or(crs_m.value_or(1));
 }
 
