@@ -11,10 +11,15 @@
 #include "config/json_source.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "returns/point_status.h"
 #include "simulation/pulse_simulator.h"
 
 namespace landfall::lidar {
 namespace {
+
+// The public header repeats the statuses, so that it needs no other header.
+static_assert(static_cast<std::size_t>(Status::false_return) + 1 == kPointStatusCount);
+static_assert(static_cast<int>(Status::lost_in_optics) == static_cast<int>(PointStatus::lost_in_optics));
 
 Vector3 array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
