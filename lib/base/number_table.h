@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -15,7 +16,12 @@ class NumberTable {
  public:
   NumberTable() = default;
   /// `file` begins every message. Throws FormatError if the columns differ in length.
-  NumberTable(std::string file, std::map<std::string, std::vector<double>> columns);
+  NumberTable(std::string file, std::map<std::string, std::vector<double>> columns)
+      : file_(std::move(file)), columns_(std::move(columns)) {
+    for (const auto& [name, values] : columns_)
+      if (values.size() != row_count())
+        fail("columns " + columns_.begin()->first + " and " + name + " differ in length");
+  }
 
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] std::size_t row_count() const {

@@ -18,8 +18,7 @@
 #include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
-#include "base/parameter_error.h"
-#include "base/thread_refusal.h"
+#include "base/thread_supply.h"
 #include "base/utf8.h"
 #include "cli/command_line.h"
 #include "cli/completion.h"
@@ -238,9 +237,7 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
 
 /// " (--half-width)", the tool's option for the parameter half_width_m; empty if there is no such option.
 std::string option_hint(const CLI::App& app, const Error& error) {
-  const auto* const parameter = dynamic_cast<const SettlingParameter*>(&error);
-  if (parameter == nullptr) return "";
-  std::string option = std::string("--") + parameter->name;
+  std::string option = std::string("--") + error.parameter();
   std::replace(option.begin(), option.end(), '_', '-');
   while (option.size() > 2 && app.get_option_no_throw(option) == nullptr)
     option.resize(option.rfind('-'));  // removes the unit, if any

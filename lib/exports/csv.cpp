@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "base/append_number.h"
+#include "base/number_text.h"
 #include "base/parallel.h"
 
 namespace landfall {

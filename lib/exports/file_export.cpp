@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/file_extension.h"
 #include "exports/csv.h"
-#include "exports/geotiff.h"
 #include "exports/grid_layers.h"
 #include "exports/las.h"
 #include "exports/ply.h"
@@ -17,6 +16,7 @@
 #include "exports/quick_look.h"
 #include "exports/xdmf.h"
 #include "picture/png.h"
+#include "terrain/gdal/gdal_loader.h"
 
 namespace landfall {
 namespace {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/append_number.h"
 #include "base/error.h"
 #include "base/number_text.h"
 #include "returns/columns.h"

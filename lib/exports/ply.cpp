@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exports/ply.h"
 
-#include "base/append_number.h"
+#include "base/number_text.h"
 #include "returns/columns.h"
 
 namespace landfall {

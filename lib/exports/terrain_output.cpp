@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/file_extension.h"
-#include "exports/geotiff.h"
 #include "files/mesh_terrain_file.h"
 #include "files/raster_screening.h"
 #include "meshio/mesh_file.h"
@@ -32,18 +31,21 @@ struct Origin {
   const std::string& file_id;
 };
 
-/// Writes a terrain in another format than .h5; `grid` is null for a mesh.
-void write_export(const TerrainOutput& output, const TerrainSurface& surface, const TriangulatedGrid* grid,
-                  const Origin& origin) {
-  const bool is_geotiff = format_of(output.file.path) == Format::geotiff;
-  if (is_geotiff && grid == nullptr)
+/// Writes a terrain in another format than .h5.
+void write_export(const TerrainOutput& output, const TriangulatedGrid& grid, const Origin& origin) {
+  output.phase("write", [&](const ProgressCallback& progress) {
+    if (format_of(output.file.path) == Format::mesh) return write_mesh_file(output.file, grid, progress);
+    const std::string software = source_line(output.provenance.tool);
+    write_geotiff(output.file, {{{&grid.nodes()}}, origin.crs_wkt, software, origin.file_id}, progress);
+  });
+}
+
+void write_export(const TerrainOutput& output, const IndexedTriangles& mesh) {
+  if (format_of(output.file.path) == Format::geotiff)
     throw UsageError("output " + output.file.path.string() +
                      ": a mesh cannot be written as GeoTIFF; use .obj or .ply");
-  output.phase("write", [&](const ProgressCallback& progress) {
-    if (!is_geotiff) return write_mesh_file(output.file, surface, progress);
-    const std::string software = source_line(output.provenance.tool);
-    write_geotiff(output.file, {{{&grid->nodes()}}, origin.crs_wkt, software, origin.file_id}, progress);
-  });
+  output.phase("write",
+               [&](const ProgressCallback& progress) { write_mesh_file(output.file, mesh, progress); });
 }
 
 /// Writes terrain.h5 through write(file).
@@ -63,11 +65,11 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
     content.mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
     report(progress, 1);
   });
+  require_sound(mesh, import.path);
   if (format_of(output.file.path) == Format::landfall)
     write_own(output, [&](LandfallFileWriter& file) { write_mesh_terrain(file, mesh); });
   else
-    write_export(output, TriangleMesh(mesh, import.path), nullptr,
-                 {kLocalSiteCrsWkt, output.provenance.file_id()});
+    write_export(output, mesh);
   return content;
 }
 
@@ -131,8 +133,8 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
   if (is_own) {
     write_own(output, [&](LandfallFileWriter& file) { write_terrain(file, terrain); });
   } else {
-    const TriangulatedGrid grid(std::move(terrain.nodes));
-    write_export(output, grid, &grid, {terrain.crs_wkt, output.provenance.file_id()});
+    write_export(output, TriangulatedGrid(std::move(terrain.nodes)),
+                 {terrain.crs_wkt, output.provenance.file_id()});
   }
   return content;
 }
@@ -142,8 +144,11 @@ TerrainContent export_terrain(const std::string& path, const TerrainOutput& outp
     throw UsageError("--from " + path + " is a terrain.h5 already; name a .tif, .obj or .ply output");
   TerrainInput terrain;
   output.phase("read", [&](const ProgressCallback& progress) { terrain = read_terrain(path, progress); });
-  write_export(output, *terrain.surface, terrain.grid.get(), {terrain.crs_wkt, terrain.file_id});
-  if (!terrain.grid) return {};
+  if (terrain.mesh) {
+    write_export(output, terrain.mesh->data());
+    return {};
+  }
+  write_export(output, *terrain.grid, {terrain.crs_wkt, terrain.file_id});
   return {count_nodes(terrain.grid->nodes())};
 }
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <sstream>
 
 #include "hdf5/table.h"
 
@@ -14,7 +13,6 @@ namespace landfall {
 namespace {
 
 constexpr const char* kGroup = "features";
-constexpr std::size_t kMaxRows = 100'000'000;
 
 std::vector<ColumnSpec> feature_columns() {
   std::string meanings;
@@ -58,24 +56,6 @@ struct FeatureColumns {
   }
 };
 
-template <class T>
-std::vector<T> read_column(const TableReader& table, const std::string& name, std::size_t row_count) {
-  if (table.row_count(name) != row_count)
-    table.fail_reading(name, "it has " + std::to_string(table.row_count(name)) + " rows, x has " +
-                                 std::to_string(row_count));
-  std::vector<T> values(row_count);
-  table.read(name, 0, std::span(values));
-  return values;
-}
-
-std::vector<std::string> kinds_of(const TableReader& table) {
-  const h5::Handle column = table.open("kind");
-  std::istringstream words(h5::read_text_attribute(column.get(), "flag_meanings").value_or(""));
-  std::vector<std::string> kinds;
-  for (std::string word; words >> word;) kinds.push_back(word);
-  return kinds;
-}
-
 }  // namespace
 
 void write_features(const LandfallFileWriter& file, const std::vector<PlacedFeature>& features) {
@@ -88,35 +68,6 @@ void write_features(const LandfallFileWriter& file, const std::vector<PlacedFeat
     table.append(columns.rows());
   }
   table.finish();
-}
-
-std::vector<FeatureRecord> read_features(const LandfallFileReader& file) {
-  if (!h5::exists(file.root(), kGroup)) return {};
-  const TableReader table(file.root(), kGroup, file.name());
-  const std::size_t count = table.row_count("x");
-  if (count > kMaxRows) table.fail_reading("x", std::to_string(count) + " rows are more than 10^8");
-  const std::vector<std::string> kinds = kinds_of(table);
-  const auto kind = read_column<std::int8_t>(table, "kind", count);
-  const auto pattern = read_column<std::int32_t>(table, "pattern", count);
-  const auto number = read_column<std::int64_t>(table, "number", count);
-  std::array<std::vector<double>, 6> reals;
-  constexpr std::array kReals = {"x", "y", "ground", "diameter", "height", "yaw"};
-  for (std::size_t i = 0; i < reals.size(); ++i) reals[i] = read_column<double>(table, kReals[i], count);
-  std::vector<FeatureRecord> records;
-  records.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (kind[i] < 0 || static_cast<std::size_t>(kind[i]) >= kinds.size())
-      table.fail_reading("kind", "row " + std::to_string(i) + " has the value " + std::to_string(kind[i]) +
-                                     ", which flag_meanings does not list");
-    records.push_back({kinds[static_cast<std::size_t>(kind[i])],
-                       reals[0][i],
-                       reals[1][i],
-                       reals[2][i],
-                       {reals[3][i], reals[4][i], reals[5][i]},
-                       pattern[i],
-                       number[i]});
-  }
-  return records;
 }
 
 }  // namespace landfall

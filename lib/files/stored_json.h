@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "base/json_levels.h"
+
 namespace landfall {
 
 /// More levels than any landfall file has: a configuration of at most 64 levels within a step of a history.
@@ -12,7 +14,10 @@ namespace landfall {
 inline constexpr int kMaxStoredLevels = 100;
 
 /// True for a text that is JSON of at most kMaxStoredLevels levels. O(size) for any depth.
-[[nodiscard]] bool is_storable_json(const std::string& text);
+[[nodiscard]] inline bool is_storable_json(const std::string& text) {
+  JsonLevels levels(kMaxStoredLevels);
+  return nlohmann::json::sax_parse(text, &levels);
+}
 
 /// The JSON of a text in a file; null if there is no text or is_storable_json() is false. `Json` is
 /// nlohmann::json or ordered_json.

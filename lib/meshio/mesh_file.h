@@ -8,7 +8,7 @@
 #include "base/progress.h"
 #include "output/output_path.h"
 #include "terrain/mesh/polygon_soup.h"
-#include "terrain/surface.h"
+#include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
 
@@ -41,7 +41,9 @@ struct MeshFile {
 ///
 /// Throws UsageError if the output path is refused, FormatError if no triangle is left or there are more than
 /// 2^31 - 1 vertices or triangles, IoError if writing fails.
-void write_mesh_file(const OutputOptions& options, const TerrainSurface& surface,
+void write_mesh_file(const OutputOptions& options, const TriangulatedGrid& grid,
+                     const ProgressCallback& progress = {});
+void write_mesh_file(const OutputOptions& options, const IndexedTriangles& mesh,
                      const ProgressCallback& progress = {});
 
 }  // namespace landfall

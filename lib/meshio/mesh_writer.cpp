@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "base/append_number.h"
 #include "base/error.h"
 #include "base/file_extension.h"
+#include "base/number_text.h"
 #include "meshio/mesh_file.h"
 #include "output/byte_sink.h"
-#include "terrain/mesh/triangle_mesh.h"
+#include "terrain/mesh/indexed_triangles.h"
 #include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
@@ -187,8 +187,8 @@ class GridRows {
   std::size_t cols_;
 };
 
-void write_grid(const TriangulatedGrid& grid, const std::string& name, MeshSink& sink,
-                const ProgressCallback& progress) {
+void write_terrain(const TriangulatedGrid& grid, const std::string& name, MeshSink& sink,
+                   const ProgressCallback& progress) {
   const GridRows rows(grid);
   const auto third = [&](double from) -> ProgressCallback {
     return [&progress, from](double fraction) { report(progress, (from + fraction) / 3); };
@@ -203,7 +203,8 @@ void write_grid(const TriangulatedGrid& grid, const std::string& name, MeshSink&
   rows.write_triangles(sink, third(2));
 }
 
-void write_triangles(const IndexedTriangles& mesh, MeshSink& sink, const ProgressCallback& progress) {
+void write_terrain(const IndexedTriangles& mesh, const std::string& /*name*/, MeshSink& sink,
+                   const ProgressCallback& progress) {
   sink.begin({mesh.vertices.size(), mesh.triangles.size()});
   for (const Eigen::Vector3d& vertex : mesh.vertices) sink.vertex(vertex);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -213,29 +214,29 @@ void write_triangles(const IndexedTriangles& mesh, MeshSink& sink, const Progres
   }
 }
 
-void write_surface(const TerrainSurface& surface, const std::string& name, MeshSink& sink,
-                   const ProgressCallback& progress) {
-  if (const auto* const grid = dynamic_cast<const TriangulatedGrid*>(&surface))
-    write_grid(*grid, name, sink, progress);
-  else if (const auto* const mesh = dynamic_cast<const TriangleMesh*>(&surface))
-    write_triangles(mesh->data(), sink, progress);
-  else
-    throw FormatError("output " + name + ": this kind of terrain cannot be written as a mesh");
-  sink.flush();
-}
-
-}  // namespace
-
-void write_mesh_file(const OutputOptions& options, const TerrainSurface& surface,
-                     const ProgressCallback& progress) {
+template <class Terrain>
+void write_file(const OutputOptions& options, const Terrain& terrain, const ProgressCallback& progress) {
   OutputPath output(options.path, options.overwrite);
   FileSink file(output);
   ObjSink obj(file);
   PlySink ply(file);
-  const bool is_obj = file_extension(options.path) == ".obj";
-  write_surface(surface, options.path.string(), is_obj ? static_cast<MeshSink&>(obj) : ply, progress);
+  MeshSink& sink = file_extension(options.path) == ".obj" ? static_cast<MeshSink&>(obj) : ply;
+  write_terrain(terrain, options.path.string(), sink, progress);
+  sink.flush();
   file.finish();
   report(progress, 1);
+}
+
+}  // namespace
+
+void write_mesh_file(const OutputOptions& options, const TriangulatedGrid& grid,
+                     const ProgressCallback& progress) {
+  write_file(options, grid, progress);
+}
+
+void write_mesh_file(const OutputOptions& options, const IndexedTriangles& mesh,
+                     const ProgressCallback& progress) {
+  write_file(options, mesh, progress);
 }
 
 }  // namespace landfall

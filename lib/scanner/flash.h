@@ -9,8 +9,10 @@ namespace landfall {
 class Flash : public Scanner {
  public:
   [[nodiscard]] ScannerState state(const PulseContext&) const override { return {}; }
-  void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
-             std::span<Beam> beams) const override;
+  void steer(const ScannerState&, std::span<const Direction<LidarFrame>> pixels,
+             std::span<Beam> beams) const override {
+    for (std::size_t i = 0; i < pixels.size(); ++i) beams[i] = Beam{.direction = pixels[i]};
+  }
 };
 
 }  // namespace landfall

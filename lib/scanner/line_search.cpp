@@ -14,7 +14,8 @@ double spread(double half_width_m, std::int64_t i, std::int64_t count) {
 
 }  // namespace
 
-LineSearch::LineSearch(const LineSearchParameters& parameters) : parameters_(parameters) {
+LineSearch::LineSearch(const LineSearchParameters& parameters)
+    : Pattern(parameters.compensated), parameters_(parameters) {
   check_raster(order());
   require_positive({"", "half_width_m"}, parameters.half_width_m);
 }

@@ -32,7 +32,6 @@ class LineSearch : public Pattern {
   /// Every line begins with a jump, also where the mirror only reverses (boustrophedon).
   [[nodiscard]] std::optional<PatternJump> last_jump(const PulseTime& pulse) const override;
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override;
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   [[nodiscard]] RasterOrder order() const;

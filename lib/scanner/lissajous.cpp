@@ -8,7 +8,8 @@
 
 namespace landfall {
 
-Lissajous::Lissajous(const LissajousParameters& parameters) : parameters_(parameters) {
+Lissajous::Lissajous(const LissajousParameters& parameters)
+    : Pattern(parameters.compensated), parameters_(parameters) {
   for (const double half : parameters.half_width_m) require_positive({"", "half_width_m"}, half);
   for (const double rate : parameters.rates_hz) require_not_negative({"", "rates_hz"}, rate);
   require_finite({"", "phase_deg"}, parameters.phase_rad);

@@ -24,8 +24,6 @@ class Lissajous : public Pattern {
   explicit Lissajous(const LissajousParameters& parameters);
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
-  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   LissajousParameters parameters_;

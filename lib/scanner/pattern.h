@@ -25,10 +25,16 @@ class Pattern {
   /// Empty where the aim moves without jumps or has not jumped yet.
   [[nodiscard]] virtual std::optional<PatternJump> last_jump(const PulseTime&) const { return std::nullopt; }
   /// The number of pulses after which the scan ends; empty for a pattern without an end.
-  [[nodiscard]] virtual std::optional<std::int64_t> pulse_limit() const = 0;
+  [[nodiscard]] virtual std::optional<std::int64_t> pulse_limit() const { return std::nullopt; }
   /// True: the aim is computed from the lander's nominal pose at that pulse. False: always from its nominal
   /// start, like a scanner that replays fixed angles.
-  [[nodiscard]] virtual bool compensated() const = 0;
+  [[nodiscard]] bool compensated() const { return compensated_; }
+
+ protected:
+  explicit Pattern(bool compensated = true) : compensated_(compensated) {}
+
+ private:
+  bool compensated_;
 };
 
 }  // namespace landfall

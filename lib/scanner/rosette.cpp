@@ -8,7 +8,8 @@
 
 namespace landfall {
 
-Rosette::Rosette(const RosetteParameters& parameters) : parameters_(parameters) {
+Rosette::Rosette(const RosetteParameters& parameters)
+    : Pattern(parameters.compensated), parameters_(parameters) {
   require_positive({"", "radius_m"}, parameters.radius_m);
   for (const double rate : parameters.rates_hz) require_finite({"", "rates_hz"}, rate);
   for (const double phase : parameters.phases_rad) require_finite({"", "phases_deg"}, phase);

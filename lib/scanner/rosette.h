@@ -25,8 +25,6 @@ class Rosette : public Pattern {
   explicit Rosette(const RosetteParameters& parameters);
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
-  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   RosetteParameters parameters_;

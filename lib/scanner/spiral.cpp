@@ -17,7 +17,8 @@ double share_of_way(double periods) {
 
 }  // namespace
 
-Spiral::Spiral(const SpiralParameters& parameters) : parameters_(parameters) {
+Spiral::Spiral(const SpiralParameters& parameters)
+    : Pattern(parameters.compensated), parameters_(parameters) {
   const SpiralParameters& p = parameters;
   require_positive({"", "radius_m"}, p.radius_m);
   require_positive({"", "pitch_m"}, p.pitch_m);

@@ -27,8 +27,6 @@ class Spiral : public Pattern {
   explicit Spiral(const SpiralParameters& parameters);
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
-  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   SpiralParameters parameters_;

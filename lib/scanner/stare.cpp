@@ -5,7 +5,7 @@
 
 namespace landfall {
 
-Stare::Stare(const StareParameters& parameters) : parameters_(parameters) {
+Stare::Stare(const StareParameters& parameters) : Pattern(parameters.compensated), parameters_(parameters) {
   for (const double value : parameters.aim_m) require_finite({"", "aim_m"}, value);
 }
 

@@ -20,8 +20,6 @@ class Stare : public Pattern {
   explicit Stare(const StareParameters& parameters);
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
-  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   StareParameters parameters_;

@@ -15,7 +15,8 @@ double center(double half_width_m, std::int64_t i, int count) {
 
 }  // namespace
 
-StepStare::StepStare(const StepStareParameters& parameters) : parameters_(parameters) {
+StepStare::StepStare(const StepStareParameters& parameters)
+    : Pattern(parameters.compensated), parameters_(parameters) {
   const StepStareParameters& p = parameters;
   check_raster(order());
   require_positive({"", "half_width_m"}, p.half_width_m);

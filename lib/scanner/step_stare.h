@@ -30,7 +30,6 @@ class StepStare : public Pattern {
   /// Every step is a jump.
   [[nodiscard]] std::optional<PatternJump> last_jump(const PulseTime& pulse) const override;
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override;
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   [[nodiscard]] RasterOrder order() const;

@@ -46,7 +46,7 @@ std::vector<AimSample> aim_samples(const NumberTable& table) {
 }
 
 TablePattern::TablePattern(TablePatternParameters parameters, const std::string& name)
-    : parameters_(std::move(parameters)) {
+    : Pattern(parameters.compensated), parameters_(std::move(parameters)) {
   check(parameters_, name);
 }
 

@@ -42,8 +42,6 @@ class TablePattern : public Pattern {
   explicit TablePattern(TablePatternParameters parameters, const std::string& name = "pattern table");
 
   [[nodiscard]] std::optional<Point<DemFrame>> ground_aim(const PulseTime& pulse) const override;
-  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
-  [[nodiscard]] bool compensated() const override { return parameters_.compensated; }
 
  private:
   TablePatternParameters parameters_;

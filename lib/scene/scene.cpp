@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/parameter_error.h"
 #include "ray/cgal_engine.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
@@ -54,7 +53,7 @@ Scene loaded_scene(const SceneRequest& request, const ProgressCallback& progress
   Scene scene{TerrainIdentity(terrain), terrain.surface};
   if (!traced) return scene;
   if (terrain.mesh && request.engine == EngineKind::heightfield)
-    throw ParameterError<UsageError>(
+    throw UsageError(
         request.terrain.string() + ": is a mesh, which the engine heightfield cannot trace; use cgal or auto",
         "engine");
   const ProgressCallback rest = part_of(progress, 0.5, 1);

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "geometry/parameter_check.h"
 #include "geometry/rotation.h"
 #include "trajectory/trajectory.h"
 
@@ -20,9 +21,17 @@ struct ConstantVelocityParameters {
 class ConstantVelocity : public Trajectory {
  public:
   /// Throws UsageError, naming the key, where a number is not finite.
-  explicit ConstantVelocity(const ConstantVelocityParameters& parameters);
+  explicit ConstantVelocity(const ConstantVelocityParameters& parameters) : parameters_(parameters) {
+    require_finite({"", "position_m"}, parameters.position_m.v);
+    require_finite({"", "velocity_mps"}, parameters.velocity_mps.v);
+    require_finite({"", "rpy_deg"}, parameters.rpy);
+    require_finite({"", "rpy_rate_degps"}, parameters.rpy_rate_radps);
+  }
 
-  [[nodiscard]] Pose pose(double t_s) const override;
+  [[nodiscard]] Pose pose(double t_s) const override {
+    const RollPitchYaw rpy = linear(parameters_.rpy, t_s, parameters_.rpy_rate_radps);
+    return {rotation_from<DemFrame, BodyFrame>(rpy), parameters_.position_m + t_s * parameters_.velocity_mps};
+  }
   [[nodiscard]] double start_time_s() const override { return 0; }
   [[nodiscard]] double earliest_time_s() const override { return -std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double end_time_s() const override { return std::numeric_limits<double>::infinity(); }

@@ -10,6 +10,8 @@
 
 #include "base/error.h"
 #include "base/headroom.h"
+#include "base/parallel.h"
+#include "base/thread_supply.h"
 #include "terrain/gdal/plugin.h"
 
 namespace landfall {
@@ -105,9 +107,12 @@ std::vector<std::string> dem_files(const DemBase& dem, RasterLinks links) {
   return plugin_for(dem).dem_files(dem, links);
 }
 
-void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
-                  const ProgressCallback& progress) {
-  plugin().write_geotiff(path, content, options, progress);
+void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
+                   const ProgressCallback& progress) {
+  OutputPath output(options.path, options.overwrite);
+  plugin().write_geotiff(output.temporary().string(), content,
+                         {options.compression, thread_supply(thread_count())}, progress);
+  output.commit();
 }
 
 }  // namespace landfall

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "output/output_path.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
 #include "terrain/gdal/raster_links.h"
@@ -60,10 +61,10 @@ namespace landfall {
 /// or if there are both float32 and int32, else float32, int32, or int16 for int8. Floating-point files have
 /// nodata NaN, integer files no nodata. Overviews hold the mean of the nodes that are not holes; those of
 /// integers, which may be flags, hold the middle node. The grids are not copied: memory is needed only for
-/// tiles and GDAL's block cache (64 MiB). `path` is written in place; its content is useless after a failure.
+/// tiles and GDAL's block cache (64 MiB). The file appears complete or not at all (output_path.h).
 ///
-/// Throws IoError with GDAL's reason, or if the plugin is missing.
-void save_geotiff(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
-                  const ProgressCallback& progress = {});
+/// Throws UsageError if the output exists, IoError with GDAL's reason, or if the plugin is missing.
+void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
+                   const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -6,7 +6,7 @@
 
 namespace landfall {
 
-/// GDAL's side of save_geotiff() (lib/terrain/gdal/gdal_loader.h).
+/// GDAL's side of write_geotiff() (lib/terrain/gdal/gdal_loader.h).
 void write_cloud_optimized_geotiff(const std::string& path, const GeotiffContent& content,
                                    const GeotiffOptions& options, const ProgressCallback& progress);
 

@@ -15,7 +15,6 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "base/parameter_error.h"
 #include "base/regular_file.h"
 #include "terrain/gdal/classic_netcdf.h"
 #include "terrain/gdal/raster_files.h"
@@ -147,10 +146,9 @@ void require_usable(const OpenRaster& raster, const DemBase& dem) {
 
 void refuse_link(const FileGuard& guard, const DemBase& dem) {
   if (const std::optional<std::string> file = guard.refused())
-    throw ParameterError<FormatError>(
-        dem.path + ": refers to another file, " + *file +
-            "; merge them into one file with gdal_translate, or follow its links",
-        "follow_links");
+    throw FormatError(dem.path + ": refers to another file, " + *file +
+                          "; merge them into one file with gdal_translate, or follow its links",
+                      "follow_links");
 }
 
 OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors) {

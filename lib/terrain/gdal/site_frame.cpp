@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -131,7 +130,7 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
 
 double unreferenced_scale(const DemBase& dem) {
   if (!dem.horizontal_scale_m)
-    throw ParameterError<UsageError>(
+    throw UsageError(
         dem.path +
             ": has no CRS; assign one with gdal_translate -a_srs, or give the metres per unit of its "
             "coordinates (per pixel without a georeference) as horizontal_scale_m",

@@ -12,7 +12,6 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -62,9 +61,9 @@ std::string normalised(const std::string& unit) {
 }
 
 [[noreturn]] void refuse(const DemBase& dem, const std::string& what) {
-  throw ParameterError<FormatError>(dem.path + ": band " + std::to_string(dem.band) + " " + what +
-                                        "; give the metres per unit as vertical_scale",
-                                    "vertical_scale");
+  throw FormatError(dem.path + ": band " + std::to_string(dem.band) + " " + what +
+                        "; give the metres per unit as vertical_scale",
+                    "vertical_scale");
 }
 
 /// The unit that the band declares; none where it declares none.

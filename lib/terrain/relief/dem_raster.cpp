@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -159,7 +158,7 @@ void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Int
   } else {
     message << "around this centre a half_width_m of " << static_cast<double>(half) * site.resolution_m
             << " would fit";
-    throw ParameterError<FormatError>(message.str(), "half_width_m");
+    throw FormatError(message.str(), "half_width_m");
   }
   throw FormatError(message.str());
 }

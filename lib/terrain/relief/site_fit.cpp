@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "base/parameter_error.h"
 
 namespace landfall {
 namespace {
@@ -28,9 +27,9 @@ double largest_half_width(const SiteRaster& raster, Interpolation method, double
     throw FormatError(what + ": not one cell of " + number_text(resolution_m) +
                       " m fits around the centre: give another center or a finer resolution");
   if (half > kHalfLimit)
-    throw ParameterError<UsageError>(what + ": the whole raster at " + number_text(resolution_m) +
-                                         " m would have more than 2^26 nodes; give half_width_m",
-                                     "half_width_m");
+    throw UsageError(what + ": the whole raster at " + number_text(resolution_m) +
+                         " m would have more than 2^26 nodes; give half_width_m",
+                     "half_width_m");
   return static_cast<double>(half) * resolution_m;
 }
 

@@ -15,7 +15,6 @@
 #include "exports/las.h"
 #include "exports/quick_look.h"
 #include "files/evaluation_file.h"
-#include "files/feature_file.h"
 #include "files/file_description.h"
 #include "files/number_table.h"
 #include "files/range_file.h"
@@ -60,10 +59,6 @@ void read_terrain_file(const Path& path) {
 void read_large_terrain(const Path& path) {
   const std::optional<LargeTerrainInput> large = open_large_terrain(path, 4);
   if (large) static_cast<void>(large->terrain.load(large->terrain.spec));
-}
-
-void read_feature_list(const Path& path) {
-  static_cast<void>(read_features(LandfallFileReader(path, {"terrain"})));
 }
 
 void read_scan(const Path& path) {
@@ -123,7 +118,7 @@ void read_table(const Path& path) {
 /// Those that take files of this kind.
 std::vector<void (*)(const Path&)> readers_of(const std::string& kind) {
   if (kind == "terrain" || kind == "mesh")
-    return {describe, read_terrain_file, read_large_terrain, read_feature_list, export_grid, draw};
+    return {describe, read_terrain_file, read_large_terrain, export_grid, draw};
   if (kind == "scan") return {describe, read_scan, read_ranges, read_origin, export_points, draw};
   if (kind == "table") return {read_table};
   if (kind == "dem") return {describe, judge_dem, export_grid, draw};

@@ -289,12 +289,12 @@ TEST_F(MeshFileTest, WritesAGridsTriangles) {
 }
 
 TEST_F(MeshFileTest, WritesAMeshAsItIs) {
-  const TriangleMesh mesh(
-      {{{0, 0.1, 1e-20}, {1.0 / 3, 0, 0}, {0, 1, 0}, {0, 0, 1e9}}, {{0, 2, 1}, {0, 1, 3}}});
+  const IndexedTriangles mesh{{{0, 0.1, 1e-20}, {1.0 / 3, 0, 0}, {0, 1, 0}, {0, 0, 1e9}},
+                              {{0, 2, 1}, {0, 1, 3}}};
   for (const char* const name : {"out.obj", "out.ply"}) {
     write_mesh_file({folder_ / name}, mesh);
     const PolygonSoup soup = read_mesh_file(folder_ / name).soup;
-    EXPECT_EQ(soup.points, mesh.data().vertices);
+    EXPECT_EQ(soup.points, mesh.vertices);
     EXPECT_EQ(soup.corners, (std::vector<std::uint32_t>{0, 2, 1, 0, 1, 3}));
   }
 }

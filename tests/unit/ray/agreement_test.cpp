@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-#include "ray/brute_force.h"
+#include "brute_force.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "scenes.h"
@@ -24,8 +24,9 @@ struct EngineKind {
   const char* name;
   std::unique_ptr<RayEngine> (*make)(Terrain);
 };
-constexpr std::array<EngineKind, 3> kEngines = {
-    {{"brute force", make_brute_force_engine}, {"cgal", make_cgal}, {"heightfield", make_heightfield}}};
+constexpr std::array<EngineKind, 3> kEngines = {{{"brute force", make_brute_force_engine<TriangulatedGrid>},
+                                                 {"cgal", make_cgal},
+                                                 {"heightfield", make_heightfield}}};
 constexpr std::span<const EngineKind> kFastEngines = std::span(kEngines).subspan(1);
 
 class Agreement : public testing::TestWithParam<Scene> {

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <thread>
 
-#include "ray/brute_force.h"
+#include "brute_force.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "scenes.h"
@@ -31,7 +31,7 @@ class Engine : public testing::TestWithParam<EngineKind> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, Engine,
-                         testing::Values(EngineKind{"brute_force", make_brute_force_engine},
+                         testing::Values(EngineKind{"brute_force", make_brute_force_engine<TriangulatedGrid>},
                                          EngineKind{"cgal", make_cgal},
                                          EngineKind{"heightfield", make_heightfield}),
                          [](const auto& tested) { return std::string(tested.param.name); });

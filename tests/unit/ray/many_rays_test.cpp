@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Many random rays of every kind, on terrains of every kind: the lanes answer what PyramidTraversal answers, to the
-// last bit, the heightfield engine what CGAL's exact predicates answer, and no ray leaks. LANDFALL_TEST_RAYS
-// sets the number of rays (a tenth of them for CGAL), LANDFALL_TEST_SEED the seed, LANDFALL_DATA the folder
-// of real rasters (shared_data.h).
+// Many random rays of every kind, on terrains of every kind: the lanes answer what PyramidTraversal answers,
+// to the last bit, the heightfield engine what CGAL's exact predicates answer, and no ray leaks.
+// LANDFALL_TEST_RAYS sets the number of rays (a tenth of them for CGAL), LANDFALL_TEST_SEED the seed,
+// LANDFALL_DATA the folder of real rasters (shared_data.h).
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "../terrain/mesh/mesh_shapes.h"
-#include "ray/brute_force.h"
+#include "brute_force.h"
 #include "scenes.h"
 #include "terrain/mesh/triangle_mesh.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lanes answer what PyramidTraversal answers, to the last bit, on every instruction set that the machine has.
+// The lanes answer what PyramidTraversal answers, to the last bit, on every instruction set that the machine
+// has.
 #include "ray/packet_walk.h"
 
 #include <gtest/gtest.h>

@@ -47,7 +47,6 @@ class OnePulse : public Pattern {
     return Point<DemFrame>{target_};
   }
   [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return 1; }
-  [[nodiscard]] bool compensated() const override { return true; }
 
  private:
   Vector3d target_;
@@ -375,8 +374,6 @@ class Steps : public Pattern {
     if (pulse.pulse < 3) return std::nullopt;
     return PatternJump{0.1 * static_cast<double>(pulse.pulse - 3), {2, 0}};
   }
-  [[nodiscard]] std::optional<std::int64_t> pulse_limit() const override { return std::nullopt; }
-  [[nodiscard]] bool compensated() const override { return true; }
 };
 
 /// Looks straight ahead and keeps what it was told.

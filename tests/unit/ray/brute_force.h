@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ray/brute_force.h"
+#pragma once
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
+#include "ray/engine.h"
 #include "ray/watertight.h"
 
 namespace landfall {
-namespace {
 
-/// A brute-force engine over any surface whose triangles are numbered.
+/// The oracle of the engines: tests each ray against every triangle of a surface, with WatertightRay. A ray
+/// that is not finite misses. O(triangles) per ray.
 template <class Surface>
 class BruteForceEngine final : public RayEngine {
  public:
@@ -37,14 +39,9 @@ class BruteForceEngine final : public RayEngine {
   std::shared_ptr<const Surface> terrain_;
 };
 
-}  // namespace
-
-std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const TriangulatedGrid> terrain) {
-  return std::make_unique<BruteForceEngine<TriangulatedGrid>>(std::move(terrain));
-}
-
-std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const TriangleMesh> terrain) {
-  return std::make_unique<BruteForceEngine<TriangleMesh>>(std::move(terrain));
+template <class Surface>
+std::unique_ptr<RayEngine> make_brute_force_engine(std::shared_ptr<const Surface> terrain) {
+  return std::make_unique<BruteForceEngine<Surface>>(std::move(terrain));
 }
 
 }  // namespace landfall
