@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // scan-sim: scans a terrain with a lander's lidar.
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <iostream>
 #include <memory>
-#include <optional>
 
-#include "base/parameter_check.h"
-#include "cli/plan_table.h"
+#include "cli/plan.h"
 #include "cli/tool.h"
 #include "config/scan_config.h"
-#include "files/field_json.h"
 #include "files/number_table.h"
-#include "files/plan_file.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
 #include "scene/scene.h"
@@ -42,25 +35,8 @@ struct Options {
   std::int64_t batch_points = 16384;
   bool keep_misses = false;
   bool float32 = false;
-  bool plan = false;
-  double plan_radius_m = 50;
-  double plan_resolution_m = 0.05;
+  cli::PlanOptions plan;
 };
-
-void bind_plan(CLI::App& app, Options& o) {
-  CLI::Option* const plan = app.add_flag("--plan", o.plan,
-                                         "Print the coverage of flat ground (z = 0) and the time budget of "
-                                         "the scan, without tracing; -o writes the "
-                                         "coverage as layers");
-  app.add_option("--plan-radius", o.plan_radius_m, "Radius of the region of a plan, metres")
-      ->type_name("M")
-      ->needs(plan)
-      ->capture_default_str();
-  app.add_option("--plan-resolution", o.plan_resolution_m, "Bin edge of a plan, metres")
-      ->type_name("M")
-      ->needs(plan)
-      ->capture_default_str();
-}
 
 void bind(CLI::App& app, Options& o) {
   app.add_option("--terrain", o.terrain, "Terrain to scan (terrain.h5)")->type_name("FILE");
@@ -82,7 +58,7 @@ void bind(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "Write a row per pixel and pulse, not only per return");
   app.add_flag("--float32", o.float32, "Write coordinates and ranges in single precision");
-  bind_plan(app, o);
+  cli::bind_plan(app, o.plan);
 }
 
 /// The options that change the content of the scan file; null if none does.
@@ -116,43 +92,12 @@ void count_work(cli::Session& session, const Simulation& simulation, const ScanW
     if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
 }
 
-/// The smallest grid of bins centred on the origin that contains the region.
-GridSpec plan_grid(const Options& o) {
-  require_positive({"", "--plan-radius"}, o.plan_radius_m);
-  require_positive({"", "--plan-resolution"}, o.plan_resolution_m);
-  const double bins = std::max(1.0, std::ceil(o.plan_radius_m / o.plan_resolution_m - 1e-9));
-  return GridSpec::centered(bins * o.plan_resolution_m, o.plan_resolution_m,
-                            "--plan-radius, --plan-resolution");
-}
-
-ExitCode run_plan(cli::Session& session, const Options& o) {
-  if (!o.terrain.empty() || !o.ranges_from.empty())
-    throw UsageError("--plan uses flat ground; omit --terrain and --ranges-from");
-  Provenance provenance = session.provenance();
-  provenance.options = {{"plan", {{"radius_m", o.plan_radius_m}, {"resolution_m", o.plan_resolution_m}}}};
-  Grid<std::int8_t> region = circular_region(plan_grid(o), o.plan_radius_m);
-  ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
-  std::optional<LandfallFileWriter> file;
-  if (!session.options().output_path.empty()) file.emplace(session.output(), "plan", provenance);
-  const double pulse_rate_hz = model.pulse_rate_hz;
-  const Scene scene = open_scene({});
-  const Simulation simulation(std::move(model), scene.engine.get(), scene.surface.get());
-  std::optional<ScanPlan> plan;
-  session.phase("plan", [&](const ProgressCallback& progress) {
-    plan = plan_scan(simulation, std::move(region), o.batch_points, progress);
-  });
-  PlanSummary summary;
-  session.phase("coverage", [&](const ProgressCallback&) {
-    summary = summarize_plan(*plan, o.plan_radius_m, pulse_rate_hz);
-    if (file) write_plan(*file, *plan, summary);
-  });
-  session.count("plan", fields_json(summary.metrics));
-  if (!session.options().json_summary) std::cout << cli::plan_table(summary.metrics);
-  return ExitCode::done;
-}
-
 ExitCode run(cli::Session& session, const Options& o) {
-  if (o.plan) return run_plan(session, o);
+  if (o.plan.requested) {
+    if (!o.terrain.empty() || !o.ranges_from.empty())
+      throw UsageError("--plan uses flat ground; omit --terrain and --ranges-from");
+    return cli::run_plan(session, o.plan, o.batch_points);
+  }
   if (o.terrain.empty() && o.ranges_from.empty()) throw UsageError("--terrain is required");
   const OutputOptions output = session.output({o.terrain, o.ranges_from});
   Provenance provenance = session.provenance();
@@ -176,21 +121,14 @@ ExitCode run(cli::Session& session, const Options& o) {
     run_scan(
         simulation, replay, [&](PulseBatch& batch) { return writer.take(batch); }, o.batch_points, progress);
   });
-  if (scene.window) {
-    const GridSpec loaded = scene.window->window();
-    session.log("loaded " + std::to_string(loaded.cols) + " x " + std::to_string(loaded.rows) +
-                " nodes of the terrain");
-  }
+  if (scene.window)
+    session.log("loaded " + std::to_string(scene.window->window().size()) + " nodes of the terrain");
   session.phase("finish", [&](const ProgressCallback&) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });
   if (scene.engine) session.count("rays_per_s", static_cast<double>(simulation.ray_count()) / scan_s);
   count_work(session, simulation, writer);
   return ExitCode::done;
-}
-
-void check_config(const cli::Session& session) {
-  static_cast<void>(scan_model(session.config(), session.config_name(), {}));
 }
 
 }  // namespace
@@ -207,7 +145,7 @@ int main(int argc, char** argv) {
   tool.schema = "scan";
   tool.has_seed = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = check_config;
+  tool.check = [](const cli::Session& s) { static_cast<void>(scan_model(s.config(), s.config_name(), {})); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);
 }

@@ -96,8 +96,7 @@ void check(const cli::Session& session, const ImportOptions& import) {
 
 TerrainContent write(cli::Session& session, const Options& o) {
   const auto output = [&session](const std::vector<std::string>& inputs) -> TerrainOutput {
-    return {session.output(inputs), session.provenance(),
-            [&session](const auto& name, const auto& part) { session.phase(name, part); }};
+    return {session.output(inputs), session.provenance(), session.phases()};
   };
   if (is_export(o.import)) return export_terrain(o.import.from, output({o.import.from}));
   const TerrainConfig config = terrain_config(session.config(), session.config_name());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 namespace landfall {
 
@@ -12,5 +13,9 @@ using ProgressCallback = std::function<void(double fraction)>;
 inline void report(const ProgressCallback& progress, double fraction) {
   if (progress) progress(fraction);
 }
+
+/// Runs a named part of the work and shows its progress.
+using PhaseRunner =
+    std::function<void(const std::string& name, const std::function<void(const ProgressCallback&)>& part)>;
 
 }  // namespace landfall

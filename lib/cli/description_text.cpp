@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "cli/config_changes.h"
-#include "cli/plan_table.h"
+#include "cli/plan.h"
 #include "cli/print.h"
 #include "cli/verdict_table.h"
 #include "config/dem_config.h"

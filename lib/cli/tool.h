@@ -76,6 +76,10 @@ class Session {
   /// Runs one phase of the work: shows its progress on a terminal and records its wall and CPU time for
   /// --json. Returns its wall time, seconds.
   double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
+  /// phase() as a function, for modules that run the phases themselves.
+  [[nodiscard]] PhaseRunner phases() {
+    return [this](const auto& name, const auto& work) { phase(name, work); };
+  }
   /// Runs `work`, which applies the configuration to a file. A UsageError from it then names both, a
   /// FormatError the file.
   void name_misfit(const std::string& file, const std::function<void()>& work) const;
@@ -117,7 +121,8 @@ struct Tool {
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
   /// Translates the tool's own options into configuration values, before --set; may be empty.
   std::function<void(JsonSource&, const CommonOptions&)> expand;
-  /// Fills in values from the inputs that --set did not set; may be empty.
+  /// Changes values after --set: fills in what the inputs determine, or applies options that override the
+  /// configuration; may be empty.
   std::function<void(JsonSource&)> complete;
   /// Builds the typed configuration, so that --check also finds errors that the schema cannot express; not
   /// called without a schema.

@@ -20,13 +20,9 @@ namespace landfall {
 
 /// A terrain's output and the data that it needs besides the terrain.
 struct TerrainOutput {
-  /// Runs a named part of the work and shows its progress.
-  using RunPhase =
-      std::function<void(const std::string& name, const std::function<void(const ProgressCallback&)>& part)>;
-
   OutputOptions file;     ///< by its extension .h5, .tif or .tiff (GeoTIFF), .obj or .ply, in any case
   Provenance provenance;  ///< without its inputs, which are added later
-  RunPhase phase;
+  PhaseRunner phase;
 };
 
 /// The content of a terrain, as far as it is known.

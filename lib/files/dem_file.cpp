@@ -14,6 +14,7 @@ namespace {
 /// Part of a row of the map, and the offset of its values in a tile.
 struct Strip {
   const GridSpec& spec;
+  const GriddedScans& scans;
   const DemRequest& request;
   BinIndex first;
   std::span<const BinValues> bins;
@@ -100,13 +101,13 @@ double true_elevation_of_map(const Strip& strip, std::size_t i) {
 
 double corrected(const Strip& strip, std::size_t i) {
   const BinIndex bin = bin_of(strip, i);
-  return corrected_elevation(strip.bins[i], strip.spec, bin, strip.request.slopes->at(bin));
+  return corrected_elevation(strip.bins[i], strip.spec, bin, strip.scans.slopes.at(bin));
 }
 
 Layer sigma(const std::string& name, double (UncertaintyMap::*value)(BinIndex) const, const std::string& of,
             Missing missing) {
   return of_filled_bins(name, "one sigma of " + of, missing, [=](const Strip& strip, std::size_t i) {
-    return (strip.request.uncertainty_map->*value)(bin_of(strip, i));
+    return (*strip.scans.uncertainty.*value)(bin_of(strip, i));
   });
 }
 
@@ -168,8 +169,9 @@ void check_layers(const DemRequest& request) {
   }
 }
 
-void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemRequest& request,
+void write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemRequest& request,
                const std::string& crs_wkt, const ProgressCallback& progress) {
+  const Accumulator& bins = *scans.bins;
   GridLayerWriter out(file, bins.spec(), crs_wkt);
   std::vector<Layer> layers = all_layers(request.truth_at);
   std::erase_if(layers, [&](const Layer& layer) { return !wanted(request, layer); });
@@ -181,7 +183,7 @@ void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemReque
     for (std::int64_t r = 0; r < tile.rows; ++r) {
       const BinIndex first{tile.first.row + r, tile.first.col};
       bins.values(first, row);
-      const Strip strip{bins.spec(), request, first, row, static_cast<std::size_t>(r * tile.stride)};
+      const Strip strip{bins.spec(), scans, request, first, row, static_cast<std::size_t>(r * tile.stride)};
       for (std::size_t l = 0; l < layers.size(); ++l) layers[l].put(strip, values[l]);
     }
   };

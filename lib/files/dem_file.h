@@ -6,9 +6,8 @@
 
 #include "base/progress.h"
 #include "files/landfall_file.h"
-#include "gridding/accumulator.h"
+#include "files/scan_gridding.h"
 #include "gridding/layers.h"
-#include "gridding/uncertainty.h"
 #include "terrain/surface.h"
 
 namespace landfall {
@@ -20,9 +19,6 @@ struct DemRequest {
   TruthAt truth_at = TruthAt::bin_center;
   bool uncertainty = false;  ///< also z_true_map and the sigmas
   bool corrected = false;    ///< also z_corrected
-  // Sources of these layers; needed by write_dem only.
-  const Grid<Slope>* slopes = nullptr;
-  const UncertaintyMap* uncertainty_map = nullptr;
 };
 
 /// The layer names that a DEM may have, in the order of the file.
@@ -32,8 +28,9 @@ struct DemRequest {
 /// truth without a terrain, a sigma without `uncertainty`, z_corrected without `corrected`.
 void check_layers(const DemRequest& request);
 
-/// Writes dem.h5 (docs/user/files/dem.md), tile by tile, and commits.
-void write_dem(LandfallFileWriter& file, const Accumulator& bins, const DemRequest& request,
+/// Writes dem.h5 (docs/user/files/dem.md), tile by tile, and commits. The scans must have the maps from which
+/// the requested layers are computed: slopes for z_corrected, the uncertainty for the sigmas.
+void write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemRequest& request,
                const std::string& crs_wkt, const ProgressCallback& progress = {});
 
 }  // namespace landfall

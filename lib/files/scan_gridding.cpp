@@ -6,6 +6,7 @@
 #include <cassert>
 #include <utility>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "gridding/weighted_mean_accumulator.h"
 
@@ -21,7 +22,7 @@ struct Batch {
   std::size_t count;
 };
 
-std::vector<Batch> batches(const std::vector<std::unique_ptr<ScanReader>>& scans) {
+std::vector<Batch> batches(const Scans& scans) {
   std::vector<Batch> result;
   for (const auto& scan : scans)
     for (std::size_t begin = 0; begin < scan->row_count(); begin += kBatchRows)
@@ -58,9 +59,32 @@ void grid_pass(const std::vector<Batch>& todo, GriddedScans& gridded, const Prog
       });
 }
 
+/// The id of the terrain that a scan's history names; empty if it names none.
+std::string terrain_id_of(const ScanReader& scan) {
+  for (const nlohmann::json& step : scan.file().chain())
+    if (step.value("tool", "") == "terrain-gen") return step.value("file_id", "");
+  return "";
+}
+
 }  // namespace
 
-GriddedScans grid_scans(const std::vector<std::unique_ptr<ScanReader>>& scans, const GriddingRequest& request,
+Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance) {
+  Scans scans;
+  for (const std::string& path : paths) {
+    const LandfallFileReader& file = scans.emplace_back(std::make_unique<ScanReader>(path))->file();
+    provenance.add_input("scan", file.file_id(), file.chain());
+  }
+  return scans;
+}
+
+void require_scans_of(const Scans& scans, const std::string& terrain_id, const std::string& terrain_path) {
+  for (const auto& scan : scans)
+    if (const std::string scanned = terrain_id_of(*scan); !scanned.empty() && scanned != terrain_id)
+      throw FormatError(scan->file().name() + ": is a scan of another terrain than " + terrain_path +
+                        "; give the scanned one, or --other-terrain");
+}
+
+GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,
                         const ProgressCallback& progress) {
   GriddedScans gridded = empty_bins(request);
   const std::vector<Batch> todo = batches(scans);

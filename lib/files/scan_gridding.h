@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/progress.h"
@@ -12,22 +13,32 @@
 
 namespace landfall {
 
+using Scans = std::vector<std::unique_ptr<ScanReader>>;
+
+/// Opens scans, and adds them to the inputs of what is made from them.
+[[nodiscard]] Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance);
+
+/// Throws FormatError, naming the scan, if its history names another terrain than the one with this id.
+void require_scans_of(const Scans& scans, const std::string& terrain_id, const std::string& terrain_path);
+
 struct GriddingRequest {
   GridSpec grid;
   Method method = Method::bilinear_nearest;
   bool moments = false;  ///< also what an uncertainty map needs; only with the method bilinear_nearest
 };
 
-/// The returns of scans, accumulated in the bins of a DEM.
+/// The returns of scans, accumulated in the bins of a DEM, and the maps that the caller computes from them.
 struct GriddedScans {
   std::unique_ptr<Accumulator> bins;
   const WeightedMeanAccumulator* nearest = nullptr;  ///< the same bins, if the method is bilinear_nearest
   std::optional<MomentAccumulator> moments;
+  Grid<Slope> slopes{};                           ///< slope_layer() of the bins; grid_scans() leaves it empty
+  std::unique_ptr<UncertaintyMap> uncertainty{};  ///< refers to the above, which must not move any more
 };
 
 /// Grids the scans one after the other, batch by batch, while the next batch is read; the memory needed does
 /// not depend on their size. Throws as ScanReader::read() and Accumulator::add() do.
-[[nodiscard]] GriddedScans grid_scans(const std::vector<std::unique_ptr<ScanReader>>& scans,
-                                      const GriddingRequest& request, const ProgressCallback& progress = {});
+[[nodiscard]] GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,
+                                      const ProgressCallback& progress = {});
 
 }  // namespace landfall

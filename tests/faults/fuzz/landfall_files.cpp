@@ -118,19 +118,17 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   Provenance provenance = provenance_of("regrid", "regrid", {{"half_width_m", 3}, {"resolution_m", 1}});
   add_input(provenance, "scan", scan_path, "scan");
   const TerrainInput terrain = read_terrain(terrain_path);
-  std::vector<std::unique_ptr<ScanReader>> scans;
+  Scans scans;
   scans.push_back(std::make_unique<ScanReader>(scan_path));
   const GridSpec grid = regrid_config(provenance.config, "config").grid;
-  const GriddedScans gridded = grid_scans(scans, {grid, Method::bilinear_nearest, true});
-  const Grid<Slope> slopes = slope_layer(*gridded.nearest);
+  GriddedScans gridded = grid_scans(scans, {grid, Method::bilinear_nearest, true});
+  gridded.slopes = slope_layer(*gridded.nearest);
   const PoseTrack poses({read_scan_poses(scans.front()->file())});
-  const UncertaintyMap uncertainty(*gridded.nearest, *gridded.moments, slopes, poses,
-                                   {.range_sigma_m = 0.02});
-  DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true};
-  request.slopes = &slopes;
-  request.uncertainty_map = &uncertainty;
+  gridded.uncertainty = std::make_unique<UncertaintyMap>(*gridded.nearest, *gridded.moments, gridded.slopes,
+                                                         poses, UncertaintyParameters{.range_sigma_m = 0.02});
+  const DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true};
   LandfallFileWriter file({path}, "dem", provenance);
-  write_dem(file, *gridded.bins, request, scans.front()->crs_wkt());
+  write_dem(file, gridded, request, scans.front()->crs_wkt());
 }
 
 void make_evaluation(const fs::path& path, const fs::path& dem_path) {

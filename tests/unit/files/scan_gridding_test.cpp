@@ -15,8 +15,6 @@
 namespace landfall {
 namespace {
 
-using Scans = std::vector<std::unique_ptr<ScanReader>>;
-
 /// Two files: returns at x = 1, 2, 2.5, 3 and at 1.25, 2.25, 2.75, 3.25; y = -x, z = 2 x.
 class ScanGridding : public testing::Test {
  protected:

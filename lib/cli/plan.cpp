@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/plan.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "base/parameter_check.h"
+#include "cli/print.h"
+#include "config/scan_config.h"
+#include "files/field_json.h"
+#include "files/number_table.h"
+#include "scene/scene.h"
+
+namespace landfall::cli {
+namespace {
+
+std::string time_line(const char* name, const PlanMetrics::Pulses& pulses) {
+  return print("  %-34s %10ld %12.4f %8.2f %%\n", name, pulses.pulse_count, pulses.time_s, 100 * pulses.frac);
+}
+
+std::string spread_line(const char* name, const BinSpread& s) {
+  return print("  %-20s %8.3f %8ld %8ld %8ld %8ld %8ld\n", name, s.mean, s.min, s.p05, s.median, s.p95,
+               s.max);
+}
+
+/// The smallest grid of bins centred on the origin that contains the region.
+GridSpec plan_grid(const PlanOptions& o) {
+  require_positive({"", "--plan-radius"}, o.radius_m);
+  require_positive({"", "--plan-resolution"}, o.resolution_m);
+  const double bins = std::max(1.0, std::ceil(o.radius_m / o.resolution_m - 1e-9));
+  return GridSpec::centered(bins * o.resolution_m, o.resolution_m, "--plan-radius, --plan-resolution");
+}
+
+}  // namespace
+
+void bind_plan(CLI::App& app, PlanOptions& o) {
+  CLI::Option* const plan = app.add_flag("--plan", o.requested,
+                                         "Print the coverage of flat ground (z = 0) and the time budget of "
+                                         "the scan, without tracing; -o writes the "
+                                         "coverage as layers");
+  app.add_option("--plan-radius", o.radius_m, "Radius of the region of a plan, metres")
+      ->type_name("M")
+      ->needs(plan)
+      ->capture_default_str();
+  app.add_option("--plan-resolution", o.resolution_m, "Bin edge of a plan, metres")
+      ->type_name("M")
+      ->needs(plan)
+      ->capture_default_str();
+}
+
+ExitCode run_plan(Session& session, const PlanOptions& o, std::int64_t batch_points) {
+  Provenance provenance = session.provenance();
+  provenance.options = {{"plan", {{"radius_m", o.radius_m}, {"resolution_m", o.resolution_m}}}};
+  Grid<std::int8_t> region = circular_region(plan_grid(o), o.radius_m);
+  ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
+  std::optional<LandfallFileWriter> file;
+  if (!session.options().output_path.empty()) file.emplace(session.output(), "plan", provenance);
+  const double pulse_rate_hz = model.pulse_rate_hz;
+  const Scene scene = open_scene({});
+  const Simulation simulation(std::move(model), scene.engine.get(), scene.surface.get());
+  std::optional<ScanPlan> plan;
+  session.phase("plan", [&](const ProgressCallback& progress) {
+    plan = plan_scan(simulation, std::move(region), batch_points, progress);
+  });
+  PlanSummary summary;
+  session.phase("coverage", [&](const ProgressCallback&) {
+    summary = summarize_plan(*plan, o.radius_m, pulse_rate_hz);
+    if (file) write_plan(*file, *plan, summary);
+  });
+  session.count("plan", fields_json(summary.metrics));
+  if (!session.options().json_summary) std::cout << plan_table(summary.metrics);
+  return ExitCode::done;
+}
+
+std::string plan_table(const PlanMetrics& plan) {
+  const CoverageMetrics& coverage = plan.coverage;
+  std::string text = "Time                                     pulses     seconds     share\n";
+  text += time_line("frame in the region", plan.time.in_region) +
+          time_line("frame partly in the region", plan.time.partly_in_region) +
+          time_line("frame outside the region", plan.time.off_region) +
+          time_line("blanked", plan.time.blanked) + time_line("all", plan.time.total);
+  text += print("\nRegion: %ld bins of %g m within %g m, on flat ground\n", plan.region.bin_count,
+                plan.region.resolution_m, plan.region.radius_m);
+  text += print("  uncovered: %ld bins, %.4f %%, in %ld holes; the largest has %ld bins\n",
+                coverage.invalid_count, 100 * coverage.invalid_frac, coverage.hole_count,
+                coverage.largest_hole_bins);
+  text += print("  returns: %ld, of which %ld in the region and %ld the first of their bin\n",
+                plan.returns.count, plan.returns.in_region, plan.returns.first_in_bin);
+  text +=
+      print("  seen by more than one frame: %.2f %% of the bins\n", 100 * plan.frames_per_bin.above_one_frac);
+  text += print("\n  %-20s %8s %8s %8s %8s %8s %8s\n", "Per bin of the region", "mean", "least", "5 %",
+                "median", "95 %", "most");
+  return text + spread_line("returns", plan.returns_per_bin) + spread_line("frames", plan.frames_per_bin);
+}
+
+}  // namespace landfall::cli

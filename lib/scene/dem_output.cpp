@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/dem_output.h"
+
+#include <optional>
+#include <utility>
+
+#include "config/config_path.h"
+#include "config/uncertainty_config.h"
+#include "files/scan_poses.h"
+#include "scene/scene.h"
+
+namespace landfall {
+namespace {
+
+/// The inputs of an uncertainty map beside the bins.
+struct UncertaintyInputs {
+  UncertaintyParameters parameters;
+  PoseTrack poses;
+};
+
+UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
+  std::vector<ScanOrigin> origins;
+  std::vector<ScanPoses> poses;
+  for (const auto& scan : scans) {
+    origins.push_back({scan->file().name(), scan->file().config()});
+    poses.push_back(read_scan_poses(scan->file()));
+  }
+  nlohmann::json& config = output.provenance.config;
+  const UncertaintyParameters parameters = uncertainty_parameters(config, output.config_name, origins);
+  config["uncertainty"] = uncertainty_json(parameters);
+  return at_path("--uncertainty: ", [&] { return UncertaintyInputs{parameters, PoseTrack(poses)}; });
+}
+
+/// The terrain of the true elevations; without one the scene has no surface.
+Scene open_truth(const DemSources& sources, const Scans& scans, const GridSpec& grid, DemOutput& output) {
+  if (sources.terrain.empty()) return {};
+  Scene truth;
+  output.phase("terrain", [&](const ProgressCallback& progress) {
+    truth = open_scene({.terrain = sources.terrain, .use = SceneUse::surface}, progress);
+  });
+  output.provenance.add_input("terrain", truth.file_id, truth.chain);
+  if (!sources.other_terrain) require_scans_of(scans, truth.file_id, sources.terrain);
+  if (truth.window)
+    truth.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  return truth;
+}
+
+/// Computes the maps from which the corrected elevations and the sigmas are taken.
+void compute_error_maps(GriddedScans& gridded, const std::optional<UncertaintyInputs>& inputs,
+                        const PhaseRunner& phase) {
+  phase("slope",
+        [&](const ProgressCallback& progress) { gridded.slopes = slope_layer(*gridded.nearest, progress); });
+  if (!inputs) return;
+  phase("uncertainty", [&](const ProgressCallback& progress) {
+    gridded.uncertainty = std::make_unique<UncertaintyMap>(*gridded.nearest, *gridded.moments, gridded.slopes,
+                                                           inputs->poses, inputs->parameters, progress);
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<Accumulator> make_dem(const RegridConfig& config, const DemSources& sources,
+                                      DemRequest layers, DemOutput output) {
+  const Scans scans = open_scans(sources.scans, output.provenance);
+  std::optional<UncertaintyInputs> uncertainty;
+  if (layers.uncertainty) uncertainty = uncertainty_inputs(scans, output);
+  const Scene truth = open_truth(sources, scans, config.grid, output);
+  layers.truth = truth.surface.get();
+  layers.truth_at = config.truth_at;
+  check_layers(layers);
+  LandfallFileWriter file(output.file, "dem", output.provenance);
+  GriddedScans gridded;
+  output.phase("grid", [&](const ProgressCallback& progress) {
+    gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty}, progress);
+  });
+  if (layers.uncertainty || layers.corrected) compute_error_maps(gridded, uncertainty, output.phase);
+  output.phase("write", [&](const ProgressCallback& progress) {
+    write_dem(file, gridded, layers, scans.front()->crs_wkt(), progress);
+  });
+  return std::move(gridded.bins);
+}
+
+}  // namespace landfall

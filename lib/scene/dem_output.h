@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/dem_config.h"
+#include "files/dem_file.h"
+
+namespace landfall {
+
+/// What a DEM is made from.
+struct DemSources {
+  std::vector<std::string> scans;  ///< scan.h5, at least one
+  std::string terrain;             ///< terrain.h5 for the layers of the truth; empty: none
+  bool other_terrain = false;      ///< accept a terrain other than the one that was scanned
+};
+
+/// A DEM's output and the data that it needs besides the scans.
+struct DemOutput {
+  OutputOptions file;
+  Provenance provenance;    ///< without its inputs, which are added later
+  std::string config_name;  ///< for messages
+  PhaseRunner phase;
+};
+
+/// Grids scans into dem.h5, and returns their bins. `layers.truth` and `layers.truth_at` are set here. The
+/// provenance's configuration gives the sigmas of the uncertainty; missing ones are taken from the scans, and
+/// all are recorded. Throws UsageError as check_layers() and uncertainty_parameters() do, FormatError for a
+/// scan of another terrain, and as the readers and PoseTrack do.
+std::unique_ptr<Accumulator> make_dem(const RegridConfig& config, const DemSources& sources,
+                                      DemRequest layers, DemOutput output);
+
+}  // namespace landfall
