@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders that vanish or may not be written, outputs that become something else, and several writers of one output."""
+"""Folders that are removed or not writable, outputs that are replaced by a folder, and several writers of one output."""
 import os
 import shutil
 import subprocess
@@ -16,17 +16,17 @@ def may_unshare():
     return subprocess.run([*OWN_NUMBERS, "true"], capture_output=True, check=False).returncode == 0
 
 
-def at_random(workshop, random, one, old, deed):
-    """A run in whose middle `deed` is done."""
+def at_random(workshop, random, one, old, action):
+    """A run during which `action` is called at a random time."""
     workshop.prepare(one, old)
     process = workshop.start(one, old)
     time.sleep(random.uniform(0, workshop.seconds[one]))
-    deed(one)
+    action(one)
     return workshop.finish(process)
 
 
 def try_vanishing(workshop, random, count, tasks=None):
-    """The folder is removed, or moved away: nothing may appear under the name that is gone."""
+    """The output folder is removed during the run; no run may report success without its outputs."""
     judge = Judge(workshop, "the output's folder is removed")
     tasks = tasks or WRITING
     for turn in range(count):
@@ -40,13 +40,13 @@ def try_vanishing(workshop, random, count, tasks=None):
 
 
 def make_folders(workshop):
-    def deed(one):
+    def action(one):
         for name in one.outputs:
             path = os.path.join(workshop.out, name)
             if os.path.isfile(path):
                 os.remove(path)
             os.mkdir(path)
-    return deed
+    return action
 
 
 def try_becoming_a_folder(workshop, random, count):
@@ -63,7 +63,7 @@ def try_becoming_a_folder(workshop, random, count):
 
 
 def try_read_only(workshop):
-    """Runs as a user without write permission there."""
+    """Runs as a user who has no write permission for the folder."""
     judge = Judge(workshop, "a folder without write permission")
     for one in WRITING:
         for old in (False, True):
@@ -76,7 +76,7 @@ def try_read_only(workshop):
 
 
 def race(workshop, tasks, old, prefix=()):
-    """Starts one process per task at the same time; (code, stderr) of each, and the files at the end."""
+    """Starts one process per task at the same time; returns (code, stderr) of each, and the files at the end."""
     workshop.prepare(tasks[0], old)
     processes = [workshop.start(one, old, prefix=prefix) for one in tasks]
     ends = [process.communicate(timeout=120) for process in processes]
@@ -84,7 +84,7 @@ def race(workshop, tasks, old, prefix=()):
 
 
 def judge_race(judge, tasks, ends, files, old):
-    """Each ends with 0 or is told that the output appeared; the name holds one of the whole files, and nothing stays."""
+    """Each process must succeed or be refused because the output exists; the output is complete, and no other file is left."""
     one, faults = tasks[0], []
     wholes = [judge.workshop.whole[each] for each in tasks]
     for name in one.outputs:
@@ -93,7 +93,7 @@ def judge_race(judge, tasks, ends, files, old):
     if set(files) != set(one.outputs):
         faults.append(f"left behind: {sorted(set(files) - set(one.outputs))}")
     done = sum(code == 0 for code, _ in ends)
-    # With several outputs, each of two runs may get one of them and refuse the other.
+    # With several outputs, each of two runs may write one of them and be refused the other.
     if old and done != len(ends) or not old and done != 1 and len(one.outputs) == 1:
         faults.append(f"{done} of {len(ends)} succeeded")
     for code, message in ends:
@@ -119,7 +119,7 @@ def try_races(workshop, rounds):
 
 
 def try_containers(workshop, rounds):
-    """The same in process namespaces of their own, as containers that share a folder are: all have the number 1."""
+    """The same in separate process namespaces, like containers that share a folder: each writer is process 1."""
     judge = Judge(workshop, "two containers write one output, both as process 1")
     if may_unshare():
         for _ in range(rounds):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs that a signal meets at a random moment."""
+"""Signals at random times during a run."""
 import signal
 import time
 
@@ -9,25 +9,25 @@ ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.S
 
 
 def keeps_parts(number):
-    """What cannot be caught, or asks for a core with all that belongs to it, leaves the hidden file."""
+    """SIGKILL cannot be caught, and SIGQUIT asks for a core dump, so both leave the hidden file."""
     return number in (signal.SIGKILL, signal.SIGQUIT)
 
 
 def as_from_a_terminal(number):
-    """No core; and a shell that started this in the background has made it ignore SIGINT and SIGQUIT, which programs inherit."""
+    """Disables core dumps, and undoes that a shell makes background processes ignore SIGINT and SIGQUIT."""
     no_core()
     if number != signal.SIGKILL:
         signal.signal(number, signal.SIG_DFL)
 
 
 class Moments:
-    """Random moments, uniform over a run; a task's runs are measured anew as they go."""
+    """Random times, uniform over the duration of a run, which is measured again during the trials."""
 
     def __init__(self, workshop, random):
         self.workshop, self.random = workshop, random
 
     def disturbed(self, one, number, old):
-        """A run that gets the signal; None where it was over before."""
+        """A run that receives the signal; None if it had ended before."""
         self.workshop.prepare(one, old)
         process = self.workshop.start(one, old, preexec_fn=lambda: as_from_a_terminal(number))
         time.sleep(self.random.uniform(0, self.workshop.seconds[one]))
@@ -38,7 +38,7 @@ class Moments:
 
 
 def swept(workshop, one):
-    """True if the next run with the same name removes the file that a killed run left."""
+    """True if the next run with the same output removes the hidden file of the killed run."""
     run = workshop.finish(workshop.start(one, True))
     return run.code == 0 and run.files == workshop.whole[one]
 
@@ -60,7 +60,7 @@ def try_signal(workshop, random, number, count, tasks=None):
 
 
 def try_stop(workshop, random, count):
-    """Stopped for a moment and continued: whole."""
+    """Runs that are stopped for a moment and continued; their outputs must be complete."""
     judge = Judge(workshop, "SIGSTOP, then SIGCONT")
     for turn in range(count):
         one = TASKS[turn % len(TASKS)]
