@@ -135,7 +135,7 @@ class ReportTest(ToolTest):
         element = self.window.run("return document.querySelector(arguments[0])", selector)
         return self.window.run(CANVAS, element)
 
-    def check_quiet(self):
+    def check_log_and_requests(self):
         """Checks that the browser logged no error and requested the file only."""
         errors = [entry for entry in self.window.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
         self.assertEqual(errors, [])
@@ -155,7 +155,7 @@ class ReportTest(ToolTest):
         self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"),
                          [s for s in SECTIONS if s != "uncertainty"])
         self.assertEqual([row[1] for row in self.cells("#provenance")], ["terrain-gen", "scan-sim", "regrid", "dem-eval"])
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_draws_every_map(self):
         self.report()
@@ -165,7 +165,7 @@ class ReportTest(ToolTest):
             self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 1, name)
         self.assertEqual(self.window.run("return document.querySelectorAll('.crop canvas').length"),
                          2 * len(self.cells("#worst-footprints")))
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def sparse(self, name, valid):
         """A DEM of 401 x 401 bins of 2 cm, of which the fraction `valid` has an elevation."""
@@ -185,7 +185,7 @@ class ReportTest(ToolTest):
         self.assertLess(self.window.run(SHARE, "z_est", [29, 39, 51]), 0.001)
         self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
         self.assertGreater(self.window.run(VIEW)[0], 0.05)
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_single_invalid_bins_of_a_full_dem_are_visible(self):
@@ -197,7 +197,7 @@ class ReportTest(ToolTest):
         for layer, color in (("invalid", [0, 114, 178]), ("z_est", [255, 255, 255])):
             found = self.window.run(SHARE, layer, color) * width ** 2 / count
             self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_values_under_the_pointer_are_those_of_the_file(self):
         self.report()
@@ -242,7 +242,7 @@ class ReportTest(ToolTest):
         self.window.run("const s = document.querySelector('#exaggeration'); s.value = 0.5;"
                         "s.dispatchEvent(new Event('input'))")
         self.assertNotEqual(self.canvas("#terrain")["sum"], before)
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_view_keeps_exaggerated_heights_in_sight(self):
         self.report()
@@ -308,7 +308,7 @@ class ReportTest(ToolTest):
             shown, crossing = self.window.run(overlaps)
             self.assertGreater(shown, 3)
             self.assertEqual(crossing, 0)
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_the_layout_fits_the_page(self):
         self.report()
@@ -323,7 +323,7 @@ class ReportTest(ToolTest):
                      *UNCERTAINTY, "-o", dem)
         self.report(dem)
         self.assertEqual(self.window.run("return document.querySelectorAll('#uncertainty svg[role=img]').length"), 4)
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_of_nine_bins(self):
@@ -341,7 +341,7 @@ class ReportTest(ToolTest):
         self.assertIn("relative error (\u00b5m)", texts)
         self.assertLessEqual(max(len(text) for text in texts if text[0].isdigit()), 3)
         self.assertIn("1 bin across", self.text("#worst"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_with_slope_corrected_elevations(self):
@@ -365,7 +365,7 @@ class ReportTest(ToolTest):
         self.assertEqual([entry.split(": ")[1] == "not judged" for entry in legend], [True] * 4 + [False] * 2)
         self.assertNotIn("numbered", self.text("#maps"))
         self.assertIsNone(self.text("#worst"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_without_any_elevation(self):
@@ -379,7 +379,7 @@ class ReportTest(ToolTest):
         self.assertIn("No footprint could be judged", self.text("#worst"))
         self.assertIn("Nothing to show: no bin of the DEM is valid", self.text("#view-3d"))
         self.assertIsNone(self.text("#uncertainty"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
 

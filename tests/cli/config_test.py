@@ -23,7 +23,7 @@ class Check(ToolTest):
             result = self.succeed(name, "-c", self.config(CONFIGS[name]), "--check", "-o", self.path("out.h5"))
             self.assertEqual((result.stdout, self.entries()), ("", ["config.json"]))
 
-    def test_it_opens_no_data(self):
+    def test_check_opens_no_data(self):
         inputs = {"terrain-gen": ["--set", 'base={"type":"dem","path":"/nowhere/dem.tif"}'],
                   "scan-sim": ["--terrain", "/nowhere/terrain.h5", "--set",
                                'trajectory={"type":"table","path":"/nowhere/table.csv"}'],

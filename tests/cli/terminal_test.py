@@ -51,7 +51,7 @@ class Terminal(ChainTest):
             text = self.on_terminal(name, streams=["stderr"])
             self.assertRegex(text, rf"{self.PHASE[name]} +\[#{{30}}\] 100 %")
 
-    def test_quiet_and_no_progress_silence_it(self):
+    def test_quiet_and_no_progress_suppress_progress(self):
         for name in TOOLS:
             for flag in ("-q", "--no-progress"):
                 self.assertEqual(self.on_terminal(name, flag, streams=["stderr"]), "", name)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks the pages without running them: run_docs_test.py sees every command, and every link and cited file exists."""
+"""Checks the pages without running them: run_docs_test.py runs every command, and all links and cited files exist."""
 import os
 import re
 import sys

@@ -22,7 +22,7 @@ def small_disk(folder, kibibytes):
         subprocess.run(["umount", folder], check=True)
 
 
-def may_mount(folder):
+def can_mount(folder):
     try:
         with small_disk(folder, 64):
             return True
@@ -37,7 +37,7 @@ def sizes(largest, step):
 def try_full_disks(workshop, tasks=None):
     """Disks that are too small for the outputs, with and without an old output, and one that is just large enough."""
     judge = Judge(workshop, "a full disk (tmpfs)")
-    if not may_mount(workshop.out):
+    if not can_mount(workshop.out):
         return judge
     for one in filter(lambda each: each.outputs, tasks or TASKS):
         need = sum(len(data) + 4096 for data in workshop.whole[one].values())

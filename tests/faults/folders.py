@@ -12,11 +12,11 @@ OWN_NUMBERS = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc"]
 UNPRIVILEGED = ["setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"]
 
 
-def may_unshare():
+def can_unshare():
     return subprocess.run([*OWN_NUMBERS, "true"], capture_output=True, check=False).returncode == 0
 
 
-def at_random(workshop, random, one, old, action):
+def run_with_action(workshop, random, one, old, action):
     """A run during which `action` is called at a random time."""
     workshop.prepare(one, old)
     process = workshop.start(one, old)
@@ -25,13 +25,13 @@ def at_random(workshop, random, one, old, action):
     return workshop.finish(process)
 
 
-def try_vanishing(workshop, random, count, tasks=None):
+def try_removed_folders(workshop, random, count, tasks=None):
     """The output folder is removed during the run; no run may report success without its outputs."""
     judge = Judge(workshop, "the output's folder is removed")
     tasks = tasks or WRITING
     for turn in range(count):
         one = tasks[turn % len(tasks)]
-        run = at_random(workshop, random, one, False, lambda _: shutil.rmtree(workshop.out, ignore_errors=True))
+        run = run_with_action(workshop, random, one, False, lambda _: shutil.rmtree(workshop.out, ignore_errors=True))
         # If the run had already ended, its files were removed with the folder.
         if run.code == 0:
             run.files = workshop.whole[one]
@@ -53,7 +53,7 @@ def try_becoming_a_folder(workshop, random, count):
     judge = Judge(workshop, "a folder with the output's name is created during the run")
     for turn in range(count):
         one, old = WRITING[turn % len(WRITING)], turn // len(WRITING) % 2 == 1
-        run = at_random(workshop, random, one, old, make_folders(workshop))
+        run = run_with_action(workshop, random, one, old, make_folders(workshop))
         if run.code != 0:
             run.files = {name: data for name, data in run.files.items() if data != "a folder"}
             judge.take(one, run)
@@ -121,7 +121,7 @@ def try_races(workshop, rounds):
 def try_containers(workshop, rounds):
     """The same in separate process namespaces, like containers that share a folder: each writer is process 1."""
     judge = Judge(workshop, "two containers write one output, both as process 1")
-    if may_unshare():
+    if can_unshare():
         for _ in range(rounds):
             for one in WRITING:
                 judge_race(judge, [one] * 2, *race(workshop, [one] * 2, True, OWN_NUMBERS), True)
@@ -129,7 +129,7 @@ def try_containers(workshop, rounds):
 
 
 def try_folders(workshop, random, count, rounds):
-    yield try_vanishing(workshop, random, count)
+    yield try_removed_folders(workshop, random, count)
     yield try_becoming_a_folder(workshop, random, count)
     yield try_read_only(workshop)
     yield try_races(workshop, rounds)

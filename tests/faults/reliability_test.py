@@ -99,7 +99,7 @@ class Calls(Reliability):
     def try_calls(self, kind, action, what, most=3, tasks=None, **options):
         self.check([calls.try_calls(self.workshop, self.library, kind, action, what=what, tasks=tasks or FEW, most=most, **options)])
 
-    def test_no_space_from_one_call_on(self):
+    def test_a_full_disk_from_one_call_on(self):
         self.try_calls("write", errno.ENOSPC, "ENOSPC", sticky=True, old=True)
 
     def test_partial_and_interrupted_calls(self):
@@ -124,7 +124,7 @@ class Calls(Reliability):
         self.check([judge])
 
 
-class Others(Reliability):
+class OtherFaults(Reliability):
     def test_signals(self):
         self.check([signals.try_signal(self.workshop, self.random, number, 4, FEW) for number in (signal.SIGKILL, signal.SIGPIPE)])
 
@@ -145,7 +145,7 @@ class Others(Reliability):
         self.check_out_of_room(disks.try_file_limits(self.workshop, TOOLS), "File too large")
 
     def need_small_disks(self):
-        if not disks.may_mount(self.workshop.out):
+        if not disks.can_mount(self.workshop.out):
             self.skipTest("no rights to mount a small disk")
 
     def test_full_disks(self):
@@ -164,9 +164,9 @@ class Others(Reliability):
         self.assertRegex(run.stderr, r"\Adem-eval: [^\n]*small/metrics.json[^\n]*\n\Z")
 
     def test_folders_that_are_removed(self):
-        self.check([folders.try_vanishing(self.workshop, self.random, 4, FEW)])
+        self.check([folders.try_removed_folders(self.workshop, self.random, 4, FEW)])
 
-    @unittest.skipUnless(folders.may_unshare(), "no rights for a process namespace")
+    @unittest.skipUnless(folders.can_unshare(), "no rights for a process namespace")
     def test_two_containers_write_one_output(self):
         judge = Judge(self.workshop, "two containers")
         for one in FEW:

@@ -8,19 +8,19 @@ from workshop import TASKS, Judge, no_core
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.SIGXCPU, signal.SIGQUIT)
 
 
-def keeps_parts(number):
+def leaves_hidden_file(number):
     """SIGKILL cannot be caught, and SIGQUIT asks for a core dump, so both leave the hidden file."""
     return number in (signal.SIGKILL, signal.SIGQUIT)
 
 
-def as_from_a_terminal(number):
+def reset_signals(number):
     """Disables core dumps, and undoes that a shell makes background processes ignore SIGINT and SIGQUIT."""
     no_core()
     if number != signal.SIGKILL:
         signal.signal(number, signal.SIG_DFL)
 
 
-class Moments:
+class RandomTimes:
     """Random times, uniform over the duration of a run, which is measured again during the trials."""
 
     def __init__(self, workshop, random):
@@ -29,7 +29,7 @@ class Moments:
     def disturbed(self, one, number, old):
         """A run that receives the signal; None if it had ended before."""
         self.workshop.prepare(one, old)
-        process = self.workshop.start(one, old, preexec_fn=lambda: as_from_a_terminal(number))
+        process = self.workshop.start(one, old, preexec_fn=lambda: reset_signals(number))
         time.sleep(self.random.uniform(0, self.workshop.seconds[one]))
         alive = process.poll() is None
         if alive:
@@ -37,7 +37,7 @@ class Moments:
         return self.workshop.finish(process) if alive else self.workshop.finish(process) and None
 
 
-def swept(workshop, one):
+def is_cleaned_up(workshop, one):
     """True if the next run with the same output removes the hidden file of the killed run."""
     run = workshop.finish(workshop.start(one, True))
     return run.code == 0 and run.files == workshop.whole[one]
@@ -45,16 +45,16 @@ def swept(workshop, one):
 
 def try_signal(workshop, random, number, count, tasks=None):
     """A Judge of `count` runs over all tasks, every second one over an old output."""
-    judge, moments = Judge(workshop, number.name), Moments(workshop, random)
+    judge, random_times = Judge(workshop, number.name), RandomTimes(workshop, random)
     tasks, turn = tasks or TASKS, 0
     while judge.counts["runs"] < count and turn < 4 * count:
         one, old = tasks[turn % len(tasks)], turn // len(tasks) % 2 == 1
         turn += 1
-        run = moments.disturbed(one, number, old)
+        run = random_times.disturbed(one, number, old)
         if run is None:
             continue
-        judge.take(one, run, old=old, ended_by=number, parts_may_stay=keeps_parts(number))
-        if run.parts and not swept(workshop, one):
+        judge.take(one, run, old=old, ended_by=number, parts_may_stay=leaves_hidden_file(number))
+        if run.parts and not is_cleaned_up(workshop, one):
             judge.broken.append(f"{number.name}: {one.label}: the next run did not sweep up {run.parts}")
     return judge
 

@@ -17,7 +17,7 @@ STUDY = {"base": {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EV
 RESULTS = ("results.csv", "results.h5")
 
 
-def interruptible():
+def restore_sigint():
     """Undoes that a shell makes background processes ignore SIGINT."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
@@ -36,7 +36,7 @@ class Study:
         return subprocess.Popen(["make", "-C", ROOT, "-f", "Makefile.studies", f"STUDY={self.file}", f"BIN={self.workshop.binaries}",
                                  f"RUNS={self.folder}", "-k", "-j2", "study-results"], stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True,
-                                preexec_fn=interruptible)
+                                preexec_fn=restore_sigint)
 
     def make(self):
         process = self.start()
@@ -98,7 +98,7 @@ class Trials:
     def on_full_disks(self, workshop, count):
         """The disk is too small; the study is resumed on a larger one with the same files."""
         judge = Judge(workshop, "make study on a full disk (tmpfs)")
-        if not disks.may_mount(self.study.folder):
+        if not disks.can_mount(self.study.folder):
             return judge
         for i in range(count):
             self.study.remove()

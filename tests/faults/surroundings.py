@@ -24,7 +24,7 @@ def try_environment(workshop, what, changes, dropped=(), tasks=None):
     return judge
 
 
-def closer(*descriptors):
+def closing(*descriptors):
     def close():
         for descriptor in descriptors:
             os.close(descriptor)
@@ -37,7 +37,7 @@ def try_closed(workshop, what, *descriptors, verbose=False, tasks=None):
     for one in tasks or TASKS:
         workshop.prepare(one)
         process = subprocess.Popen([*workshop.command(one), *(["-v", "--progress"] if verbose else [])], stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=closer(*descriptors))
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=closing(*descriptors))
         run = workshop.finish(process)
         if run.code == 1 and 2 in descriptors:  # the message is lost
             run.stderr = f"{one.tool}: writing to standard output failed\n"

@@ -105,7 +105,7 @@ class Workshop:
         self.make_inputs()
         self.whole, self.stdout, self.seconds = {}, {}, {}
         for one in tasks or TASKS:
-            self.remember(one)
+            self.record_undisturbed(one)
 
     def make_inputs(self):
         for label in ("terrain-gen .h5", "terrain-gen .tif", "terrain-gen .ply", "scan-sim", "regrid", "dem-eval --metrics --report"):
@@ -115,7 +115,7 @@ class Workshop:
                 raise RuntimeError(f"{label}: {run.stderr}")
             shutil.copy(os.path.join(self.out, one.outputs[0]), self.inputs)
 
-    def remember(self, one):
+    def record_undisturbed(self, one):
         times = []
         for _ in range(3):
             start = time.perf_counter()
@@ -205,19 +205,19 @@ class Judge:
             faults += ["stdout is not whole"] if run.stdout != self.workshop.stdout[one] else []
         elif run.code in (1, 2):
             faults += [] if is_one_message(one, run.stderr) else ["not one message"]
-            faults += ["exit 1 or 2, but an output is new"] if "new" in states[self.named_before(one, run):] else []
+            faults += ["exit 1 or 2, but an output is new"] if "new" in states[self.renamed_before(one, run):] else []
         elif run.code == -ended_by:
             faults += [] if run.stderr in ("", f"{one.tool}: interrupted, no output was written\n") else ["not one message"]
             if run.stderr and "new" in states:
                 faults.append("says that no output was written, but one is new")
-            elif len(set(states[self.named_before(one, run):])) > 1 and not parts_may_stay:
+            elif len(set(states[self.renamed_before(one, run):])) > 1 and not parts_may_stay:
                 faults.append("some outputs are new, others not")
         else:
             faults.append("a wrong exit code")
         return faults
 
     @staticmethod
-    def named_before(one, run):
+    def renamed_before(one, run):
         """How many outputs may be new although the run failed."""
         if run.stderr.endswith("writing to standard output failed\n"):
             return len(one.outputs)

@@ -64,7 +64,7 @@ class Estimate:
     def pose(self, t):
         if self.table:
             return self.table.pose(t)
-        t = self.path.kept_within(t)
+        t = self.path.clamped(t)
         since = t - self.path.start
         p, turn = self.path.pose(t)
         if self.c["attitude"] == "commanded":

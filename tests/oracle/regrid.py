@@ -71,7 +71,7 @@ class Bins:
         return {n: self.of[pick(group)] for n, group in zip(numbers, np.split(order, begins[1:]))}
 
     def layer(self, name, values=None):
-        """A column gridded by the method."""
+        """The layer that the method computes from a column."""
         if self.method in ("bilinear_nearest", "bilinear4", "mean"):
             return self.mean(name, values)
         values = self.points[name] if values is None else values

@@ -19,7 +19,7 @@ class ConstantVelocity:
 
     nominal = pose
 
-    def kept_within(self, t):
+    def clamped(self, t):
         return t
 
 
@@ -60,11 +60,11 @@ class Table:
         return np.column_stack([cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy,
                                 cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy])
 
-    def kept_within(self, t):
+    def clamped(self, t):
         return np.clip(t, self.t[0], self.t[-1])
 
     def pose(self, t):
-        t = self.kept_within(np.asarray(t, float))
+        t = self.clamped(np.asarray(t, float))
         row = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
         h = (self.t[row + 1] - self.t[row])[:, None]
         u = (t - self.t[row])[:, None] / h
@@ -95,11 +95,11 @@ class Dynamics:
         self.config, self.end = config, scan_time
         self.body = dynamics.RigidBody(config, scan_time)
 
-    def kept_within(self, t):
+    def clamped(self, t):
         return np.clip(t, 0, self.end)
 
     def pose(self, t):
-        return self.body.pose(self.kept_within(np.asarray(t, float)))
+        return self.body.pose(self.clamped(np.asarray(t, float)))
 
     def nominal(self, t):
         """The initial horizontal velocity and the commanded descent rate, or free fall without an engine."""

@@ -65,7 +65,7 @@ class Deb(unittest.TestCase):
     def test_two_runs_give_the_same_bytes(self):
         self.assertEqual(fingerprints(os.path.join(self.folder, "first")), fingerprints(self.pack("second")))
 
-    def test_each_has_its_files(self):
+    def test_each_package_has_its_files(self):
         tools, module = self.contents("landfall"), self.contents("landfall-dev")
         for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
                      "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
@@ -101,7 +101,7 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
 
     @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed")
     @unittest.skipUnless(is_release(), "only a release build has the flags of a package")
-    def test_lintian_accepts_them(self):
+    def test_lintian_accepts_the_packages(self):
         result = subprocess.run(["lintian", "--allow-root", "--fail-on=error,warning", "--tag-display-limit=0",
                                  self.path("landfall"), self.path("landfall-dev")],
                                 capture_output=True, text=True, check=False)
@@ -109,7 +109,7 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
 
     @unittest.skipUnless(os.environ.get("LANDFALL_TEST_CHROOT"), "takes minutes: LANDFALL_TEST_CHROOT=1 runs it")
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("debootstrap"), "needs root and debootstrap")
-    def test_they_work_in_a_minimal_debian(self):
+    def test_packages_work_in_a_minimal_debian(self):
         if not mirror_answers():
             self.skipTest(f"no Debian mirror at {MIRROR}")
         result = subprocess.run([os.path.join(ROOT, "scripts", "test-deb"), os.path.join(self.folder, "first")],

@@ -275,7 +275,7 @@ class Runs(Chain):
         os.chmod(path, 0o755)
         return folder
 
-    def passed(self, *arguments, **options):
+    def passed_to_tool(self, *arguments, **options):
         """The (arguments, standard input) that a tool gets."""
         folder = self.stub("exit 0")
         with mock.patch.object(tools, "BIN", folder):
@@ -285,18 +285,18 @@ class Runs(Chain):
         return words.splitlines(), text
 
     def test_options(self):
-        self.assertEqual(self.passed(None, "a.h5", "b.h5", keep_misses=True, threads=2, layers=["z_est", "count"], plan=False, seed=None,
+        self.assertEqual(self.passed_to_tool(None, "a.h5", "b.h5", keep_misses=True, threads=2, layers=["z_est", "count"], plan=False, seed=None,
                                      set={"noise.range_sigma_m": 0.1, "mount": {"rpy_deg": [0, 0, 0]}, "scanner.type": "fsm"})[0],
                          ["a.h5", "b.h5", "--keep-misses", "--threads", "2", "--layers", "z_est,count", "--set", "noise.range_sigma_m=0.1",
                           "--set", 'mount={"rpy_deg": [0, 0, 0]}', "--set", 'scanner.type="fsm"'])
 
     def test_configurations(self):
-        self.assertEqual(self.passed({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
-        self.assertEqual(self.passed("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
+        self.assertEqual(self.passed_to_tool({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
+        self.assertEqual(self.passed_to_tool("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
         with self.assertRaisesRegex(landfall.UsageError, "^papers is neither a file nor a preset: .*paper"):
             landfall.run("scan-sim", "papers")
         for path in ("missing.json", self.path("terrain.h5"), "folder/paper"):
-            self.assertEqual(self.passed(path)[0], ["-c", path])
+            self.assertEqual(self.passed_to_tool(path)[0], ["-c", path])
         with landfall.run("scan-sim", "flash-256", plan=True, output=self.path("flash.h5"), set={"laser.scan_time_s": 0.1}) as plan:
             self.assertEqual(plan.attrs["format_name"], "landfall.plan")
 

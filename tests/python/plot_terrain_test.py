@@ -109,7 +109,7 @@ class Script(unittest.TestCase):
             self.assertEqual(result.stdout.strip(), picture)
             image = plt.imread(picture)[:, :, :3]
             colored = np.ptp(image[:, : image.shape[1] // 3], axis=2) > 0.2
-            self.assertEqual(bool(colored.any()), objects)  # a hillshade alone is grey
+            self.assertEqual(bool(colored.any()), objects)  # without objects the hillshade is grey
 
     def test_the_default_name_differs_from_that_of_landfall_export(self):
         make_terrain(self.path)

@@ -210,7 +210,7 @@ class PlotEvalTest(ScriptTest):
         for name in names:
             self.expect_picture(f"{prefix}{name}.png")
 
-    def test_draws_all_pictures(self):
+    def test_draws_all_figures(self):
         make_evaluation(self.path("eval.h5"))
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)
@@ -262,7 +262,7 @@ class PlotEvalTest(ScriptTest):
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)
 
-    def test_no_value_at_all(self):
+    def test_no_values(self):
         make_evaluation(self.path("eval.h5"), [(row, col) for row in range(BINS) for col in range(BINS)])
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)

@@ -26,9 +26,9 @@ def run_script(name, *arguments):
 class ShortStudy(unittest.TestCase):
     """4 draws of noise and 60 of navigation errors, seed 1.
 
-    Noise: the fraction of n independent scores has a standard deviation of at most 0.5 / sqrt(n). The limits differ by at
-    least 0.008 from the fractions of 100 draws (over 20,000 scores each): by more than 2 standard deviations for counts 1
-    and 2 of z_est on flat ground, and 5 elsewhere. The seed is fixed.
+    Noise: the fraction of n independent scores within k sigma has a standard deviation of at most 0.5 / sqrt(n). The limits
+    differ by at least 0.008 from the fractions of 100 draws (over 20,000 scores each): by more than 2 standard deviations
+    for counts 1 and 2 of z_est on flat ground, and 5 elsewhere. The seed is fixed.
     Navigation: each map has one error, so 60 times the mean square of 60 scores is chi-square with 60 degrees of freedom;
     the mean square is outside [0.5, 1.65] for 4 of 10,000 seeds.
     """

@@ -84,7 +84,7 @@ class Cases(StudyTest):
         tree = study({"name": "lidar", "variants": {"flash": {"scan": "other/flash.scan.json"}}})
         self.assertEqual(self.config(tree, "scan"), {"scanner": {"type": "flash"}})
 
-    def test_base_files_and_their_data_are_beside_them(self):
+    def test_data_paths_are_relative_to_their_file(self):
         os.mkdir(self.path("data"))
         self.write({"trajectory": {"type": "table", "path": "way.csv"}}, "data/scan")
         self.write("", "data/way")

@@ -49,7 +49,7 @@ class Kills(StudyTest):
                 pass
         return False
 
-    def disturbed_make(self, goal):
+    def make_with_kills(self, goal):
         """Runs make, and kills it or its tools soon after the start; returns (kills, exit code)."""
         make = subprocess.Popen(self.make_command(goal, "-k", "-j2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                 env=self.environment())
@@ -70,7 +70,7 @@ class Kills(StudyTest):
         self.make("study-results", "-j2", runs="undisturbed")
         kills = 0
         for attempt in range(12 * KILLS):
-            more, code = self.disturbed_make("study-results")
+            more, code = self.make_with_kills("study-results")
             kills += more
             if kills >= KILLS:
                 break

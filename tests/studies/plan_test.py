@@ -149,7 +149,7 @@ class Plans(StudyTest):
         lines = read(self.out("study.mk")).decode().splitlines()
         self.assertEqual(sum(line.startswith("$O/metrics/") and self.path("mask.h5") in line for line in lines), 3)
 
-    def test_names_that_make_cannot_take(self):
+    def test_names_that_make_cannot_handle(self):
         with open(self.path("my mask.h5"), "w", encoding="utf-8") as file:
             file.write("x")
         path = self.write(study(set={"eval.region": {"shape": "mask", "path": "my mask.h5"}}))

@@ -215,7 +215,7 @@ class Plots(unittest.TestCase):
 
     def test_ticks_of_a_logarithmic_axis(self):
         self.assertEqual(figures.tick_labels([1, 10, 100]), ["1", "10", "100"])
-        # 450 and 475 are 0.045 of the axis apart, 450 and 500 0.088.
+        # The distance of 450 and 475 is 0.045 of the axis, too little for two labels; that of 450 and 500 is 0.088.
         self.assertEqual(figures.tick_labels([300, 450, 475, 500, 1000]), ["300", "450", "", "500", "1,000"])
         self.assertEqual(figures.tick_labels([3]), ["3"])
 

@@ -43,7 +43,7 @@ class Shipped(StudyTest):
                 result = self.sweep("plan", os.path.join(ROOT, "studies", name + ".json"), "--out", self.out(study_name=name), "--bin", BIN)
                 self.assertRegex(result.stdout + result.stderr, rf"(?m)^{name}: {count} cases: ")
 
-    def test_make_lists_them(self):
+    def test_make_lists_all_studies(self):
         result = subprocess.run(["make", "-C", ROOT, "--no-print-directory", "-f", "Makefile.studies", "studies"], capture_output=True,
                                 text=True, env=self.environment(), timeout=60, check=True)
         self.assertEqual([line.split()[0] for line in result.stdout.splitlines()], sorted(shipped()))
@@ -68,7 +68,7 @@ class Shipped(StudyTest):
                 self.assertRegex(text, rf"(?m)^make -f Makefile\.studies study STUDY={name}( |$)")
                 self.assertRegex(text, r"\bCPU\b")  # the run time
 
-    def test_each_figure_is_there_and_small(self):
+    def test_each_figure_exists_and_is_small(self):
         for name in names():
             with self.subTest(name):
                 self.assertIn(f"](../../images/study-{name}.png)", page(name))
@@ -78,7 +78,7 @@ class Shipped(StudyTest):
                 width, _ = struct.unpack(">II", image[16:24])
                 self.assertGreaterEqual(width, 600)
 
-    def test_the_index_names_all(self):
+    def test_the_index_links_all_pages(self):
         index = page("README")
         linked = set(re.findall(r"\]\(([a-z0-9-]+)\.md\)", index))
         self.assertEqual(linked, set(names()))
