@@ -78,7 +78,7 @@ def rich_case(folder):
     return case
 
 
-class Sharpness(unittest.TestCase):
+class Sensitivity(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="landfall-proof-")
