@@ -21,7 +21,7 @@ def parse(arguments):
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
-                        help="a folder, made where the name ends with /, or the prefix of the figures' names "
+                        help="a folder (made if the name ends with /), or the prefix of the figures' names "
                              "(default: EVAL-)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)

@@ -69,7 +69,7 @@ def density(pattern, diameters):
 
 
 def poisson_mean_where(count, probability):
-    """The mean for which a Poisson number is at most `count` with a probability."""
+    """The mean for which a Poisson number is at most `count` with this probability."""
     low, high = 0.0, count + 10 * np.sqrt(count + 1) + 10
     for _ in range(60):
         mean = (low + high) / 2

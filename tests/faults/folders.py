@@ -26,7 +26,7 @@ def run_with_action(workshop, random, one, old, action):
 
 
 def try_removed_folders(workshop, random, count, tasks=None):
-    """The output folder is removed during the run; no run may report success without its outputs."""
+    """The output folder is removed during the run, which must fail properly unless it had already ended."""
     judge = Judge(workshop, "the output's folder is removed")
     tasks = tasks or WRITING
     for turn in range(count):
@@ -89,7 +89,7 @@ def judge_race(judge, tasks, ends, files, old):
     wholes = [judge.workshop.whole[each] for each in tasks]
     for name in one.outputs:
         if not any(files.get(name) == whole.get(name) for whole in wholes):
-            faults.append("the output is none of the whole files")
+            faults.append("the output is not one of the complete files")
     if set(files) != set(one.outputs):
         faults.append(f"left behind: {sorted(set(files) - set(one.outputs))}")
     done = sum(code == 0 for code, _ in ends)

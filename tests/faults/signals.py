@@ -55,7 +55,7 @@ def try_signal(workshop, random, number, count, tasks=None):
             continue
         judge.take(one, run, old=old, ended_by=number, parts_may_stay=leaves_hidden_file(number))
         if run.parts and not is_cleaned_up(workshop, one):
-            judge.broken.append(f"{number.name}: {one.label}: the next run did not sweep up {run.parts}")
+            judge.broken.append(f"{number.name}: {one.label}: the next run did not remove {run.parts}")
     return judge
 
 

@@ -71,11 +71,11 @@ class Trials:
 
     def judge(self, judge, code, how):
         """After the fault, existing results must be complete; after resuming, all must exist, and no hidden file may be left."""
-        faults = [f"{name} is none of the whole" for name, data in self.study.results().items() if data != self.whole[name]]
+        faults = [f"{name} is incomplete or different" for name, data in self.study.results().items() if data != self.whole[name]]
         judge.counts["parts"] += bool(self.study.hidden_files())
         again, output = self.study.make()
         faults += [f"resumed: exit {again}: {output[-300:]}"] if again else []
-        faults += ["resumed: other results"] if self.study.results() != self.whole else []
+        faults += ["resumed: different results"] if self.study.results() != self.whole else []
         faults += [f"resumed: left behind {self.study.hidden_files()}"] if self.study.hidden_files() else []
         judge.counts.update(runs=1, whole=int(code == 0), refused=int(code > 0), ended=int(code < 0))
         if faults:

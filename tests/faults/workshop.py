@@ -202,7 +202,7 @@ class Judge:
         if run.code == 0:
             faults += [f"exit 0, but an output is {state}" for state in set(states) - {"new"}]
             faults += ["stderr is not empty"] if run.stderr else []
-            faults += ["stdout is not whole"] if run.stdout != self.workshop.stdout[one] else []
+            faults += ["stdout is incomplete"] if run.stdout != self.workshop.stdout[one] else []
         elif run.code in (1, 2):
             faults += [] if is_one_message(one, run.stderr) else ["not one message"]
             faults += ["exit 1 or 2, but an output is new"] if "new" in states[self.renamed_before(one, run):] else []

@@ -45,7 +45,7 @@ class Grid:
         return self.planes(*self.cells(x, y))[0]
 
     def normals_at(self, points):
-        """Normals, NaN over holes, and whether each is ambiguous, which none is."""
+        """Normals (NaN over holes), and whether they are ambiguous; those of a grid never are."""
         _, gx, gy = self.planes(*self.cells(points[:, 0], points[:, 1]))
         return normalised(np.stack([-gx, -gy, np.ones_like(gx)], -1)), np.zeros(len(points), bool)
 
