@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scanners that steer by mirrors or turn the camera, in whole scans: replay as tables, blanking, and the estimate."""
+"""Scanners that steer by mirrors or turn the camera, in whole scans: replay as tables, blanking, errors of the estimate."""
 import unittest
 
 import numpy as np

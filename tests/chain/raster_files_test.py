@@ -31,7 +31,7 @@ EXACT = ["--interpolation", "nearest", "--datum", "none"]
 
 
 class Loads:
-    """A raster that must load: its kind, the options for it, and its values and pixels by another reader."""
+    """A raster that must load: its kind, the options for it, another reader of its values, and the pixels of its nodes."""
 
     def __init__(self, kind, options, values, pixels, tolerance=0):
         self.kind, self.options, self.values, self.pixels = kind, options, values, pixels

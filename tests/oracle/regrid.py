@@ -47,7 +47,7 @@ class Bins:
         return np.flatnonzero(kept), self.number(column, row)[kept], weight[kept]
 
     def around(self, u, v):
-        """The bins near returns for which rounding decides the bin."""
+        """The bins around returns whose bin depends on rounding."""
         result = np.zeros((self.size, self.size), bool)
         for column, row in zip(np.rint(u).astype(int) + self.half, np.rint(v).astype(int) + self.half):
             result[max(row - 1, 0):row + 2, max(column - 1, 0):column + 2] = True
