@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks that includes go downwards only, and that each third-party library has its one user.
+"""Checks that includes go downwards only, and that third-party libraries are included only where it is allowed.
 
 usage: check_includes.py REPOSITORY
 """
@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-# A folder includes itself and folders of a lower level; folders of one level do not see each other.
+# A folder may include itself and folders of lower levels, but no other folder of its own level.
 LEVELS = {
     "base": 0,
     "geometry": 1, "raster": 1, "output": 1, "returns": 1,
@@ -20,7 +20,7 @@ LEVELS = {
     "cli": 7,
 }
 
-# Header pattern -> folders (or one room of a folder) that may include it. What is not listed here is free to all.
+# Header pattern -> folders or subfolders that may include it. Headers that are not listed may be included anywhere.
 ONLY_IN = {
     r"CGAL/": {"ray"},
     r"boost/(?!numeric/odeint/|math/)": {"ray"},
@@ -31,7 +31,7 @@ ONLY_IN = {
     r"libdeflate": {"hdf5"},
     r"zlib": {"hdf5"},
     r"png\.h": {"picture"},
-    r"nlohmann/": {"base", "config", "files", "cli", "host", "report"},  # base: a header that config and io share
+    r"nlohmann/": {"base", "config", "files", "cli", "host", "report"},  # base: a header that several folders share
     r"valijson/": {"config"},
     r"CLI/": {"cli"},
     r"(iostream|fstream|chrono|ctime)$": {"config", "files", "meshio", "output", "cli"},
@@ -44,25 +44,25 @@ def violations(lib: pathlib.Path):
     for file in sorted(lib.rglob("*")):
         if file.suffix not in (".h", ".cpp", ".in"):
             continue
-        room = file.relative_to(lib).parent.as_posix()
-        folder = room.split("/")[0]
+        subfolder = file.relative_to(lib).parent.as_posix()
+        folder = subfolder.split("/")[0]
         if folder not in LEVELS:
             yield f"{file}: folder {folder} has no level in check_includes.py"
             continue
         for number, line in enumerate(file.read_text().splitlines(), 1):
             match = INCLUDE.match(line)
             if match:
-                for problem in problems_of(folder, room, match.group(1)):
+                for problem in problems_of(folder, subfolder, match.group(1)):
                     yield f"{file}:{number}: {problem}"
 
 
-def problems_of(folder: str, room: str, header: str):
+def problems_of(folder: str, subfolder: str, header: str):
     target = header.split("/")[0]
     if target in LEVELS and target != folder and LEVELS[target] >= LEVELS[folder]:
         yield f"{folder} (level {LEVELS[folder]}) includes {header} (level {LEVELS[target]})"
     for pattern, allowed in ONLY_IN.items():
-        if re.match(pattern, header) and not {folder, room} & allowed:
-            yield f"{room} includes {header}; only {', '.join(sorted(allowed))} may"
+        if re.match(pattern, header) and not {folder, subfolder} & allowed:
+            yield f"{subfolder} includes {header}; only {', '.join(sorted(allowed))} may"
 
 
 def main():

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the malformed rasters and meshes of testdata/malformed, each with one defect, which its name says.
+"""Writes the malformed rasters and meshes of testdata/malformed. Each has one defect, after which it is named.
 
 usage: make_malformed.py [FOLDER]     FOLDER: testdata/malformed
 """
@@ -25,7 +25,7 @@ def changed_tiff(changes, removed=(), data=None):
 
 
 def tiled_tiff(width, height, offset, count):
-    """20 x 20 bytes in tiles, all of them at one place."""
+    """A TIFF of 20 x 20 bytes in tiles, which all have the same offset."""
     tiles = -(-20 // width) * -(-20 // height)
     tags = {TAG_TILE_WIDTH: ("I", [width]), TAG_TILE_HEIGHT: ("I", [height]), TAG_TILE_OFFSETS: ("I", [offset] * tiles),
             TAG_TILE_BYTE_COUNTS: ("I", [count] * tiles)}
@@ -35,7 +35,7 @@ def tiled_tiff(width, height, offset, count):
 
 
 def without_tags(tiff, removed):
-    """The same file with these entries of its little-endian directory taken out; nothing else moves."""
+    """The file without these entries of its little-endian directory; all other offsets stay the same."""
     count, = struct.unpack_from("<H", tiff, 8)
     entries = [tiff[10 + 12 * i:22 + 12 * i] for i in range(count)]
     kept = [entry for entry in entries if struct.unpack("<H", entry[:2])[0] not in removed]
@@ -44,7 +44,7 @@ def without_tags(tiff, removed):
 
 
 def bigtiff_header():
-    """10^5 x 10^5 bytes; the lists of strips lie beyond the end."""
+    """A BigTIFF of 10^5 x 10^5 bytes whose lists of strips lie beyond the end of the file."""
     def entry(tag, kind, count, value):
         return struct.pack("<HHQQ", tag, kind, count, value)
     entries = [entry(256, 4, 1, 100000), entry(257, 4, 1, 100000), entry(258, 3, 1, 8), entry(259, 3, 1, 1), entry(262, 3, 1, 1),
@@ -53,7 +53,7 @@ def bigtiff_header():
 
 
 def hdf5_cut():
-    """The superblock of a file of 10,000 bytes."""
+    """Only the superblock of an HDF5 file that declares 10,000 bytes."""
     return (b"\x89HDF\r\n\x1a\n" + struct.pack("<8BHHI", 0, 0, 0, 0, 0, 8, 8, 0, 4, 16, 0) +
             struct.pack("<4Q", 0, 2**64 - 1, 10000, 2**64 - 1) + struct.pack("<QQII16s", 0, 96, 0, 0, b""))
 

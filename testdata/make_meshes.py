@@ -4,7 +4,7 @@
 
 usage: make_meshes.py [FOLDER]     FOLDER: testdata/meshes
 
-Coordinates are multiples of 2^-10 m, so that float32 holds them exactly: every file has the same facets, corner by corner.
+Coordinates are multiples of 2^-10 m, which float32 represents exactly, so that all files have the same facets.
 """
 import pathlib
 import struct
@@ -25,7 +25,7 @@ def icosahedron():
 
 
 def subdivided(points, facets):
-    """Each facet as four, the new corners on the unit sphere."""
+    """Splits each facet into four; the new corners are on the unit sphere."""
     points, middles, result = list(points), {}, []
 
     def middle(a, b):
@@ -43,7 +43,7 @@ def subdivided(points, facets):
 
 
 def boulder():
-    """A sphere of 12 m, flattened to 0.7, with bumps and a dent: (vertices, facets), outward facets."""
+    """A sphere of 12 m, flattened to 0.7, with bumps and a dent: (vertices, facets). Facets are oriented outwards."""
     points, facets = icosahedron()
     for _ in range(SUBDIVISIONS):
         points, facets = subdivided(points, facets)
@@ -55,7 +55,7 @@ def boulder():
 
 
 def obj(vertices, facets):
-    """With a comment, a library that is missing, texture indices, a vertex that no facet uses, and half of the indices from the end."""
+    """Wavefront OBJ with a comment, a missing material library, texture indices, an unused vertex, and half of the indices negative."""
     lines = ["# a boulder", "mtllib missing.mtl", "o boulder", *(f"v {x} {y} {z}" for x, y, z in vertices), "v 99 99 99", "vt 0 0", "usemtl stone"]
     for i, facet in enumerate(facets):
         corners = facet + 1 if i % 2 == 0 else facet - len(vertices) - 1
@@ -69,7 +69,7 @@ def off(vertices, facets):
 
 
 def ply(vertices, facets, order):
-    """`order`: "" for text, "<" or ">" for binary; a property before and after those that count."""
+    """PLY; `order` is "" for text, "<" or ">" for binary. Vertices and faces have a property that is not used."""
     name = {"": "ascii", "<": "binary_little_endian", ">": "binary_big_endian"}[order]
     real = {"": "double", "<": "float", ">": "double"}[order]
     head = (f"ply\nformat {name} 1.0\ncomment a boulder\nelement vertex {len(vertices)}\nproperty {real} x\nproperty {real} y\n"
@@ -91,7 +91,7 @@ def stl_ascii(vertices, facets):
 
 
 def stl_binary(vertices, facets):
-    """Its header begins with "solid", as some programs write it."""
+    """A binary STL whose header begins with "solid", as some programs write it."""
     body = b"".join(struct.pack("<12fH", 0, 0, 0, *corners.ravel(), 0) for corners in vertices[facets])
     return b"solid boulder, binary".ljust(80) + struct.pack("<I", len(facets)) + body
 

@@ -4,9 +4,9 @@
 
 usage: make_rasters.py [FOLDER]     FOLDER: testdata/rasters
 
-Elevations are bilinear in the map's coordinates (X, Y from the middle of the raster, in the map's units), so that any
-interpolation must return them, and whole steps of the stored type, so that no rounding is left to chance. testdata/README.md
-has the formula of each file. Relief sites are self-affine.
+Elevations are bilinear in the map's coordinates (X, Y from the middle of the raster, in the map's units), so that every
+interpolation must return them, and multiples of the stored type's step, so that storing them needs no rounding.
+testdata/README.md has the formula of each file. Relief sites are self-affine.
 """
 import pathlib
 import sys
@@ -19,7 +19,7 @@ MARS_DEGREES = "GEOGCS[\"Mars\",DATUM[\"Mars\",SPHEROID[\"Mars\",3396190,0]],PRI
 
 
 def middle_transform(middle, shape, dx, x_row, y_column, dy):
-    """The georeference whose raster has its middle at `middle`."""
+    """The georeference of a raster whose middle is at `middle`."""
     rows, columns = shape
     return (middle[0] - dx * columns / 2 - x_row * rows / 2, dx, x_row, middle[1] - y_column * columns / 2 - dy * rows / 2, y_column, dy)
 
@@ -34,7 +34,7 @@ def bilinear(shape, dx, x_row, y_column, dy, terms):
 
 
 def whole(values, dtype):
-    """The values as the stored type, which must hold them to within rounding errors of their formula."""
+    """The values in the stored type, which must represent them within the rounding errors of their formula."""
     stored = np.round(values).astype(dtype)
     assert np.abs(stored - values).max() < 1e-6
     return stored
@@ -75,7 +75,7 @@ def plain_tiff(shape, dtype, keys, middle, cell, terms, **more):
 
 
 def scaled_int16():
-    """Raw numbers n, elevation 0.5 n + 200 m; nodata -32768 is judged on the raw number."""
+    """Raw numbers n with elevations 0.5 n + 200 m; nodata -32768 refers to raw numbers."""
     shape, cell = (61, 81), (0.05, 0, 0, -0.05)
     raw = whole((bilinear(shape, *cell, (500, 100, -60, 400)) - 200) / 0.5, np.int16)
     raw = holes(raw, -32768, (25, 12), (26, 12), (55, 45))
@@ -83,7 +83,7 @@ def scaled_int16():
 
 
 def big_endian_raw():
-    """Longitudes 0 .. 360: the raw file's bytes, and its VRT."""
+    """A raster of longitudes 0 .. 360: the bytes of the raw file, and its VRT."""
     shape, cell = (36, 72), (5, 0, 0, -5)
     values = whole(bilinear(shape, *cell, (-1000, 20, 36, 0)), np.int16)
     transform = middle_transform((180, 0), shape, *cell)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writers of small raster files, by numpy and struct alone: the bytes depend on no version of GDAL, HDF5 or zlib.
+"""Writers of small raster files with numpy and struct only, so that no version of GDAL, HDF5 or zlib changes the bytes.
 
 Arrays are (rows, columns) or (rows, columns, bands); row 0 is the first one in the file. Each writer returns bytes.
 """
@@ -8,7 +8,7 @@ import zlib
 
 import numpy as np
 
-# TIFF types by Python's letter.
+# TIFF types by the letters of Python's struct.
 TIFF_TYPES = {"B": 1, "s": 2, "H": 3, "I": 4, "d": 12}
 TAG_WIDTH, TAG_HEIGHT, TAG_BITS, TAG_COMPRESSION, TAG_PHOTOMETRIC, TAG_OFFSETS = 256, 257, 258, 259, 262, 273
 TAG_BANDS, TAG_ROWS_PER_STRIP, TAG_BYTE_COUNTS, TAG_PLANAR, TAG_EXTRA_SAMPLES, TAG_SAMPLE_FORMAT = 277, 278, 279, 284, 338, 339
@@ -46,7 +46,7 @@ def orthographic(radius_m, longitude, latitude):
 
 
 def geo_tags(keys, transform):
-    """`transform` as GDAL has it: x = t0 + t1 column + t2 row, y = t3 + t4 column + t5 row, at a pixel's outer corner."""
+    """Tags of a georeference as in GDAL: x = t0 + t1 column + t2 row, y = t3 + t4 column + t5 row, at a pixel's outer corner."""
     x, dx, x_row, y, y_column, dy = transform
     if x_row == 0 and y_column == 0 and dy < 0:
         tags = {TAG_PIXEL_SCALE: ("d", [dx, -dy, 0]), TAG_TIE_POINT: ("d", [0, 0, 0, x, y, 0])}
@@ -68,7 +68,7 @@ def geo_tags(keys, transform):
 
 
 def stored_zlib(data):
-    """A zlib stream of stored blocks."""
+    """A zlib stream of uncompressed blocks."""
     blocks = [data[i:i + 65535] for i in range(0, len(data), 65535)] or [b""]
     body = b"".join(struct.pack("<BHH", i == len(blocks) - 1, len(block), len(block) ^ 0xffff) + block
                     for i, block in enumerate(blocks))
@@ -103,7 +103,7 @@ def tiff_of(tags, pieces, order="<"):
 
 
 def tiff_tags(values, compression=PLAIN):
-    """The tags that say how the samples of an array are stored, in one strip."""
+    """The tags that describe how the samples of an array are stored in one strip."""
     rows, columns, bands = values.shape if values.ndim == 3 else (*values.shape, 1)
     kind = {"u": 1, "i": 2, "f": 3}[values.dtype.kind]
     extra = {TAG_EXTRA_SAMPLES: ("H", [0] * (bands - 1))} if bands > 1 else {}
@@ -113,7 +113,7 @@ def tiff_tags(values, compression=PLAIN):
 
 
 def tiff(values, keys=None, transform=None, nodata=None, scale_offset=None, compression=PLAIN, order="<"):
-    """A (Geo)TIFF in one strip; `nodata` is the text of GDAL's tag, `scale_offset` that of each pixel value."""
+    """A (Geo)TIFF in one strip; `nodata` is the text of GDAL's tag, `scale_offset` the scale and offset of pixel values."""
     tags = tiff_tags(values, compression)
     if transform is not None:
         tags |= geo_tags(keys, transform)
@@ -128,7 +128,7 @@ def tiff(values, keys=None, transform=None, nodata=None, scale_offset=None, comp
 
 
 def png(values):
-    """8 bit, grey."""
+    """An 8-bit grey PNG."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     rows, columns = values.shape
@@ -172,7 +172,7 @@ def ascii_grid(values, corner, cell, nodata=None):
 
 
 def vicar(values):
-    """Big-endian int16, with a label that fills whole records."""
+    """A VICAR file of big-endian int16, with a label that fills whole records."""
     rows, columns = values.shape
     record = 2 * columns
     size = -(-300 // record) * record

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a command of the package landfall that lies beside this folder."""
+"""Runs a command of the package landfall, which is in the folder beside this one."""
 import importlib
 import os
 import sys

@@ -6,7 +6,7 @@
     scan = landfall.open("scan.h5")                   # a Table of 12.96 million returns, on disk
     plan = landfall.run("scan-sim", "flash-256", plan=True, output="plan.h5")
 
-Figures are commands: plot_dem.py, plot_eval.py, ... Importing the package imports nothing that reads or draws.
+Figures are commands: plot_dem.py, plot_eval.py, ... Importing the package loads no other package.
 """
 from landfall.errors import DataError, Error, ToolError, UsageError
 
@@ -14,7 +14,7 @@ __all__ = ["DataError", "Error", "ToolError", "UsageError", "open", "run"]
 
 
 def open(path, group=None):  # pylint: disable=redefined-builtin
-    """Opens a file that landfall made. Values are read when they are asked for.
+    """Opens a file that landfall made. Values are read on access.
 
     A terrain, DEM, evaluation or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
     reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json is a dict. With
@@ -23,7 +23,7 @@ def open(path, group=None):  # pylint: disable=redefined-builtin
     Throws DataError, naming the file, if it is missing, damaged, unfinished, not landfall's, or refers to other files. Closing
     the result, or leaving a `with` block of it, closes the file.
     """
-    from landfall import opening  # here, because h5py and numpy take time
+    from landfall import opening  # here, because loading h5py and numpy takes time
 
     return opening.open_file(path, group)
 

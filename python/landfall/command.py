@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all commands share: options, output paths, error messages and exit codes."""
+"""Common parts of all commands: options, output paths, error messages and exit codes."""
 import argparse
 import os
 import sys
@@ -31,7 +31,7 @@ def run(main):
 
 
 def check_outputs(paths, overwrite, makes_folder=False):
-    """Rejects, before any work, outputs that could not be written at the end. With makes_folder, their folder may be new."""
+    """Rejects outputs that could not be written, before any work is done. With makes_folder, their folder need not exist."""
     for path in paths:
         folder = os.path.dirname(path) or "."
         is_new = os.path.isdir(os.path.dirname(folder) or ".") and not os.path.exists(folder)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors of the package, with the exit codes that the tools have."""
+"""Errors of the package, with the same exit codes as the tools."""
 
 
 class Error(Exception):
-    """Any error that landfall reports. `exit_code` is the one of a command that ends with it."""
+    """Any error that landfall reports. `exit_code` is the exit code of a command that fails with it."""
 
     exit_code = 1
 
@@ -19,7 +19,7 @@ class UsageError(Error):
 
 
 class ToolError(Error):
-    """A tool is missing or failed. The message is the tool's; `exit_code` is its exit code, 1 where it did not start."""
+    """A tool is missing or failed. The message is the tool's; `exit_code` is its exit code, or 1 if it did not start."""
 
     def __init__(self, message, exit_code=1):
         super().__init__(message)

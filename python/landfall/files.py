@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""landfall's files: the checks before any value is read, and the grids and metrics in them."""
+"""Files of landfall: the checks before any value is read, and their grids and metrics."""
 import contextlib
 import importlib
 import json
@@ -11,16 +11,16 @@ import numpy as np
 
 from landfall.errors import DataError, Error
 
-# What ties layers to coordinates within HDF5.
+# Attributes by which HDF5 links layers to their coordinates.
 DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
 
 class ForeignFileError(OSError):
-    """The file leads to another one."""
+    """The file refers to another one."""
 
 
 def require_self_contained(file):
-    """Raises ForeignFileError, naming the path within, for a link that is not hard, a virtual dataset and external values.
+    """Raises ForeignFileError, naming the path in the file, for links that are not hard, virtual datasets and external values.
 
     Follows no link and reads no value, so that no other file is opened.
     """
@@ -83,7 +83,7 @@ def _unreadable(path, error):
 
 
 def text(value):
-    """An attribute's text; other values as they are."""
+    """The text of an attribute; other values are returned unchanged."""
     return value.decode(errors="replace") if isinstance(value, bytes) else value
 
 
@@ -97,7 +97,7 @@ def _plain(value):
 
 
 def read(dataset, key):
-    """The values at a key. What HDF5 reports is a DataError that names file and dataset."""
+    """The values at a key. Errors of HDF5 become a DataError that names the file and the dataset."""
     try:
         return dataset.asstr()[key] if dataset.dtype.kind == "O" else dataset[key]
     except (OSError, RuntimeError) as error:
@@ -115,7 +115,7 @@ def check_kind(file, path, formats):
 
 @dataclass(frozen=True)
 class MapGrid:
-    """Where the bins lie: ascending bin centres, metres, frame D."""
+    """The bins of a map: ascending bin centres in metres, frame D."""
 
     x: np.ndarray
     y: np.ndarray
@@ -127,12 +127,12 @@ class MapGrid:
 
     @property
     def half_width_m(self):
-        """The largest circle about the origin whose bins all lie in the map."""
+        """The radius of the largest circle about the origin whose bins are all in the map."""
         return float(min(-self.x[0], self.x[-1], -self.y[0], self.y[-1]))
 
 
 def read_grid(file):
-    """The file's grid, or None where it has no x and y."""
+    """The grid of the file, or None if it has no x and y."""
     if "x" not in file or "y" not in file:
         return None
     x, y = np.asarray(file["x"][()], float), np.asarray(file["y"][()], float)
@@ -187,7 +187,7 @@ class Metrics:
 
 
 def package(name):
-    """Imports a package that only some commands need; where it is missing, the error names Debian's."""
+    """Imports a package that only some commands need; if it is missing, the error names the Debian package."""
     try:
         return importlib.import_module(name)
     except ImportError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grids and meshes as xarray.Datasets. This module alone needs xarray."""
+"""Grids and meshes as xarray.Datasets. Only this module needs xarray."""
 import h5py
 import xarray
 from xarray.core import indexing
@@ -25,7 +25,7 @@ class Source:
 
 
 class Layer(xarray.backends.BackendArray):
-    """A dataset that xarray reads when its values are asked for."""
+    """A dataset that xarray reads on access."""
 
     def __init__(self, source, dataset):
         self.source, self.name, self.shape, self.dtype = source, dataset.name, dataset.shape, dataset.dtype

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes a GeoTIFF of a cratered plain, to try landfall without data of one's own. Needs gdal_translate (gdal-bin).
+"""Makes a GeoTIFF of a cratered plain, for trying landfall without real data. Needs gdal_translate (gdal-bin).
 
 Elevations in metres on a polar stereographic map of the Moon's south pole, float32, without rocks.
 """
@@ -14,7 +14,7 @@ from landfall.errors import UsageError
 
 CRATERS_PER_KM2 = 1500
 SMALLEST_M, LARGEST_M = 6, 40
-# Where a rim has fallen to a thousandth of its height.
+# The distance at which a rim has a thousandth of its height, in crater radii.
 REACH_RADII = 10
 CRS = "+proj=stere +lat_0=-90 +lon_0=0 +k=1 +x_0=0 +y_0=0 +R=1737400 +units=m +no_defs"
 
@@ -42,7 +42,7 @@ def elevations(x, y, seed):
 
 
 def write(path, z, west_m, north_m, posting_m):
-    """GeoTIFF by gdal_translate, from a raw file with the header that GDAL's ENVI driver reads; row 0 of `z` is the northern one."""
+    """Writes a GeoTIFF with gdal_translate, from a raw file with an ENVI header; row 0 of `z` is the northernmost."""
     rows, columns = z.shape
     with tempfile.TemporaryDirectory() as folder:
         raw = os.path.join(folder, "z.raw")

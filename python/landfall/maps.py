@@ -18,7 +18,7 @@ NO_VALUE = "#cccccc"
 # Single bins without a value, enlarged: dark where colour maps are pale, pale where they are dark.
 MARK_ON_SEQUENTIAL, MARK_ON_DIVERGING = "#f4f4f4", "#303030"
 OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
-# Okabe and Ito's palette: told apart with every common colour blindness.
+# Okabe and Ito's palette, whose colours are distinguishable with all common forms of colour blindness.
 BLUE, SKY_BLUE, VERMILION = "#0072b2", "#56b4e9", "#d55e00"
 
 plt.rcParams.update({"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figure.titlesize": FONT_PT + 3,
@@ -224,7 +224,7 @@ def bin_at(grid, center):
 
 
 def draw_zoom_frame(ax, window):
-    """Where a zoom panel lies on the whole map."""
+    """The frame of a zoom panel on the whole map."""
     half = window.resolution_m / 2
     corner = (window.x[0] - half, window.y[0] - half)
     size = (window.x[-1] - window.x[0] + 2 * half, window.y[-1] - window.y[0] + 2 * half)
@@ -232,7 +232,7 @@ def draw_zoom_frame(ax, window):
 
 
 def scale_counts(ax, largest):
-    """A logarithmic count axis where counts span much, else one with whole numbers."""
+    """A logarithmic axis for large counts, else an axis with integer ticks."""
     if largest > 20:
         ax.set_yscale("log")
         ax.set_ylim(0.5, 2 * largest)

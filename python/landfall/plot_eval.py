@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws what dem-eval found: elevation error, coverage, accuracy and the verdict, one figure each, and for a DEM
-with 1-sigma maps how well they predict the errors.
+"""Draws the results of dem-eval: elevation error, coverage, accuracy and the verdict, one figure each, and for a DEM
+with 1-sigma maps, how well they predict the errors.
 
 Files written with --metrics-only have no maps: only the coverage histogram and the verdict are drawn.
 """
@@ -21,7 +21,7 @@ def parse(arguments):
     parser.add_argument("evaluation", metavar="EVAL.h5")
     parser.add_argument("--dem", metavar="DEM.h5", help="also draw its true and estimated elevation")
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
-                        help="a folder, made where the name ends with /, or the prefix of the figures' names "
+                        help="a folder (made if the name ends with /), or the prefix of the figures' names "
                              "(default: EVAL-)")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
@@ -52,7 +52,7 @@ class Evaluation:
         return self.layers["in_region"] != 0
 
     def failing(self, kind):
-        """Where the requirement's bit is set; nowhere in a file without the layer."""
+        """The bins in which the bit of the requirement is set; none in a file without the layer."""
         flags = self.layers["fail"]
         return np.zeros(self.grid.shape, bool) if flags is None else (flags & FAIL_BIT[kind]) != 0
 
@@ -269,7 +269,7 @@ def style_table(table, passed):
 
 
 def figures_of(evaluation):
-    """{name: drawing function}: what this file has the layers for."""
+    """{name: drawing function} of the figures for which the file has the layers."""
     chosen = {"verdict.png": draw_verdict, "coverage.png": draw_coverage}
     if evaluation.has("e_z", "abs_z", "rel_z", "in_region"):
         chosen["elevation_error.png"] = draw_error

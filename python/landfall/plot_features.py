@@ -77,7 +77,7 @@ def cut(panel, x, y, z):
 
 def draw_panel(above, beside, panel, x, y, z):
     half = panel.half_width_m
-    # Row 0 is the southern one, against what hillshade expects.
+    # Row 0 is the southernmost, but hillshade expects the northernmost first; hence the sign of dy.
     shade = LightSource(azdeg=315, altdeg=35).hillshade(z, dx=x[1] - x[0], dy=y[0] - y[1], fraction=1)
     above.imshow(shade, origin="lower", extent=(x[0], x[-1], y[0], y[-1]), cmap="gray", vmin=0, vmax=1)
     end = half * np.array([np.cos(np.radians(panel.cut_deg)), np.sin(np.radians(panel.cut_deg))])

@@ -51,7 +51,7 @@ def draw_map(ax, grid, values, style, layers, radius_m):
 
 
 def draw_budget(ax, plan):
-    """One bar of the whole scan, and its parts in words."""
+    """One bar for the time of the scan, with its parts in the legend."""
     left = 0.0
     for key, name, color in BUDGET:
         part = plan["time"][key]

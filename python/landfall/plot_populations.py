@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws how many rocks, ice blocks and craters of which size a terrain has, against the laws they were drawn from.
 
-The laws are those of lib/terrain/populations, written a second time: N(>D) per square metre, D in metres.
+The laws are those of lib/terrain/populations, implemented independently: N(>D) per square metre, D in metres.
 """
 import json
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ def golombek_density(k, diameters):
 
 
 def viper_crater_density(diameters):
-    """What is larger: the upper piece from 80 m on, and below what the lower one has up to 80 m besides."""
+    """N(>D): the upper power law from 80 m on; below, its value at 80 m plus the number of the lower law from D to 80 m."""
     d = np.asarray(diameters, float)
     lower = 29174e-6 * (np.minimum(d, 80) ** -1.92 - 80.0 ** -1.92)
     return lower + 156228e-6 * np.maximum(d, 80) ** -2.389
@@ -69,7 +69,7 @@ def density(pattern, diameters):
 
 
 def poisson_mean_where(count, probability):
-    """The mean for which a Poisson number is at most `count` with a probability."""
+    """The mean for which a Poisson number is at most `count` with this probability."""
     low, high = 0.0, count + 10 * np.sqrt(count + 1) + 10
     for _ in range(60):
         mean = (low + high) / 2
@@ -123,7 +123,7 @@ def in_region(region, x, y):
 
 
 def areas_m2(pattern, grid, diameters):
-    """Of the region on the site, without the places from which an object would reach into the clear circle."""
+    """The area of the region on the site in which objects of each diameter do not reach into the clear circle."""
     x, y = [a[0] + (a[-1] - a[0]) * (np.arange(SITE_SAMPLES) + 0.5) / SITE_SAMPLES for a in (grid.x, grid.y)]
     x, y = np.meshgrid(x, y)
     cell_m2 = (grid.x[-1] - grid.x[0]) * (grid.y[-1] - grid.y[0]) / SITE_SAMPLES ** 2
@@ -159,7 +159,7 @@ def read_samples(file):
 
 
 def parse(arguments):
-    parser = command.Parser(prog="plot_py", description=__doc__)
+    parser = command.Parser(prog="plot_populations.py", description=__doc__)
     parser.add_argument("terrain", metavar="TERRAIN", help="terrain.h5 of terrain-gen")
     parser.add_argument("-o", "--output", metavar="PNG", required=True)
     plots.add_output_options(parser)
@@ -199,7 +199,7 @@ def draw_sample(ax, sample, style):
 
 
 def limit_axes(ax, samples, densities):
-    """From a little below the least that was measured: a law cut at its greatest diameter falls to 0 there."""
+    """Limits the axis to values near the measured ones, because a law falls to 0 at its largest diameter."""
     ax.set_xscale("log")
     ax.set_yscale("log")
     least = min([d.min() for d in densities if d.size] + [s.model([s.pattern["min_diameter_m"]])[0] for s in samples])

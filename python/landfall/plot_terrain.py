@@ -77,7 +77,7 @@ def slope_deg(dz_dx, dz_dy):
 
 
 def shade(dz_dx, dz_dy, sun):
-    """The cosine between a cell's normal and the sun, 0 where it looks away."""
+    """The cosine of the angle between the normal of a cell and the sun; 0 if the cell faces away."""
     x, y, z = sun.direction
     return np.clip((z - x * dz_dx - y * dz_dy) / np.sqrt(1 + dz_dx**2 + dz_dy**2), 0, 1)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the plot commands share: options, numbers as text, and writing figures."""
+"""Common parts of the plot commands: options, numbers as text, and writing figures."""
 import argparse
 import contextlib
 import math

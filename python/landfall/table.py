@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Columns of equal length in a file, read when they are asked for."""
+"""Columns of equal length in a file, which are read on access."""
 import h5py
 import numpy as np
 
@@ -8,7 +8,7 @@ from landfall.errors import DataError
 
 
 class Table:
-    """Columns of equal length in a file, of which nothing is read before it is asked for.
+    """Columns of equal length in a file, which are read on access.
 
     table["z_est"] reads a column into a numpy array. table[1000:2000] is a Table of these rows and table[["x_est", "y_est"]] one
     of these columns, both without reading; so table[::100]["z_est"] reads every hundredth value. len() counts rows, iterating gives

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the tools and their data are, and how they are run."""
+"""Finds the tools and their data, and runs the tools."""
 import json
 import os
 import shutil
@@ -15,7 +15,7 @@ BIN = os.path.normpath(os.path.join(SHARE, "build/release/bin" if IS_CLONE else 
 
 
 def find(tool, folder=None):
-    """The path of a tool: in the folder given, else beside this package's installation, else on PATH."""
+    """The path of a tool: in the given folder, else in the installation of this package, else on PATH."""
     path = os.path.join(folder or BIN, tool)
     found = path if os.access(path, os.X_OK) else None if folder else shutil.which(tool)
     if found is None:
@@ -24,7 +24,7 @@ def find(tool, folder=None):
 
 
 def run_tool(path, *arguments, **options):
-    """Runs a program and returns what it printed. Throws ToolError with its message where it fails."""
+    """Runs a program and returns what it printed. Throws ToolError with its message if it fails."""
     try:
         result = subprocess.run([path, *map(str, arguments)], capture_output=True, text=True, check=False, **options)
     except OSError as error:

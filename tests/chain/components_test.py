@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every component of a lidar runs in the chain: each testdata/lidars/NAME.scan.json on two terrains.
+"""Every lidar component in the whole chain: each testdata/lidars/NAME.scan.json on two terrains.
 
-A file beside it, NAME.csv, is a table that the configuration names by its bare name.
+A configuration names its table, NAME.csv in the same folder, without a path.
 """
 import glob
 import json
@@ -28,22 +28,22 @@ class Components(ChainTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        os.chdir(FOLDER)  # where the tables are that the configurations name
+        os.chdir(FOLDER)  # configurations name their tables without a path
 
     def scan(self, name, terrain, *options):
         self.succeed("scan-sim", "-c", os.path.join(FOLDER, name + ".scan.json"), "--terrain", terrain, "-o",
                      self.path("scan.h5"), "-O", *options)
         return self.path("scan.h5")
 
-    def test_they_are_found(self):
+    def test_configurations_are_found(self):
         self.assertIn("fsm-line_search", NAMES)
 
-    def test_the_chain_runs_and_threads_change_no_byte(self):
-        for place, config in TERRAINS.items():
-            terrain, dem = self.path(place + ".h5"), self.path("dem.h5")
+    def test_the_chain_gives_the_same_bytes_at_any_thread_count(self):
+        for terrain_name, config in TERRAINS.items():
+            terrain, dem = self.path(terrain_name + ".h5"), self.path("dem.h5")
             self.succeed("terrain-gen", "-c", self.config(config), "-o", terrain)
             for name in NAMES:
-                with self.subTest(name, terrain=place):
+                with self.subTest(name, terrain=terrain_name):
                     one = read_bytes(self.scan(name, terrain, *ERRORS, "-t", 1))
                     self.assertEqual(one, read_bytes(self.scan(name, terrain, *ERRORS, "-t", 2)))
                     self.succeed("regrid", self.path("scan.h5"), "--terrain", terrain, "-c",
@@ -60,7 +60,7 @@ class Components(ChainTest):
         for name in NAMES:
             with open(os.path.join(FOLDER, name + ".scan.json"), encoding="utf-8") as file:
                 if json.load(file).get("detector", {}).get("subpixels", 1) > 1:
-                    continue  # the point lies on the centre ray at a mean range
+                    continue  # the mean range of sub-pixels puts the point off the terrain
             with self.subTest(name):
                 points = returns_of(self.scan(name, terrain))
                 hit = points["status"] == 0

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All errors at once: the same bytes at any number of threads, and none changes a draw of another."""
+"""All error models at once: the same bytes at any number of threads, and none changes the random draws of another."""
 import copy
 import json
 import unittest
@@ -17,7 +17,7 @@ SCAN = {
     "scanner": {"type": "fsm", "encoder_sigma_rad": 2e-4,
                 "pattern": {"type": "line_search", "rows": 20, "columns": 20, "half_width_m": 12}},
     "trajectory": {"type": "constant_velocity", "position_m": [0.5, -0.3, 50], "velocity_mps": [0.4, 0.2, -5]},
-    # False returns lie before all true ones: which rows they take depends on no range.
+    # False returns are nearer than all true ones, so that the rows that they replace do not depend on ranges.
     "noise": {"range_sigma_m": 0.01, "range_sigma_per_m": 1e-4, "incidence_sigma_rad": 6e-4, "range_bias_m": 0.02,
               "dead_pixel_frac": 0.3, "dropout_frac": 0.1, "false_return_frac": 0.1, "false_range_m": [5, 40]},
     "pointing_error": {"misalignment_rpy_rad": [1e-3, -2e-3, 1e-3], "jitter_sigma_rad": [2e-4, 1e-4],
@@ -51,7 +51,7 @@ def scan_config(off=()):
 
 
 class Scan:
-    """The columns of a scan that keeps its misses."""
+    """The columns of a scan made with --keep-misses."""
 
     def __init__(self, path):
         self.points, self.pulses = columns(path, "points"), columns(path, "pulses")
@@ -88,7 +88,7 @@ class Errors(ChainTest):
                 self.assertGreater((status == code).sum(), 20, name)
                 self.assertEqual(file["points"].attrs[name + "_count"], (status == code).sum())
 
-    def test_the_map_takes_false_returns(self):
+    def test_regrid_accepts_false_returns(self):
         scan, dem = self.scan("scan.h5", SCAN), self.path("dem.h5")
         self.succeed("regrid", scan, "--terrain", self.chain.terrain, "-c", self.chain.config("regrid"), "-O", "-o", dem)
         points = columns(scan, "points")
@@ -97,11 +97,11 @@ class Errors(ChainTest):
         self.assertGreater(missed.sum(), 5)
         self.assertTrue((points["status"][missed] == 6).all())
 
-    def test_a_plan_is_made_with_all_errors(self):
+    def test_a_plan_with_all_errors(self):
         result = json.loads(self.succeed("scan-sim", "--plan", "-c", self.config(SCAN), "--json").stdout)
         self.assertGreater(result["plan"]["returns"]["count"], 1000)
 
-    def test_range_noise_changes_the_measured_range_of_returns_only(self):
+    def test_range_noise_changes_only_the_measured_range_of_returns(self):
         every, some = self.without(), self.without(*RANGE_NOISE)
         self.assertTrue(same(every.points, some.points, [*TRUTH, "status"]))
         self.assertTrue(same(every.points, some.points, ["range_measured"], every.status != 0))
@@ -109,13 +109,13 @@ class Errors(ChainTest):
         hit = every.status == 0
         self.assertTrue((every.points["range_measured"] != some.points["range_measured"])[hit].all())
 
-    def test_one_noise_term_scales_the_draws_of_another(self):
+    def test_both_range_noise_terms_scale_the_same_draws(self):
         sigma, per_metre = self.without(*RANGE_NOISE[1:]), self.without(RANGE_NOISE[0], RANGE_NOISE[2])
         hit = sigma.status == 0
         unit = [(scan.points["range_measured"] - scan.points["range_true"] - 0.02)[hit] for scan in (sigma, per_metre)]
         np.testing.assert_allclose(unit[0] / 0.01, unit[1] / (1e-4 * sigma.points["range_true"][hit]), atol=1e-9)
 
-    def test_losses_change_the_rows_they_take_only(self):
+    def test_losses_change_only_the_rows_that_they_replace(self):
         every = self.without()
         for key, code in (("noise.dropout_frac", 2), ("noise.dead_pixel_frac", 3), ("noise.false_return_frac", 6)):
             some = self.without(key)
@@ -125,7 +125,7 @@ class Errors(ChainTest):
             self.assertFalse((some.status == code).any(), key)
             self.assertTrue(same(every.pulses, some.pulses, every.pulses), key)
 
-    def test_jitter_moves_true_beams_and_no_draw(self):
+    def test_jitter_moves_true_beams_and_changes_no_draw(self):
         every = self.without(*RANGE_NOISE[1:])
         some = self.without(*RANGE_NOISE[1:], "pointing_error.jitter_sigma_rad")
         self.assertTrue(same(every.pulses, some.pulses, every.pulses))
@@ -136,7 +136,7 @@ class Errors(ChainTest):
         noise = [(scan.points["range_measured"] - scan.points["range_true"])[hit] for scan in (every, some)]
         np.testing.assert_allclose(noise[0], noise[1], atol=1e-12)
 
-    def test_time_stamps_and_navigation_move_the_estimate_only(self):
+    def test_time_stamps_and_navigation_move_only_the_estimate(self):
         every = self.without()
         for key in ("pointing_error.time_stamp_sigma_s", "navigation_error.random_walk", "navigation_error.gauss_markov"):
             some = self.without(key)
@@ -144,14 +144,14 @@ class Errors(ChainTest):
             self.assertTrue(same(every.pulses, some.pulses, set(every.pulses) - set(ESTIMATE)), key)
             self.assertFalse(same(every.pulses, some.pulses, POSITION), key)
 
-    def test_the_encoder_moves_estimated_points_only(self):
+    def test_the_encoder_moves_only_estimated_points(self):
         every, some = self.without(), self.without("scanner.encoder_sigma_rad")
         self.assertTrue(same(every.points, some.points, [*TRUTH, "status", "range_measured", "pulse", "pixel"]))
         self.assertTrue(same(every.pulses, some.pulses, every.pulses))
         reported = np.isin(every.status, [0, 6])
         self.assertTrue((every.points["x_est"] != some.points["x_est"])[reported].all())
 
-    def test_walk_and_gauss_markov_add_up(self):
+    def test_random_walk_and_gauss_markov_errors_add_up(self):
         stamps = "pointing_error.time_stamp_sigma_s"
         walk, markov = "navigation_error.random_walk", "navigation_error.gauss_markov"
         both, no_walk, no_markov, neither = (self.without(stamps, *off).position_error()
@@ -169,7 +169,7 @@ class Errors(ChainTest):
             self.scan("replayed.h5", SCAN, *options, "--ranges-from", self.path("source.h5"))
             self.assertEqual(traced, read_bytes(self.path("replayed.h5")), options)
 
-    def test_a_redraw_with_false_returns_or_from_them_equals_a_traced_run(self):
+    def test_a_redraw_that_adds_or_removes_false_returns_equals_a_traced_run(self):
         plain = scan_config(["pointing_error.jitter_sigma_rad", "noise.dropout_frac", "noise.dead_pixel_frac"])
         silent = copy.deepcopy(plain)
         silent["noise"]["false_return_frac"] = 0
@@ -184,7 +184,7 @@ class Errors(ChainTest):
         return ["scan-sim", "-c", self.config(SCAN), "--ranges-from", self.path("source.h5"), "-O", "-o",
                 self.path("out.h5"), *options]
 
-    def test_a_redraw_says_what_does_not_fit(self):
+    def test_a_redraw_that_does_not_match_its_source_is_refused(self):
         self.scan("source.h5", SCAN, "--keep-misses")
         terrain = ["--terrain", self.chain.terrain]
         for options, words in (
@@ -194,8 +194,8 @@ class Errors(ChainTest):
                 ([*terrain, "--set", "pointing_error.jitter_sigma_rad=0"], ["jitter_sigma_rad"])):
             self.refuse(2, *self.redraw_arguments(*options), words=words, output=self.path("out.h5"))
 
-    def test_a_table_of_estimates(self):
-        """The truth is accepted as a table; a table that is too short is refused."""
+    def test_estimated_poses_from_a_table(self):
+        """A table of estimated poses, here the true ones, is accepted; one that is too short is refused."""
         config = scan_config(OFF)
         config["noise"], config["pointing_error"] = {}, {}
         rows = [f"{t},{0.5 + 0.4 * t},{-0.3 + 0.2 * t},{50 - 5 * t},1,0,0,0" for t in (0, 0.1, 0.2)]

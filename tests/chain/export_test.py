@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What landfall-export writes, opened by programs of others: extent and values as h5py reads them from our files.
+"""Files of landfall-export read by other programs: extents and values equal those that h5py reads from our files.
 
-A program that is not installed is skipped with a message: gdal-bin, gmt, cloudcompare, python3-paraview, python3-meshio,
-python3-pil, libxdmf-dev, and node with npm, whose LAS readers come from the registry (tests/chain/outside/package-lock.json).
+Tests of a program that is not installed are skipped with a message. The Debian packages are gdal-bin, gmt, cloudcompare,
+python3-paraview, python3-meshio, python3-pil and libxdmf-dev; npm fetches the LAS readers from its registry
+(tests/chain/outside/package-lock.json).
 """
 import functools
 import glob
@@ -61,7 +62,7 @@ class ExportTest(ToolTest):
         return path
 
     def rasters(self, path):
-        """All bands of an image as GDAL reads them, row 0 the upper."""
+        """All bands of an image as GDAL reads them; row 0 is the top one."""
         raw = self.path("raw.img")
         output_of(program("gdal_translate", "gdal-bin"), "-q", "-of", "ENVI", "-co", "INTERLEAVE=BSQ", path, raw)
         kinds = {"1": np.uint8, "2": np.int16, "3": np.int32, "4": np.float32, "5": np.float64}
@@ -71,7 +72,7 @@ class ExportTest(ToolTest):
         return np.fromfile(raw, kinds[header["data type"]]).reshape(shape)
 
     def paraview(self, *files):
-        """What ParaView reads of each (reader, file); all in one start of it, which takes seconds."""
+        """What ParaView reads from each (reader, file). It is started once for all of them, because a start takes seconds."""
         outs = [self.path(f"paraview-{i}.npz") for i in range(len(files))]
         words = [word for (reader, path), out in zip(files, outs) for word in (reader, path, out)]
         output_of(program("pvpython", "python3-paraview"), os.path.join(OUTSIDE, "read_paraview.py"), *words)
@@ -94,12 +95,12 @@ def xyz(points, position="est"):
 
 class GeotiffTest(ExportTest):
     def bands(self, path, count):
-        """All bands as GDAL reads them, row 0 the southern."""
+        """All bands as GDAL reads them; row 0 is the southernmost."""
         values = self.rasters(path)
         self.assertEqual(len(values), count)
         return values[:, ::-1]
 
-    def test_gdal_reads_every_layer_in_its_place(self):
+    def test_gdal_reads_every_layer_with_its_extent(self):
         program("gdalinfo", "gdal-bin")
         path = self.export(CHAIN.dem, "dem.tif", "--layers", "all")
         info = json.loads(output_of("gdalinfo", "-json", path))
@@ -114,7 +115,7 @@ class GeotiffTest(ExportTest):
             self.assert_close(values, dem[name], 0, name)
         self.assertIn("COG", output_of("gdalinfo", "-json", path).decode())
 
-    def test_types_are_the_smallest_that_hold_all(self):
+    def test_the_type_is_the_smallest_that_holds_all_layers(self):
         program("gdalinfo", "gdal-bin")
         evaluation = columns(CHAIN.eval, "/")
         for layers, kind in [("fail,invalid", "Int16"), ("fail,hole_id", "Int32"), ("rel_z,fail", "Float32"),
@@ -137,7 +138,7 @@ class GeotiffTest(ExportTest):
         x, y = np.meshgrid(dem["x"], dem["y"][::-1])
         self.assert_close(table[:, 0], x.ravel(), 1e-9)
         self.assert_close(table[:, 1], y.ravel(), 1e-9)
-        self.assert_close(table[:, 2], dem["z_est"][::-1].ravel(), 2e-7)  # GMT holds grids as float32
+        self.assert_close(table[:, 2], dem["z_est"][::-1].ravel(), 2e-7)  # GMT stores grids as float32
 
     def test_the_bytes_do_not_depend_on_threads(self):
         one = self.export(CHAIN.eval, "a.tif", "--layers", "all", "-t", 1)
@@ -146,7 +147,7 @@ class GeotiffTest(ExportTest):
 
 
 class PlyTest(ExportTest):
-    def test_cloudcompare_reads_places_and_scalar_fields(self):
+    def test_cloudcompare_reads_coordinates_and_scalar_fields(self):
         program("CloudCompare", "cloudcompare")
         for position, other in [("est", "true"), ("true", "est")]:
             path = self.export(CHAIN.scan, position + ".ply", "--position", position)
@@ -160,7 +161,7 @@ class PlyTest(ExportTest):
             self.assertEqual(sorted(names), sorted(
                 ["X", "Y", "Z", "range_true", "range_meas", "pulse", "pixel", "status"]
                 + [axis + "_" + other for axis in "xyz"]))
-            # CloudCompare holds places and fields as float32.
+            # CloudCompare stores coordinates and fields as float32.
             for axis in "xyz":
                 self.assert_close(table[axis.upper()], points[axis + "_" + position], 1e-6)
                 self.assert_close(table[axis + "_" + other], points[axis + "_" + other], 1e-6)
@@ -168,14 +169,14 @@ class PlyTest(ExportTest):
             for name in ["pulse", "pixel", "status"]:
                 self.assert_close(table[name], points[name], 0, name)
 
-    def test_paraview_reads_the_places(self):
+    def test_paraview_reads_the_coordinates(self):
         program("pvpython", "python3-paraview")
         [found] = self.paraview(("ply", self.export(CHAIN.scan, "scan.ply")))
-        self.assert_close(found["points"], xyz(returns_of(CHAIN.scan)), 1e-6)  # its PLY reader keeps float32
+        self.assert_close(found["points"], xyz(returns_of(CHAIN.scan)), 1e-6)  # its PLY reader gives float32
 
     def test_meshio_reads_every_value(self):
         points = returns_of(CHAIN.scan)
-        wanted = [name for name in points if name != "status"]  # meshio knows no property of the type char
+        wanted = [name for name in points if name != "status"]  # meshio does not read properties of type char
         found = meshio_of(self.export(CHAIN.scan, "scan.ply", "--columns", ",".join(wanted)))
         self.assert_close(found.points, xyz(points), 0)
         self.assertEqual(len(found.point_data), len(wanted) - 3)
@@ -209,7 +210,7 @@ class LasTest(ExportTest):
         except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
             raise unittest.SkipTest(f"npm cannot fetch the LAS readers: {error}")
 
-    def test_two_readers_see_places_times_and_classes(self):
+    def test_two_readers_read_coordinates_times_and_classes(self):
         for position in ["est", "true"]:
             path = self.export(CHAIN.scan, position + ".las", "--position", position)
             found = json.loads(output_of("node", "read_las.js", path, cwd=self.readers))
@@ -230,7 +231,7 @@ class LasTest(ExportTest):
 
 @functools.lru_cache(maxsize=None)
 def xdmf_reader():
-    """A program on the Xdmf project's own library, built once."""
+    """A reader that uses the Xdmf project's own library, compiled once."""
     libraries = glob.glob("/usr/lib/*/xdmf/serial")
     if not libraries or not shutil.which("c++"):
         raise unittest.SkipTest("the Xdmf library is not installed (Debian's libxdmf-dev)")
@@ -243,8 +244,8 @@ def xdmf_reader():
 
 
 class XdmfTest(ExportTest):
-    def beside(self, source):
-        """A sidecar names its data from its own folder."""
+    def copied(self, source):
+        """A copy in the test's folder, because an .xmf names its data by a relative path."""
         shutil.copy(source, self.folder)
         return self.path(os.path.basename(source))
 
@@ -253,10 +254,10 @@ class XdmfTest(ExportTest):
         return {name: np.array(values, float) for name, *values in (line.split() for line in lines)}
 
     def scans(self):
-        """(.xmf, scan's columns, places) of both positions, and of a scan in single precision."""
+        """(.xmf, columns of the scan, coordinates) for both positions, and for a scan in single precision."""
         single = self.path("single.h5")
         self.succeed("scan-sim", *CHAIN.inputs("scan-sim"), "--float32", "-o", single)
-        for source, position in [(self.beside(CHAIN.scan), "est"), (self.path("scan.h5"), "true"), (single, "est")]:
+        for source, position in [(self.copied(CHAIN.scan), "est"), (self.path("scan.h5"), "true"), (single, "est")]:
             name = f"{position}-{os.path.basename(source)}.xmf"
             path = self.export(source, name, "--position", position)
             self.assertIn(f">{os.path.basename(source)}:/points/".encode(), read_bytes(path))
@@ -268,28 +269,28 @@ class XdmfTest(ExportTest):
         program("pvpython", "python3-paraview")
         scans = [scan for scan in self.scans() for _ in range(2)]
         files = [(reader, path) for reader, (path, _, _) in zip(["xdmf", "xdmf3"] * 3, scans)]
-        for found, (_, points, places) in zip(self.paraview(*files), scans):
-            self.assert_close(found["points"], places, 0)
-            self.assertEqual(found["points"].dtype, places.dtype)
-            self.assert_close(found["bounds"].reshape(3, 2).T, [places.min(axis=0), places.max(axis=0)], 0)
-            self.assertEqual(found["cells"], len(places))
+        for found, (_, points, coordinates) in zip(self.paraview(*files), scans):
+            self.assert_close(found["points"], coordinates, 0)
+            self.assertEqual(found["points"].dtype, coordinates.dtype)
+            self.assert_close(found["bounds"].reshape(3, 2).T, [coordinates.min(axis=0), coordinates.max(axis=0)], 0)
+            self.assertEqual(found["cells"], len(coordinates))
             for name, values in points.items():
                 self.assert_close(found["field_" + name], values, 0, name)
 
     def test_meshio_reads_a_scan(self):
-        for path, points, places in self.scans():
+        for path, points, coordinates in self.scans():
             found = meshio_of(path)
-            self.assert_close(found.points, places, 0)
-            self.assertEqual([(block.type, len(block.data)) for block in found.cells], [("vertex", len(places))])
+            self.assert_close(found.points, coordinates, 0)
+            self.assertEqual([(block.type, len(block.data)) for block in found.cells], [("vertex", len(coordinates))])
             self.assertEqual(set(found.point_data), set(points))
             for name, values in points.items():
                 self.assert_close(found.point_data[name], values, 0, name)
 
     def test_the_xdmf_library_reads_a_scan(self):
-        for path, points, places in self.scans():
+        for path, points, coordinates in self.scans():
             found = self.xdmf_library(path)
-            self.assert_close(found.pop("points"), places.ravel(), 0)
-            self.assert_close(found.pop("row"), np.arange(len(places)), 0)
+            self.assert_close(found.pop("points"), coordinates.ravel(), 0)
+            self.assert_close(found.pop("row"), np.arange(len(coordinates)), 0)
             self.assertEqual(set(found), set(points))
             for name, values in points.items():
                 self.assert_close(found[name], values, 0, name)
@@ -298,7 +299,7 @@ class XdmfTest(ExportTest):
         program("pvpython", "python3-paraview")
         for source in [CHAIN.terrain, CHAIN.dem, CHAIN.eval]:
             grid = columns(source, "/")
-            path = self.export(self.beside(source), os.path.basename(source) + ".xmf")
+            path = self.export(self.copied(source), os.path.basename(source) + ".xmf")
             for found in self.paraview(("xdmf", path), ("xdmf3", path)):
                 self.assert_close(found["bounds"], [grid["x"][0], grid["x"][-1], grid["y"][0], grid["y"][-1], 0, 0], 1e-9)
                 for name, values in grid.items():
@@ -308,7 +309,7 @@ class XdmfTest(ExportTest):
     def test_the_xdmf_library_reads_a_grid(self):
         for source in [CHAIN.terrain, CHAIN.dem, CHAIN.eval]:
             grid = columns(source, "/")
-            found = self.xdmf_library(self.export(self.beside(source), os.path.basename(source) + ".xmf"))
+            found = self.xdmf_library(self.export(self.copied(source), os.path.basename(source) + ".xmf"))
             step = grid["x"][1] - grid["x"][0]
             self.assert_close(found.pop("origin"), [0, grid["y"][0], grid["x"][0]], 1e-12)
             self.assert_close(found.pop("step"), [step] * 3, 1e-12)
@@ -326,8 +327,8 @@ class XdmfTest(ExportTest):
         self.assertFalse(os.path.exists(path))
         self.assert_close(meshio_of(self.path("b/scan.xmf")).points, xyz(returns_of(CHAIN.scan)), 0)
 
-    def test_neither_file_replaces_another_unasked(self):
-        scan = self.beside(CHAIN.scan)
+    def test_neither_file_is_replaced_without_overwrite(self):
+        scan = self.copied(CHAIN.scan)
         path = self.export(scan, "scan.xmf")
         before = {name: read_bytes(self.path(name)) for name in self.entries()}
         self.assertEqual(set(before), {"scan.h5", "scan.xmf", "scan.xmf.h5"})
@@ -336,7 +337,7 @@ class XdmfTest(ExportTest):
         self.export(scan, "scan.xmf", "-O")
         self.assertEqual({name: read_bytes(self.path(name)) for name in self.entries()}, before)
 
-    def test_the_places_never_replace_the_scan(self):
+    def test_the_coordinates_never_replace_the_scan(self):
         scan = self.path("a.xmf.h5")
         shutil.copy(CHAIN.scan, scan)
         self.refuse(2, "landfall-export", scan, "-o", self.path("a.xmf"), "-O", words=["a.xmf.h5 is an input"],
@@ -408,7 +409,7 @@ class CsvTest(ExportTest):
         result = self.succeed("landfall-export", CHAIN.scan, "-o", "-", "--format", "csv", "--columns", "t,x_est", "-t", 2)
         self.assertEqual(result.stdout.encode(), read_bytes(path))
 
-    def test_a_closed_pipe_is_no_failure(self):
+    def test_a_closed_pipe_is_not_a_failure(self):
         with subprocess.Popen([tool("landfall-export"), CHAIN.scan, "-o", "-", "--format", "csv"], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE) as process:
             self.assertTrue(process.stdout.readline().startswith(b"x_est_m,"))
@@ -416,7 +417,7 @@ class CsvTest(ExportTest):
             self.assertEqual(process.stderr.read(), b"")
             self.assertEqual(process.wait(60), 0)
 
-    def test_a_full_disk_is_one(self):
+    def test_a_full_disk_is_a_failure(self):
         with open("/dev/full", "wb") as full:
             result = subprocess.run([tool("landfall-export"), CHAIN.scan, "-o", "-", "--format", "csv"], stdout=full,
                                     stderr=subprocess.PIPE, timeout=60, check=False)
@@ -438,7 +439,7 @@ class PictureTest(ExportTest):
             self.assertEqual((image.format, image.mode), ("PNG", "RGB"))
             return np.asarray(image).astype(int)
 
-    def test_every_kind_of_file_has_one(self):
+    def test_every_kind_of_file_has_a_picture(self):
         plan = self.path("plan.h5")
         self.succeed("scan-sim", "-c", CHAIN.config("scan-sim"), "--plan", "--plan-radius", 5, "--plan-resolution", 0.5,
                      "-o", plan, "--json")
@@ -451,15 +452,15 @@ class PictureTest(ExportTest):
                 self.assertEqual(bands.dtype, np.uint8)
                 np.testing.assert_array_equal(np.moveaxis(bands, 0, 2), pixels, source)
 
-    def test_colours_stand_where_the_layer_is(self):
-        """z_est of the plane's far corners, and the row of the map that each lies in."""
+    def test_pixels_have_the_colours_of_their_bins(self):
+        """Empty bins share one colour; the others are lighter the more returns they hold."""
         pixels = self.pixels(self.export(CHAIN.dem, "count.png", "--layers", "count"))
         count = columns(CHAIN.dem, "/")["count"]
         zoom = 600 // count.shape[0]
         inside = pixels[88:88 + zoom * count.shape[0]:zoom, 120:120 + zoom * count.shape[1]:zoom][::-1]
         empty = inside[count == 0]
         self.assertEqual(len(np.unique(empty, axis=0)), 1)
-        # cividis: the sum of red and green grows with the value
+        # In cividis, the sum of red and green increases with the value.
         order = np.argsort(count.ravel(), kind="stable")
         light = inside[..., :2].sum(axis=2).ravel()[order]
         self.assertTrue((np.diff(light) >= 0).all())
@@ -471,14 +472,14 @@ class PictureTest(ExportTest):
 
 
 class ViewTest(ExportTest):
-    def test_each_tool_shows_what_it_wrote(self):
+    def test_view_is_the_exported_picture_of_the_output(self):
         for name in ["terrain-gen", "scan-sim", "regrid", "dem-eval"]:
             output, view = self.path(name + ".h5"), self.path(name + ".png")
             self.succeed(name, *CHAIN.inputs(name), "-o", output, "--view", view)
             self.assertEqual(read_bytes(output), read_bytes(CHAIN.output(name)))
             self.assertEqual(read_bytes(view), read_bytes(self.export(output, name + "-again.png")))
 
-    def test_a_picture_needs_no_gdal(self):
+    def test_pictures_need_no_gdal(self):
         """With a plugin that cannot be loaded, pictures are written, and only a GeoTIFF fails."""
         plugins = self.path("plugins")
         os.mkdir(plugins)
@@ -488,7 +489,7 @@ class ViewTest(ExportTest):
         def run_without_gdal(name, *arguments):
             result = subprocess.run([tool(name), *map(str, arguments)], capture_output=True, text=True, check=False,
                                     env={**os.environ, "LD_DEBUG": "files", "LANDFALL_PLUGIN_DIR": plugins})
-            self.assertIn("libpng", result.stderr, "LD_DEBUG tells nothing here")
+            self.assertIn("libpng", result.stderr, "LD_DEBUG does not list the loaded libraries")
             self.assertNotIn("libgdal", result.stderr)
             return result
 
@@ -500,7 +501,7 @@ class ViewTest(ExportTest):
         self.assertEqual(geotiff.returncode, 1)
         self.assertIn("cannot load the GDAL plugin", geotiff.stderr)
 
-    def test_refusals_come_before_the_work(self):
+    def test_a_bad_view_is_refused_before_the_run(self):
         output = self.path("dem.h5")
         taken = self.path("taken.png")
         with open(taken, "w", encoding="ascii") as file:
@@ -515,7 +516,7 @@ class ViewTest(ExportTest):
         self.refuse(2, "terrain-gen", *CHAIN.inputs("terrain-gen"), "-o", self.path("t.tif"), "--view",
                     self.path("a.png"), words=["t.tif", ".h5"], output=self.path("t.tif"))
 
-    def test_a_run_that_fails_shows_nothing(self):
+    def test_a_failed_run_writes_no_picture(self):
         scan = self.path("scan.h5")
         with open(scan, "wb") as file:
             file.write(read_bytes(CHAIN.scan)[:5000])
@@ -526,7 +527,7 @@ class RefusalTest(ExportTest):
     def refused(self, *arguments, words, code=2):
         self.refuse(code, "landfall-export", *arguments, words=words)
 
-    def test_what_makes_no_sense_is_named(self):
+    def test_wrong_arguments_are_named(self):
         path = self.path
         self.refused(words=["a file to export"])
         self.refused(CHAIN.scan, words=["--output"])
@@ -551,12 +552,12 @@ class RefusalTest(ExportTest):
         self.refused(path("none.h5"), "-o", path("a.csv"), words=["none.h5"], code=1)
         self.assertEqual(self.entries(), [])
 
-    def test_files_without_layers_say_so(self):
+    def test_files_without_layers_are_refused(self):
         bare = self.path("bare.h5")
         self.succeed("dem-eval", *CHAIN.inputs("dem-eval"), "--metrics-only", "-o", bare)
         self.refused(bare, "-o", self.path("a.tif"), words=["bare.h5", "--metrics-only"], code=1)
 
-    def test_an_existing_output_stays(self):
+    def test_an_existing_output_is_kept(self):
         path = self.export(CHAIN.dem, "dem.csv")
         before = read_bytes(path)
         self.refuse(2, "landfall-export", CHAIN.eval, "-o", path, words=["exists", "-O"])

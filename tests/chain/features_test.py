@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every feature of a terrain: the example of its page (docs/user/terrain) and variants of it against a formula in numpy."""
+"""Every terrain feature against its formula in numpy: the example on its page (docs/user/terrain), and variants."""
 import glob
 import json
 import os
@@ -16,7 +16,7 @@ PAGES = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "terrain")
 PENITENTE_STREAM = 20
 SLOPE = 0.1
 
-# Beside the examples of the pages: other branches of the formulas, and defaults.
+# What the examples on the pages do not cover: other branches of the formulas, and defaults.
 VARIANTS = [
     {"type": "rock", "diameter_m": 4, "height_m": 1, "axis_ratio": 0.5},
     {"type": "crater", "diameter_m": 12, "x_m": 4.03, "y_m": 0.02},
@@ -60,7 +60,7 @@ def crater(f, u, v):
 
 
 def ice_block(f, u, v):
-    """The top of a rectangle turned about the middle of its bottom: the least of its upper half-planes."""
+    """The top of a rectangle tilted about the middle of its bottom edge: the minimum of its upper half-planes."""
     t = np.radians(f["tilt_deg"])
     width, height = f["width_m"], f["height_m"]
     corners = np.array([(a * np.cos(t) - b * np.sin(t), a * np.sin(t) + b * np.cos(t))
@@ -97,7 +97,7 @@ def pit(f, u, v):
 
 
 def lattice_value(seed, i, j):
-    """Philox4x64-10 of the key (seed, stream) and the counter (i, j, 0, 0), as a uniform number of [-1, 1)."""
+    """Philox4x64-10 of the key (seed, stream) and the counter (i, j, 0, 0), as a uniform number in [-1, 1)."""
     counter = (i % 2 ** 64) + ((j % 2 ** 64) << 64)
     philox = np.random.Philox(counter=(counter - 1) % 2 ** 256, key=seed + (PENITENTE_STREAM << 64))
     return 2 * (int(philox.random_raw()) >> 11) * 2.0 ** -53 - 1
@@ -184,20 +184,20 @@ class Features(ToolTest):
         types = {ref["$ref"].rsplit("/", 1)[1] for ref in schema["definitions"]["feature"]["oneOf"]}
         self.assertEqual(types, pages | {"cone", "hemisphere", "pyramid"})
 
-    def test_examples_are_the_formula(self):
+    def test_examples_follow_the_formula(self):
         for name in FORMULAS:
             with self.subTest(name):
                 config = example(os.path.join(PAGES, f"feature-{name}.md"))
                 self.assertEqual(config["features"][0]["type"], name)
                 self.check(config)
 
-    def test_variants_are_the_formula(self):
+    def test_variants_follow_the_formula(self):
         for feature in VARIANTS:
             with self.subTest(feature):
                 self.check({"grid": {"half_width_m": 12, "resolution_m": 0.1}, "base": {"type": "plane", "slope_x": SLOPE},
                             "features": [feature]})
 
-    def test_the_list_has_all_objects_in_their_order(self):
+    def test_the_list_has_all_features_in_order(self):
         rocks = {"type": "ring", "count": 5, "radius_m": 6, "feature": {"type": "rock", "diameter_m": 1}}
         craters = {"type": "ring", "count": 4, "radius_m": 12, "feature": {"type": "crater", "diameter_m": 2}}
         config = {"grid": {"half_width_m": 10, "resolution_m": 0.1}, "base": {"type": "plane", "slope_x": SLOPE},
@@ -210,7 +210,7 @@ class Features(ToolTest):
         angles = 2 * np.pi * np.arange(5) / 5
         np.testing.assert_allclose(listed["x"][2:7], 6 * np.cos(angles), atol=1e-12)
         np.testing.assert_allclose(listed["ground"][2:7], SLOPE * 6 * np.cos(angles), atol=1e-12)
-        self.assertTrue(np.isnan(listed["ground"][7:]).all())  # off the grid
+        self.assertTrue(np.isnan(listed["ground"][7:]).all())  # outside the grid
         self.assertEqual(listed["ground"][1], -1)
         counts = json.loads(result.stdout)
         self.assertEqual(counts["feature_count"], 11)
@@ -218,7 +218,7 @@ class Features(ToolTest):
         self.succeed("terrain-gen", "-c", self.config(config), "-o", self.path("b.h5"), "-t", 2)
         self.assertEqual(read_bytes(self.path("a.h5")), read_bytes(self.path("b.h5")))
 
-    def test_no_object_no_group(self):
+    def test_without_features_there_is_no_group(self):
         with h5py.File(self.terrain({"grid": {"half_width_m": 2, "resolution_m": 1}})) as file:
             self.assertNotIn("features", file)
 

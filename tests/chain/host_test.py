@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""landfall::lidar installed, found by examples/host_simulator, and giving scan-sim's returns."""
+"""The installed landfall::lidar: examples/host_simulator links it and gets the same returns as scan-sim."""
 import json
 import os
 import shutil
@@ -15,7 +15,7 @@ from harness import run
 
 BUILD = os.environ["LANDFALL_BUILD"]
 EXAMPLE = os.path.join(os.environ["LANDFALL_ROOT"], "examples", "host_simulator")
-# The motion that the example's host has.
+# The motion of the lander in examples/host_simulator.
 TRAJECTORY = {"type": "constant_velocity", "position_m": [0.5, -0.3, 50], "velocity_mps": [0.4, 0.2, -5],
               "rpy_deg": [0, 0, 0], "rpy_rate_degps": [2, 0, 0]}
 CONE = {"type": "cone", "x_m": 1, "y_m": 0.5, "radius_m": 1.5, "height_m": 2}
@@ -61,7 +61,7 @@ class Host(unittest.TestCase):
         with h5py.File(self.path("scan.h5")) as file:
             return {name: column[()] for name, column in file["points"].items()}
 
-    def test_it_gives_the_returns_of_scan_sim(self):
+    def test_its_returns_are_those_of_scan_sim(self):
         ours, theirs = self.host(0), self.scan_sim([], 0.5)
         for name in ["pulse", "pixel", "status"]:
             np.testing.assert_array_equal(ours[name], theirs[name])
@@ -70,12 +70,12 @@ class Host(unittest.TestCase):
         for name in ["range_true", "range_measured", "x_true", "y_true", "z_true", "x_est", "y_est", "z_est"]:
             np.testing.assert_array_equal(np.isnan(ours[name]), np.isnan(theirs[name]))
             self.assertLess(np.nanmax(np.abs(ours[name] - theirs[name])), 1e-9, name)
-        # Errors are on: measured and estimated differ from true.
+        # The error models are active: measured and estimated values differ from true ones.
         self.assertGreater(np.nanmax(np.abs(ours["range_measured"] - ours["range_true"])), 0.02)
         self.assertGreater(np.nanmax(np.abs(ours["x_est"] - ours["x_true"])), 0.02)
 
-    def test_its_scene_is_the_hosts(self):
-        """A true cone against terrain-gen's triangulated one."""
+    def test_the_host_provides_the_scene(self):
+        """The host's exact cone against terrain-gen's triangulated one."""
         ours, theirs = self.host(CONE["height_m"]), self.scan_sim([CONE], 0.02)
         hit = (ours["status"] == 0) & (theirs["status"] == 0)
         self.assertGreater(hit.mean(), 0.7)
@@ -84,14 +84,14 @@ class Host(unittest.TestCase):
         self.assertLess(np.quantile(difference, 0.95), 0.005)
         self.assertLess(difference.max(), 0.05)
 
-    def test_it_needs_no_library_of_the_tools(self):
+    def test_it_links_no_library_of_the_tools(self):
         needed = check("ldd", self.path("build/host_simulator"))
         for library in ["hdf5", "gdal", "gmp", "mpfr", "tbb", "xxhash"]:
             self.assertNotIn(library, needed)
         headers = os.listdir(os.path.join(self.prefix, "include", "landfall"))
         self.assertEqual(headers, ["lidar.h"])
 
-    def test_a_refusal_reaches_the_host(self):
+    def test_an_error_message_reaches_the_host(self):
         with open(self.path("bad.json"), "w", encoding="utf-8") as file:
             file.write('{"detector": {"rows": 0}}')
         result = subprocess.run([self.path("build/host_simulator"), self.path("bad.json"), self.path("none.csv")],

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""terrain-gen --from: a raster on one line, and a terrain as a GeoTIFF, read back by GDAL's tools and by GMT."""
+"""terrain-gen --from: a raster imported by options alone, and a terrain exported as a GeoTIFF for GDAL and GMT."""
 import json
 import os
 import resource
@@ -47,8 +47,8 @@ class ImportTest(ToolTest):
             return file["x"][()], file["y"][()], file["z"][()]
 
 
-class OneLine(ImportTest):
-    def test_is_the_configuration_it_stands_for(self):
+class Options(ImportTest):
+    def test_options_give_the_same_terrain_as_a_configuration(self):
         path = self.projected()
         options = ["--from", path, "--center", "500020,4000023", "--half-width", "10", "--resolution", "0.5",
                    "--interpolation", "bilinear", "--datum", "none", "--vertical-scale", "1.5", "--band", "1"]
@@ -62,13 +62,13 @@ class OneLine(ImportTest):
         self.assertEqual(read_bytes(self.path("a.h5")), read_bytes(self.path("c.h5")))
         self.assertEqual(read_bytes(self.path("b.h5")), read_bytes(self.path("c.h5")))
 
-    def test_other_options_stand_for_their_keys(self):
+    def test_other_options_set_their_keys(self):
         path = self.raster()
         base = self.config_of("--from", path, "--center-pixel", "3,4.5", "--horizontal-scale", "2", "--half-width",
                               "1", "--resolution", "1")["base"]
         self.assertEqual((base["center_pixel"], base["horizontal_scale_m"]), ([3, 4.5], 2))
 
-    def test_assignments_win_and_add(self):
+    def test_set_overrides_and_extends_the_options(self):
         path = self.projected()
         config = self.config_of("--from", path, "--half-width", "10", "--resolution", "1", "--set",
                                 "grid.half_width_m=8", "--set", 'base.datum="none"', *CONE[:2])
@@ -76,7 +76,7 @@ class OneLine(ImportTest):
         self.assertEqual(config["base"]["datum"], "none")
         self.assertEqual(len(config["features"]), 1)
 
-    def test_size_is_the_rasters_where_it_is_not_given(self):
+    def test_the_size_defaults_to_that_of_the_raster(self):
         path = self.projected()
         grid = lambda *options: self.config_of("--from", path, *options)["grid"]
         self.assertEqual(grid(), {"half_width_m": 20, "resolution_m": 2})
@@ -88,11 +88,11 @@ class OneLine(ImportTest):
         self.assertEqual(grid("--set", "grid.resolution_m=4"), {"half_width_m": 20, "resolution_m": 4})
         self.refuse(2, "terrain-gen", "--from", path, "--resolution", "0.001", "--check", words=["--half-width"])
         self.refuse(1, "terrain-gen", "--from", path, "--center", "0,0", "--check", words=["another center"])
-        # The same without --from: only the numbers of the configuration.
+        # Without --from the options only set the keys of the configuration.
         self.assertEqual(self.config_of("--half-width", "3", "--resolution", "1")["grid"],
                          {"half_width_m": 3, "resolution_m": 1})
 
-    def test_names_and_numbers_of_all_kinds(self):
+    def test_unusual_paths_and_negative_coordinates(self):
         self.projected(name="a: b,c.tif")
         self.succeed("terrain-gen", "--from", self.path("a: b,c.tif"), "-o", self.path("site 1.h5"))
         layer = f'NETCDF:"{self.path("site 1.h5")}":z'
@@ -119,8 +119,8 @@ class OneLine(ImportTest):
         self.refuse(1, "terrain-gen", "--from", self.path("none.tif"), "-o", output, words=["none.tif"])
         self.refuse(2, "terrain-gen", "--from", self.raster(), "-o", output, words=["--horizontal-scale"])
 
-    def test_a_tag_that_cannot_be_read_is_not_left_out(self):
-        """GDAL goes on without it: here, without a scale of 2."""
+    def test_a_tag_that_cannot_be_read_is_not_ignored(self):
+        """GDAL would ignore the tag, which here holds a scale of 2."""
         path = self.path("scaled.tif")
         gdal("gdal_translate", "-q", "-a_srs", UTM, "-a_scale", "2", self.raster(), path)
         with open(path, "r+b") as file:
@@ -129,7 +129,7 @@ class OneLine(ImportTest):
             count, = struct.unpack_from("<H", data, first)
             entry = next(at for at in range(first + 2, first + 2 + 12 * count, 12) if struct.unpack_from("<H", data, at) == (42112,))
             file.seek(entry + 8)
-            file.write(struct.pack("<I", len(data) + 1000))  # beyond the end
+            file.write(struct.pack("<I", len(data) + 1000))  # past the end of the file
         output = self.path("t.h5")
         self.refuse(1, "terrain-gen", "--from", path, "-o", output, words=[path, "cannot be read as a whole", "GDALMetadata"], output=output)
 
@@ -144,13 +144,13 @@ class Export(ImportTest):
         return self.path(name)
 
     def values(self, tif):
-        """All pixels by gdal_translate, north up."""
+        """The output of gdalinfo, and all pixels; row 0 is the northernmost."""
         gdal("gdal_translate", "-q", "-of", "ENVI", tif, self.path("raw"))
         info = json.loads(gdal("gdalinfo", "-json", tif))
         cols, rows = info["size"]
         return info, np.fromfile(self.path("raw"), "<f8").reshape(rows, cols)
 
-    def test_is_a_cloud_optimized_geotiff_of_the_same_nodes(self):
+    def test_writes_a_cloud_optimized_geotiff_of_the_same_nodes(self):
         for compression in ("1", "0"):
             terrain, tif = self.made(*CONE, "-O"), self.path(f"t{compression}.tif")
             self.succeed("terrain-gen", "--from", terrain, "-o", tif, "--compression", compression)
@@ -164,9 +164,9 @@ class Export(ImportTest):
             np.testing.assert_allclose(info["geoTransform"], [x[0] - 0.025, 0.05, 0, y[-1] + 0.025, 0, -0.05],
                                        atol=1e-12)
             self.assertIn("landfall site frame", info["coordinateSystem"]["wkt"])
-            place = gdal("gdallocationinfo", "-valonly", "-geoloc", tif, repr(x[700]), repr(y[900]))
-            self.assertEqual(float(place), z[900, 700])
-            # Each pixel of the first overview is the mean of 2 x 2 nodes, a corner of fewer.
+            value = gdal("gdallocationinfo", "-valonly", "-geoloc", tif, repr(x[700]), repr(y[900]))
+            self.assertEqual(float(value), z[900, 700])
+            # Each pixel of the first overview is the mean of 2 x 2 nodes, or of fewer at the edges.
             gdal("gdal_translate", "-q", "-of", "ENVI", "-outsize", "601", "601", "-r", "nearest", tif,
                  self.path("raw"))
             half = np.fromfile(self.path("raw"), "<f8").reshape(601, 601)
@@ -178,7 +178,7 @@ class Export(ImportTest):
         terrain, tif = self.made(*CONE), self.path("t.tif")
         self.succeed("terrain-gen", "--from", terrain, "-o", tif)
         if not shutil.which("gmt"):
-            self.skipTest("no GMT")
+            self.skipTest("GMT is not installed")
         extent = gdal("gmt", "grdinfo", "-C", tif).split("\t")[1:5]
         np.testing.assert_allclose([float(word) for word in extent], [-30.025, 30.025] * 2, atol=1e-6)
         points = subprocess.run(["gmt", "grd2xyz", tif, "-bo3d"], capture_output=True, check=True).stdout
@@ -186,16 +186,16 @@ class Export(ImportTest):
         points = np.frombuffer(points, float).reshape(len(y), len(x), 3)[::-1]
         np.testing.assert_allclose(points[..., 0], np.broadcast_to(x, z.shape), atol=1e-9)
         np.testing.assert_allclose(points[..., 1], np.broadcast_to(y[:, None], z.shape), atol=1e-9)
-        np.testing.assert_array_equal(points[..., 2], np.float32(z))  # GMT's grids are float32
+        np.testing.assert_array_equal(points[..., 2], np.float32(z))  # GMT stores grids as float32
 
-    def test_the_terrain_need_not_be_written_first(self):
-        """The GeoTIFF of a configuration equals that of its terrain.h5, byte for byte, for any number of threads."""
+    def test_a_configuration_is_exported_directly(self):
+        """The GeoTIFF of a configuration equals that of its terrain.h5, byte for byte, at any number of threads."""
         terrain = self.made(*CONE)
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("a.TIFF"), "-t", "1")
         self.made(*CONE, "-t", "2", name="b.tif")
         self.assertEqual(read_bytes(self.path("a.TIFF")), read_bytes(self.path("b.tif")))
 
-    def test_comes_back_as_it_was(self):
+    def test_an_exported_terrain_is_imported_unchanged(self):
         tif = self.path("t.tif")
         for source in ([], ["--from", self.projected(size=41)]):
             terrain = self.made(*source, *([] if source else CONE), "--set", "grid.resolution_m=0.25", "-O")
@@ -207,7 +207,7 @@ class Export(ImportTest):
                 back_x, _, back = self.nodes(self.path("back.h5"))
                 np.testing.assert_array_equal(back_x, x)
                 np.testing.assert_allclose(back, z, rtol=0, atol=tolerance)
-        self.assertIn("WGS 84", gdal("gdalinfo", tif))  # of the raster
+        self.assertIn("WGS 84", gdal("gdalinfo", tif))  # the CRS of the imported raster
 
     def test_holes_stay_holes(self):
         raster = self.path("holes.asc")
@@ -219,7 +219,7 @@ class Export(ImportTest):
         _, values = self.values(self.path("h.tif"))
         self.assertEqual(np.argwhere(np.isnan(values)).tolist(), [[3, 2], [3, 3]])
 
-    def test_refuses_what_it_cannot_do(self):
+    def test_unsupported_outputs_and_options_are_refused(self):
         terrain = self.made("--set", "grid.resolution_m=1")
         for name, words in [("t.xyz", [".xyz", ".h5", ".tif"]), ("t", [".h5"]), ("t.stl", [".obj", ".ply"]),
                             ("t2.h5", ["terrain.h5 already"]), ("t.h5", ["-O"])]:
@@ -236,7 +236,7 @@ class Export(ImportTest):
             file.attrs["complete"] = 0
         self.refuse(1, "terrain-gen", "--from", terrain, "-o", self.path("u.tif"), words=["incomplete"])
 
-    def test_a_full_disk_is_told(self):
+    def test_a_full_disk_is_reported(self):
         terrain = self.made("--set", 'base={"type":"fractal"}')
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("all.tif"))
         size = os.path.getsize(self.path("all.tif"))
@@ -250,8 +250,8 @@ class Export(ImportTest):
 
 
 class Network(ImportTest):
-    def test_a_file_leads_to_no_other_machine(self):
-        """A VRT and a WMS description that name a server of this machine: nobody calls it."""
+    def test_a_file_opens_no_network_connection(self):
+        """A VRT and a WMS description name a server on this machine, which receives no connection."""
         with socket.socket() as server:
             server.bind(("127.0.0.1", 0))
             server.listen()

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A terrain of more nodes than are loaded whole: scans and DEMs of it are those of the part that they need."""
+"""A terrain with more nodes than are loaded at once: its scans and DEMs equal those of the part that they need."""
 import json
 import shutil
 import unittest
@@ -10,7 +10,7 @@ import numpy as np
 
 from harness import SANITIZED, ToolTest, columns, read_bytes
 
-# 4201 x 4201 nodes, above the 2^24 that scan-sim and regrid load whole.
+# 4201 x 4201 nodes: more than the 2^24 up to which scan-sim and regrid load all nodes.
 TERRAIN = {"grid": {"half_width_m": 105, "resolution_m": 0.05},
            "base": {"type": "plane", "elevation_m": 2, "slope_x": 0.03, "slope_y": -0.02},
            "patterns": [{"type": "ring", "count": 12, "radius_m": 20, "feature": {"type": "cone", "radius_m": 3,
@@ -26,7 +26,7 @@ REGRID = {"resolution_m": 0.1, "half_width_m": 25}
 
 class LargeTerrain(ToolTest):
     def scanned(self, terrain, *options):
-        """(loaded summary, points, DEM layers) of a scan of this file."""
+        """(JSON summary, points, DEM layers) of a scan of this terrain."""
         name = terrain.rsplit(".", 1)[0]
         config, grid = self.config(SCAN, "scan.json"), self.config(REGRID, "regrid.json")
         scan, dem = self.path(name + "_scan.h5"), self.path(name + "_dem.h5")
@@ -41,7 +41,7 @@ class LargeTerrain(ToolTest):
                 np.testing.assert_allclose(part[name], other[name], rtol=0, atol=1e-9, err_msg=name)
 
     def cropped(self, name, nodes):
-        """The middle of the large terrain as a file of its own, which is loaded whole."""
+        """Writes the middle of the large terrain to a separate file, small enough to be loaded completely."""
         shutil.copy(self.path("large.h5"), self.path(name))
         with h5py.File(self.path(name), "a") as file:
             x, z = file["x"][()], file["z"][()]
@@ -56,13 +56,13 @@ class LargeTerrain(ToolTest):
         with h5py.File(self.path(name), "a") as file:
             change(file)
 
-    def test_what_is_loaded_does_not_show(self):
+    def test_results_do_not_depend_on_the_loaded_part(self):
         self.succeed("terrain-gen", "-c", self.config(TERRAIN), "-o", self.path("large.h5"))
         large = self.scanned("large.h5")
         self.cropped("middle.h5", 1401)
         self.check_same(large, self.scanned("middle.h5"))
         if not SANITIZED:
-            self.assertLess(large[0]["peak_memory_bytes"], 4201**2 * 16)  # the nodes and their pyramid alone take more
+            self.assertLess(large[0]["peak_memory_bytes"], 4201**2 * 16)  # all nodes and their pyramid would take more
 
         def without_range(file):
             del file["z"].attrs["actual_range"]
@@ -70,7 +70,7 @@ class LargeTerrain(ToolTest):
         def contiguous(file):
             z = file["z"][()]
             del file["z"]
-            file["z"] = z  # no chunks, no range
+            file["z"] = z  # without chunks and without actual_range
 
         for name, change in (("no_range.h5", without_range), ("contiguous.h5", contiguous)):
             self.rewritten(name, change)
@@ -82,7 +82,7 @@ class LargeTerrain(ToolTest):
         self.succeed("scan-sim", *scan, "-t", "7", "-o", self.path("seven.h5"))
         self.assertEqual(read_bytes(one), read_bytes(self.path("seven.h5")))
 
-    def test_a_range_that_is_wrong_is_refused(self):
+    def test_a_wrong_actual_range_is_refused(self):
         self.succeed("terrain-gen", "-c", self.config(TERRAIN), "-o", self.path("large.h5"))
 
         def wrong(file):

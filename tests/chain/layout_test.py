@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layout of the four files, dataset by dataset, and that other programs open them."""
+"""The layout of the four files, dataset by dataset, and how other programs open them."""
 import json
 import os
 import re
@@ -73,7 +73,7 @@ class Layout(ChainTest):
                         self.assertTrue(item.attrs.get("units"), f"{name}: {key} has no units")
                         self.assertTrue(item.attrs.get("long_name"), f"{name}: {key} has no long_name")
 
-    def test_only_types_that_every_reader_opens_no_links_no_times(self):
+    def test_only_portable_types_and_no_links_or_times(self):
         for name in TOOLS:
             with h5py.File(self.chain.output(name)) as file:
                 for key, item in items(file).items():
@@ -158,7 +158,7 @@ class Layout(ChainTest):
                 self.assertEqual(item.dtype.str, POINTS[key].replace(FLOAT64, FLOAT32))
                 np.testing.assert_array_equal(item[()], plain["points"][key][()].astype(item.dtype))
 
-    def test_evaluation_has_its_holes_and_metrics(self):
+    def test_evaluation_has_holes_and_metrics(self):
         with h5py.File(self.chain.eval) as file, open(self.chain.metrics, encoding="utf-8") as metrics:
             self.assertEqual(json.loads(file["metrics_json"].asstr()[()]), json.load(metrics))
             self.assertEqual(len(file["holes/id"]), json.loads(file["metrics_json"].asstr()[()])["coverage"]["hole_count"])
@@ -181,7 +181,7 @@ class Layout(ChainTest):
 
 
 class Readers(ChainTest):
-    """Programs of others open the files as the contract promises."""
+    """Other programs open the files as the pages of docs/user/files say."""
 
     def output_of(self, *command):
         if not shutil.which(command[0]):
@@ -201,7 +201,7 @@ class Readers(ChainTest):
                 self.assertRegex(info["coordinateSystem"]["wkt"], r"^(PROJ|LOCAL_|ENG)\w*\[", layer)
 
     def test_gdal_reads_the_values_north_up(self):
-        x, y = 1.5, 0.5  # the cone's top
+        x, y = 1.5, 0.5  # the top of the cone
         if not shutil.which("gdallocationinfo"):
             self.skipTest("gdallocationinfo is not installed")
         text = self.output_of("gdallocationinfo", "-valonly", "-geoloc", f'NETCDF:"{self.chain.terrain}":z',

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mesh terrains through the four tools: against numpy over all facets, and byte for byte at any thread count."""
+"""Mesh terrains through the four tools: against numpy over all facets, and the same bytes at any number of threads."""
 import json
 import os
 import unittest
@@ -14,16 +14,16 @@ DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"],
 BOULDER = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "meshes", "boulder.obj")
 ITOKAWA = os.path.join(DATA, "mesh", "itokawa_49152f.obj")
 
-# A quarter turn of the map, and a step up.
+# Twice the size, rotated by 90 degrees about the vertical, and shifted; placed() does the same in numpy.
 PLACEMENT = {"scale_m": 2, "rotate_rpy_deg": [0, 0, 90], "translate_m": [0.5, -0.25, 0.125]}
 
 
-def place(points):
+def placed(points):
     return 2 * np.stack([-points[:, 1], points[:, 0], points[:, 2]], axis=1) + [0.5, -0.25, 0.125]
 
 
 def rolling_ground_with_a_roof():
-    """A sheet of 41 x 41 vertices without a straight line, and a slab above it that overhangs."""
+    """An irregular sheet of 41 x 41 vertices, and a slab that overhangs it."""
     random = np.random.default_rng(5)
     x, y = np.meshgrid(np.linspace(-4, 4, 41), np.linspace(-4, 4, 41))
     x[:, 1:-1] += random.uniform(-0.06, 0.06, (41, 39))
@@ -54,7 +54,7 @@ def fans(faces):
 
 
 def ranges_from(origin, directions, corners):
-    """First hits of rays with one origin on all triangles (F, 3, 3); NaN for misses."""
+    """Ranges of rays from one origin to their first hits on triangles (F, 3, 3); NaN for misses."""
     a, b, c = (corners[:, i] - origin for i in range(3))
     normals = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
     volume = np.einsum("ij,ij->i", a, np.cross(b, c))
@@ -70,7 +70,7 @@ def ranges_from(origin, directions, corners):
 
 
 def highest(x, y, corners):
-    """H at places (N,) from all triangles (F, 3, 3); NaN off the mesh."""
+    """The highest elevation of triangles (F, 3, 3) at points (N,); NaN off the mesh."""
     result = np.full(len(x), -np.inf)
     for a, b, c in corners:
         u = (b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)
@@ -90,14 +90,14 @@ def flash(rows, pitch, position, **values):
 
 
 def flash_directions(rows, pitch):
-    """Pixel directions in order, the top row towards +y: nominal mount, no roll."""
+    """Directions of the pixels in order, the top row towards +y, for the nominal mount without roll."""
     u = (np.arange(rows) - (rows - 1) / 2) * pitch
     d = np.array([[ub, va, -1] for va in u[::-1] for ub in u])
     return d / np.linalg.norm(d, axis=1)[:, None]
 
 
 def facets_of(path):
-    """(facets, 3 corners, xyz) of an OBJ, or a binary PLY as terrain-gen writes it."""
+    """The facets, (facet, corner, xyz), of an OBJ or of a binary PLY as terrain-gen writes it."""
     if path.endswith(".obj"):
         with open(path, encoding="ascii") as file:
             lines = [line.split() for line in file]
@@ -115,7 +115,7 @@ def facets_of(path):
 
 
 def grid_facets(x, y, z):
-    """The triangles of a terrain's grid, each cell cut from lower right to upper left."""
+    """The triangles of a terrain's grid: each cell is split along the diagonal from lower right to upper left."""
     points = np.stack([*np.meshgrid(x, y), z], axis=2)
     low, right, up, far = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
     cells = np.stack([np.stack([low, right, up], axis=2), np.stack([right, far, up], axis=2)], axis=2)
@@ -143,11 +143,11 @@ class MeshTest(ToolTest):
     def test_chain(self):
         vertices, faces = rolling_ground_with_a_roof()
         terrain, summary = self.terrain(vertices, faces, **PLACEMENT)
-        corners = place(vertices)[fans(faces)]
+        corners = placed(vertices)[fans(faces)]
         self.assertEqual([summary[k] for k in ["vertex_count", "triangle_count", "welded_vertex_count"]],
                          [1689, 3212, 0])
         with h5py.File(terrain) as file:
-            np.testing.assert_allclose(file["mesh/vertices"][:], place(vertices), atol=1e-15)
+            np.testing.assert_allclose(file["mesh/vertices"][:], placed(vertices), atol=1e-15)
             self.assertEqual(file["mesh/triangles"].shape, (3212, 3))
             self.assertEqual(file["mesh/triangles"].dtype, np.int32)
             self.assertEqual(file["mesh/vertices"].attrs["units"], "m")
@@ -164,7 +164,7 @@ class MeshTest(ToolTest):
             hit = scan["points/status"][:] == 0
             x, y, z = (scan["points/" + k][:][hit][::40] for k in ["x_true", "y_true", "z_true"])
             self.assertGreater(len(x), 400)
-            # Seen from above, a first hit is seldom far from the highest surface, and never above it.
+            # Seen from above, most first hits are on the highest surface, and none is above it.
             H = highest(x, y, corners)
             self.assertLess(np.max(z - H), 1e-9)
             self.assertGreater(np.mean(np.abs(z - H) < 1e-9), 0.9)
@@ -174,12 +174,12 @@ class MeshTest(ToolTest):
             Y = dem["y"][:][rows] + dem["y_true"][:][rows, cols] - dem["y_est_mean"][:][rows, cols]
             z_true = dem["z_true"][:][rows, cols]
             H = highest(X, Y, corners)
-            near = np.abs(z_true - H) < 1e-5  # x_est_mean is float32; the slab's walls are steps
+            near = np.abs(z_true - H) < 1e-5  # x_est_mean is float32, and the slab's walls are steps
             self.assertGreater(np.mean(near), 0.98)
         with h5py.File(self.path("scan_eval.h5")) as evaluation:
             self.assertLess(np.nanmedian(np.abs(evaluation["e_z"][:])), 0.05)
 
-    def test_same_bytes_at_any_thread_count(self):
+    def test_the_same_bytes_at_any_thread_count(self):
         vertices, faces = rolling_ground_with_a_roof()
         self.terrain(vertices, faces, **PLACEMENT)
         config = with_values(SCAN, noise__incidence_sigma_rad=1e-4)
@@ -235,13 +235,13 @@ class MeshTest(ToolTest):
         again = self.succeed("terrain-gen", "-c", self.config(first, "again.json"), "--print-config").stdout
         self.assertEqual(first, again)
 
-    def test_import_and_export_on_one_line(self):
+    def test_import_and_export_by_options(self):
         vertices, faces = rolling_ground_with_a_roof()
         source = self.write("m.off", off_text(vertices, faces))
-        place_it = ["--set", "mesh.scale_m=2", "--set", "mesh.rotate_rpy_deg=[0,0,90]", "--set",
+        placement = ["--set", "mesh.scale_m=2", "--set", "mesh.rotate_rpy_deg=[0,0,90]", "--set",
                     "mesh.translate_m=[0.5,-0.25,0.125]"]
         short, (long, _) = self.path("short.h5"), self.terrain(vertices, faces, **PLACEMENT)
-        self.succeed("terrain-gen", "--from", source, "-o", short, *place_it)
+        self.succeed("terrain-gen", "--from", source, "-o", short, *placement)
         with h5py.File(short) as a, h5py.File(long) as b:
             for key in ("vertices", "triangles"):
                 np.testing.assert_array_equal(a["mesh"][key][()], b["mesh"][key][()])
@@ -249,7 +249,7 @@ class MeshTest(ToolTest):
         for name in ("m.obj", "m.ply"):
             self.succeed("terrain-gen", "--from", short, "-o", self.path(name))
             np.testing.assert_array_equal(facets_of(self.path(name)), expected)
-            self.succeed("terrain-gen", "--from", source, "-o", self.path("direct_" + name), *place_it)
+            self.succeed("terrain-gen", "--from", source, "-o", self.path("direct_" + name), *placement)
             self.assertEqual(read_bytes(self.path("direct_" + name)), read_bytes(self.path(name)))
             again = self.path(name + ".h5")
             self.succeed("terrain-gen", "--from", self.path(name), "-o", again)
@@ -259,7 +259,7 @@ class MeshTest(ToolTest):
         self.refuse(2, "terrain-gen", "--from", source, "-o", self.path("x.h5"), "--half-width", "3",
                     words=["mesh.scale_m"])
 
-    def test_a_grid_as_a_mesh_is_its_triangles(self):
+    def test_a_grid_exported_as_a_mesh_keeps_its_triangles(self):
         terrain, config = self.path("g.h5"), self.path("g.json")
         with open(config, "w", encoding="ascii") as file:
             json.dump({"grid": {"half_width_m": 4, "resolution_m": 0.25}, "base": {"type": "fractal"},
@@ -297,7 +297,7 @@ class MeshTest(ToolTest):
         self.refuse(1, "scan-sim", "-c", scan, "--terrain", terrain, "-o", out, words=["declares more"], output=out)
 
     def check_body(self, path, scale, height, pitch):
-        """An OBJ of a whole body: its counts, and a flash from `height` above it against numpy over all facets."""
+        """Checks the counts of a body's OBJ, and a flash scan from `height` above it against numpy over all facets."""
         config = self.config({"mesh": {"path": path, "scale_m": scale}}, "terrain.json")
         terrain = self.path("body.h5")
         summary = json.loads(self.succeed("terrain-gen", "-c", config, "-o", terrain, "--json").stdout)

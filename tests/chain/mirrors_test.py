@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mechanisms that steer by mirrors or turn the camera, in whole scans: replay, blanking, what the lander believes."""
+"""Scanners that steer by mirrors or turn the camera, in whole scans: replay as tables, blanking, errors of the estimate."""
 import unittest
 
 import numpy as np
@@ -14,7 +14,7 @@ PULSE_RATE_HZ = 2000
 
 class Mirrors(ChainTest):
     def arguments(self, scanner, *options):
-        """A scan without any error but the scanner's own."""
+        """Arguments of a scan without errors other than the scanner's."""
         config = dict(CONFIGS["scan-sim"], scanner=scanner)
         for part in ("noise", "navigation_error"):
             del config[part]
@@ -68,18 +68,18 @@ class Mirrors(ChainTest):
         blanked = np.zeros(LINES * PULSES_PER_LINE, dtype=bool)
         blanked[points["pulse"][points["status"] == 4]] = True
         expected = np.arange(blanked.size) % PULSES_PER_LINE < blanked_pulses
-        expected[:PULSES_PER_LINE] = False  # the first line begins without a jump
+        expected[:PULSES_PER_LINE] = False  # no jump precedes the first line
         np.testing.assert_array_equal(blanked, expected)
 
-    def test_settling_moves_the_truth_and_the_estimate_alike(self):
+    def test_settling_moves_truth_and_estimate_equally(self):
         points, _ = self.scan(self.fsm(settle_time_s=0.002))
         ideal, _ = self.scan(self.fsm())
         off = np.hypot(points["x_true"] - ideal["x_true"], points["y_true"] - ideal["y_true"])
-        place = points["pulse"] % PULSES_PER_LINE
+        position_in_line = points["pulse"] % PULSES_PER_LINE
         first_line = points["pulse"] < PULSES_PER_LINE
         self.assertEqual(np.nanmax(off[first_line]), 0)
-        self.assertGreater(np.nanmin(off[~first_line & (place == 0)]), 6)  # still at the end of the line before
-        self.assertLess(np.nanmax(off[~first_line & (place > 12)]), 0.02)
+        self.assertGreater(np.nanmin(off[~first_line & (position_in_line == 0)]), 6)  # still at the end of the previous line
+        self.assertLess(np.nanmax(off[~first_line & (position_in_line > 12)]), 0.02)
         self.assert_equal_where_hit(points, "est", points, "true")
 
     def assert_equal_where_hit(self, first, first_kind, second, second_kind):
@@ -87,26 +87,26 @@ class Mirrors(ChainTest):
         for axis in "xyz":
             np.testing.assert_array_equal(first[f"{axis}_{first_kind}"][hit], second[f"{axis}_{second_kind}"][hit])
 
-    def test_encoder_noise_moves_the_estimate_only_and_no_other_draw(self):
+    def test_encoder_noise_moves_only_the_estimate_and_changes_no_draw(self):
         noise = ["--set", "noise.range_sigma_m=0.01", "--set", "noise.dropout_frac=0.1"]
         plain, _ = self.scan(self.fsm(), *noise)
         noisy, _ = self.scan(self.fsm(encoder_sigma_rad=1e-4), *noise)
         for name in ("status", "x_true", "y_true", "z_true", "range_true", "range_measured"):
             np.testing.assert_array_equal(plain[name], noisy[name])
         moved = np.hypot(plain["x_est"] - noisy["x_est"], plain["y_est"] - noisy["y_est"])
-        # 50 m x 1e-4 x gains 2 and 2 cos 45 deg: rms sqrt(4 + 2) x 5 mm.
+        # At 50 m, 1e-4 rad with gains 2 and 2 cos 45 deg give an RMS of sqrt(4 + 2) x 5 mm.
         self.assertAlmostEqual(np.sqrt(np.nanmean(moved**2)), np.sqrt(6) * 0.005, delta=0.0015)
 
-    def test_lag_is_the_way_of_the_aim_during_the_flight(self):
+    def test_lag_is_the_motion_of_the_aim_during_the_time_of_flight(self):
         points, _ = self.scan(self.fsm(tof_lag=True), "--set", "laser.pulse_rate_hz=20000", "--set",
                               "laser.scan_time_s=0.02")
         inside = points["status"] == 0
         step_m = 8 / (PULSES_PER_LINE - 1)
         flight_s = 2 * 50 / 299792458
         lag = np.hypot(points["x_true"] - points["x_est"], points["y_true"] - points["y_est"])[inside]
-        # The estimate puts the range on the beam at the pulse; the relief tilts the two apart a little.
+        # The estimated point lies on the beam at pulse time; the slope of the terrain changes the distance slightly.
         self.assertAlmostEqual(np.median(lag), step_m * flight_s * 20000, delta=2e-4)
-        self.assertLess(lag.max(), 2 * np.median(lag))  # at the ends of lines too
+        self.assertLess(lag.max(), 2 * np.median(lag))  # also at the ends of lines
 
     def test_bad_values_are_refused_by_name(self):
         bad = {"/scanner/focal_distance_m": self.fsm(focal_distance_m=-1),

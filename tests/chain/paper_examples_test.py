@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's three examples at full size, run as a user runs them: by Makefile.studies.
+"""The paper's three examples at full size, run by Makefile.studies as a user would.
 
-Numbers come from docs/reference/paper.md: what the paper fixes, and what two independent codes of ours agree on. The paper's own
-1,681 failing footprints depend on cone positions that it does not publish; nothing here asserts them.
+docs/reference/paper.md gives the expected numbers: those that the paper determines, and those on which our two independent
+implementations agree. The paper's 1,681 failing footprints are not tested, because they depend on unpublished cone positions.
 """
 import json
 import os
@@ -56,7 +56,7 @@ class Example(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         if cls.name is None:
-            raise unittest.SkipTest("the base of the examples")
+            raise unittest.SkipTest("base class of the examples")
         cls.runs = pathlib.Path(tempfile.mkdtemp(prefix="landfall-paper-"))
         cls.addClassCleanup(shutil.rmtree, cls.runs)
         make(cls.runs, f"{cls.name}/eval.h5", dem=cls.dem)
@@ -83,7 +83,7 @@ class Cones(Example):
     axes = None
 
     def assert_errors_belong_to_cones(self):
-        """Without noise flat ground is exact, and every footprint that fails touches a cone."""
+        """Without noise, flat ground has no error, and every failing footprint touches a cone."""
         distance = distance_to_axes(self.x, self.y, self.axes)
         flat = self.region & (distance > CONE_RADIUS_M + 0.2) & (self.count > 0)
         self.assertLess(np.max(np.abs(self.e_z[flat])), 1e-9)
@@ -103,7 +103,7 @@ class Example1(Cones):
         self.assert_count_near(self.violations()["z"], 64601, 1e-3)
         self.assertAlmostEqual(self.metrics["accuracy"]["relative"]["z"]["max_m"], 0.0855, delta=0.0005)
 
-    def test_elevation_errors_keep_the_papers_bound(self):
+    def test_elevation_errors_are_within_the_papers_bound(self):
         e_z = self.e_z[self.region & (self.count > 0)]
         self.assertGreaterEqual(e_z.min(), -0.103)
         self.assertLessEqual(e_z.max(), 0.1035)
@@ -160,14 +160,14 @@ class Example2(Example):
 class Example3(Example):
     name = "example-3"
 
-    def test_absolute_errors_grow_down_the_map(self):
+    def test_absolute_errors_grow_southwards(self):
         absolute = self.metrics["accuracy"]["absolute"]
         for axis in "xy":
             self.assertAlmostEqual(absolute[axis]["max_m"], 0.6, delta=0.03)
         self.assertAlmostEqual(absolute["z"]["max_m"], 1.4, delta=0.06)
         rows = np.nanmean(np.where(self.region, self.e_z, np.nan)[50:-50], axis=1)
         top, bottom = rows[-100:].mean(), rows[:100].mean()
-        self.assertLess(top, 0.1)  # row 0 is the southern one, scanned last
+        self.assertLess(top, 0.1)  # row 0 is the southernmost, scanned last
         self.assertGreater(bottom, 1.3)
 
     def test_relative_requirements_pass(self):

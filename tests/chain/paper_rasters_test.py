@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of the map the raster leaves uncovered, by how the mirror is driven: the paper's scan at full size.
+"""Bins that the paper's raster scan at full size leaves uncovered, for each way of driving the mirror.
 
-The numbers are of an independent code on the same scene: ten cones on a 25 m ring, 40,000 pulses of 18 x 18 pixels from
-500 m, 5 cm bins, 3,141,521 bins in the region. What it counts on the flanks of the cones depends on roundings.
+The expected numbers come from an independent implementation of the same scene: ten cones on a 25 m ring, 40,000 pulses of
+18 x 18 pixels from 500 m, 5 cm bins, 3,141,521 bins in the region. Counts on the flanks of the cones depend on rounding.
 """
 import json
 import os
@@ -44,18 +44,18 @@ class Rasters(unittest.TestCase):
         self.assertEqual(found["region"]["bin_count"], 3141521)
         return found["coverage"]["invalid_count"]
 
-    def test_line_by_line_the_direction_does_not_matter(self):
+    def test_lines_in_either_direction_cover_equally(self):
         for direction in ("unidirectional", "boustrophedon"):
             self.assertAlmostEqual(self.invalid_bins(direction=direction), 106, delta=8)
 
-    def test_without_compensation_the_rim_stays_empty(self):
+    def test_without_compensation_the_rim_is_uncovered(self):
         self.assertAlmostEqual(self.invalid_bins(compensated=False), 74932, delta=100)  # 2.4 %
 
-    def test_rows_that_ramp_all_in_one_direction_cover(self):
+    def test_ramps_in_one_direction_cover(self):
         self.assertAlmostEqual(self.invalid_bins(ramped=True), 77, delta=8)
 
-    def test_rows_that_ramp_to_and_fro_leave_wedges(self):
-        # Millimetres in where a ramp begins change this count by some 300.
+    def test_ramps_in_alternating_directions_leave_wedges(self):
+        # Shifting the start of a ramp by millimetres changes this count by about 300.
         self.assertAlmostEqual(self.invalid_bins(ramped=True, direction="boustrophedon"), 100520, delta=300)  # 3.2 %
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""scan-sim --plan against what a traced scan of flat ground shows, counted here."""
+"""scan-sim --plan against counts from a traced scan of flat ground."""
 import json
 import os
 import subprocess
@@ -11,7 +11,7 @@ import numpy as np
 
 from harness import CONFIGS, ChainTest, columns, read_bytes, with_values
 
-# 5 m about the origin, bins of 10 cm; the scan's lines are 8 m long and its last ones lie outside.
+# The scan reaches 6 m from the origin, and the region 5 m, so that some returns lie outside the region.
 SCAN = with_values(CONFIGS["scan-sim"], scanner__pattern__half_width_m=6)
 REGION = ["--plan-radius", 5, "--plan-resolution", 0.1]
 
@@ -20,7 +20,7 @@ class Plan(ChainTest):
     def plan(self, *options):
         return self.succeed("scan-sim", "-c", self.config(SCAN), "--plan", *REGION, *options)
 
-    def test_it_counts_what_a_traced_scan_returns(self):
+    def test_counts_are_those_of_a_traced_scan(self):
         flat = self.path("flat.h5")
         self.succeed("terrain-gen", "-o", flat, "--set", 'grid={"half_width_m":20,"resolution_m":1}')
         self.succeed("scan-sim", "-c", self.config(SCAN), "--terrain", flat, "-o", self.path("scan.h5"), "--keep-misses")
@@ -65,7 +65,7 @@ class Plan(ChainTest):
                           int((per_pulse[1] == 0).sum()), 0, 400])
         self.assertAlmostEqual(plan["time"]["total"]["time_s"], 0.2)
 
-    def test_threads_change_no_byte(self):
+    def test_the_same_bytes_at_any_thread_count(self):
         for threads in (1, 2, 7):
             self.plan("-o", self.path(f"{threads}.h5"), "-t", threads)
         self.assertEqual(len({read_bytes(self.path(f"{n}.h5")) for n in (1, 2, 7)}), 1)
@@ -79,7 +79,7 @@ class Plan(ChainTest):
         self.assertEqual(summary["plan"]["time"]["total"]["pulse_count"], 400)
         self.assertIn("plan", summary["phases"])
 
-    def test_what_does_not_go_together_is_refused(self):
+    def test_conflicting_options_are_refused(self):
         self.refuse(2, "scan-sim", "--plan", "--terrain", self.chain.terrain, words=["--plan", "--terrain"])
         self.refuse(2, "scan-sim", "--plan-radius", 5, words=["--plan"])
         self.refuse(2, "scan-sim", "--plan", "--plan-radius", 0, words=["--plan-radius", "0"])
@@ -87,13 +87,13 @@ class Plan(ChainTest):
         self.refuse(2, "scan-sim", "--plan", "--plan-resolution", 1e-6, words=["2^30"])
 
     def test_a_lander_below_the_ground_is_refused_by_pulse(self):
-        # 2.49 m up, sinking at 5 m/s: it meets the ground after 0.498 s, wherever it is.
+        # From 2.49 m at 5 m/s the lander meets the ground after 0.498 s, at any horizontal position.
         for x_m in (0, -4000):
             self.refuse(1, "scan-sim", "--plan", "--set", 'scanner={"type":"flash"}', "--set", "laser.pulse_rate_hz=100",
                         "--set", f"trajectory.position_m=[{x_m},0,2.49]", "--set", "trajectory.velocity_mps=[0,0,-5]",
                         words=["pulse 50:", "below the terrain"])
 
-    def test_the_picture(self):
+    def test_the_figure(self):
         self.plan("-o", self.path("plan.h5"))
         script = os.path.join(os.environ["LANDFALL_ROOT"], "python", "commands", "plot_plan.py")
         subprocess.run(["/usr/bin/python3", script, self.path("plan.h5"), "--dpi", "50"], check=True,

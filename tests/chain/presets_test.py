@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The presets of studies/presets and the patterns' defaults cover what the pages of docs/user/lidar say."""
+"""The presets of studies/presets and the default patterns have the coverage that the pages of docs/user/lidar state."""
 import glob
 import json
 import os
@@ -25,7 +25,7 @@ class Presets(ToolTest):
         self.assertEqual(sorted(os.path.basename(path).removesuffix(".scan.json") for path in files),
                          sorted(row[0] for row in rows()))
 
-    def test_plans(self):
+    def test_plans_give_the_numbers_of_the_table(self):
         for name, returns, seconds, radius, resolution, per_bin, uncovered in rows():
             with self.subTest(name):
                 config = os.path.join(ROOT, "studies", "presets", name + ".scan.json")

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""--ranges-from: the errors of an earlier scan drawn anew."""
+"""scan-sim --ranges-from: the errors of an earlier scan are drawn again."""
 import json
 import unittest
 
@@ -22,7 +22,7 @@ class RangesFrom(ChainTest):
                 self.path(output), *options]
 
     def test_equals_a_traced_run_byte_for_byte(self):
-        """Where the rows are those of the source, its true columns are copied; the bytes do not tell."""
+        """If the rows are those of the source, its true columns are copied instead of computed, with the same bytes."""
         no_losses = [*self.OTHER_ERRORS, *self.NO_LOSSES]
         for source_options in (self.NO_LOSSES, ["--keep-misses"], [*self.NO_LOSSES, "--keep-misses"],
                                [*self.NO_LOSSES, "--compression", "0"]):
@@ -36,7 +36,7 @@ class RangesFrom(ChainTest):
                     self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
 
     def test_pulses_that_lack_pixels(self):
-        """Rays beside the terrain leave no row: pixels, not rows, say whose range it is."""
+        """Rays that miss the terrain leave no row, so ranges are assigned by pixel and not by row."""
         wide = ["--set", "scanner.pattern.half_width_m=6", *self.NO_LOSSES]
         self.scan("source.h5", *wide)
         points = columns(self.path("source.h5"), "pulses")["point_count"]
@@ -53,7 +53,7 @@ class RangesFrom(ChainTest):
         self.succeed(*self.replay_arguments("source.h5", "replayed.h5", *more, "--seed", "3"))
         self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
 
-    def test_a_source_whose_columns_do_not_fit_is_refused(self):
+    def test_a_source_whose_columns_differ_in_length_is_refused(self):
         self.scan("source.h5", *self.NO_LOSSES)
         with h5py.File(self.path("source.h5")) as file:
             rows = file["points/x_true"].shape[0]
@@ -72,7 +72,7 @@ class RangesFrom(ChainTest):
             self.refuse(2, *self.replay_arguments("source.h5", "out.h5", "--set", f"{key}={value}"),
                         words=["/" + key.replace(".", "/")], output=self.path("out.h5"))
 
-    def test_another_table_of_pixels_is_refused(self):
+    def test_a_different_table_of_pixels_is_refused(self):
         pixels = {"rows": 1, "columns": 2, "distribution": {"path": self.path("pixels.csv")}}
         table = ["--set", "detector=" + json.dumps(pixels)]
         with open(self.path("pixels.csv"), "w", encoding="utf-8") as file:
@@ -92,8 +92,8 @@ class RangesFrom(ChainTest):
         self.scan("single.h5", *self.NO_LOSSES, "--float32")
         self.refuse(2, *self.replay_arguments("single.h5", "out.h5"), words=["single precision"])
 
-    def test_a_source_with_a_foreign_configuration_is_refused(self):
-        """Its errors may be of any shape; what is known of the truth must be the same all the same."""
+    def test_a_source_with_a_malformed_configuration_is_refused(self):
+        """A malformed error configuration in the source is refused, and the message names the source."""
         for key, value in [("pointing_error", 5), ("pointing_error", [1]), ("noise", 5), ("noise", {"dropout_frac": "0"})]:
             self.scan("source.h5", *self.NO_LOSSES)
             with h5py.File(self.path("source.h5"), "r+") as file:
@@ -102,7 +102,7 @@ class RangesFrom(ChainTest):
             self.refuse(2, *self.replay_arguments("source.h5", "out.h5", *self.NO_LOSSES), words=["source.h5"],
                         output=self.path("out.h5"))
 
-    def test_another_terrain_is_refused(self):
+    def test_a_different_terrain_is_refused(self):
         self.scan("source.h5", *self.NO_LOSSES)
         self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "--set", "base.elevation_m=0.125", "-O",
                      "-o", self.path("other.h5"))

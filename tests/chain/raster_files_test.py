@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rasters and meshes of testdata/, and real ones in the folder LANDFALL_DATA, through terrain-gen: loaded as other readers have them,
-or refused with a reason, quickly and in little memory. docs/user/terrain-files.md is what comes out.
+"""terrain-gen on the rasters and meshes of testdata/ and on the real ones in the folder LANDFALL_DATA: each file loads with
+the values that another reader gives, or is refused with a reason, quickly and in little memory. The results are listed in
+docs/user/terrain-files.md.
 
-usage: raster_files_test.py [--write]   --write renews the table
+usage: raster_files_test.py [--write]   --write updates the page
 """
 import os
 import re
@@ -18,7 +19,7 @@ import numpy as np
 
 import raster_readers as readers
 from harness import SANITIZED, ToolTest, read_bytes, tool
-from raster_readers import Cells, Degrees, Turned
+from raster_readers import Cells, Degrees, Rotated
 
 ROOT = os.environ["LANDFALL_ROOT"]
 TESTDATA = os.path.join(ROOT, "testdata")
@@ -30,7 +31,7 @@ EXACT = ["--interpolation", "nearest", "--datum", "none"]
 
 
 class Loads:
-    """A file that must load: its kind, the options that it takes, and what another reader says of its nodes."""
+    """A raster that must load: its kind, the options for it, another reader of its values, and the pixels of its nodes."""
 
     def __init__(self, kind, options, values, pixels, tolerance=0):
         self.kind, self.options, self.values, self.pixels = kind, options, values, pixels
@@ -38,7 +39,7 @@ class Loads:
 
 
 class LoadsMesh:
-    """A mesh that must load, its facets `scale` times those of a Wavefront OBJ: its own, or the one of the same body."""
+    """A mesh that must load; its facets are `scale` times those of `obj`, a Wavefront OBJ of the same body."""
 
     def __init__(self, kind, options, scale, obj):
         self.kind, self.options, self.scale, self.obj = kind, options, scale, obj
@@ -105,7 +106,7 @@ TESTDATA_FILES = {
     "rasters/relief_europa_10m.tif": Loads("GeoTIFF, orthographic, float32", "", readers.tiff, Cells((52, 52), 10)),
     "rasters/relief_moon_1m.tif": Loads("GeoTIFF, polar stereographic, float32", "", readers.tiff, Cells((64, 64), 1)),
     "rasters/rotated.tif": Loads(
-        "GeoTIFF, float64, turned by 53 degrees and mirrored", "--center-pixel 22,22", readers.tiff, Turned((22, 22), (3, 4), (4, -3))),
+        "GeoTIFF, float64, turned by 53 degrees and mirrored", "--center-pixel 22,22", readers.tiff, Rotated((22, 22), (3, 4), (4, -3))),
     "rasters/south_up.tif": Loads(
         "GeoTIFF, south up, float32", "--center-pixel 25,20", readers.tiff, Cells((25, 20), 5, -5)),
     "rasters/three_bands_minus_inf.tif": Loads(
@@ -240,8 +241,8 @@ REAL_FILES = {
     "mesh/itokawa_49152f.obj": LoadsMesh(
         "Wavefront OBJ, kilometres", "--set mesh.scale_m=1000", 1000, os.path.join(DATA, "mesh/itokawa_49152f.obj")),
 }
-# How a malformed file is read: unchanged, small, large, with and without a scale, at a corner.
-WAYS = [f"{site}{scale}{center}" for site in ["", "--half-width 1 --resolution 1", "--half-width 60 --resolution 0.05"]
+# Options with which malformed rasters are read: none, a small and a large site, with and without a scale, at a corner.
+OPTIONS = [f"{site}{scale}{center}" for site in ["", "--half-width 1 --resolution 1", "--half-width 60 --resolution 0.05"]
         for scale in ["", " --horizontal-scale 1", " --horizontal-scale 1000"]
         for center in ["", " --center-pixel 2,2 --datum none --interpolation nearest"]]
 HEAD = """# How raster and mesh files load
@@ -258,7 +259,7 @@ COLUMNS = """
 
 
 class Run:
-    """One run of terrain-gen, timed; its peak memory is an upper bound (it includes that of the fork)."""
+    """One run of terrain-gen with its time and an upper bound of its peak memory (it includes that of the fork)."""
 
     def __init__(self, *arguments):
         start = time.perf_counter()
@@ -272,14 +273,14 @@ class Run:
 
 
 def sections():
-    """{title: text} of the page, with its head under the empty title."""
+    """{title: text} of the page's sections; the head of the page has an empty title."""
     with open(TABLE, encoding="utf-8") as file:
         head, *rest = re.split(r"^## (.*)\n", file.read(), flags=re.M)
     return {"": head.rstrip() + "\n"} | {title: text.rstrip() + "\n" for title, text in zip(rest[::2], rest[1::2])}
 
 
 def read_table(title):
-    """The rows of a part of the page, without those that head the columns."""
+    """The rows of a section's table, without its header."""
     return sections()[title].removeprefix(COLUMNS).splitlines()
 
 
@@ -289,13 +290,13 @@ def write_table(title, rows):
         file.write("\n".join((f"## {name}\n" if name else "") + text for name, text in tables.items()))
 
 
-def words_of(row):
-    """A row of the table without its measured cells."""
+def result_cells(row):
+    """The cells of a row, without the measured ones."""
     return [cell.strip() for cell in row.split("|")[:-3]]
 
 
 class Folder:
-    """The files of one folder, and the part of the page with their table."""
+    """The files of one folder, and the section of the page that lists them."""
 
     data, title, files = "", "", {}
 
@@ -305,7 +306,7 @@ class Folder:
         return result, path
 
     def check_refused(self, name, options):
-        """The reason, without what stands before it in the message."""
+        """Checks that a file is refused; returns the run, and the reason without the start of the message."""
         result, path = self.run_file(name, options)
         message = f"{name} {options}: {result.stderr}"
         self.assertIn(result.code, (1, 2), message)
@@ -319,7 +320,7 @@ class Folder:
         return result, result.stderr[len(start):].strip().replace(self.data + os.sep, "")
 
     def check_loaded(self, name, case):
-        """Compares every node with the other reader's, and says what there is."""
+        """Compares every node with the other reader; returns the run and a description of the nodes."""
         result, path = self.run_file(name, " ".join([case.options, *EXACT]))
         self.assertEqual((result.code, result.stderr), (0, ""), name)
         with h5py.File(path) as file:
@@ -333,7 +334,7 @@ class Folder:
         return result, f"{len(x)} x {len(y)} nodes of {x[1] - x[0]:.6g} m" + (f", {holes} hole" + "s" * (holes > 1) if holes else "")
 
     def check_mesh(self, name, case):
-        """Compares every corner of every facet with the lines of the Wavefront OBJ."""
+        """Compares every corner of every facet with the Wavefront OBJ."""
         result, path = self.run_file(name, case.options)
         self.assertEqual((result.code, result.stderr), (0, ""), name)
         with h5py.File(path) as file:
@@ -355,27 +356,27 @@ class Folder:
         rows = [self.row(name, case) for name, case in self.files.items()]
         if "--write" in sys.argv:
             write_table(self.title, rows)
-        self.assertEqual(sections()[""], HEAD, "--write renews the page")
+        self.assertEqual(sections()[""], HEAD, "--write updates the page")
         old = read_table(self.title)
         for before, now in zip(old, rows, strict=True):
-            self.assertEqual(words_of(before), words_of(now.strip()), "--write renews the table")
+            self.assertEqual(result_cells(before), result_cells(now.strip()), "--write updates the table")
 
     def test_the_table_has_every_file(self):
         found = {os.path.join(folder, name) for folder in {os.path.dirname(name) for name in self.files}
                  for name in os.listdir(os.path.join(self.data, folder))}
         self.assertEqual(found, set(self.files))
 
-    def test_malformed_rasters_are_refused_however_they_are_asked_for(self):
+    def test_malformed_rasters_are_refused_with_any_options(self):
         for name in self.files:
             if name.startswith("malformed") and not name.endswith(MESHES):
-                for way in WAYS:
-                    self.check_refused(name, way)
+                for options in OPTIONS:
+                    self.check_refused(name, options)
 
 
 class Testdata(Folder, ToolTest):
     data, title, files = TESTDATA, "Files of this project", TESTDATA_FILES
 
-    def test_a_closed_boulder(self):
+    def test_the_boulder_is_closed(self):
         facets = readers.obj_facets(os.path.join(TESTDATA, "meshes", "boulder.obj"))
         edges = np.sort(np.unique(facets.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3)[:, [[0, 1], [1, 2], [2, 0]]])
         self.assertEqual(facets.shape, (320, 3, 3))
@@ -383,10 +384,10 @@ class Testdata(Folder, ToolTest):
 
 
 class ClassicNetcdf(ToolTest):
-    """The netCDF library reads what is missing of these formats as zeros."""
+    """The netCDF library reads the missing end of a truncated file in these formats as zeros."""
 
     def write(self, name, form):
-        """Grids on their own and in records, of sizes that need padding; and the size of the file."""
+        """Writes grids with and without a record dimension, whose sizes need padding."""
         with netCDF4.Dataset(self.path(name), "w", format=form) as file:
             file.history = "made by a test"
             for dimension, length in {"time": None, "lat": 5, "lon": 7}.items():
@@ -411,7 +412,7 @@ class ClassicNetcdf(ToolTest):
                     np.testing.assert_array_equal(file["z"][()], VALUES[:, 1:-1], form)
             os.remove(output)
             whole = read_bytes(path)
-            # The last value, which no padding follows: 35 numbers of 2 bytes need 2 bytes of it.
+            # 35 values of 2 bytes end with 2 bytes of padding, so the smallest cut, of 3 bytes, damages the last value.
             for size in (len(whole) - 3, len(whole) - 100, len(whole) // 2):
                 with open(path, "wb") as file:
                     file.write(whole[:size])

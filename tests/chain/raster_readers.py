@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rasters read without GDAL: numpy on the bytes, and where a site's nodes lie in them."""
+"""Readers of rasters that do not use GDAL, and the pixel coordinates of a site's nodes."""
 import re
 import struct
 import subprocess
@@ -12,7 +12,7 @@ TIFF_TYPES = {1: "B", 2: "c", 3: "H", 4: "I", 6: "b", 8: "h", 9: "i", 11: "f", 1
 
 
 def tiff_tags(data):
-    """The first directory's tags, as tuples, and the byte order."""
+    """The byte order, and the tags of the first directory as tuples."""
     order = "<" if data[:2] == b"II" else ">"
     offset, = struct.unpack_from(order + "I", data, 4)
     tags = {}
@@ -30,7 +30,7 @@ def tiff_tags(data):
 
 
 def tiff(path):
-    """All bands, (rows, columns) or (rows, columns, bands), of a TIFF in strips: plain or deflate."""
+    """All bands of a TIFF in strips, uncompressed or deflate, as (rows, columns) or (rows, columns, bands)."""
     with open(path, "rb") as file:
         data = file.read()
     order, tags = tiff_tags(data)
@@ -77,7 +77,7 @@ def vicar(path):
 
 
 def gmt_grid(path):
-    """A netCDF grid as ncdump tells it; rows from the north, as in every raster here."""
+    """A netCDF grid as ncdump prints it; the first row is the northernmost, as for all readers here."""
     text = subprocess.run(["ncdump", "-p", "9,17", "-v", "z,lat", path], capture_output=True, text=True,
                           check=True).stdout
     data = text.split("data:")[1]
@@ -88,7 +88,7 @@ def gmt_grid(path):
 
 
 class Cells:
-    """Pixels of a plain raster: `dx` by `dy` metres, the site's centre on the pixel `center`."""
+    """A raster aligned with the axes: pixels of `dx` by `dy` metres; `center` is the site's centre in pixels."""
 
     def __init__(self, center, dx, dy=None):
         self.center, self.dx, self.dy = center, dx, dy or dx
@@ -97,8 +97,8 @@ class Cells:
         return self.center[0] + x / self.dx, self.center[1] - y / self.dy
 
 
-class Turned:
-    """Pixels of a rotated raster: metres per column and row, (x, x), (y, y), the site's centre on the pixel `center`."""
+class Rotated:
+    """A rotated raster: `dx` and `dy` are metres per (column, row) in x and y; `center` is the site's centre in pixels."""
 
     def __init__(self, center, dx, dy):
         self.center, self.inverse = center, np.linalg.inv([dx, dy])
@@ -109,7 +109,7 @@ class Turned:
 
 
 def obj_facets(path):
-    """(facets, 3 corners, xyz) of a Wavefront OBJ of triangles."""
+    """The facets, (facet, corner, xyz), of a Wavefront OBJ of triangles."""
     points, facets = [], []
     with open(path, encoding="ascii") as file:
         for words in (line.split() for line in file):
@@ -122,7 +122,7 @@ def obj_facets(path):
 
 
 def dted(path):
-    """The posts of a DTED cell: after 3,428 bytes of headers one record per line of longitude, from the south."""
+    """The posts of a DTED cell: after 3,428 bytes of headers, one record per meridian, from south to north."""
     with open(path, "rb") as file:
         data = file.read()
     lines, posts = int(data[47:51]), int(data[51:55])
@@ -133,8 +133,8 @@ def dted(path):
 
 
 class Degrees:
-    """Pixels of `step` degrees, the first pixel's centre at `first`; the site is the orthographic view from above `center`, all
-    (longitude, latitude). On an ellipsoid too: each place is where a straight line along the centre's normal meets it."""
+    """A raster of `step` degrees; `first` is the centre of its first pixel. The site is the orthographic view from above `center`:
+    a node lies where a line parallel to the centre's normal meets the ellipsoid. Both are (longitude, latitude)."""
 
     def __init__(self, center, radius, step, first, cols, flattening=0):
         self.center, self.radius, self.step, self.first, self.cols = center, radius, step, first, cols
@@ -148,7 +148,7 @@ class Degrees:
         north = np.cross(up, east)
         origin = self.radius * up * [1, 1, shape] / np.sqrt(np.cos(lat0)**2 + shape * np.sin(lat0)**2)
         flat = origin + x[..., None] * east + y[..., None] * north
-        # |(X, Y, Z / (1 - f))| = radius, for flat + h up.
+        # Solve |(X, Y, Z / (1 - f))| = radius for h, where (X, Y, Z) = flat + h up.
         weight = np.array([1, 1, 1 / shape])
         a, b, c = (up * up * weight).sum(), (flat * up * weight).sum(-1), (flat * flat * weight).sum(-1) - self.radius**2
         place = flat + ((-b + np.sqrt(b * b - a * c)) / a)[..., None] * up
@@ -159,7 +159,7 @@ class Degrees:
 
 
 def nearest_nodes(values, pixels, x, y):
-    """The elevation of each node, (y, x), and where the nearest pixel is beyond doubt."""
+    """The elevation of each node, (y, x), and a mask of the nodes whose nearest pixel does not depend on rounding."""
     col, row = pixels.pixels(*np.meshgrid(x, y))
     sure = (np.abs(col % 1 - 0.5) > 1e-6) & (np.abs(row % 1 - 0.5) > 1e-6)
     return values[np.floor(row + 0.5).astype(int), np.floor(col + 0.5).astype(int)], sure

@@ -48,7 +48,7 @@ class Repeat(ChainTest):
         self.assertFalse((one["range_measured"] == two["range_measured"]).any())
 
     def test_the_draws_do_not_depend_on_other_errors(self):
-        """Range noise stays when dropouts and dead pixels go."""
+        """The range noise is the same with and without dropouts and dead pixels."""
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("some.h5"))
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("all.h5"),
                      "--set", "noise.dead_pixel_frac=0", "--set", "noise.dropout_frac=0")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The report of dem-eval in a browser: what it says, that it draws, and that it asks for nothing else."""
+"""The report of dem-eval in a browser: its numbers and drawings, and that it requests no other file."""
 import json
 import math
 import unittest
@@ -17,7 +17,7 @@ MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_
 UNCERTAINTY = ["--uncertainty", "--navigation-sigma", "position_m=0.05", "--navigation-sigma", "velocity_mps=0.1",
                "--navigation-sigma", "rpy_rad=0.0002", "--navigation-sigma", "rpy_rate_radps=0.001"]
 
-# The colours of a canvas, as many as differ, and a number that changes with any pixel.
+# The number of different colours in a canvas, and a checksum of its pixels.
 CANVAS = """
 const canvas = arguments[0], flat = document.createElement("canvas");
 Object.assign(flat, {width: canvas.width, height: canvas.height});
@@ -28,7 +28,7 @@ let sum = 0;
 for (const pixel of data) sum = (Math.imul(sum, 31) + pixel) | 0;
 return {colors: new Set(data).size, sum};
 """
-# The share of a map's pixels with the colour [r, g, b].
+# The fraction of a map's pixels with the colour [r, g, b].
 SHARE = """
 const canvas = document.querySelector(`#maps canvas[data-layer=${arguments[0]}]`);
 const flat = document.createElement("canvas");
@@ -40,7 +40,7 @@ let found = 0;
 for (let i = 0; i < data.length; i += 4) found += arguments[1].every((c, k) => c === data[i + k]) ? 1 : 0;
 return found / (canvas.width * canvas.height);
 """
-# The shares of the 3-D view, and of its outermost pixels, that show the DEM.
+# The fractions of the 3-D view's pixels, and of its border pixels, that show the DEM.
 VIEW = """
 const canvas = document.getElementById("terrain"), flat = document.createElement("canvas");
 const {width, height} = Object.assign(flat, {width: canvas.width, height: canvas.height});
@@ -56,7 +56,7 @@ data.forEach((pixel, i) => {
 });
 return [all / data.length, border];
 """
-# Pairs of texts that lie over each other, of one diagram or of the page; and what is wider than the page.
+# Pairs of texts that overlap, in a diagram or on the page, and elements wider than the page.
 LAYOUT = """
 const boxes = (list) => [...list].map((e) => ({text: e.textContent, box: e.getBoundingClientRect()}))
     .filter(({box}) => box.width > 0);
@@ -77,7 +77,7 @@ return {pairs, scroll: page.scrollWidth - page.clientWidth,
 
 
 def shown(value, unit="", percent=False):
-    """A number of the table of requirements."""
+    """A number as the table of requirements shows it."""
     if value is None:
         return "\u2013"
     text = ("\u2212" if value < 0 else "") + f"{abs(100 * value if percent else value):.6g}"
@@ -100,7 +100,7 @@ def expected_rows(metrics):
 
 @unittest.skipIf(browser.missing(), browser.missing())
 class ReportTest(ToolTest):
-    """One case in one browser."""
+    """All tests use one case and one browser."""
 
     @classmethod
     def setUpClass(cls):
@@ -135,8 +135,8 @@ class ReportTest(ToolTest):
         element = self.window.run("return document.querySelector(arguments[0])", selector)
         return self.window.run(CANVAS, element)
 
-    def check_quiet(self):
-        """No error, and nothing asked for but the file itself."""
+    def check_log_and_requests(self):
+        """Checks that the browser logged no error and requested the file only."""
         errors = [entry for entry in self.window.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
         self.assertEqual(errors, [])
         self.assertEqual({url.split(":")[0] for url in self.window.requests()}, {"file"})
@@ -148,14 +148,14 @@ class ReportTest(ToolTest):
             layout = self.window.run(LAYOUT)
             self.assertEqual(layout, {"pairs": [], "scroll": 0, "wide": []}, f"{width} px")
 
-    def test_says_what_metrics_json_says(self):
+    def test_numbers_are_those_of_metrics_json(self):
         metrics = self.report()
         self.assertEqual([row[:1] + row[2:] for row in self.cells("#verdicts")], expected_rows(metrics))
         self.assertEqual(self.text("#verdict").split(":")[0], "pass" if metrics["pass"] else "FAIL")
         self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"),
                          [s for s in SECTIONS if s != "uncertainty"])
         self.assertEqual([row[1] for row in self.cells("#provenance")], ["terrain-gen", "scan-sim", "regrid", "dem-eval"])
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_draws_every_map(self):
         self.report()
@@ -165,10 +165,10 @@ class ReportTest(ToolTest):
             self.assertGreater(self.canvas(f"#maps canvas[data-layer={name}]")["colors"], 1, name)
         self.assertEqual(self.window.run("return document.querySelectorAll('.crop canvas').length"),
                          2 * len(self.cells("#worst-footprints")))
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def sparse(self, name, valid):
-        """A DEM of 401 x 401 bins of 2 cm, `valid` of them with an elevation, and their mask."""
+        """A DEM of 401 x 401 bins of 2 cm, of which the fraction `valid` has an elevation."""
         dem = self.path(name)
         self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
                      "-c", self.config({"resolution_m": 0.02, "half_width_m": 4}, "r.json"))
@@ -185,10 +185,10 @@ class ReportTest(ToolTest):
         self.assertLess(self.window.run(SHARE, "z_est", [29, 39, 51]), 0.001)
         self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
         self.assertGreater(self.window.run(VIEW)[0], 0.05)
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
-    def test_single_invalid_bins_of_a_full_dem_are_seen(self):
+    def test_single_invalid_bins_of_a_full_dem_are_visible(self):
         self.report(self.sparse("full.h5", 0.9998))
         with h5py.File(self.path("eval.h5")) as file:
             count = int(np.sum(file["invalid"][()]))
@@ -196,8 +196,8 @@ class ReportTest(ToolTest):
         width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
         for layer, color in (("invalid", [0, 114, 178]), ("z_est", [255, 255, 255])):
             found = self.window.run(SHARE, layer, color) * width ** 2 / count
-            self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels a bin")
-        self.check_quiet()
+            self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
+        self.check_log_and_requests()
 
     def test_values_under_the_pointer_are_those_of_the_file(self):
         self.report()
@@ -242,7 +242,7 @@ class ReportTest(ToolTest):
         self.window.run("const s = document.querySelector('#exaggeration'); s.value = 0.5;"
                         "s.dispatchEvent(new Event('input'))")
         self.assertNotEqual(self.canvas("#terrain")["sum"], before)
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_view_keeps_exaggerated_heights_in_sight(self):
         self.report()
@@ -253,7 +253,7 @@ class ReportTest(ToolTest):
             self.assertGreater(share, 0.001, power)
             self.assertEqual(border, 0, power)
 
-    def test_view_tells_its_colours(self):
+    def test_view_has_a_legend_of_its_colours(self):
         self.report()
         legend = "#terrain-legend"
         self.assertIn("Estimated elevation (m)", self.text(legend))
@@ -280,7 +280,7 @@ class ReportTest(ToolTest):
             self.assertEqual(values(column), sorted(values(column), reverse=True))
 
     def test_worst_footprints_are_the_worst(self):
-        """Against the layers of eval.h5."""
+        """Compared with the layers of eval.h5."""
         self.report()
         with h5py.File(self.path("eval.h5")) as file:
             layers = {name: file[name][()] for name in ("rel_x", "rel_y", "rel_z", "abs_x", "abs_y", "x", "y")}
@@ -297,7 +297,7 @@ class ReportTest(ToolTest):
         self.assertTrue(len(found) == 10 or np.isnan(share).all())
 
     def test_numbers_of_worst_footprints_do_not_overlap(self):
-        """As many as fit on a map with footprints of one bin that lie close together."""
+        """The worst footprints, of one bin each, lie close together; a map shows as many numbers as fit."""
         self.report(self.chain.dem, "--set", "footprint_m=0.1", "--set", "region_radius_m=0.5")
         overlaps = """
             const boxes = [...document.querySelectorAll("#maps text.number")].map((e) => e.getBoundingClientRect());
@@ -308,9 +308,9 @@ class ReportTest(ToolTest):
             shown, crossing = self.window.run(overlaps)
             self.assertGreater(shown, 3)
             self.assertEqual(crossing, 0)
-        self.check_quiet()
+        self.check_log_and_requests()
 
-    def test_fits_the_page(self):
+    def test_the_layout_fits_the_page(self):
         self.report()
         self.check_layout()
         self.window.resize(800)
@@ -323,11 +323,11 @@ class ReportTest(ToolTest):
                      *UNCERTAINTY, "-o", dem)
         self.report(dem)
         self.assertEqual(self.window.run("return document.querySelectorAll('#uncertainty svg[role=img]').length"), 4)
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_of_nine_bins(self):
-        """One bin is a footprint: its relative errors are 0, a curve that rises at once and stays."""
+        """A footprint is one bin, so all relative errors are 0, and their distribution is a step at 0."""
         dem = self.path("nine.h5")
         self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-o", dem,
                      "-c", self.config({"resolution_m": 0.1, "half_width_m": 0.1}, "r.json"))
@@ -341,7 +341,7 @@ class ReportTest(ToolTest):
         self.assertIn("relative error (\u00b5m)", texts)
         self.assertLessEqual(max(len(text) for text in texts if text[0].isdigit()), 3)
         self.assertIn("1 bin across", self.text("#worst"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_with_slope_corrected_elevations(self):
@@ -365,7 +365,7 @@ class ReportTest(ToolTest):
         self.assertEqual([entry.split(": ")[1] == "not judged" for entry in legend], [True] * 4 + [False] * 2)
         self.assertNotIn("numbered", self.text("#maps"))
         self.assertIsNone(self.text("#worst"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_dem_without_any_elevation(self):
@@ -379,7 +379,7 @@ class ReportTest(ToolTest):
         self.assertIn("No footprint could be judged", self.text("#worst"))
         self.assertIn("Nothing to show: no bin of the DEM is valid", self.text("#view-3d"))
         self.assertIsNone(self.text("#uncertainty"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
 

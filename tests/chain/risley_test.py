@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Risley prisms in the chain: which pixels total reflection takes, aims out of reach, prisms that are off."""
+"""Risley prisms in the chain: pixels lost to total reflection, aims out of reach, and errors of the prism angles."""
 import os
 import unittest
 
@@ -29,10 +29,10 @@ class Risley(ChainTest):
         pixels = np.stack([detector["direction_" + axis].ravel() for axis in "xyz"], axis=1)
         return columns(scan, "points"), columns(scan, "pulses"), pixels
 
-    def test_total_reflection_takes_the_pixels_beyond_the_critical_angle(self):
+    def test_pixels_beyond_the_critical_angle_are_lost(self):
         self.scan("risley-total_reflection")
         points, pulses, pixels = self.read()
-        # Inside prism 1 a ray is pixel_xy / n across the axis; its exit face leans by the wedge towards angle_1.
+        # In prism 1 a ray has the transverse components pixel_xy / n; the exit face is tilted by the wedge towards angle_1.
         n, wedge = 1.5, np.radians(41.5)
         inside = pixels.copy() / n
         inside[:, 2] = np.sqrt(1 - inside[:, 0] ** 2 - inside[:, 1] ** 2)
@@ -46,12 +46,12 @@ class Risley(ChainTest):
         self.assertTrue(np.isnan(points["x_est"][beyond]).all())
         self.assertTrue(np.isnan(points["range_true"][beyond]).all())
 
-    def test_an_aim_out_of_reach_ends_the_scan_by_pulse_and_angle(self):
+    def test_an_aim_out_of_reach_is_refused_with_pulse_and_angle(self):
         error = self.scan("risley-pattern", "--set", "scanner.wedge_deg=4", code=1)
         self.assertIn("pulse 0 aims", error)
         self.assertIn("the prisms reach 0 to 4.0", error)
 
-    def test_what_the_encoders_hide_moves_the_truth_alone(self):
+    def test_encoder_errors_move_only_the_truth(self):
         self.scan("risley-pattern", "--set", "noise.dropout_frac=0.1")
         off, pulses_off, _ = self.read()
         self.scan("risley-pattern", "--set", "noise.dropout_frac=0.1", "--set", "scanner.encoder_sigma_rad=0")
@@ -60,13 +60,13 @@ class Risley(ChainTest):
         for angle in ("angle_1", "angle_2"):
             self.assertAlmostEqual(np.std(pulses_off[angle] - pulses[angle]) / 0.001, 1, delta=0.2)
         hit = (off["status"] == 0) & (ideal["status"] == 0)
-        # The lander believes the commanded beam: its points differ by range alone, the true ones by the angles too.
+        # The estimate uses the commanded beam: estimated points differ by range only, true points also by angle.
         moved = np.hypot(off["x_true"] - ideal["x_true"], off["y_true"] - ideal["y_true"])[hit]
-        believed = np.hypot(off["x_est"] - ideal["x_est"], off["y_est"] - ideal["y_est"])[hit]
-        self.assertGreater(np.median(moved), 3 * np.median(believed))
-        self.assertLess(np.median(moved), 50 * 0.0746 * 0.001 * 3)  # a wedge turns its 4.3 deg by 1 mrad
+        estimated = np.hypot(off["x_est"] - ideal["x_est"], off["y_est"] - ideal["y_est"])[hit]
+        self.assertGreater(np.median(moved), 3 * np.median(estimated))
+        self.assertLess(np.median(moved), 50 * 0.0746 * 0.001 * 3)  # 1 mrad rotates the 4.3 deg deflection of one wedge
 
-    def test_a_redraw_keeps_the_seed_of_prisms_that_are_off(self):
+    def test_a_redraw_requires_the_seed_of_the_encoder_errors(self):
         config = os.path.join(FOLDER, "risley-rates.scan.json")
         off = ["-c", config, "--set", "scanner.encoder_sigma_rad=0.001", "--seed", 3]
         source, redrawn, traced = (self.path(name) for name in ("source.h5", "redrawn.h5", "traced.h5"))

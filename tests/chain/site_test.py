@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A landing site on Europa: a DEM of 12.5 m, the waves that it lacks, rocks, and the chain on it.
+"""A landing site on Europa: a DEM of 12.5 m, relief below its resolution, rocks, and the whole chain.
 
-The DEM is made of the relief in testdata/rasters, and of the real raster where it is at hand.
+The DEM is made from the relief in testdata/rasters, and from the real raster if that is available.
 """
 import json
 import math
@@ -20,12 +20,12 @@ DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"],
 EUROPA = os.path.join(DATA, "dem", "europa_e26_terminator_10m.tif")
 FRACTAL = {"type": "fractal", "hurst_exponent": 0.8, "rms_deviation_m": 0.87, "reference_length_m": 10}
 ROCKS = {"type": "golombek_rocks", "k": 0.05, "min_diameter_m": 0.3, "max_diameter_m": 4, "overlap": False}
-ROCKS_PER_HECTARE = 804  # of 0.3 m and more: Golombek and Rapp, k = 0.05
+ROCKS_PER_HECTARE = 804  # of at least 0.3 m, by Golombek and Rapp for k = 0.05
 
 
-def share_of_long_waves(x, hurst):
-    """What waves of k L < x have of a self-affine relief's squared deviation at L: the integral of
-    (1 - J0(x)) x^(-1 - 2 H) from 0 to a small x, by two terms of J0's series, over that to infinity."""
+def fraction_of_long_waves(x, hurst):
+    """The fraction of a self-affine relief's squared deviation at lag L that waves with k L < x contribute: the integral of
+    (1 - J0(x)) x^(-1 - 2 H) from 0 to a small x, from two terms of J0's series, divided by the integral to infinity."""
     all_waves = math.gamma(1 - hurst) / (2 ** (2 * hurst + 1) * hurst * math.gamma(1 + hurst))
     return (x ** (2 - 2 * hurst) / (4 * (2 - 2 * hurst)) - x ** (4 - 2 * hurst) / (64 * (4 - 2 * hurst))) / all_waves
 
@@ -39,7 +39,7 @@ class Site(ToolTest):
         with h5py.File(self.path(name + ".h5")) as file:
             return file["z"][()], {key: file["features"][key][()] for key in file.get("features", {})}
 
-    def test_relief_with_what_it_lacks(self):
+    def test_a_dem_with_added_relief_and_rocks(self):
         raster = self.path("europa.tif")
         subprocess.run(["gdalwarp", "-q", "-tr", "12.5", "12.5", "-r", "bilinear", self.source, raster], check=True)
         dem = {"type": "dem", "path": raster}
@@ -51,12 +51,12 @@ class Site(ToolTest):
         self.check_chain()
 
     def check_only_short_waves(self, added):
-        """The fractal adds no content at 25 m and beyond; below that it has the law's deviation at 1 m."""
+        """The fractal adds no relief at wavelengths of 25 m and more; its deviation at a lag of 1 m follows the power law."""
         block = 500  # 25 m
         means = added[:2000, :2000].reshape(4, block, 4, block).mean(axis=(1, 3))
         self.assertLess(means.std(), 0.1 * added.std())
         deviation = math.sqrt(np.mean((added[:, 20:] - added[:, :-20]) ** 2))
-        expected = 0.87 * 0.1**0.8 * math.sqrt(1 - share_of_long_waves(2 * math.pi / 25, 0.8))
+        expected = 0.87 * 0.1**0.8 * math.sqrt(1 - fraction_of_long_waves(2 * math.pi / 25, 0.8))
         self.assertAlmostEqual(deviation, expected, delta=0.1 * expected)
 
     def check_rocks(self, lift, rocks):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trajectories through the chain: attitude conventions, a rover, an attitude limit cycle.
 
-The Python of docs/user/lidar/trajectory-table.md is run as it stands there. LANDFALL_TEST_SEED sets the attitudes.
+The Python code of docs/user/lidar/trajectory-table.md is run as printed. LANDFALL_TEST_SEED is the seed of the attitudes.
 """
 import json
 import os
@@ -25,7 +25,7 @@ def blocks(language):
 
 
 DOC = {}
-for block in blocks("python")[:2]:  # a third one calls them
+for block in blocks("python")[:2]:  # the third block calls these functions
     exec(compile(block, PAGE, "exec"), DOC)  # pylint: disable=exec-used
 
 
@@ -34,19 +34,19 @@ def tilde(v):
 
 
 def axis_rotation(axis, angle):
-    """Rodrigues' formula: the active turn about a coordinate axis."""
+    """Rodrigues' formula: the active rotation about a coordinate axis."""
     k = tilde(np.eye(3)[axis])
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
 
 
 def matrix_of(q):
-    """R_dem_body of /pulses: w, x, y, z."""
+    """R_dem_body from a quaternion (w, x, y, z), as in /pulses."""
     w, v = q[0], np.array(q[1:])
     return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * tilde(v)
 
 
 class Conventions(ToolTest):
-    """Each convention's own formula gives R_dem_body; scan-sim must report that attitude, to 1e-12."""
+    """R_dem_body by the formula of each convention; scan-sim must report that attitude within 1e-12."""
 
     def setUp(self):
         super().setUp()
@@ -93,11 +93,11 @@ class Conventions(ToolTest):
     def test_direction_cosine_matrices(self):
         matrices = self.some_matrices()
         self.check(matrices, ["qw", "qx", "qy", "qz"], [DOC["from_dcm"](R) for R in matrices])
-        in_rows = [np.array([R @ axis for axis in np.eye(3)]) for R in matrices]  # rows: the body's axes in D
+        in_rows = [np.array([R @ axis for axis in np.eye(3)]) for R in matrices]  # the rows are the body's axes in D
         self.check(matrices, ["qw", "qx", "qy", "qz"], [DOC["from_dcm"](C.T) for C in in_rows])
 
     def quaternions(self):
-        """x, y, z, w near the upright, of either sign."""
+        """Quaternions (x, y, z, w) of small tilts, of either sign."""
         q = np.column_stack([self.random.uniform(-0.3, 0.3, (5, 2)), self.random.uniform(-1, 1, (5, 2))])
         return q / np.linalg.norm(q, axis=1)[:, None]
 
@@ -107,14 +107,14 @@ class Conventions(ToolTest):
         hamilton = [matrix_of([p[3], *p[:3]]) for p in q]
         self.check(hamilton, names, [DOC["from_scalar_last"](p) for p in q])
         self.check([R.T for R in hamilton], names, [DOC["inverse"]([p[3], *p[:3]]) for p in q])
-        # Shuster's matrix of a quaternion turns DEM components into body components.
+        # Shuster's matrix of a quaternion transforms DEM components into body components.
         shuster = [(w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) - 2 * w * tilde(v)
                    for v, w in ((p[:3], p[3]) for p in q)]
         self.check([A.T for A in shuster], names, [DOC["from_scalar_last"](p) for p in q])
 
     def test_modified_rodrigues_parameters_and_shadow_sets(self):
         q = self.quaternions()
-        sigma = q[:, :3] / (1 + q[:, 3:])  # of either set: |sigma| may exceed 1
+        sigma = q[:, :3] / (1 + q[:, 3:])  # either set: |sigma| may exceed 1
         def bn(s):
             n, t = s @ s, tilde(s)
             return np.eye(3) + (8 * t @ t - 4 * (1 - n) * t) / (1 + n) ** 2
@@ -132,7 +132,7 @@ class Conventions(ToolTest):
 
 
 class Rover(ToolTest):
-    def test_it_maps_the_ground_ahead(self):
+    def test_the_ground_ahead_is_mapped(self):
         terrain, path, scan, dem = (self.path(name) for name in ("terrain.h5", "rover.csv", "scan.h5", "dem.h5"))
         self.succeed("terrain-gen", "-c", self.config(CONFIGS["terrain-gen"]), "-o", terrain)
         DOC["rover_table"](terrain, path)
@@ -146,7 +146,7 @@ class Rover(ToolTest):
         self.assertGreater(len(points["pulse"]), 5000)
         heights = ground.elevation(points["x_true"], points["y_true"])
         self.assertLess(np.abs(heights - points["z_true"]).max(), 1e-6)
-        # It looks ahead: every return lies in front of the lidar, within half the field of view.
+        # Every return lies in front of the lidar, within half the field of view.
         ahead = points["x_true"] - pulses["px_true"][points["pulse"]]
         aside = points["y_true"] - pulses["py_true"][points["pulse"]]
         self.assertGreater(ahead.min(), 0.3)
@@ -164,7 +164,7 @@ FIRING = TORQUE * PERIOD / INERTIA  # rad/s
 
 
 def limit_cycle(angle, rate, ticks):
-    """One axis of on-off thrusters, by hand: angles at the control times, linear in between to d h / 8 = 5e-6 rad."""
+    """Angles of one axis with on-off thrusters at the control times; linear interpolation errs by at most d h / 8 = 5e-6 rad."""
     angles = [angle]
     for _ in range(ticks):
         signal = angle + GAIN * rate
@@ -176,7 +176,7 @@ def limit_cycle(angle, rate, ticks):
 
 
 class LimitCycle(ToolTest):
-    """Thrusters of 40 Nm on 100 kg m^2 swing the lander by 1 mrad; it believes that it does not move."""
+    """Thrusters of 40 N m on 100 kg m^2 swing the lander by 1 mrad; the estimated attitude is constant."""
 
     HEIGHT, RATE, LINES, HALF_WIDTH = 100.0, 5.0, 40, 9.0
 
@@ -211,7 +211,7 @@ class LimitCycle(ToolTest):
         theta_y = np.interp(pulses["t"], times, limit_cycle(5e-4, -FIRING / 2, 200))
         np.testing.assert_allclose(2 * pulses["qx_true"], theta_x, atol=8e-6)
         self.assertGreater(np.abs(theta_x).max(), 0.99e-3)
-        # e = theta x (s - p), s - p = (x, y, -h): mean over the pulses of each line.
+        # The error is e = theta x (s - p), s - p = (x, y, -h), averaged over the pulses of each line.
         height = self.HEIGHT - self.RATE * pulses["t"]
         line = np.arange(len(height)) // self.LINES
         by_line = [np.bincount(line, e) / self.LINES for e in (-height * theta_y, height * theta_x)]
@@ -229,7 +229,7 @@ class LimitCycle(ToolTest):
             self.assertLess(np.sqrt(np.mean((measured - smooth)[judged] ** 2)), 0.005, name)
             self.assertGreater(np.abs(measured[judged]).max(), 0.09, name)  # h x 1 mrad
 
-    def test_a_lander_that_knows_its_attitude_has_no_such_error(self):
+    def test_with_a_true_attitude_there_is_no_such_error(self):
         _, layers = self.evaluate("truth")
         inside = layers["in_region"] == 1
         for name in ("abs_x", "abs_y"):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""regrid --uncertainty and --corrected against a plain numpy reading of docs/user/uncertainty.md."""
+"""regrid --uncertainty and --corrected against a simple numpy implementation of docs/user/uncertainty.md."""
 import json
 import unittest
 
@@ -25,7 +25,7 @@ def rotation(q):
 
 
 class Bins:
-    """The returns of one scan, bin by bin; slopes and variances by their definitions."""
+    """The returns of one scan by bin, with slopes and variances computed from their definitions."""
 
     def __init__(self, scan, config, sigma_r):
         self.s, half = config["resolution_m"], config["half_width_m"]
@@ -51,7 +51,7 @@ class Bins:
         for cell in self.cells:
             self.cells[cell]["g"] = self.slope(cell)
         for cell, bin_ in self.cells.items():
-            self.look(cell, bin_)
+            self.add_pose_and_noise(cell, bin_)
 
     def window(self, cell, radius):
         return [(self.cells[r, c], r - cell[0], c - cell[1])
@@ -73,8 +73,8 @@ class Bins:
             return np.linalg.lstsq(design, z * np.sqrt(w), rcond=None)[0][:2]
         return np.full(2, np.nan)
 
-    def look(self, cell, b):
-        """The pose at the mean time, and what the bin alone says about range noise and relief."""
+    def add_pose_and_noise(self, cell, b):
+        """Adds the pose at the mean time, and the range noise and excess variance of this bin alone."""
         times = self.pulses["t"]
         b["body"] = np.array([np.interp(b["t"], times, self.pulses[f"p{a}_est"]) for a in "xyz"])
         b["R"] = rotation(np.array([np.interp(b["t"], times, self.pulses[f"q{a}_est"]) for a in "wxyz"]))
@@ -125,7 +125,7 @@ class Uncertainty(ChainTest):
                 if np.isnan(value):
                     self.assertTrue(np.isnan(actual), name)
                 else:
-                    # Variances in single-precision moments: 1e-7 of a slope's z^2 over a bin, not of the sigma itself.
+                    # Variances come from single-precision moments: they err by 1e-7 of z^2 in the bin, not of the sigma.
                     self.assertAlmostEqual(actual, value, delta=2e-5 * abs(value) + 2e-6, msg=f"{name} {row} {col}")
                     filled += name == "z_sigma_rel"
         return filled
@@ -135,7 +135,7 @@ class Uncertainty(ChainTest):
         self.assertGreater(self.compare(self.chain.scan, self.path("dem.h5"), 0.01), 5000)
 
     def test_dem_eval_judges_the_layers(self):
-        """z-scores and the corrected elevation's statistics of a map with all layers, from the files alone."""
+        """z-scores and statistics of the corrected elevation, computed from the files of a DEM with all layers."""
         self.grid("dem.h5", "--uncertainty", "--corrected", *NAVIGATION)
         self.succeed("dem-eval", self.path("dem.h5"), "-c", self.chain.config("dem-eval"), "-O", "-o",
                      self.path("eval.h5"), "--metrics", self.path("metrics.json"))
@@ -190,7 +190,7 @@ class Uncertainty(ChainTest):
         np.testing.assert_allclose(layers["z_true_map"], expected, rtol=0, atol=2e-7)
         self.assertEqual({layers[name].dtype for name in LAYERS}, {np.dtype("float32")})
 
-    def test_layers_come_only_when_asked_for(self):
+    def test_layers_are_written_only_on_request(self):
         self.grid("dem.h5")
         self.assertEqual(read_bytes(self.path("dem.h5")), read_bytes(self.chain.dem))
         self.grid("dem.h5", "--uncertainty", *NAVIGATION)
@@ -208,7 +208,7 @@ class Uncertainty(ChainTest):
                      "--uncertainty", *NAVIGATION)
         self.assertEqual(set(columns(self.path("dem.h5"), "/")) & set(LAYERS), set(LAYERS) - {"z_true_map"})
 
-    def test_the_file_tells_the_sigmas(self):
+    def test_the_file_records_the_sigmas(self):
         self.grid("dem.h5", "--uncertainty", "--navigation-sigma", "position_m=0.5")
         self.assertEqual(config_of(self.path("dem.h5"))["uncertainty"],
                          {"range_sigma_m": 0.01,
@@ -224,7 +224,7 @@ class Uncertainty(ChainTest):
         self.assertEqual(files[0], files[2])
 
     def test_a_repeated_scan_halves_the_variance(self):
-        """Another draw of the noise on the same poses: twice the returns."""
+        """A second scan with the same poses and other noise doubles the number of returns."""
         no_losses = ["--set", "noise.dead_pixel_frac=0", "--set", "noise.dropout_frac=0"]
         for seed in (1, 2):
             self.succeed("scan-sim", *self.chain.inputs("scan-sim"), *no_losses, "--seed", seed, "-o",
@@ -238,7 +238,7 @@ class Uncertainty(ChainTest):
         self.refuse(2, "regrid", *(scans or [self.chain.scan]), "-c", self.chain.config("regrid"), "-o",
                     self.path("out.h5"), *options, words=words, output=self.path("out.h5"))
 
-    def test_what_is_missing_is_named(self):
+    def test_missing_inputs_are_named(self):
         self.refuse_grid([self.chain.scan, "navigation", "--navigation-sigma"], "--uncertainty")
         self.refuse_grid(["z_sigma_abs needs --uncertainty"], "--layers", "z_est,z_sigma_abs")
         self.refuse_grid(["z_corrected needs --corrected"], "--layers", "z_corrected")

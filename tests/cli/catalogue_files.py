@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files, most of them broken in one way each, that the catalogue of error messages runs the tools on."""
+"""Input files for the catalogue of error messages; most of them have one defect each."""
 import json
 import os
 import shutil
@@ -47,7 +47,7 @@ def vrt(content, head="", data_type="Float32"):
 
 
 def replaced(name, values):
-    """Writes a dataset anew, with another shape or content."""
+    """A change that rewrites a dataset with another shape or other values."""
     def change(file):
         attributes = dict(file[name].attrs)
         del file[name]
@@ -77,7 +77,7 @@ def attribute(name, value):
 
 
 def damaged(path, source, name):
-    """A copy in which the stored bytes of a dataset are overwritten."""
+    """A copy of a file in which the stored bytes of a dataset are overwritten."""
     shutil.copy(source, path)
     with h5py.File(path) as file:
         dataset = file[name]
@@ -142,17 +142,17 @@ def virtual_z_est(file):
     file.create_virtual_dataset("z_est", layout)
 
 
-def z_est_apart(file):
+def external_z_est(file):
     shape = file["z_est"].shape
     del file["z_est"]
     file.create_dataset("z_est", shape, "f8", external=[("values.bin", 0, h5py.h5f.UNLIMITED)])
 
 
-def make_files_that_lead_elsewhere():
+def make_files_with_external_data():
     edited("linked.h5", "dem.h5", linked(h5py.ExternalLink("eval.h5", "/e_z")))
     edited("soft_linked.h5", "dem.h5", linked(h5py.SoftLink("/count")))
     edited("virtual.h5", "dem.h5", virtual_z_est)
-    edited("apart.h5", "dem.h5", z_est_apart)
+    edited("apart.h5", "dem.h5", external_z_est)
     edited("blosc.h5", "dem.h5", compressed_by_blosc)
     edited("huge.h5", "dem.h5", created(shape=(1 << 20, 1 << 20), chunks=(256, 256)))
     edited("huge_chunk.h5", "dem.h5", created(shape=(1 << 13, 1 << 13), chunks=(1 << 13, 1 << 13)))
@@ -197,7 +197,7 @@ def make_broken_landfall_files():
     edited("no_z_est.h5", "dem.h5", removed("z_est"))
     edited("infinite_z_est.h5", "dem.h5", value_at("z_est", (50, 50), np.inf))
     damaged("damaged_z_est.h5", "dem.h5", "z_est")
-    make_files_that_lead_elsewhere()
+    make_files_with_external_data()
     edited("no_history.h5", "scan.h5", removed("provenance"))
     edited("no_poses.h5", "scan.h5", removed("pulses/pz_est"))
     edited("short_poses.h5", "scan.h5", replaced("pulses/pz_est", np.zeros(3)))
@@ -253,7 +253,7 @@ def make_rasters():
 
 
 def make_files():
-    """Into the current folder."""
+    """Makes all files in the current folder."""
     make_chain()
     make_broken_landfall_files()
     make_rasters()

@@ -4,19 +4,19 @@
 
 usage: catalogue_test.py [--write]
 
---write takes the messages as they are now into the catalogue, and writes docs/user/errors.md: look at the difference.
+--write puts the present messages into the catalogue and into docs/user/errors.md; review the difference.
 
-A case has the command (`run`), the `text` on stderr, and what it needs besides: `files` (name and content), `stdin`,
-`stdout`, `env`, `limit` (of the process: file_bytes, memory_bytes). It runs in a folder with the files of
-catalogue_files.py, so that the names in the messages are short and always the same.
+A case has the command (`run`), the `text` on stderr and, where needed, `files` (name and content), `stdin`, `stdout`, `env`
+and `limit` (of the process: file_bytes, memory_bytes). It runs in a folder with the files of catalogue_files.py, so that
+the file names in messages are short and constant.
 
-What no case provokes, since no command line does:
-- refusals of lib/ that the configuration's schema or another check comes before (a library's own caller sees them);
-- refusals of liblandfall's interface (lib/host), which tests/chain/host_test.py and tests/unit/host provoke;
+The catalogue lacks messages that no command line provokes:
+- errors of lib/ that the configuration's schema or another check prevents (a direct caller of the library sees them);
+- errors of the library's interface (lib/host), which tests/chain/host_test.py and tests/unit/host provoke;
 - sizes beyond 2^31 vertices, triangles, pulses or returns of a DEM or in a bin of a plan, rows beyond 10^8, blocks of more than 256 MiB;
-- a system that fails in the middle (a compressor without memory, an HDF5 call that fails, a file that shrinks while
-  it is read, an output that appears meanwhile, a rename that is refused, a thread that is refused): tests/faults does;
-- a GDAL without its COG driver, a plugin of another version, and a file without read permission, as root reads all.
+- failures of the system during a run (a compressor without memory, a failing HDF5 call, a file that shrinks while it is
+  read, an output that appears during the run, a refused rename or thread), which tests/faults provokes;
+- a GDAL without its COG driver, a plugin of another version, and a file without read permission, because root can read it.
 """
 import json
 import os
@@ -36,7 +36,7 @@ ROOT = os.environ["LANDFALL_ROOT"]
 CATALOGUE = os.path.join(ROOT, "tests", "cli", "catalogue.json")
 PAGE = os.path.join(ROOT, "docs", "user", "errors.md")
 LIMITS = {"file_bytes": resource.RLIMIT_FSIZE, "memory_bytes": resource.RLIMIT_AS}
-# Words of libraries and of our own code, which say nothing to a user.
+# Identifiers of libraries and of our own code, which mean nothing to a user.
 JARGON = ["H5D", "H5F", "std::", "nlohmann", "CLI::", "basic_", "null pointer", "internal error", "0x", "bad_alloc",
           "json.exception"]
 
@@ -60,7 +60,7 @@ def read_catalogue():
 
 
 def with_version(text, before, after):
-    """The one part of a message that a release changes."""
+    """Replaces the version, the only part of a message that changes with a release."""
     return text.replace(f"this is {before}", f"this is {after}")
 
 
@@ -69,7 +69,7 @@ def program_version():
 
 
 def cases_of(catalogue):
-    """Every case with the fault that it belongs to."""
+    """All cases, each with the fault that it belongs to."""
     return [(fault, case) for section in catalogue for fault in section["faults"] for case in fault["cases"]]
 
 
@@ -92,7 +92,7 @@ def provoke(case):
 
 
 class Folder:
-    """A folder with the files, the current one while it is open."""
+    """A temporary folder with the files; it is the working folder inside `with`."""
 
     def __enter__(self):
         self.before, self.path = os.getcwd(), tempfile.mkdtemp(prefix="landfall-catalogue-")
@@ -106,7 +106,7 @@ class Folder:
 
 
 def state():
-    """Size and time of every file, by its name."""
+    """{path: (size, time)} of all files."""
     found = {}
     for folder, _, names in os.walk("."):
         for name in names:
@@ -117,7 +117,7 @@ def state():
 
 
 def tidy(made):
-    """Removes what a case left behind."""
+    """Removes the files that a case has made."""
     for path in state():
         if path not in made:
             os.remove(path)
@@ -136,12 +136,12 @@ class Catalogue(unittest.TestCase):
                     self.assertEqual(result.stderr, with_version(case["text"], "VERSION", version) + "\n")
                     self.assertEqual(result.returncode, fault["exit"])
                     changed = {path for path, there in state().items() if made.get(path) != there}
-                    # A missed requirement is not a failure: the metrics are written.
+                    # The metrics are written even if a requirement is missed.
                     written = set(case.get("files", {})) | ({"out.json"} if fault["exit"] == 3 else set())
                     self.assertEqual(changed, written)
                 tidy(made)
 
-    def test_the_texts_are_of_one_form(self):
+    def test_the_texts_have_one_form(self):
         for _, case in cases_of(read_catalogue()):
             with self.subTest(case["text"]):
                 self.assertTrue(case["text"].startswith(case["run"].split()[0] + ": "))
@@ -152,7 +152,7 @@ class Catalogue(unittest.TestCase):
 
     def test_the_page_is_current(self):
         with open(PAGE, encoding="utf-8") as file:
-            self.assertEqual(file.read(), page(read_catalogue()), "catalogue_test.py --write makes it anew")
+            self.assertEqual(file.read(), page(read_catalogue()), "catalogue_test.py --write updates it")
 
 
 def page(catalogue):
@@ -187,7 +187,7 @@ def write():
 
 
 def as_text(catalogue):
-    """JSON with one case a line."""
+    """The catalogue as JSON with one case per line."""
     parts = []
     for section in catalogue:
         faults = []

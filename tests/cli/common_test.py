@@ -21,9 +21,9 @@ COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads
 
 
 class Information(ToolTest):
-    """Options that print and stop: they need no input, open none and write nothing."""
+    """Options that print information and exit: they open no input and write no file."""
 
-    def test_help_names_every_shared_option_and_the_seed_only_where_there_is_chance(self):
+    def test_help_names_every_shared_option_and_seed_only_for_random_tools(self):
         for name in TOOLS:
             text = self.succeed(name, "--help").stdout
             for option in COMMON:
@@ -35,7 +35,7 @@ class Information(ToolTest):
         for name in TOOLS:
             result = subprocess.run([tool(name), "--help"], env={**os.environ, "LD_DEBUG": "files"},
                                     capture_output=True, text=True, check=True)
-            self.assertIn("libc.so", result.stderr, "LD_DEBUG tells nothing here")
+            self.assertIn("libc.so", result.stderr, "LD_DEBUG does not list the loaded libraries")
             self.assertNotIn("libgdal", result.stderr, name)
 
     def test_version_is_one_line_with_tool_and_number(self):
@@ -61,7 +61,7 @@ class Information(ToolTest):
             if isinstance(value, dict):
                 self.assertContains(resolved[key], value)
 
-    def test_the_defaults_are_those_of_the_contract(self):
+    def test_the_documented_defaults(self):
         def resolved(name):
             return json.loads(self.succeed(name, "--print-config").stdout)
         self.assertEqual(resolved("regrid"), {"resolution_m": 0.05, "half_width_m": 50, "truth_at": "bin_center",
@@ -112,7 +112,7 @@ class Usage(ToolTest):
         self.refuse(2, "terrain-gen", "surplus", words=["surplus"])
         self.refuse(2, "dem-eval", "a.h5", "b.h5", words=["b.h5"])
 
-    def test_what_is_typed_is_utf_8(self):
+    def test_arguments_must_be_utf_8(self):
         foreign = os.fsdecode(b"a\xf8")
         for name in [*TOOLS, "landfall-info", "landfall-export"]:
             self.refuse(2, name, foreign + ".h5", words=["argument 1, 'a?.h5'", "UTF-8"])
@@ -153,7 +153,7 @@ class Usage(ToolTest):
         self.refuse(2, "regrid", "scan.h5", "--layers", "", words=["--layers needs NAME,..."])
         self.refuse(2, "regrid", "scan.h5", "--set", "", words=["--set needs KEY=JSON"])
 
-    def test_refusals_of_a_command_line_in_plain_words(self):
+    def test_messages_for_wrong_command_lines(self):
         for arguments, message in [
                 (["--outptu", "x"], "unknown option --outptu; did you mean --output?"),
                 (["surplus"], "'surplus' is one argument too many"),
@@ -177,10 +177,10 @@ class Usage(ToolTest):
 
 
 class Output(ChainTest):
-    """The output's name: refusals come before the work, an existing file is safe without -O."""
+    """Output paths: errors are found before the run, and an existing file is kept unless -O is given."""
 
-    def test_no_file_that_the_run_reads_is_an_output(self):
-        """Even with -O the tools refuse to write to the configuration and the files that it names."""
+    def test_a_file_that_the_run_reads_cannot_be_an_output(self):
+        """Even with -O, the tools refuse to overwrite the configuration and the files that it names."""
         for name in TOOLS:
             config = self.config(CONFIGS[name], "mine.json")
             before = read_bytes(config)
@@ -215,7 +215,7 @@ class Output(ChainTest):
             self.refuse(2, name, *self.chain.inputs(name), "-o", self.path("pipe.h5"), "-O", words=["pipe.h5 is not a regular file"])
         self.assertTrue(stat.S_ISFIFO(os.stat(self.path("pipe.h5")).st_mode))
 
-    def test_an_existing_output_is_refused_and_left_alone(self):
+    def test_an_existing_output_is_refused_and_kept(self):
         output = self.path("out.h5")
         for name in TOOLS:
             with open(output, "w", encoding="utf-8") as file:
@@ -230,7 +230,7 @@ class Output(ChainTest):
                 file.write("precious")
             self.refuse(2, name, *INPUTS[name], "-o", output, words=[output, "-O"])
 
-    def test_overwrite_replaces_it_by_the_same_bytes(self):
+    def test_overwrite_replaces_an_existing_output(self):
         output = self.path("out.h5")
         for name in TOOLS:
             with open(output, "w", encoding="utf-8") as file:
@@ -239,7 +239,7 @@ class Output(ChainTest):
             self.assertEqual(read_bytes(output), read_bytes(self.chain.output(name)), name)
             self.assertEqual(self.entries(), ["out.h5"])
 
-    def test_a_folder_a_missing_folder_or_a_dangling_link_is_no_output(self):
+    def test_a_folder_a_missing_folder_or_a_dangling_link_is_refused(self):
         os.symlink("/nowhere/x", self.path("dangling"))
         for name in TOOLS:
             self.refuse(2, name, *self.chain.inputs(name), "-o", self.folder, "-O", words=[self.folder])
@@ -269,7 +269,7 @@ class Output(ChainTest):
 
 
 def contents(path):
-    """Every dataset's bytes and every attribute, the identity of references aside."""
+    """The bytes of all datasets, and all attributes except the values of references."""
     found = {}
 
     def visit(name, item):
@@ -286,7 +286,7 @@ def contents(path):
 
 
 class Inputs(ChainTest):
-    """Input files that are missing, of another kind, or damaged: exit 1, one line that names the file."""
+    """Input files that are missing, of the wrong kind or damaged: exit code 1, and one line that names the file."""
 
     def arguments(self, name, data):
         """The tool's arguments with its main input replaced."""
@@ -335,7 +335,7 @@ class Inputs(ChainTest):
                 file.attrs["format_version"] = "2.0"
             self.refuse_input(name, data, ["2.0"])
 
-    def test_messages_repeat_little_of_a_file(self):
+    def test_messages_quote_at_most_40_characters_of_a_file(self):
         for name, kind in self.READERS.items():
             data = self.path("changed.h5")
             for attribute in ["format_name", "format_version"]:
@@ -345,7 +345,7 @@ class Inputs(ChainTest):
                 self.refuse_input(name, data, ["[" * 40])
                 self.assertNotIn("[" * 41, run(name, data).stderr)
 
-    def test_texts_that_are_no_utf_8(self):
+    def test_texts_that_are_not_utf_8(self):
         foreign = np.bytes_(b"a\xff\xfe")
         for kind in ["terrain", "scan", "dem", "eval"]:
             data = self.path(kind + ".h5")
@@ -371,7 +371,7 @@ class Inputs(ChainTest):
         for name, arguments in [("landfall-info", []), ("scan-sim", ["-o", self.path("o.h5"), "--terrain"])]:
             self.refuse(1, name, *arguments, self.terrain, words=["holds an object whose name, 'b?', is not UTF-8"])
 
-    def test_truncated_at_many_places(self):
+    def test_files_truncated_at_many_lengths(self):
         data = self.path("cut.h5")
         for name, kind in self.READERS.items():
             whole = read_bytes(getattr(self.chain, kind))
@@ -381,9 +381,9 @@ class Inputs(ChainTest):
                     file.write(whole[:cut])
                 self.refuse_input(name, data)
 
-    def test_bytes_lost_in_the_data_are_an_error_or_harmless_never_a_crash(self):
-        # The second half of the file holds the chunks of the datasets: damage to the texts of the root's attributes
-        # makes libhdf5 1.10 itself loop or crash (H5HG), h5dump and h5py too.
+    def test_zeroed_data_never_cause_a_crash(self):
+        # Only the second half of the file is damaged, which holds the chunks of the datasets. Damaged texts of root
+        # attributes make libhdf5 1.10 itself loop or crash (H5HG), also in h5dump and h5py.
         data = self.path("holed.h5")
         for name, kind in self.READERS.items():
             whole = read_bytes(getattr(self.chain, kind))
@@ -409,7 +409,7 @@ class Inputs(ChainTest):
 
 
 class Summary(ChainTest):
-    """--json: one JSON object on stdout, and the same file."""
+    """--json prints one JSON object on stdout and does not change the file."""
 
     PHASES = {"terrain-gen": ["terrain", "write"], "scan-sim": ["trace"], "regrid": ["grid", "write"],
               "dem-eval": ["evaluate", "write"]}
@@ -443,7 +443,7 @@ class Summary(ChainTest):
                 self.assertEqual(scan[key], file["points"].attrs[key])
         self.assertEqual(scan["ray_count"], 400 * 64)
         self.assertAlmostEqual(scan["rays_per_s"] * scan["phases"]["trace"]["wall_s"], 400 * 64, places=3)
-        # 0.2 s of scan over the time until the counts were made, a little less than wall_s.
+        # The factor is 0.2 s of scan time divided by the time until the counts are final, slightly less than wall_s.
         self.assertGreaterEqual(scan["real_time_factor"] * scan["wall_s"], 0.2)
         self.assertLess(scan["real_time_factor"] * scan["wall_s"], 0.4)
         regrid = json.loads(self.succeed("regrid", *self.chain.inputs("regrid"), "-o", output, "-O",
@@ -452,7 +452,7 @@ class Summary(ChainTest):
             self.assertEqual(regrid["inside_count"], file["count"][()].sum())
         self.assertEqual(regrid["inside_count"] + regrid["outside_count"], scan["return_count"])
 
-    def test_verbose_speaks_on_stderr_and_quiet_wins(self):
+    def test_verbose_prints_on_stderr_and_quiet_overrides_it(self):
         for name in TOOLS:
             result = run(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", "-v")
             self.assertEqual((result.returncode, result.stdout), (0, ""))
@@ -464,7 +464,7 @@ class Summary(ChainTest):
 
 
 class Privacy(ChainTest):
-    """A file tells nothing of the machine, the clock or the folders unless asked."""
+    """Files hold no host name, time or folder unless --record-environment is given."""
 
     def test_no_path_host_or_year_in_any_file(self):
         secrets = [self.chain.folder, os.uname().nodename, os.path.expanduser("~") + "/", os.getcwd(),
@@ -499,7 +499,7 @@ class Privacy(ChainTest):
 
 
 def all_text(path):
-    """Every text in the file, variable-length ones too, which are compressed in no way but lie apart."""
+    """All texts in the file, including texts of variable length, which HDF5 stores outside their datasets."""
     texts = []
 
     def visit(name, item):

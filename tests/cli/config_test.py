@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a configuration reaches the four tools: files, --set, --seed, standard input, and what is refused."""
+"""Configurations of the four tools: from files, standard input, --set and --seed, and which ones are refused."""
 import json
 import os
 import subprocess
@@ -23,7 +23,7 @@ class Check(ToolTest):
             result = self.succeed(name, "-c", self.config(CONFIGS[name]), "--check", "-o", self.path("out.h5"))
             self.assertEqual((result.stdout, self.entries()), ("", ["config.json"]))
 
-    def test_it_opens_no_data(self):
+    def test_check_opens_no_data(self):
         inputs = {"terrain-gen": ["--set", 'base={"type":"dem","path":"/nowhere/dem.tif"}'],
                   "scan-sim": ["--terrain", "/nowhere/terrain.h5", "--set",
                                'trajectory={"type":"table","path":"/nowhere/table.csv"}'],
@@ -32,7 +32,7 @@ class Check(ToolTest):
         for name in TOOLS:
             self.succeed(name, "--check", *inputs[name])
 
-    def test_what_a_run_would_refuse_as_a_config_check_refuses(self):
+    def test_check_refuses_every_configuration_that_a_run_refuses(self):
         for name, assignment, words in [
                 ("terrain-gen", "grid.resolution_m=0.7", ["/grid", "half_width_m 60", "0.7"]),
                 ("scan-sim", "laser.scan_time_s=0.00001", ["config", "pulse_rate_hz x scan_time_s"]),
@@ -48,7 +48,7 @@ class Resolved(ToolTest):
     def resolved(self, *values):
         return json.loads(self.succeed("scan-sim", "--print-config", *values).stdout)
 
-    def test_the_pitch_of_the_pixels_is_always_stated(self):
+    def test_the_pixel_pitch_is_resolved_unless_fov_is_given(self):
         self.assertAlmostEqual(self.resolved()["detector"]["ifov_rad"], 1.6e-3 / 18, delta=1e-18)
         self.assertNotIn("ifov_rad", self.resolved("--set", "detector.fov_deg=1")["detector"])
 
@@ -63,7 +63,7 @@ class Resolved(ToolTest):
 
 
 class Config(ToolTest):
-    """A configuration that is wrong is exit 2, one line, no output; the line says what, where and the bound."""
+    """A wrong configuration gives exit code 2, no output, and one line that names the key, the value and the bound."""
 
     def refuse_config(self, name, text, words):
         output = self.path("out.h5")
@@ -89,7 +89,7 @@ class Config(ToolTest):
             config = {k: v for k, v in config.items() if v != {}}
             self.refuse_config(name, config, ["/" + key.replace(".", "/"), '"much"', "number"])
 
-    def test_nan_infinity_and_overflow_are_no_json(self):
+    def test_nan_infinity_and_overflow_are_not_json(self):
         for name in TOOLS:
             for value in ["NaN", "nan", "Infinity", "-Infinity", "1e999"]:
                 self.refuse_config(name, f'{{"seed": {value}}}', ["config.json", "not valid JSON"])
@@ -98,7 +98,7 @@ class Config(ToolTest):
         for name in TOOLS:
             self.refuse_config(name, '{"a": {"b": 1, "b": 2}}', ["config.json", '"b"', "twice"])
 
-    def test_text_that_is_no_json_object(self):
+    def test_text_that_is_not_a_json_object(self):
         for name in TOOLS:
             for text in ["", "{", "{}}", "nonsense", '{"a": 1,}', "\0\0\0\0", '{"a": "\udcff"}']:
                 with open(self.path("config.json"), "wb") as file:
@@ -112,7 +112,7 @@ class Config(ToolTest):
             self.refuse(2, name, "-c", self.path("none.json"), "--check", words=["none.json"])
             self.refuse(2, name, "-c", self.folder, "--check", words=[self.folder])
 
-    def test_deep_nesting_is_refused_not_a_crash(self):
+    def test_deep_nesting_is_refused(self):
         for name in TOOLS:
             self.refuse_config(name, '{"a":' * 50000 + "1" + "}" * 50000, ["config.json"])
 
@@ -123,7 +123,7 @@ class Assignments(ToolTest):
     def resolved(self, name, *arguments, **options):
         return json.loads(self.succeed(name, "--print-config", *arguments, **options).stdout)
 
-    def test_set_wins_over_the_file_and_the_last_one_wins(self):
+    def test_set_overrides_the_file_and_earlier_assignments(self):
         for name in TOOLS:
             key, value, _ = KEYS[name]
             folder, _, leaf = key.rpartition(".")
@@ -139,7 +139,7 @@ class Assignments(ToolTest):
         self.assertEqual(scan["detector"]["ifov_rad"], [1e-3, 2e-3])
         self.assertEqual(self.resolved("regrid", "--set", 'truth_at="centroid"')["truth_at"], "centroid")
 
-    def test_assignments_that_are_none(self):
+    def test_invalid_assignments(self):
         for name in TOOLS:
             for text in ["a", "=1", "a=", "a=nonsense", "a=NaN", "a..b=1", '{"a":1}']:
                 self.refuse(2, name, "--check", "--set", text, words=["--set", text])
@@ -169,7 +169,7 @@ class Assignments(ToolTest):
             self.assertEqual((result.returncode, result.stderr), (0, ""))
             self.assertEqual(json.loads(result.stdout), self.resolved(name))
 
-    def test_seed_option_wins_over_set_and_file(self):
+    def test_seed_option_overrides_set_and_file(self):
         for name in ["terrain-gen", "scan-sim"]:
             config = self.config({"seed": 5})
             self.assertEqual(self.resolved(name)["seed"], 1)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast --help answers; ctest runs this test alone."""
+"""The time that --help takes. ctest runs this test alone, because other tests would slow it down."""
 import subprocess
 import time
 import unittest
@@ -9,7 +9,7 @@ from harness import SANITIZED, TOOLS, tool
 
 
 class HelpTime(unittest.TestCase):
-    @unittest.skipIf(SANITIZED, "a sanitizer takes time")
+    @unittest.skipIf(SANITIZED, "sanitizers are slow")
     def test_help_answers_in_under_50_ms(self):
         for name in TOOLS:
             times = []

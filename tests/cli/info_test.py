@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""landfall-info: what it says of a file is what h5py and numpy find in it."""
+"""landfall-info: its description of a file agrees with h5py and numpy."""
 import json
 import os
 import shutil
@@ -28,7 +28,7 @@ class InfoTest(ChainTest):
         return json.loads(self.info("--json", *arguments))
 
     def check_entry(self, entry, dataset):
-        """One layer or column against numpy's word."""
+        """Compares the description of one layer or column with numpy."""
         values = dataset[...].astype(np.float64)
         finite = values[np.isfinite(values)]
         self.assertEqual(entry["shape"], list(dataset.shape))
@@ -51,7 +51,7 @@ class InfoTest(ChainTest):
             self.assertEqual(entry["flag_counts"], expected)
 
     def check_file(self, path):
-        """Every dataset of the file, and none besides."""
+        """Checks that the description has every dataset of the file and no other, and returns it."""
         description = self.describe(path)
         with h5py.File(path) as file:
             expected = {}
@@ -139,7 +139,7 @@ class Contents(InfoTest):
         self.assertEqual(description["options"], {"metrics_only": True})
         self.assertIn('options {"metrics_only":true}', self.info(path))
 
-    def test_the_verdict_is_dem_evals_own(self):
+    def test_the_verdict_is_that_of_dem_eval(self):
         arguments = self.chain.inputs("dem-eval")
         table = self.succeed("dem-eval", *arguments, "--metrics-only", "--table").stdout
         self.assertIn("FAIL", table)
@@ -171,10 +171,10 @@ class Contents(InfoTest):
             **{axis + "_m": [v[:, i].min(), v[:, i].max()] for i, axis in enumerate("xyz")}})
         self.assertIn("mesh        4 vertices, 4 triangles\n", self.info(path))
 
-    def test_the_configuration_by_its_changes(self):
+    def test_the_configuration_by_its_differences_from_the_defaults(self):
         text = self.info(self.chain.scan, "--no-statistics")
         self.assertIn("\n  noise.range_sigma_m = 0.01\n", text)
-        self.assertNotIn("detector.subpixels", text)  # as by default
+        self.assertNotIn("detector.subpixels", text)  # it has its default value
         path = self.path("spiral.h5")
         self.succeed("scan-sim", "--terrain", self.chain.terrain, "-o", path, "--set", 'scanner.type="flash"',
                      "--set", "laser.scan_time_s=0.001", "--set", "detector.rows=4", "--set", "detector.columns=4")
@@ -191,7 +191,7 @@ class Contents(InfoTest):
             self.assertRegex(text, rf"\n  {name} +\S+ +{file_id}")
         self.assertIn(f"from scan {ids[1]}, terrain {ids[0]}\n", text)
 
-    def test_the_environment_where_it_was_recorded(self):
+    def test_a_recorded_environment(self):
         path = self.path("t.h5")
         self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "-o", path, "--record-environment")
         self.assertEqual(self.describe(path)["environment"]["host"], os.uname().nodename)
@@ -216,7 +216,7 @@ class Contents(InfoTest):
 
 
 class OtherForms(InfoTest):
-    """Files whose layers another program wrote: other types, chunks and byte orders."""
+    """Layers as other programs write them: other types, chunks and byte orders."""
 
     def rewritten(self, **options):
         path = self.copy(self.chain.dem)
@@ -269,7 +269,7 @@ class Refusals(InfoTest):
             change(file)
         return path
 
-    def test_what_is_no_file_of_ours(self):
+    def test_files_that_are_not_of_landfall(self):
         self.refused(self.path("nowhere.h5"), "no such file")
         self.refused(self.folder, "is a directory")
         os.mkfifo(self.path("fifo"))
@@ -299,20 +299,20 @@ class Refusals(InfoTest):
         self.refuse(1, "landfall-info", path, words=[path, "/points/z_true", "corrupt"])
         self.info(path, "--no-statistics")
 
-    def test_a_claim_of_too_many_values(self):
+    def test_a_dataset_that_declares_too_many_values(self):
         path = self.changed(self.chain.dem, lambda f: f.create_dataset(
             "vast", shape=(2**30, 2**30), dtype="f8", chunks=(256, 256)))
         self.refuse(1, "landfall-info", path, words=[path, "/vast", "declares more values"])
 
-    def test_metrics_that_are_none(self):
+    def test_invalid_metrics(self):
         def change(file):
             del file["metrics_json"]
             file["metrics_json"] = '{"pass": 3}'
         path = self.changed(self.chain.eval, change)
         self.refuse(1, "landfall-info", path, words=[path, "metrics_json"])
 
-    def test_an_evaluation_by_a_configuration_that_is_none(self):
-        """The verdict's table names the limits of the configuration."""
+    def test_an_evaluation_with_an_invalid_configuration(self):
+        """The configuration must be valid, because the table of verdicts shows its limits."""
         for key, value in [("limits", {}), ("limits", 7), ("quantile", 2), ("region", {"shape": "square"})]:
             def change(file):
                 config = {**json.loads(file["provenance/config_json"][()]), key: value}
@@ -334,7 +334,7 @@ class Refusals(InfoTest):
         self.check_message("landfall-info", result.stderr, ["nowhere.h5: no such file"])
         self.assertEqual(result.stdout, self.info(self.chain.dem, self.chain.terrain))
 
-    def test_a_reader_that_goes_ends_it_without_a_word(self):
+    def test_a_closed_pipe_ends_it_silently(self):
         reading, writing = os.pipe()
         os.close(reading)
         result = subprocess.run([tool("landfall-info"), self.chain.dem], stdout=writing, stderr=subprocess.PIPE, timeout=60,

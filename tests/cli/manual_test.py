@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Help, man page and bash completion: all made from the tools' own declarations."""
+"""Help, man pages and bash completion, which are generated from the tools' declarations of their options."""
 import json
 import os
 import re
@@ -26,7 +26,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
 
 
 def options_in(help_text):
-    """Every name of an option that --help declares: at the beginning of a line."""
+    """The names of all options that --help lists, which begin its lines."""
     names = []
     for line in help_text.split("\n"):
         if match := re.match(r"  (-[^ ]*)", line):
@@ -44,7 +44,7 @@ def paths_of(config, prefix=""):
 
 
 def keys_of(schema):
-    """The names of all properties that a schema has anywhere."""
+    """The names of all properties of a schema, at any depth."""
     if isinstance(schema, list):
         for element in schema:
             yield from keys_of(element)
@@ -55,7 +55,7 @@ def keys_of(schema):
 
 
 def undescribed(schema, path=""):
-    """Properties without a description; a constant (the name of a component) is described by its component."""
+    """Properties without a description. Constants, the names of components, need none: the component has one."""
     for key, value in schema.get("properties", {}).items():
         if "const" not in value and not value.get("description"):
             yield f"{path}/{key}"
@@ -79,7 +79,7 @@ class Help(ToolTest):
             for line in self.succeed(name, "--help").stdout.split("\n"):
                 self.assertLessEqual(len(line), 100, f"{name}: {line}")
 
-    def test_groups_stand_in_their_order_and_examples_last(self):
+    def test_groups_are_in_order_and_examples_last(self):
         for name in TOOLS:
             text = self.succeed(name, "--help").stdout
             heads = re.findall(r"^([A-Z]\w+):$", text, re.M)
@@ -88,7 +88,7 @@ class Help(ToolTest):
         text = self.succeed("landfall-info", "--help").stdout
         self.assertEqual(re.findall(r"^([A-Z]\w+):$", text, re.M), ["Positionals", "Options", "General", "Examples"])
 
-    def test_the_printers_are_hidden(self):
+    def test_the_print_options_are_hidden(self):
         for name in ALL:
             self.assertNotIn("--print-man", self.succeed(name, "--help").stdout)
 
@@ -114,7 +114,7 @@ class ManPage(ToolTest):
         return result.stdout
 
     @unittest.skipUnless(shutil.which("groff"), "groff-base is not installed")
-    def test_groff_finds_nothing_to_warn_of(self):
+    def test_groff_gives_no_warning(self):
         for name in ALL:
             text = self.rendered(name)
             heads = re.findall(r"^([A-Z][A-Z ]+)$", text, re.M)
@@ -125,7 +125,7 @@ class ManPage(ToolTest):
             self.assertEqual(heads, expected, name)
 
     @unittest.skipUnless(shutil.which("man"), "man-db is not installed")
-    def test_man_finds_nothing_to_warn_of(self):
+    def test_man_gives_no_warning(self):
         for name in ALL:
             page = self.succeed(name, "--print-man").stdout
             result = subprocess.run(["man", "--warnings", "-l", "-"], input=page, capture_output=True, text=True, check=True,
@@ -169,7 +169,7 @@ class ManPage(ToolTest):
         self.assertIn("detector.subpixels (integer, at least 1, at most 64; default 1) Sub-rays per pixel along each axis: m gives m x m rays.", text)
 
     @unittest.skipUnless(shutil.which("groff"), "groff-base is not installed")
-    def test_the_keys_of_a_choice_stand_under_it(self):
+    def test_the_keys_of_a_choice_are_listed_below_it(self):
         lines = self.rendered("scan-sim").split("\n")
         indent = len(" " * 7)
         at = lines.index(" " * indent + 'scanner of type "fsm"')
@@ -178,7 +178,7 @@ class ManPage(ToolTest):
         self.assertIn("scanner.max_deflection_deg", keys)
         self.assertTrue(all(line.startswith(" " * (indent + 1)) for line in under if line))
 
-    def test_two_pages_are_equal(self):
+    def test_the_page_is_reproducible(self):
         for name in ALL:
             self.assertEqual(self.succeed(name, "--print-man").stdout, run(name, "--print-man").stdout)
 
@@ -235,7 +235,7 @@ class Completion(ToolTest):
         self.assertEqual(files("scan-sim", "--terrain", "="), ["a.h5", "c d.h5", "folder"])
         self.assertEqual(files("scan-sim", "-o", "e"), ["e.txt"])
 
-    def test_the_scripts_are_bash(self):
+    def test_the_scripts_are_valid_bash(self):
         for name in ALL:
             script = self.succeed(name, "--print-completion").stdout
             result = subprocess.run(["bash", "-n"], input=script, capture_output=True, text=True, check=False)

@@ -14,7 +14,7 @@ def read_all(descriptor):
     while True:
         try:
             chunk = os.read(descriptor, 65536)
-        except OSError:  # the last process on the other side has gone
+        except OSError:  # the other end is closed
             break
         if not chunk:
             break
@@ -23,7 +23,7 @@ def read_all(descriptor):
 
 
 def open_terminal():
-    """A pseudo-terminal's two ends; skips the test where the machine has none (a bare chroot)."""
+    """Both ends of a pseudo-terminal; skips the test if the machine has none (a bare chroot)."""
     try:
         return pty.openpty()
     except OSError as error:
@@ -32,7 +32,7 @@ def open_terminal():
 
 class Terminal(ChainTest):
     def on_terminal(self, name, *arguments, streams=("stdout", "stderr")):
-        """Runs the tool with those streams on a terminal, the others thrown away; returns what appeared."""
+        """Runs the tool with these streams on a terminal and the others discarded; returns the text on the terminal."""
         ours, theirs = open_terminal()
         ends = {stream: theirs if stream in streams else subprocess.DEVNULL for stream in ("stdout", "stderr")}
         command = [tool(name), *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", *arguments]
@@ -51,7 +51,7 @@ class Terminal(ChainTest):
             text = self.on_terminal(name, streams=["stderr"])
             self.assertRegex(text, rf"{self.PHASE[name]} +\[#{{30}}\] 100 %")
 
-    def test_quiet_and_no_progress_silence_it(self):
+    def test_quiet_and_no_progress_suppress_progress(self):
         for name in TOOLS:
             for flag in ("-q", "--no-progress"):
                 self.assertEqual(self.on_terminal(name, flag, streams=["stderr"]), "", name)
@@ -72,11 +72,11 @@ class Terminal(ChainTest):
             else:
                 self.assertEqual(text, "")
 
-    def test_quiet_leaves_out_the_table(self):
+    def test_quiet_suppresses_the_table(self):
         self.assertEqual(self.on_terminal("dem-eval", "-q", streams=["stdout"]), "")
 
-    def test_an_error_stands_on_a_line_of_its_own(self):
-        """Below or instead of the bar that it interrupts."""
+    def test_an_error_has_its_own_line(self):
+        """The message appears below the progress bar or replaces it."""
         ours, theirs = open_terminal()
         command = [tool("scan-sim"), *self.chain.inputs("scan-sim"), "-o", self.path("out.h5"), "--set",
                    "noise.dropout_frac=1"]

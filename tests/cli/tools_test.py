@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The behaviour specific to each tool: its own options and the refusals that its data require."""
+"""Behaviour specific to each tool: its own options, and the inputs that it refuses."""
 import json
 import os
 import shutil
@@ -39,7 +39,7 @@ class TerrainGen(ChainTest):
         tops = sorted(map(tuple, np.argwhere(z > 1.99) - 60))
         self.assertEqual(tops, [(-30, 0), (0, -30), (0, 30), (30, 0)])
 
-    def test_raster_that_is_missing_or_none(self):
+    def test_raster_that_is_missing_or_invalid(self):
         with open(self.path("text.tif"), "w", encoding="utf-8") as file:
             file.write("no raster")
         for path in [self.path("none.tif"), self.path("text.tif"), self.folder]:
@@ -62,7 +62,7 @@ class TerrainGen(ChainTest):
         self.refuse(1, "terrain-gen", "-c", self.chain.config("terrain-gen"), "-o", self.path("t.h5"), "--set",
                     "base=" + json.dumps(base), words=["dem.asc"], output=self.path("t.h5"))
 
-    def test_a_plane_survives_the_import(self):
+    def test_a_plane_is_imported_unchanged(self):
         base = {"type": "dem", "path": self.write_raster(15), "horizontal_scale_m": 1}
         x, y, z = self.make("--set", "features=[]", "--set", "base=" + json.dumps(base))
         np.testing.assert_allclose(z, 0.5 * x[None, :] + 0.25 * y[:, None], rtol=0, atol=1e-6)
@@ -92,27 +92,27 @@ class ScanSim(ChainTest):
         self.refuse_scan(1, "--set", "noise.dead_pixel_frac=1", words=["no return", "dead"])
         self.refuse_scan(1, "--keep-misses", "--set", "noise.dropout_frac=1", words=["no return"])
 
-    def test_a_scan_without_a_return_says_what_became_of_every_pixel(self):
-        def said_of(scanner):
+    def test_a_scan_without_a_return_gives_the_reason(self):
+        def reason_for(scanner):
             result = self.refuse(1, "scan-sim", *self.chain.inputs("scan-sim"), "-o", self.path("s.h5"), "--set",
                                  "scanner=" + json.dumps(scanner), "--set", "noise.dead_pixel_frac=0")
             return result.stderr.partition("no return: ")[2].strip()
 
         # Every pulse falls between two facets.
         between = {"type": "polygon", "facets": 10, "rate_hz": 200, "phase_deg": 18, "duty_frac": 0.01}
-        self.assertEqual(said_of(between), "25600 of blanked pulses")
+        self.assertEqual(reason_for(between), "25600 of blanked pulses")
         reflecting = {"type": "risley", "index": [1.5, 1.5], "wedge_deg": [60, 60]}
-        self.assertEqual(said_of(reflecting), "25600 lost in the scanner (total reflection)")
+        self.assertEqual(reason_for(reflecting), "25600 lost in the scanner (total reflection)")
 
     def test_a_lidar_at_or_below_the_terrain_is_refused_by_pulse(self):
-        place = ["--set", "mount.position_m=[0,0,0]", "--set", "trajectory.rpy_deg=[0,0,0]"]
-        self.refuse_scan(1, *self.FLASH, *place, "--set", "trajectory.position_m=[0,0,-1]",
+        mounting = ["--set", "mount.position_m=[0,0,0]", "--set", "trajectory.rpy_deg=[0,0,0]"]
+        self.refuse_scan(1, *self.FLASH, *mounting, "--set", "trajectory.position_m=[0,0,-1]",
                          words=["pulse 0:", "below the terrain"])
-        # 0.5 m above the plane (0.25 m at the origin, sloping), sinking at 5 m/s: it meets it after about 0.1 s.
-        self.refuse_scan(1, *self.FLASH, *place, "--set", "trajectory.position_m=[0,0,0.75]", "--set",
+        # From 0.5 m above the plane (0.25 m at the origin) at 5 m/s, the lidar meets it after about 0.1 s.
+        self.refuse_scan(1, *self.FLASH, *mounting, "--set", "trajectory.position_m=[0,0,0.75]", "--set",
                          "trajectory.velocity_mps=[0,0,-5]", words=["pulse 200:", "below the terrain"])
 
-    def test_an_aim_beyond_the_mirror(self):
+    def test_an_aim_beyond_the_mirrors_range(self):
         self.refuse_scan(1, "--set", "scanner.max_deflection_deg=1", words=["pulse 0 ", "degrees"])
 
     def write_table(self, text):
@@ -195,7 +195,7 @@ class Regrid(ChainTest):
             change(file)
         return self.path("s.h5")
 
-    def test_layers_may_stand_before_or_behind_the_scans(self):
+    def test_layers_may_precede_or_follow_the_scans(self):
         for arguments in (["--layers", "z_est,count", self.chain.scan], [self.chain.scan, "--layers", "z_est,count"]):
             self.succeed("regrid", *arguments, "-c", self.chain.config("regrid"), "-O", "-o", self.path("d.h5"))
             with h5py.File(self.path("d.h5")) as file:
@@ -222,7 +222,7 @@ class Regrid(ChainTest):
         self.refuse_dem(2, self.chain.scan, "--layers", "z_est,zest", words=["--layers", "'zest'", "z_est"])
         self.refuse_dem(2, self.chain.scan, "--layers", "z_true", words=["z_true", "--terrain"])
 
-    def test_another_terrain_is_refused_unless_asked_for(self):
+    def test_a_different_terrain_needs_other_terrain(self):
         self.succeed("terrain-gen", *self.chain.inputs("terrain-gen"), "--set", "base.elevation_m=0", "-o",
                      self.path("t.h5"))
         self.refuse_dem(1, self.chain.scan, "--terrain", self.path("t.h5"), words=["scan.h5", "t.h5",
@@ -255,7 +255,7 @@ class Regrid(ChainTest):
         inside = (np.abs(np.floor(x / 0.1 + 0.5)) <= 10) & (np.abs(np.floor(y / 0.1 + 0.5)) <= 10)
         self.assertEqual((counts["inside_count"], counts["outside_count"]), (inside.sum(), (~inside).sum()))
 
-    def test_a_history_that_is_not_understood_is_left_out(self):
+    def test_an_invalid_history_is_ignored(self):
         for text in ("[1, 2]", '{"tool": 1}', '[{"tool": 1, "file_id": "a"}]', "no JSON"):
             def change(file, text=text):
                 file["provenance/chain_json"][()] = text
@@ -303,7 +303,7 @@ class DemEval(ChainTest):
             self.assertEqual(metrics["region"]["bin_count"], 400)
             self.assertEqual(metrics["statistics"]["z"]["count"],
                              400 - metrics["coverage"]["invalid_count"])
-        # in_region of the chain's own evaluation: the circle again.
+        # in_region of the chain's evaluation is the default circle.
         metrics = self.metrics('region={"shape": "mask", "path": "%s", "layer": "in_region"}' % self.chain.eval)
         self.assertEqual(metrics["coverage"], self.metrics()["coverage"])
 
@@ -327,7 +327,7 @@ class DemEval(ChainTest):
         self.assertNotIn("hole_size", result.stderr)
         self.assertEqual(read_bytes(self.path("e.h5")), read_bytes(self.chain.eval))
 
-    def test_require_pass_is_0_where_all_pass(self):
+    def test_require_pass_is_0_if_all_requirements_pass(self):
         self.succeed("dem-eval", *self.arguments("--require-pass", *self.LENIENT), "-o", self.path("e.h5"))
 
     def test_require_pass_without_truth_is_3(self):
@@ -343,7 +343,7 @@ class DemEval(ChainTest):
         self.assertIsNone(metrics["accuracy"]["absolute"]["x"]["p95_m"])
         self.assertEqual(set(metrics), set(json.loads(read_bytes(self.chain.metrics))))
 
-    def test_metrics_go_to_stdout_in_the_order_of_the_contract(self):
+    def test_metrics_go_to_stdout_in_the_documented_order(self):
         text = self.succeed("dem-eval", *self.arguments("--metrics-only")).stdout
         self.assertEqual(text, read_bytes(self.chain.metrics).decode())
         metrics = json.loads(text)
@@ -358,7 +358,7 @@ class DemEval(ChainTest):
             "max_distance_bins", "distance_over_limit_count", "hole_size_histogram"])
         self.assertEqual(self.entries(), [])
 
-    def test_existing_metrics_are_refused_before_any_work(self):
+    def test_existing_metrics_are_refused_before_the_run(self):
         with open(self.path("m.json"), "w", encoding="utf-8") as file:
             file.write("precious")
         self.refuse(2, "dem-eval", "/nowhere/dem.h5", "-o", self.path("e.h5"), "--metrics", self.path("m.json"),
@@ -386,7 +386,7 @@ class DemEval(ChainTest):
         self.assertEqual(data[0], data[1])
         self.assertEqual(self.entries(), ["e.h5", "f.h5", "r0.html", "r1.html", "r2.html"])
 
-    def test_report_is_refused_before_any_work(self):
+    def test_an_existing_report_is_refused_before_the_run(self):
         with open(self.path("r.html"), "w", encoding="utf-8") as file:
             file.write("precious")
         outputs = ["-o", self.path("e.h5"), "--report", self.path("r.html")]

@@ -93,8 +93,8 @@ class Files(unittest.TestCase):
         for name, (page, _) in RUNS.items():
             if page:
                 with self.subTest(name):
-                    told = described("README.md") | described(page)
-                    self.assertEqual({key: told.get(key) for key in datasets(self.path(name))}, datasets(self.path(name)))
+                    on_page = described("README.md") | described(page)
+                    self.assertEqual({key: on_page.get(key) for key in datasets(self.path(name))}, datasets(self.path(name)))
 
     def test_every_described_dataset_is_in_a_file(self):
         for page in {page for page, _ in RUNS.values() if page}:

@@ -119,7 +119,7 @@ class Page:
 
 
 def names():
-    """Every page, relative to the repository."""
+    """The paths of all pages, relative to the repository."""
     found = ["CONTRIBUTING.md", "README.md"]
     for folder, _, files in os.walk(os.path.join(ROOT, "docs")):
         found += [os.path.relpath(os.path.join(folder, name), ROOT) for name in files if name.endswith(".md")]

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tests of the documentation can fail: pages made here, right and wrong."""
+"""Tests of the documentation tests themselves, with correct and wrong pages."""
 import unittest
 from unittest import mock
 
@@ -29,7 +29,7 @@ def verdict(text):
 
 
 class Reading(unittest.TestCase):
-    def test_blocks_know_their_line_and_what_is_said_of_them(self):
+    def test_blocks_have_their_line_and_annotations(self):
         page = pages.Page("made.md", "# A\n\n" + block("sh", "true", "setup: a\nb", "bare: slow") + block("json", "{}", "check: regrid"))
         self.assertEqual([(b.language, b.line, b.text) for b in page.blocks], [("setup", 3, "a\nb\n"), ("sh", 7, "true\n"), ("json", 12, "{}\n")])
         self.assertEqual([b.is_run for b in page.blocks], [True, False, False])
@@ -45,7 +45,7 @@ class Reading(unittest.TestCase):
         self.assertEqual(page.anchors(), {"regrid---x-a-test", "twice", "twice-1"})
         self.assertEqual(page.links(), [(7, "b.md#c"), (7, "e.png")])
 
-    def test_commands_outside_of_blocks_are_seen(self):
+    def test_commands_outside_of_blocks_are_found(self):
         for line in ("    regrid scan.h5 -o dem.h5", "    make -f Makefile.studies", "    python/commands/plot_dem.py dem.h5", "    ./build", "    $ ls -l"):
             self.assertRegex(line, structure_test.COMMAND)
         for line in ("    z = height_m", "regrid makes a map", "    regrids and others"):
@@ -63,10 +63,10 @@ class Running(unittest.TestCase):
         self.assertIn("missing-file", verdict(block("sh", "ls missing-file")))
         self.assertIn("line 7", verdict(block("sh", "true") + block("sh", "true\nls() { $unset; }\nls")))
 
-    def test_what_runs_elsewhere(self):
+    def test_blocks_that_run_elsewhere(self):
         self.assertIsNone(verdict(block("sh", "false", "bare: name") + block("sh", "false", "all tests") + block("text", "false")))
 
-    def test_long_blocks_run_where_they_are_asked_for(self):
+    def test_long_blocks_run_on_request(self):
         text = block("sh", "[[ $a == 1 ]] && sleep 0.1 && echo slow", "setup: a=0", "long setup: a=1", "long: reason") + block("text", "slow", "output")
         wrong = text.replace("```text\nslow", "```text\nquick")
         with mock.patch.object(pages, "LONG", False):
@@ -94,7 +94,7 @@ class Running(unittest.TestCase):
     def test_files(self):
         self.assertIsNone(verdict(block("csv", "a,b", "file: folder/t.csv") + block("sh", '[[ "$(cat folder/t.csv)" == a,b ]]')))
 
-    def test_python_knows_the_earlier_blocks(self):
+    def test_python_blocks_see_earlier_blocks(self):
         text = block("python", "import math\nprint('first')\ndef f():\n    return math.pi") + block("python", "print(round(f(), 2))")
         self.assertIsNone(verdict(text + block("text", "3.14", "output")))
         self.assertIn("NameError", verdict(block("python", "g()")))

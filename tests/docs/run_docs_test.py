@@ -4,11 +4,11 @@
 
     run_docs_test.py GROUP            the pages of a group, as ctest does
     run_docs_test.py PAGE ...         README.md, docs/user/cli.md, ...
-    run_docs_test.py --write PAGE ... also writes what the commands print into the blocks that show it
-    LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also the blocks that take minutes, with the time that each took
+    run_docs_test.py --write PAGE ... also updates the output blocks of the page
+    LANDFALL_TEST_LONG=1 run_docs_test.py PAGE    also runs the blocks that take minutes, and prints their times
 
-Shell blocks run in one `bash -euo pipefail` with the tools and python/commands on PATH, Python blocks each in a python3 that finds
-the package landfall and has run the page's earlier ones. What comments say about blocks: page.py.
+Shell blocks run in one `bash -euo pipefail` with the tools and python/commands on PATH. Each Python block runs in a python3 that
+finds the package landfall, after the earlier Python blocks of the page. page.py describes the comments that annotate blocks.
 """
 import json
 import os
@@ -25,12 +25,12 @@ import page as pages
 ROOT = os.path.abspath(os.environ["LANDFALL_ROOT"])
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
 HERE = os.path.dirname(os.path.abspath(__file__))
-# Pages of a group run one after the other, groups beside each other; the last group has all pages that no other has.
+# Pages of a group run one after the other, groups in parallel. A page belongs to the first group that matches it.
 GROUPS = {"readme": r"(docs/)?\w+\.md$", "lidar": r"docs/user/lidar/", "terrain": r"docs/user/terrain/", "files": r"docs/user/files/",
           "studies": r"docs/user/studies/", "guides": r"docs/user/(tutorial|usability|gallery)", "tools": r"docs/user/",
           "quality": r"docs/(reference|quality)/"}
 PAGE_TIMEOUT_S = 7200 if pages.LONG else 300
-# Replays what earlier blocks of the page define, without what they print.
+# Runs earlier blocks of the page again for their definitions, without their output.
 REPLAY = "import contextlib, os\nwith open(os.devnull, 'w') as _null, contextlib.redirect_stdout(_null):\n    exec({!r})\n"
 
 
@@ -85,7 +85,7 @@ class Run:
         for number, block in enumerate(self.blocks):
             text = commands_of(self.blocks, number, aside)
             if text:
-                # Empty lines first, so that bash counts lines as the page does.
+                # Empty lines come first, so that bash reports the line numbers of the page.
                 with open(os.path.join(aside, f"{number}.sh"), "w", encoding="utf-8") as file:
                     file.write("\n" * (block.line - 1) + text)
                 script.append(f". '{aside}/{number}.sh' > '{aside}/{number}.out' 2>&1")
@@ -96,7 +96,7 @@ class Run:
         environment = dict(os.environ, LANDFALL_ROOT=ROOT, LANDFALL_BIN=BIN, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
                            PYTHONPATH=os.path.join(ROOT, "python"),
                            PATH=os.pathsep.join([os.path.join(aside, "bin"), BIN, os.path.join(ROOT, "python", "commands"), os.environ["PATH"]]))
-        # make's own variables, where ctest was started by it, are not those of the page.
+        # If make started ctest, its variables must not affect the commands of the page.
         for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
             environment.pop(name, None)
         started = time.time()
@@ -167,10 +167,10 @@ class Commands(unittest.TestCase):
                 run = Run(page)
                 self.check(page, run)
                 print(f"{name}: {sum(block.is_run for block in page.blocks)} blocks, {time.monotonic() - started:.1f} s", file=sys.stderr)
-                self.tell_of_long_blocks(page, run)
+                self.report_long_blocks(page, run)
 
     @staticmethod
-    def tell_of_long_blocks(page, run):
+    def report_long_blocks(page, run):
         for number, block in enumerate(page.blocks):
             if "long" in block.notes:
                 what = f"{run.seconds[number]:.0f} s" if block.is_run else f"skipped ({block.notes['long']}); LANDFALL_TEST_LONG=1 runs it"

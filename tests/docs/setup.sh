@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What the setup comments of the pages may call (tests/docs/page.py).
+# Functions for the setup comments of the pages (tests/docs/page.py).
 
-# A coarse terrain.h5 of flat ground with three cones.
+# Makes a coarse terrain.h5 of flat ground with three cones.
 small_terrain() {
   command terrain-gen -o "${1:-terrain.h5}" --half-width 60 --resolution 0.5 --set 'patterns=[{"type":"ring","count":3,
     "radius_m":20,"feature":{"type":"cone","radius_m":3,"height_m":2}}]'
 }
 
-# From here on scan-sim sends only 1,000 pulses, 0.05 s of them, unless the page's own options say otherwise.
+# Makes scan-sim simulate only 0.05 s, 1,000 pulses, by default.
 short_scans() {
   scan-sim() { command scan-sim --set laser.scan_time_s=0.05 "$@"; }
 }
 
-# From here on maps are of 10 x 10 m in bins of 10 cm, and judged within 4 m, unless the page's own options say otherwise.
+# Makes regrid use 10 x 10 m in bins of 10 cm, and dem-eval a region of 4 m, by default.
 small_maps() {
   regrid() { command regrid --set half_width_m=5 --set resolution_m=0.1 -t 0 "$@"; }
   dem-eval() { command dem-eval --set region_radius_m=4 -t 0 "$@"; }
 }
 
-# A copy of what make and the scripts see of the repository, with the tools in the place where a build leaves them.
+# Copies the files of the repository that make and the scripts use, and links the tools to where a build puts them.
 checkout() {
   cp -r "$LANDFALL_ROOT"/{Makefile.studies,bench,examples,python,schemas,scripts,studies} .
   mkdir -p build/release lib/report
@@ -26,13 +26,13 @@ checkout() {
   ln -s "$LANDFALL_BIN" build/release/bin
 }
 
-# The repository as a clone has it, with what is changed here, for blocks that build it.
+# Clones the repository and adds its uncommitted changes, for blocks that build it.
 clone() {
   git clone -q "$LANDFALL_ROOT" .
   git -C "$LANDFALL_ROOT" ls-files -z --cached --others --exclude-standard | tar -C "$LANDFALL_ROOT" --null -T - -c | tar -x
 }
 
-# As root, apt-get asks nothing and needs no sudo.
+# Makes apt-get ask no questions; root needs no sudo.
 quiet_apt() {
   [[ $EUID == 0 ]] || { echo "this block installs packages: run the page as root"; return 1; }
   printf 'APT::Get::Assume-Yes "true";\n' > apt.conf
@@ -40,7 +40,7 @@ quiet_apt() {
   sudo() { "$@"; }
 }
 
-# The chain's files, small: terrain.h5 scan.h5 dem.h5 eval.h5 metrics.json, 10 x 10 m in bins of 10 cm.
+# Makes small files of the chain, terrain.h5 scan.h5 dem.h5 eval.h5 metrics.json: 10 x 10 m in bins of 10 cm.
 small_chain() {
   command terrain-gen -o terrain.h5 --half-width 8 --resolution 0.1 \
     --set 'features=[{"type":"cone","x_m":2,"y_m":1,"radius_m":1,"height_m":0.4},{"type":"rock","x_m":-2,"diameter_m":1}]'
@@ -50,7 +50,7 @@ small_chain() {
   command dem-eval dem.h5 -o eval.h5 --metrics metrics.json --set region_radius_m=4
 }
 
-# From here on make plans what it is asked for, down to each command, and runs none: studies take minutes.
+# Makes make print its commands to plan.txt instead of running them, because studies take minutes.
 plan_only() {
   make() { command make -n "$@" > plan.txt; }
 }

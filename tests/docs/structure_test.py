@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks the pages without running them: run_docs_test.py sees every command, and every link and cited file exists."""
+"""Checks the pages without running them: run_docs_test.py runs every command, and all links and cited files exist."""
 import os
 import re
 import sys
@@ -17,9 +17,9 @@ COMMAND = re.compile(r"^ {4,}((terrain-gen|scan-sim|regrid|dem-eval|landfall-\w+
                      r"apt|apt-get|sudo|\$)( |$)|(\./|scripts/|bench/|python/commands/|studies/runners/)\w)")
 CITING = ("bench", "docs", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
 CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|schemas|scripts|studies|testdata|tests|tools)/[\w./-]*\w")
-# Records of past runs, with the names of that time.
+# Records of past runs, with the file names of that time.
 RECORDS = {"docs/quality/coverage.md", "docs/quality/fuzzing.md", "docs/quality/mutation.md"}
-# Installed below a prefix, or made by a build.
+# Paths below an installation prefix, or made by a build.
 ELSEWHERE = re.compile(r"lib/(landfall|cmake|python3)(/|$)|bench/bench_(eval|grid|rays)$")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
 
@@ -59,7 +59,7 @@ class Structure(unittest.TestCase):
         return [(page, block) for page in self.pages.values() for block in page.blocks if note in block.notes]
 
     def test_every_command_is_run(self):
-        """By run_docs_test.py, always or on request, by scripts/test-deb, or, for the one that runs all tests, by CI."""
+        """By run_docs_test.py, always or on request, by scripts/test-deb, or by CI (the block that runs all tests)."""
         for page, block in self.blocks_with("long"):
             self.assertNotEqual(block.notes["long"], "", f"{page.name}:{block.line}: without a reason")
         with open(os.path.join(ROOT, "scripts", "test-deb"), encoding="utf-8") as file:
@@ -67,7 +67,7 @@ class Structure(unittest.TestCase):
         self.assertEqual(sorted(block.notes["bare"] for _, block in self.blocks_with("bare")), sorted(run_in_bare))
         self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/user/install.md"})
 
-    def test_ci_runs_what_runs_all_tests(self):
+    def test_ci_runs_the_command_of_all_tests(self):
         [(_, block)] = self.blocks_with("all tests")
         command = block.text.split("#")[0].strip()
         self.assertEqual(command, "scripts/test")
@@ -78,7 +78,7 @@ class Structure(unittest.TestCase):
         self.assertEqual([f"{page.name}:{block.line}" for page in self.pages.values() for block in page.blocks
                           if block.language == "json" and not {"check", "file", "output"} & block.notes.keys()], [])
 
-    def test_links_lead_somewhere(self):
+    def test_links_are_valid(self):
         broken = []
         for page in self.pages.values():
             for number, target in page.links():
@@ -107,13 +107,13 @@ class Structure(unittest.TestCase):
         self.assertGreater(len(found), 100)
         self.assertEqual([where for where in found if not os.path.exists(os.path.join(ROOT, where[1]))], [])
 
-    def test_the_layers_are_those_of_the_check_of_includes(self):
+    def test_the_layers_agree_with_check_includes(self):
         shown = {folder: int(level) for level, folders in re.findall(r"^ +(\d)((?: +[a-z0-9_]+)+)$", read("docs/architecture.md"), re.M)
                  for folder in folders.split()}
         self.assertEqual(shown, check_includes.LEVELS)
 
     def test_decisions_are_in_order_below_their_subjects(self):
-        """And the index at the top of the page lists each of them with its subject."""
+        """The index at the top of the page lists each decision with its subject."""
         page = self.pages["docs/reference/decisions.md"]
         numbers, index, subject = {}, {}, None
         for line in page.prose.values():

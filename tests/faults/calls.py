@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every system call of a run on its outputs, or on its inputs, fails once; signals that come exactly there."""
+"""Failing system calls: each call on an output or an input of a run fails once, or is interrupted by a signal."""
 import errno
 import os
 import signal
@@ -8,11 +8,11 @@ import subprocess
 from workshop import TASKS, Judge, no_core
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-MOST_PER_TASK = 150  # of more calls a spread is taken
+MAX_PER_TASK = 150  # of more calls, an evenly spread selection
 
 
 def build_library(folder):
-    """The preloaded library, built where a compiler is."""
+    """Compiles the library to preload, and returns its path."""
     library = os.path.join(folder, "failing_calls.so")
     subprocess.run([os.environ.get("CC", "cc"), "-O1", "-fPIC", "-shared", "-o", library,
                     os.path.join(HERE, "failing_calls.c"), "-ldl"], check=True)
@@ -20,7 +20,7 @@ def build_library(folder):
 
 
 class FailingCalls:
-    """Runs tasks with the library; `kind` is write or read."""
+    """Runs tasks with the preloaded library; `kind` is write or read."""
 
     def __init__(self, workshop, library, kind):
         self.workshop, self.library, self.kind = workshop, library, kind
@@ -36,7 +36,7 @@ class FailingCalls:
         return run, log
 
     def count(self, one):
-        """(calls, bytes) of an undisturbed run."""
+        """The (calls, bytes) of an undisturbed run."""
         run, log = self.run(one, 0, 0)
         if run.code != 0:
             raise RuntimeError(f"{one.label}: {run.stderr}")
@@ -45,7 +45,7 @@ class FailingCalls:
 
 
 def spread(count, most):
-    """At most about `most` of the numbers 1 .. count, the first and the last ones among them."""
+    """About `most` of the numbers 1 .. count or all of them, including the first and the last ones."""
     if count <= most:
         return list(range(1, count + 1))
     edge = most // 5
@@ -54,15 +54,15 @@ def spread(count, most):
     return sorted({*range(1, edge + 1), *inner, *range(count - edge + 1, count + 1)})
 
 
-def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False, old=False, tasks=None, most=MOST_PER_TASK):
-    """A Judge of a run for every call (or a spread) of every task."""
+def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False, old=False, tasks=None, most=MAX_PER_TASK):
+    """A Judge of one run for each call, or a selection of calls, of each task."""
     judge, calls = Judge(workshop, what), FailingCalls(workshop, library, kind)
     for one in tasks or TASKS:
         if kind == "write" and not one.outputs:
             continue
         number, size = calls.count(one)
         judge.counts["calls"] += number
-        # Half of the bytes suffices: an HDF5 file has space that is never written.
+        # Only half of the bytes is required, because an HDF5 file has space that is never written.
         if kind == "write" and size < sum(map(len, workshop.whole[one].values())) / 2:
             judge.broken.append(f"{what}: {one.label}: only {size} bytes went through the calls that were watched")
         for at in spread(number, most):
@@ -72,8 +72,8 @@ def try_calls(workshop, library, kind, action, *, what, ended_by=0, sticky=False
     return judge
 
 
-def try_all_calls(workshop, library, most=MOST_PER_TASK):
-    """The judges of the page's table."""
+def try_all_calls(workshop, library, most=MAX_PER_TASK):
+    """The judges for the table of the page."""
     def trial(kind, action, what, **options):
         return try_calls(workshop, library, kind, action, what=what, most=most, **options)
     yield trial("write", errno.ENOSPC, "no space, from one call on", sticky=True, old=True)

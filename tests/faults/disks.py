@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Real small disks, and limits on the size of a file."""
+"""Small disks (tmpfs), and limits on the size of files."""
 import contextlib
 import os
 import resource
@@ -8,12 +8,12 @@ import subprocess
 
 from workshop import TASKS, Judge
 
-SIZES = 5  # per task, evenly from almost nothing to almost enough
+SIZES = 5  # per task, evenly spaced from almost nothing to almost enough
 
 
 @contextlib.contextmanager
 def small_disk(folder, kibibytes):
-    """A tmpfs on the folder; raises CalledProcessError where this user may not mount."""
+    """Mounts a tmpfs on the folder; raises CalledProcessError if this user has no right to mount."""
     os.makedirs(folder, exist_ok=True)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={kibibytes}k,mode=0777", "tmpfs", folder], check=True, capture_output=True)
     try:
@@ -22,7 +22,7 @@ def small_disk(folder, kibibytes):
         subprocess.run(["umount", folder], check=True)
 
 
-def may_mount(folder):
+def can_mount(folder):
     try:
         with small_disk(folder, 64):
             return True
@@ -35,9 +35,9 @@ def sizes(largest, step):
 
 
 def try_full_disks(workshop, tasks=None):
-    """Disks too small for the outputs, with and without an old output, and one that is just large enough."""
+    """Disks that are too small for the outputs, with and without an old output, and one that is just large enough."""
     judge = Judge(workshop, "a full disk (tmpfs)")
-    if not may_mount(workshop.out):
+    if not can_mount(workshop.out):
         return judge
     for one in filter(lambda each: each.outputs, tasks or TASKS):
         need = sum(len(data) + 4096 for data in workshop.whole[one].values())
@@ -65,7 +65,7 @@ def try_file_limits(workshop, tasks=None):
 
 
 def try_full_stdout(workshop):
-    """Standard output is a device that is always full."""
+    """Standard output is /dev/full, to which every write fails."""
     judge = Judge(workshop, "a full standard output (/dev/full)")
     for one in filter(lambda each: not each.outputs, TASKS):
         with open("/dev/full", "wb") as full:

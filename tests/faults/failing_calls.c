@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Preloaded into a tool: lets one of its system calls on the files of a trial fail, or a signal come with it.
+// Preloaded into a tool: makes one of its system calls on the files of a trial fail, or sends a signal just before it.
 //   FAULT_UNDER   only calls on files below this folder count
-//   FAULT_CALLS   write: whatever changes a file or a folder; read: open for reading, read
-//   FAULT_AT      the number of the call, from 1; 0: none
-//   FAULT_ACTION  an error number; -N: the signal N comes before the call; short: half of the bytes; again: EINTR
+//   FAULT_CALLS   write: calls that change a file or a folder; read: open for reading, read
+//   FAULT_AT      the number of the call, from 1; 0 for none
+//   FAULT_ACTION  an error number; -N: signal N just before the call; short: half of the bytes; again: EINTR
 //   FAULT_STICKY  1: every later call fails as well, as on a disk that stays full
-//   FAULT_LOG     a file that is to hold "calls bytes" at the end of a run
-//   FAULT_CLOCK   seconds by which the clock is wrong
+//   FAULT_LOG     a file to which "calls bytes" is written at the end of the run
+//   FAULT_CLOCK   seconds that are added to the clock
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -60,7 +60,7 @@ static int is_our_descriptor(int fd) {
   return is_ours(path);
 }
 
-// 0: go on; kShort: go on with half; else errno is set and the call must fail.
+// Returns 0 if the call is made, kShort if it is made with half of the bytes; otherwise errno is set and the call must fail.
 static int disturbed(int ours, int reads) {
   if (!ours || reads != want_reads) return 0;
   const long number = ++calls;
@@ -96,7 +96,7 @@ TRANSFER(read, 1, (int fd, void *data, size_t size), -1, (fd, data, size))
 TRANSFER(pread, 1, (int fd, void *data, size_t size, off_t at), -1, (fd, data, size, at))
 TRANSFER(pread64, 1, (int fd, void *data, size_t size, off64_t at), -1, (fd, data, size, at))
 
-// Fortified read, pread: to the plain ones.
+// The fortified variants of read and pread call the plain ones.
 ssize_t __read_chk(int fd, void *data, size_t size, size_t room) { return (void)room, read(fd, data, size); }
 ssize_t __pread_chk(int fd, void *data, size_t size, off_t at, size_t room) { return (void)room, pread(fd, data, size, at); }
 ssize_t __pread64_chk(int fd, void *data, size_t size, off64_t at, size_t room) { return (void)room, pread64(fd, data, size, at); }
@@ -113,7 +113,7 @@ ssize_t __pread64_chk(int fd, void *data, size_t size, off64_t at, size_t room) 
 VECTOR(writev, 0)
 VECTOR(readv, 1)
 
-// What happens to a name or a descriptor as a whole.
+// Calls on a path or a descriptor as a whole.
 #define PLAIN(name, parameters, ours, call)                        \
   int name parameters {                                            \
     const int fault = action == kShort ? 0 : disturbed(ours, 0);   \
@@ -128,7 +128,7 @@ PLAIN(mkdir, (const char *path, mode_t mode), is_ours(path), (path, mode))
 
 static int is_writable(int fd) { return (fcntl(fd, F_GETFL) & O_ACCMODE) != O_RDONLY; }
 
-// A failed close has closed: so says Linux.
+// On Linux, a close that fails has closed the descriptor.
 int close(int fd) {
   const int fault = action == kShort || action == kAgain ? 0 : disturbed(is_our_descriptor(fd) && is_writable(fd), 0);
   const int error = errno;
@@ -152,7 +152,7 @@ static int open_fails(const char *path, int flags) {
 OPEN(open)
 OPEN(open64)
 
-// Standard input and output of C, whose own system calls no preloaded function meets.
+// C streams, whose internal system calls cannot be intercepted by a preloaded function.
 #define FOPEN(name)                                                                                        \
   FILE *name(const char *path, const char *mode) {                                                         \
     return open_fails(path, strpbrk(mode, "wa+") ? O_RDWR : O_RDONLY) ? NULL : REAL(name)(path, mode);     \

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders that vanish or may not be written, outputs that become something else, and several writers of one output."""
+"""Folders that are removed or not writable, outputs that are replaced by a folder, and several writers of one output."""
 import os
 import shutil
 import subprocess
@@ -12,26 +12,26 @@ OWN_NUMBERS = ["unshare", "--pid", "--fork", "--kill-child", "--mount-proc"]
 UNPRIVILEGED = ["setpriv", "--reuid=54321", "--regid=54321", "--clear-groups"]
 
 
-def may_unshare():
+def can_unshare():
     return subprocess.run([*OWN_NUMBERS, "true"], capture_output=True, check=False).returncode == 0
 
 
-def at_random(workshop, random, one, old, deed):
-    """A run in whose middle `deed` is done."""
+def run_with_action(workshop, random, one, old, action):
+    """A run during which `action` is called at a random time."""
     workshop.prepare(one, old)
     process = workshop.start(one, old)
     time.sleep(random.uniform(0, workshop.seconds[one]))
-    deed(one)
+    action(one)
     return workshop.finish(process)
 
 
-def try_vanishing(workshop, random, count, tasks=None):
-    """The folder is removed, or moved away: nothing may appear under the name that is gone."""
+def try_removed_folders(workshop, random, count, tasks=None):
+    """The output folder is removed during the run, which must fail properly unless it had already ended."""
     judge = Judge(workshop, "the output's folder is removed")
     tasks = tasks or WRITING
     for turn in range(count):
         one = tasks[turn % len(tasks)]
-        run = at_random(workshop, random, one, False, lambda _: shutil.rmtree(workshop.out, ignore_errors=True))
+        run = run_with_action(workshop, random, one, False, lambda _: shutil.rmtree(workshop.out, ignore_errors=True))
         # If the run had already ended, its files were removed with the folder.
         if run.code == 0:
             run.files = workshop.whole[one]
@@ -40,20 +40,20 @@ def try_vanishing(workshop, random, count, tasks=None):
 
 
 def make_folders(workshop):
-    def deed(one):
+    def action(one):
         for name in one.outputs:
             path = os.path.join(workshop.out, name)
             if os.path.isfile(path):
                 os.remove(path)
             os.mkdir(path)
-    return deed
+    return action
 
 
 def try_becoming_a_folder(workshop, random, count):
     judge = Judge(workshop, "a folder with the output's name is created during the run")
     for turn in range(count):
         one, old = WRITING[turn % len(WRITING)], turn // len(WRITING) % 2 == 1
-        run = at_random(workshop, random, one, old, make_folders(workshop))
+        run = run_with_action(workshop, random, one, old, make_folders(workshop))
         if run.code != 0:
             run.files = {name: data for name, data in run.files.items() if data != "a folder"}
             judge.take(one, run)
@@ -63,7 +63,7 @@ def try_becoming_a_folder(workshop, random, count):
 
 
 def try_read_only(workshop):
-    """Runs as a user without write permission there."""
+    """Runs as a user who has no write permission for the folder."""
     judge = Judge(workshop, "a folder without write permission")
     for one in WRITING:
         for old in (False, True):
@@ -76,7 +76,7 @@ def try_read_only(workshop):
 
 
 def race(workshop, tasks, old, prefix=()):
-    """Starts one process per task at the same time; (code, stderr) of each, and the files at the end."""
+    """Starts one process per task at the same time; returns (code, stderr) of each, and the files at the end."""
     workshop.prepare(tasks[0], old)
     processes = [workshop.start(one, old, prefix=prefix) for one in tasks]
     ends = [process.communicate(timeout=120) for process in processes]
@@ -84,16 +84,16 @@ def race(workshop, tasks, old, prefix=()):
 
 
 def judge_race(judge, tasks, ends, files, old):
-    """Each ends with 0 or is told that the output appeared; the name holds one of the whole files, and nothing stays."""
+    """Each process must succeed or be refused because the output exists; the output is complete, and no other file is left."""
     one, faults = tasks[0], []
     wholes = [judge.workshop.whole[each] for each in tasks]
     for name in one.outputs:
         if not any(files.get(name) == whole.get(name) for whole in wholes):
-            faults.append("the output is none of the whole files")
+            faults.append("the output is not one of the complete files")
     if set(files) != set(one.outputs):
         faults.append(f"left behind: {sorted(set(files) - set(one.outputs))}")
     done = sum(code == 0 for code, _ in ends)
-    # With several outputs, each of two runs may get one of them and refuse the other.
+    # With several outputs, each of two runs may write one of them and be refused the other.
     if old and done != len(ends) or not old and done != 1 and len(one.outputs) == 1:
         faults.append(f"{done} of {len(ends)} succeeded")
     for code, message in ends:
@@ -119,9 +119,9 @@ def try_races(workshop, rounds):
 
 
 def try_containers(workshop, rounds):
-    """The same in process namespaces of their own, as containers that share a folder are: all have the number 1."""
+    """The same in separate process namespaces, like containers that share a folder: each writer is process 1."""
     judge = Judge(workshop, "two containers write one output, both as process 1")
-    if may_unshare():
+    if can_unshare():
         for _ in range(rounds):
             for one in WRITING:
                 judge_race(judge, [one] * 2, *race(workshop, [one] * 2, True, OWN_NUMBERS), True)
@@ -129,7 +129,7 @@ def try_containers(workshop, rounds):
 
 
 def try_folders(workshop, random, count, rounds):
-    yield try_vanishing(workshop, random, count)
+    yield try_removed_folders(workshop, random, count)
     yield try_becoming_a_folder(workshop, random, count)
     yield try_read_only(workshop)
     yield try_races(workshop, rounds)

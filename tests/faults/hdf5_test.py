@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""HDF5 files that lead elsewhere, or claim what they do not hold: every reader refuses them and opens nothing else.
+"""HDF5 files that refer to other files, or declare more data than they hold: each reader refuses them and opens no other file.
 
-What must not be opened is a pipe: opening it would not return.
+The file that must not be opened is a pipe, because opening it would block.
 """
 import json
 import os
@@ -45,14 +45,14 @@ def external_values(file, name, target):
 
 
 def external_group(file, name, target):
-    """The dataset is behind a group that lies in another file."""
+    """The dataset is reached through a group of another file."""
     file["group"] = h5py.ExternalLink(target, "/")
     del file[name]
     file[name] = h5py.SoftLink("/group/z")
 
 
 def with_paths(tree, path):
-    """The JSON with every name of a file replaced, and one in every object besides."""
+    """The JSON with every file name replaced by `path`, and with `path` added to every object."""
     if isinstance(tree, list):
         return [with_paths(entry, path) for entry in tree]
     if isinstance(tree, dict):
@@ -60,8 +60,8 @@ def with_paths(tree, path):
     return path if isinstance(tree, str) and tree.endswith((".h5", ".csv", ".json", ".tif")) else tree
 
 
-# How a file is damaged, and words of the refusal.
-WAYS = {external_link: ["is a link to another file, ", ":/z", "one file"], soft_link: ["is a soft link, to /elsewhere"],
+# {kind of reference to another file: words of the message}.
+REFERENCES = {external_link: ["is a link to another file, ", ":/z", "one file"], soft_link: ["is a soft link, to /elsewhere"],
         virtual: ["is a virtual dataset, of "], external_values: ["stores its values in another file, "],
         external_group: ["is a link to another file, "]}
 
@@ -82,13 +82,13 @@ class ForeignHdf5(ChainTest):
         return path
 
     def test_no_kind_of_reference_is_followed(self):
-        for change, words in WAYS.items():
+        for change, words in REFERENCES.items():
             path = self.changed(self.chain.terrain, change, "z")
             self.refuse(1, "landfall-info", path, words=[path + ": /", *words])
             if change in (external_link, virtual, external_values):
                 self.refuse(1, "landfall-info", path, words=[": /z ", self.target])
 
-    def test_no_reader_follows_one(self):
+    def test_no_reader_follows_a_link(self):
         out = self.path("out.h5")
         scan, regrid, judge = (self.chain.config(name) for name in ("scan-sim", "regrid", "dem-eval"))
         terrain = self.changed(self.chain.terrain, external_link, "z")
@@ -108,7 +108,7 @@ class ForeignHdf5(ChainTest):
         self.refuse(1, "dem-eval", self.chain.dem, "-o", out, "--set",
                     f'region={{"shape":"mask","path":"{mask}","layer":"in_region"}}', words=["/in_region is a link"])
 
-    def test_no_table_follows_one(self):
+    def test_no_table_follows_a_link(self):
         path, columns = self.path("table.h5"), ["t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"]
         with h5py.File(path, "w") as file:
             for name in columns[:-1]:
@@ -119,7 +119,7 @@ class ForeignHdf5(ChainTest):
                     words=[path + ": /qz is a link to another file"])
 
     def test_recorded_names_are_not_opened(self):
-        """The configuration, the inputs and the chain of each file name a pipe."""
+        """The configuration, the inputs and the chain in each file refer to a pipe."""
         def poisoned(source, **keys):
             path = self.copy(source, os.path.basename(source))
             with h5py.File(path, "a") as file:
@@ -140,8 +140,8 @@ class ForeignHdf5(ChainTest):
             self.succeed("landfall-info", path)
             self.succeed("landfall-export", path, "-o", self.path("out.csv"), "-O")
 
-    def test_a_filter_of_a_plug_in_loads_none(self):
-        """32001 is Blosc's. Where plug-ins are, lies a pipe."""
+    def test_a_filter_loads_no_plug_in(self):
+        """32001 is the filter of Blosc; the folder of plug-ins holds a pipe."""
         path, plugins = self.copy(self.chain.terrain, "blosc.h5"), self.path("plugins")
         os.mkdir(plugins)
         os.mkfifo(os.path.join(plugins, "libblosc.so"))
@@ -153,7 +153,7 @@ class ForeignHdf5(ChainTest):
         self.refuse(1, "landfall-info", path, env={**os.environ, "HDF5_PLUGIN_PATH": plugins},
                     words=["/extra is stored by filter 32001", "does not load plug-ins"])
 
-    def test_what_a_file_claims_costs_nothing(self):
+    def test_declared_sizes_cost_nothing(self):
         claims = {"a gigantic layer": ({"shape": (1 << 20, 1 << 20), "chunks": (256, 256)}, "declares more values"),
                   "a gigantic column": ({"shape": (1 << 40,), "chunks": (65536,)}, "declares more values"),
                   "a gigantic text": ({"shape": (), "dtype": f"S{GIB}"}, "declares more values"),
@@ -165,18 +165,18 @@ class ForeignHdf5(ChainTest):
                 file.create_dataset(name, **{"dtype": "f8", **shape})
             self.refuse(1, "landfall-info", path, words=[f"/{name} ", words])
 
-    def test_no_reader_can_forget(self):
-        """Files are opened where they are screened, and rasters where they are guarded."""
-        places = {}
+    def test_files_are_opened_only_by_code_that_checks_them(self):
+        """Only the code that checks a file opens it: h5_reading.cpp for HDF5 and file_guard.cpp for rasters."""
+        callers = {}
         for top in ("lib", "tools"):
             for path in pathlib.Path(os.environ["LANDFALL_ROOT"], top).rglob("*.cpp"):
                 for call in re.findall(r"\b(H5Fopen|H5Dread|GDALOpenEx|GDALOpen|GDALDataset::Open)\(", path.read_text()):
-                    places.setdefault(call, set()).add(path.name)
-        self.assertEqual(places, {"H5Fopen": {"h5_reading.cpp"}, "H5Dread": {"h5_reading.cpp"},
+                    callers.setdefault(call, set()).add(path.name)
+        self.assertEqual(callers, {"H5Fopen": {"h5_reading.cpp"}, "H5Dread": {"h5_reading.cpp"},
                                   "GDALDataset::Open": {"file_guard.cpp"}})
 
     def test_a_chunk_of_too_few_bytes_is_damaged(self):
-        """HDF5 1.10 reads what is missing from behind the chunk's memory."""
+        """HDF5 1.10 would read the missing bytes from beyond the memory of the chunk."""
         def shorten(source, name, dataset, **form):
             path = self.copy(source, name)
             with h5py.File(path, "a") as file:
@@ -197,8 +197,8 @@ class ForeignHdf5(ChainTest):
             with self.subTest([name, *arguments]):
                 self.refuse(1, name, *arguments, words=["is damaged"], output=out[1])
 
-    def test_what_is_whole_is_read(self):
-        """A hard link, a group in itself, and a layer of nothing but fill values."""
+    def test_unusual_but_valid_files_are_read(self):
+        """A hard link, a group that contains itself, and a layer of fill values only."""
         path = self.copy(self.chain.dem, "whole.h5")
         with h5py.File(path, "a") as file:
             file["again"] = file["z_est"]

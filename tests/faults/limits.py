@@ -10,7 +10,7 @@ import subprocess
 @dataclasses.dataclass(frozen=True)
 class Limit:
     """`largest` and `beyond` are arguments of the tool; {folder} is a folder of small inputs. Without `largest` only the refusal
-    is tried: what stands at the limit takes hours or a disk of its own."""
+    is tried, because a run at the limit takes hours or a large disk."""
     what: str
     bound: str
     tool: str
@@ -80,7 +80,7 @@ def run(binaries, limit, arguments, folder):
 
 
 def try_limits(workshop):
-    """The lines of the table, and what was not held."""
+    """The lines of the table, and the violated limits."""
     prepare(workshop.inputs)
     lines, broken = ["| what | at most | one beyond |", "|---|---|---|"], []
     for limit in LIMITS:

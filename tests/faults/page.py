@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/quality/reliability.md: each stands below the heading of its kind."""
+"""The tables of docs/quality/reliability.md; each is below the heading of its kind."""
 import os
 
 PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "quality", "reliability.md")
@@ -17,7 +17,7 @@ def row(judge):
 
 
 def with_table(text, heading, lines):
-    """The page with `lines` in place of the first table below the heading."""
+    """The page with `lines` instead of the first table below the heading."""
     rows = text.split("\n")
     begin = next(i for i in range(rows.index(heading), len(rows)) if rows[i].startswith("|"))
     end = next(i for i in range(begin, len(rows)) if not rows[i].startswith("|"))

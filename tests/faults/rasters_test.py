@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rasters lead to nothing but what is part of them, unless --follow-links says so.
+"""Rasters open no files but their own parts, unless --follow-links is given.
 
-What must not be opened is a pipe: opening it would not return.
+The file that must not be opened is a pipe, because opening it would block.
 """
 import os
 import unittest
@@ -98,8 +98,8 @@ class Rasters(ToolTest):
         self.assert_refused(self.path("data/relative.vrt"))
         self.assert_refused(vrt(SOURCE.format(pipe, 0)))
 
-    def test_the_standard_input_and_memory_are_no_files(self):
-        read, write = os.pipe()  # nothing comes, and it does not end
+    def test_standard_input_and_memory_are_refused_as_sources(self):
+        read, write = os.pipe()  # reading from it would block
         self.addCleanup(os.close, read)
         self.addCleanup(os.close, write)
         for name in ("/vsistdin/", "/vsistdin?buffer_limit=10", "MEM:::DATAPOINTER=4096,PIXELS=9,LINES=9"):
@@ -115,7 +115,7 @@ class Rasters(ToolTest):
         return subprocess.run([tool("terrain-gen"), *arguments], stdin=stdin, capture_output=True, text=True, timeout=60,
                               check=False)
 
-    def test_sources_are_followed_where_it_is_allowed(self):
+    def test_sources_are_followed_on_request(self):
         self.grid()
         self.write("values.bin", VALUES.tobytes())
         for name, text in {"mosaic.vrt": vrt(SOURCE.format("tile.asc", 1)), "outer.vrt": vrt(SOURCE.format("mosaic.vrt", 1)),
@@ -125,8 +125,8 @@ class Rasters(ToolTest):
             self.assert_loads(path, "--follow-links")
             os.remove(self.out)
 
-    def test_what_is_part_of_a_raster_is_read(self):
-        """A detached image, a header beside the values, an archive's member, a VRT of its own values."""
+    def test_parts_of_a_raster_are_read(self):
+        """A detached image, a header in a separate file, a member of an archive, and a VRT of raw values with its own name."""
         self.write("product.img", VALUES.tobytes())
         self.assert_loads(self.write("PRODUCT.LBL", LABEL.format("product.img")))
         self.write("terrain.hdr", "ENVI\nsamples = 9\nlines = 9\nbands = 1\ndata type = 2\ninterleave = bsq\nbyte order = 1\n")
@@ -143,8 +143,8 @@ class Rasters(ToolTest):
         self.assert_refused(self.write("label.lbl", LABEL.format("SECRET.IMG")), "label.lbl: ")
         self.assert_refused(self.write("label.lbl", LABEL.format("secret.img")))
 
-    def test_overviews_in_other_files_are_left_alone(self):
-        """An old output is there, so that all files of the raster are asked for."""
+    def test_overviews_in_other_files_are_ignored(self):
+        """An output exists, so that terrain-gen asks GDAL for all files of the raster."""
         pipe = self.pipe()
         self.write("../out.h5", "old")
         for name in (pipe, f'HDF5:&quot;{pipe}&quot;://z'):
@@ -169,7 +169,7 @@ class Rasters(ToolTest):
                            "index.gti": "<GDALTileIndexDataset><IndexDataset>secret.img</IndexDataset></GDALTileIndexDataset>"}.items():
             self.assert_refused(self.write(name, text), name + ": is not in a supported raster format")
 
-    def test_an_hdf5_raster_is_screened(self):
+    def test_references_of_an_hdf5_raster_are_refused(self):
         target, path = self.pipe(), self.path("data/layers.h5")
         layout = h5py.VirtualLayout((SIZE, SIZE), "f8")
         layout[...] = h5py.VirtualSource(target, "z", (SIZE, SIZE))
@@ -178,8 +178,8 @@ class Rasters(ToolTest):
         for name in (f'NETCDF:"{path}":z', f'HDF5:"{path}"://z', path):
             self.assert_refused(name, path + ": /z is a virtual dataset, of " + target)
 
-    def test_a_header_costs_what_it_holds(self):
-        """A header of 10^6 x 10^6 pixels without any data."""
+    def test_a_declared_size_costs_nothing(self):
+        """A header declares 10^6 x 10^6 pixels, but the file holds 64 bytes."""
         path = self.write("huge.hdr", "ENVI\nsamples = 1000000\nlines = 1000000\nbands = 1\ndata type = 5\ninterleave = bsq\n")
         self.assert_refused(self.write("huge.dat", b"\0" * 64), "huge.dat: ")
         self.assertTrue(os.path.exists(path))

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The trials of try_faults.py in small, so that they go on working, and a judge that finds what it must."""
+"""The trials of try_faults.py with few runs, so that they keep working, and tests of the judge itself."""
 import errno
 import os
 import random
@@ -23,10 +23,10 @@ from workshop import OLD, TASKS, Judge, Run, Workshop, task
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20261122"))
 BY_LABEL = {each.label: each for each in TASKS}
-# One that HDF5 writes, one that GDAL writes, one of several files, one of plain text.
+# Outputs written by HDF5, outputs written by GDAL, several outputs, and plain text.
 FEW = [BY_LABEL[label] for label in ("terrain-gen .ply", "scan-sim", "landfall-export .tif", "dem-eval --metrics --report", "landfall-export .csv")]
 TOOLS = [BY_LABEL[label] for label in ("terrain-gen .h5", "scan-sim", "regrid", "dem-eval --metrics --report")]
-# Runs several times as long as the start of a process, so that signals meet them at their work.
+# Runs that take several times as long as the start of a process, so that signals arrive during the work.
 LARGER = [
     task("terrain-gen .h5, larger", "terrain-gen -c {in}/terrain.json --set grid.half_width_m=40 -o {out}/a.h5", "a.h5"),
     task("terrain-gen .tif, larger", "terrain-gen -c {in}/terrain.json --set grid.half_width_m=20 -o {out}/a.tif", "a.tif"),
@@ -55,14 +55,14 @@ class Reliability(unittest.TestCase):
             self.assertGreater(judge.counts["runs"], 0, judge.fault)
 
 
-class TheJudge(Reliability):
-    """It must find what is broken, or the tables say nothing."""
+class JudgeTest(Reliability):
+    """The judge must detect violations, because otherwise the tables would mean nothing."""
 
     def faults(self, code, files, stderr="", old=False, ended_by=0):
         judge = Judge(self.workshop, "a test")
         return judge.faults_of(BY_LABEL["scan-sim"], Run(code, b"", stderr, files), old, ended_by, False)
 
-    def test_it_takes_what_is_promised(self):
+    def test_it_accepts_what_is_guaranteed(self):
         whole = self.workshop.whole[BY_LABEL["scan-sim"]]
         message = "scan-sim: out of luck\n"
         self.assertEqual(self.faults(0, whole), [])
@@ -70,7 +70,7 @@ class TheJudge(Reliability):
         self.assertEqual(self.faults(1, {"scan.h5": OLD}, message, old=True), [])
         self.assertEqual(self.faults(-9, {}, ended_by=9), [])
 
-    def test_it_finds_what_is_broken(self):
+    def test_it_finds_violations(self):
         whole = self.workshop.whole[BY_LABEL["scan-sim"]]
         message = "scan-sim: out of luck\n"
         for code, files, stderr, old in [
@@ -86,7 +86,7 @@ class TheJudge(Reliability):
 
 @unittest.skipUnless(shutil.which(os.environ.get("CC", "cc")), "no C compiler")
 class Calls(Reliability):
-    """And what a sanitizer does not go with."""
+    """Trials with a preloaded library, and others that sanitizers do not support."""
 
     @classmethod
     def setUpClass(cls):
@@ -94,27 +94,27 @@ class Calls(Reliability):
         cls.library = calls.build_library(cls.workshop.folder)
         run = cls.workshop.run(FEW[0], env={**os.environ, "LD_PRELOAD": cls.library})
         if "runtime does not come first" in run.stderr:
-            raise unittest.SkipTest("a sanitizer wants to be preloaded itself")
+            raise unittest.SkipTest("sanitizers must be preloaded themselves")
 
     def try_calls(self, kind, action, what, most=3, tasks=None, **options):
         self.check([calls.try_calls(self.workshop, self.library, kind, action, what=what, tasks=tasks or FEW, most=most, **options)])
 
-    def test_no_space_from_one_call_on(self):
+    def test_a_full_disk_from_one_call_on(self):
         self.try_calls("write", errno.ENOSPC, "ENOSPC", sticky=True, old=True)
 
-    def test_calls_that_do_half(self):
+    def test_partial_and_interrupted_calls(self):
         self.try_calls("write", "short", "short writes")
         self.try_calls("write", "again", "EINTR")
 
-    def test_an_interrupt_with_each_of_the_last_calls(self):
-        """Among them those that give the output its name."""
+    def test_a_signal_during_each_of_the_last_calls(self):
+        """They include the calls that rename the output."""
         self.try_calls("write", -signal.SIGTERM, "SIGTERM", most=20, ended_by=signal.SIGTERM)
 
-    def test_no_output_gets_its_name_before_all_are_on_the_disk(self):
-        """Among the last calls are those that flush."""
+    def test_no_output_is_renamed_before_all_are_on_the_disk(self):
+        """The last calls include those that flush the outputs to the disk."""
         self.try_calls("write", errno.EIO, "EIO", most=30, tasks=SEVERAL_OUTPUTS)
 
-    @unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "a sanitizer takes more stack")
+    @unittest.skipIf(os.environ.get("LANDFALL_SANITIZE"), "sanitizers need a larger stack")
     def test_a_small_stack_is_enough(self):
         self.check([resources.try_stacks(self.workshop, [BY_LABEL["scan-sim"]])])
 
@@ -124,11 +124,11 @@ class Calls(Reliability):
         self.check([judge])
 
 
-class Others(Reliability):
+class OtherFaults(Reliability):
     def test_signals(self):
         self.check([signals.try_signal(self.workshop, self.random, number, 4, FEW) for number in (signal.SIGKILL, signal.SIGPIPE)])
 
-    def test_signals_meet_larger_runs(self):
+    def test_signals_during_larger_runs(self):
         judges = [signals.try_signal(self.workshop, self.random, number, count, LARGER)
                   for number, count in ((signal.SIGKILL, 50), (signal.SIGTERM, 30), (signal.SIGINT, 10))]
         self.check(judges)
@@ -145,14 +145,14 @@ class Others(Reliability):
         self.check_out_of_room(disks.try_file_limits(self.workshop, TOOLS), "File too large")
 
     def need_small_disks(self):
-        if not disks.may_mount(self.workshop.out):
+        if not disks.can_mount(self.workshop.out):
             self.skipTest("no rights to mount a small disk")
 
     def test_full_disks(self):
         self.need_small_disks()
         self.check_out_of_room(disks.try_full_disks(self.workshop, TOOLS), "No space left on device")
 
-    def test_metrics_that_cannot_be_written_take_the_layers_with_them(self):
+    def test_no_output_is_left_if_metrics_cannot_be_written(self):
         self.need_small_disks()
         small = os.path.join(self.workshop.inputs, "small")
         with disks.small_disk(small, 4):
@@ -163,10 +163,10 @@ class Others(Reliability):
             self.assertEqual((run.code, run.files, os.listdir(small)), (1, {}, ["ballast"]), run.stderr)
         self.assertRegex(run.stderr, r"\Adem-eval: [^\n]*small/metrics.json[^\n]*\n\Z")
 
-    def test_folders_that_vanish(self):
-        self.check([folders.try_vanishing(self.workshop, self.random, 4, FEW)])
+    def test_folders_that_are_removed(self):
+        self.check([folders.try_removed_folders(self.workshop, self.random, 4, FEW)])
 
-    @unittest.skipUnless(folders.may_unshare(), "no rights for a process namespace")
+    @unittest.skipUnless(folders.can_unshare(), "no rights for a process namespace")
     def test_two_containers_write_one_output(self):
         judge = Judge(self.workshop, "two containers")
         for one in FEW:

@@ -15,7 +15,7 @@ def limit(kind, value):
 
 
 def starts(workshop, one, size):
-    """True if the program reaches its own first line within this much address space."""
+    """True if the program reaches its main function with this much address space."""
     run = workshop.run(one, preexec_fn=limit(resource.RLIMIT_AS, size))
     return run.code in (0, 1, 2)
 
@@ -24,8 +24,8 @@ def is_whole(workshop, one, size):
     return workshop.run(one, preexec_fn=limit(resource.RLIMIT_AS, size)).code == 0
 
 
-def least(test, low, high, step=2 * MEBI):
-    """The least size for which the test holds, to `step`; it does for `high`."""
+def smallest(test, low, high, step=2 * MEBI):
+    """The smallest size for which the test holds, within `step`; it must hold for `high`."""
     while high - low > step:
         middle = (low + high) // 2
         low, high = (low, middle) if test(middle) else (middle, high)
@@ -33,11 +33,11 @@ def least(test, low, high, step=2 * MEBI):
 
 
 def try_memory(workshop, tasks=None):
-    """Address space (ulimit -v) from too little to load the program up to just enough."""
+    """Address space (ulimit -v), from too little to start the program to just enough for the run."""
     judge = Judge(workshop, "a limit on memory (ulimit -v)")
     for one in tasks or TASKS:
-        enough = least(lambda size, one=one: is_whole(workshop, one, size), MEBI, 4096 * MEBI)
-        first = least(lambda size, one=one: starts(workshop, one, size), MEBI, enough)
+        enough = smallest(lambda size, one=one: is_whole(workshop, one, size), MEBI, 4096 * MEBI)
+        first = smallest(lambda size, one=one: starts(workshop, one, size), MEBI, enough)
         for i in range(STEPS):
             size, old = first + (enough - first) * i // (STEPS - 1), i % 2 == 1
             run = workshop.run(one, old, preexec_fn=limit(resource.RLIMIT_AS, size))
@@ -48,7 +48,7 @@ def try_memory(workshop, tasks=None):
 
 
 def try_descriptors(workshop):
-    """ulimit -n: with too few descriptors the loader itself fails, before our code runs."""
+    """ulimit -n; with too few descriptors the loader itself fails, before our code runs."""
     judge = Judge(workshop, "3 to 16 file descriptors (ulimit -n)")
     for one in TASKS:
         for number in (3, 4, 5, 6, 7, 8, 12, 16):
@@ -67,7 +67,7 @@ def try_stacks(workshop, tasks=None):
 
 
 def try_threads(workshop):
-    """ulimit -u, as a user of its own: no thread beside the first can be made, or only few."""
+    """ulimit -u, as a separate user: no thread besides the first can be made, or only few."""
     judge = Judge(workshop, "no further threads allowed (ulimit -u)")
     for one in TASKS:
         for number in (1, 2):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scripts run nothing that a file's name or content says, and open nothing that it names."""
+"""Names and contents of files cannot make a script run commands or open other files."""
 import ast
 import json
 import os
@@ -26,7 +26,7 @@ FORBIDDEN_SHELL = re.compile(r"(^|[;&|({]\s*)eval\s|\b(ba|da)?sh\s(-\w+\s)*-c\s+
 
 
 def shipped(*folders):
-    """Files of the repository that are programs, by what they begin or end with."""
+    """The Python and bash programs of the repository, recognised by their first line or their extension."""
     for top in folders:
         for folder, _, names in os.walk(os.path.join(ROOT, top)):
             for name in names:
@@ -36,7 +36,7 @@ def shipped(*folders):
 
 
 def dangerous_calls(text):
-    """Lines of Python that run a text, or a command through a shell."""
+    """The lines of Python code that execute text, or that run a command through a shell."""
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Call):
             shell = any(word.arg == "shell" and not (isinstance(word.value, ast.Constant) and word.value.value is False)
@@ -46,7 +46,7 @@ def dangerous_calls(text):
 
 
 class Programs(unittest.TestCase):
-    def test_none_builds_a_shell_command_or_runs_a_text(self):
+    def test_no_program_executes_text(self):
         found, count = [], 0
         for path, is_python, is_bash in shipped("python", "scripts", "studies", "bench", "examples", "packaging", "cmake"):
             count += is_python or is_bash
@@ -59,7 +59,7 @@ class Programs(unittest.TestCase):
         self.assertEqual(found, [])
         self.assertGreater(count, 30)
 
-    def test_the_check_sees_what_it_looks_for(self):
+    def test_the_check_finds_dangerous_code(self):
         for text in ("subprocess.run('ls ' + name, shell=True)", "os.system(name)", "eval(name)", "pickle.load(file)"):
             self.assertEqual(list(dangerous_calls(text)), [1], text)
         for text in ("eval \"$line\"", "bash -c \"ls $name\"", "sh -c \"cd $x; ls\"", "true; eval $x"):
@@ -106,7 +106,7 @@ class Names(StudyTest):
         self.assertTrue(os.path.exists(picture))
         self.assert_nothing_ran()
 
-    def test_make_refuses_names_that_are_no_plain_words(self):
+    def test_make_refuses_names_with_special_characters(self):
         for name, value in [("RUNS", "a b"), ("RUNS", HOSTILE), ("DEM", "$(touch hacked).tif"), ("DEM", "$(shell touch hacked)"),
                             ("STUDY", "x`touch hacked`"), ("BIN", "a;touch hacked"), ("RUNS", "-x"), ("THREADS", "0;touch hacked"),
                             ("SCRATCH", "x|y"), ("KEEP", "$(touch hacked)")]:
@@ -115,7 +115,7 @@ class Names(StudyTest):
             self.assertIn(f"{name} is \"{value}\"", result.stderr)
         self.assert_nothing_ran()
 
-    def test_a_study_names_no_file_that_make_would_take_apart(self):
+    def test_file_names_that_make_would_split_are_refused(self):
         for name in ("a b.tif", "$(shell touch hacked)", "a\nb", "`touch hacked`", "a;b", "a#b"):
             with open(self.path(name), "w", encoding="utf-8"):
                 pass
@@ -125,7 +125,7 @@ class Names(StudyTest):
             self.assertIn("make cannot take this file name", result.stderr)
         self.assert_nothing_ran()
 
-    def test_a_shown_case_is_a_script_of_four_tools(self):
+    def test_a_shown_case_runs_only_the_four_tools(self):
         variants = {"$(touch hacked)": {"scan.seed": 1}, "b": {"scan.seed": 2}}
         tree = study({"name": "seed", "variants": variants},
                      {"key": "scan.noise.a\n touch hacked #", "list": [1, 2]})
@@ -139,7 +139,7 @@ class Names(StudyTest):
         subprocess.run(["bash", self.path("case.sh")], cwd=self.hostile, check=True, env={"PATH": stubs + ":/usr/bin:/bin"})
         self.assert_nothing_ran()
 
-    def test_a_studys_folder_names_no_file_outside(self):
+    def test_files_outside_the_study_folder_are_refused(self):
         folder = self.plan(study(SIGMAS))
         path = os.path.join(folder, "cases.json")
         for name in ("../../secret.json", "/etc/passwd"):
@@ -151,7 +151,7 @@ class Names(StudyTest):
 
     def test_a_plot_follows_no_link(self):
         target, terrain = self.path("target.h5"), self.path("terrain.h5")
-        os.mkfifo(target)  # opening it would not return
+        os.mkfifo(target)  # opening it would block
         for link in (h5py.ExternalLink(target, "/z"), h5py.SoftLink("/y")):
             self.run_in(self.folder, os.path.join(BIN, "terrain-gen"), "--half-width", "2", "--resolution", "0.5", "-O", "-o", terrain)
             with h5py.File(terrain, "a") as file:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs that a signal meets at a random moment."""
+"""Signals at random times during a run."""
 import signal
 import time
 
@@ -8,28 +8,28 @@ from workshop import TASKS, Judge, no_core
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.SIGXCPU, signal.SIGQUIT)
 
 
-def keeps_parts(number):
-    """What cannot be caught, or asks for a core with all that belongs to it, leaves the hidden file."""
+def leaves_hidden_file(number):
+    """SIGKILL cannot be caught, and SIGQUIT asks for a core dump, so both leave the hidden file."""
     return number in (signal.SIGKILL, signal.SIGQUIT)
 
 
-def as_from_a_terminal(number):
-    """No core; and a shell that started this in the background has made it ignore SIGINT and SIGQUIT, which programs inherit."""
+def reset_signals(number):
+    """Disables core dumps, and undoes that a shell makes background processes ignore SIGINT and SIGQUIT."""
     no_core()
     if number != signal.SIGKILL:
         signal.signal(number, signal.SIG_DFL)
 
 
-class Moments:
-    """Random moments, uniform over a run; a task's runs are measured anew as they go."""
+class RandomTimes:
+    """Random times, uniform over the duration of a run, which is measured again during the trials."""
 
     def __init__(self, workshop, random):
         self.workshop, self.random = workshop, random
 
     def disturbed(self, one, number, old):
-        """A run that gets the signal; None where it was over before."""
+        """A run that receives the signal; None if it had ended before."""
         self.workshop.prepare(one, old)
-        process = self.workshop.start(one, old, preexec_fn=lambda: as_from_a_terminal(number))
+        process = self.workshop.start(one, old, preexec_fn=lambda: reset_signals(number))
         time.sleep(self.random.uniform(0, self.workshop.seconds[one]))
         alive = process.poll() is None
         if alive:
@@ -37,30 +37,30 @@ class Moments:
         return self.workshop.finish(process) if alive else self.workshop.finish(process) and None
 
 
-def swept(workshop, one):
-    """True if the next run with the same name removes the file that a killed run left."""
+def is_cleaned_up(workshop, one):
+    """True if the next run with the same output removes the hidden file of the killed run."""
     run = workshop.finish(workshop.start(one, True))
     return run.code == 0 and run.files == workshop.whole[one]
 
 
 def try_signal(workshop, random, number, count, tasks=None):
     """A Judge of `count` runs over all tasks, every second one over an old output."""
-    judge, moments = Judge(workshop, number.name), Moments(workshop, random)
+    judge, random_times = Judge(workshop, number.name), RandomTimes(workshop, random)
     tasks, turn = tasks or TASKS, 0
     while judge.counts["runs"] < count and turn < 4 * count:
         one, old = tasks[turn % len(tasks)], turn // len(tasks) % 2 == 1
         turn += 1
-        run = moments.disturbed(one, number, old)
+        run = random_times.disturbed(one, number, old)
         if run is None:
             continue
-        judge.take(one, run, old=old, ended_by=number, parts_may_stay=keeps_parts(number))
-        if run.parts and not swept(workshop, one):
-            judge.broken.append(f"{number.name}: {one.label}: the next run did not sweep up {run.parts}")
+        judge.take(one, run, old=old, ended_by=number, parts_may_stay=leaves_hidden_file(number))
+        if run.parts and not is_cleaned_up(workshop, one):
+            judge.broken.append(f"{number.name}: {one.label}: the next run did not remove {run.parts}")
     return judge
 
 
 def try_stop(workshop, random, count):
-    """Stopped for a moment and continued: whole."""
+    """Runs that are stopped for a moment and continued; their outputs must be complete."""
     judge = Judge(workshop, "SIGSTOP, then SIGCONT")
     for turn in range(count):
         one = TASKS[turn % len(TASKS)]

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thousands of small chains, one after the other: does anything grow, stay behind, or change?
+"""Runs thousands of small chains and checks that memory does not grow, nothing is left behind, and results do not change.
 
     tests/faults/soak.py --bin build/release/bin --chains 10000
 
-Every chain is terrain-gen, scan-sim, regrid and dem-eval with a seed that comes again every `--seeds` chains, in turns with one thread
-and with two: equal seeds must give equal bytes. Watched: exit codes, stderr, files that are left, shared memory and semaphores of
-this machine, peak memory and CPU time of every process. Prints the numbers of docs/quality/reliability.md, and ends with 1 where one is wrong.
+A chain is terrain-gen, scan-sim, regrid and dem-eval. Its seed is repeated every `--seeds` chains, alternately with one thread and
+with two; equal seeds must give equal bytes. The program checks exit codes, stderr, files left behind, shared memory and semaphores
+of this machine, and peak memory and CPU time of each process. It prints the numbers of docs/quality/reliability.md; the exit code
+is 1 if one is wrong.
 """
 import argparse
 import collections
@@ -18,7 +19,7 @@ import sys
 import tempfile
 import time
 
-# numpy only at the end: a program counts the memory of the process that started it as its own peak.
+# numpy is imported only at the end, because the peak memory of a process includes that of the process that started it.
 
 TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval")
 CONFIGS = {
@@ -36,7 +37,7 @@ OUTPUTS = {"terrain-gen": ["terrain.h5"], "scan-sim": ["scan.h5"], "regrid": ["d
 
 
 class Soak:
-    """One folder in which the chains overwrite each other's files, and what was seen of every process."""
+    """One folder in which each chain overwrites the files of the previous one, and the measurements of all processes."""
 
     def __init__(self, options):
         self.options = options
@@ -110,7 +111,7 @@ def trend(values):
 
 
 def rows(soak):
-    """The table: a line per tool."""
+    """The table, with a line per tool."""
     import numpy as np  # pylint: disable=import-outside-toplevel
     lines = ["| tool | runs | peak memory, median of the first and last tenth | growth per 1,000 runs | CPU, the same medians |",
              "|---|---|---|---|---|"]
@@ -142,7 +143,7 @@ def main(arguments):
         done += 1
         if done % 100 == 0:
             print(f"{done} chains, {time.time() - start:.0f} s, wrong: {dict(+soak.wrong)}", file=sys.stderr, flush=True)
-    left = sorted(shared_objects() - before)  # some may be another program's: their names tell
+    left = sorted(shared_objects() - before)  # some may belong to other programs, which their names show
     soak.wrong["shared memory or semaphores left"] = len(left)
     shutil.rmtree(soak.folder)
     print(f"{done:,} chains, {4 * done:,} processes, {time.time() - start:.0f} s; "

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A whole study under a fault: afterwards it is resumed and must give the bytes of an undisturbed one."""
+"""A complete study with a fault; it is then resumed, and must give the same bytes as an undisturbed one."""
 import contextlib
 import json
 import os
@@ -17,13 +17,13 @@ STUDY = {"base": {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EV
 RESULTS = ("results.csv", "results.h5")
 
 
-def interruptible():
-    """A shell that started this in the background has made it ignore SIGINT, which programs inherit."""
+def restore_sigint():
+    """Undoes that a shell makes background processes ignore SIGINT."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 class Study:
-    """A study of four cases, made into `folder`."""
+    """A study of four cases with its results in `folder`."""
 
     def __init__(self, workshop, folder):
         self.workshop, self.folder = workshop, folder
@@ -36,7 +36,7 @@ class Study:
         return subprocess.Popen(["make", "-C", ROOT, "-f", "Makefile.studies", f"STUDY={self.file}", f"BIN={self.workshop.binaries}",
                                  f"RUNS={self.folder}", "-k", "-j2", "study-results"], stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True, env=environment, start_new_session=True,
-                                preexec_fn=interruptible)
+                                preexec_fn=restore_sigint)
 
     def make(self):
         process = self.start()
@@ -44,7 +44,7 @@ class Study:
         return process.returncode, output
 
     def results(self):
-        """The bytes of the gathered results that exist."""
+        """{name: bytes} of the collected results that exist."""
         found = {}
         for name in RESULTS:
             with contextlib.suppress(FileNotFoundError):
@@ -70,12 +70,12 @@ class Trials:
             raise RuntimeError(output)
 
     def judge(self, judge, code, how):
-        """After the fault: what is there must be whole; after resuming all must be, and nothing hidden may stay."""
-        faults = [f"{name} is none of the whole" for name, data in self.study.results().items() if data != self.whole[name]]
+        """After the fault, existing results must be complete; after resuming, all must exist, and no hidden file may be left."""
+        faults = [f"{name} is incomplete or different" for name, data in self.study.results().items() if data != self.whole[name]]
         judge.counts["parts"] += bool(self.study.hidden_files())
         again, output = self.study.make()
         faults += [f"resumed: exit {again}: {output[-300:]}"] if again else []
-        faults += ["resumed: other results"] if self.study.results() != self.whole else []
+        faults += ["resumed: different results"] if self.study.results() != self.whole else []
         faults += [f"resumed: left behind {self.study.hidden_files()}"] if self.study.hidden_files() else []
         judge.counts.update(runs=1, whole=int(code == 0), refused=int(code > 0), ended=int(code < 0))
         if faults:
@@ -83,7 +83,7 @@ class Trials:
             print("BROKEN", judge.broken[-1], flush=True)
 
     def signalled(self, workshop, number, count):
-        """The whole group of processes, as a terminal or a batch system does it."""
+        """Sends the signal to the whole process group, as a terminal or a batch system does."""
         judge = Judge(workshop, f"make study, {number.name} to all its processes")
         for _ in range(count):
             self.study.remove()
@@ -96,9 +96,9 @@ class Trials:
         return judge
 
     def on_full_disks(self, workshop, count):
-        """The fault is a disk that is too small; then there is a larger one with the same files."""
+        """The disk is too small; the study is resumed on a larger one with the same files."""
         judge = Judge(workshop, "make study on a full disk (tmpfs)")
-        if not disks.may_mount(self.study.folder):
+        if not disks.can_mount(self.study.folder):
             return judge
         for i in range(count):
             self.study.remove()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surroundings that a program may meet: other locales and clocks, no home, no current folder, closed standard streams."""
+"""Unusual environments: other locales and clocks, no home, no current folder, closed standard streams."""
 import os
 import shutil
 import subprocess
@@ -8,7 +8,7 @@ from workshop import TASKS, Judge
 
 
 def comma_locale(workshop):
-    """A locale with a decimal comma, made here; None where the sources of locales are not installed."""
+    """Makes a locale with a decimal comma; None if the sources of locales are not installed."""
     folder = os.path.join(workshop.folder, "locale")
     os.makedirs(folder, exist_ok=True)
     made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", os.path.join(folder, "de_DE.UTF-8")], capture_output=True,
@@ -24,7 +24,7 @@ def try_environment(workshop, what, changes, dropped=(), tasks=None):
     return judge
 
 
-def closer(*descriptors):
+def closing(*descriptors):
     def close():
         for descriptor in descriptors:
             os.close(descriptor)
@@ -32,14 +32,14 @@ def closer(*descriptors):
 
 
 def try_closed(workshop, what, *descriptors, verbose=False, tasks=None):
-    """Standard streams that are closed: no file of the run may take their place and be written to by mistake."""
+    """Closed standard streams: no file of the run may get their descriptor and be written to by mistake."""
     judge = Judge(workshop, what)
     for one in tasks or TASKS:
         workshop.prepare(one)
         process = subprocess.Popen([*workshop.command(one), *(["-v", "--progress"] if verbose else [])], stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=closer(*descriptors))
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=closing(*descriptors))
         run = workshop.finish(process)
-        if run.code == 1 and 2 in descriptors:  # the message went nowhere
+        if run.code == 1 and 2 in descriptors:  # the message is lost
             run.stderr = f"{one.tool}: writing to standard output failed\n"
         if run.code == 0 and one.outputs:
             run.stdout = workshop.stdout[one]
@@ -48,7 +48,7 @@ def try_closed(workshop, what, *descriptors, verbose=False, tasks=None):
 
 
 def try_no_folder(workshop):
-    """The current folder was removed; all names are absolute."""
+    """The current folder is removed; all paths are absolute."""
     judge = Judge(workshop, "the current folder was removed")
     for one in TASKS:
         gone = os.path.join(workshop.folder, "gone")

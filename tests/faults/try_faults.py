@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every tool under every kind of fault and checks each run against the guarantees of docs/quality/reliability.md.
+"""Runs each tool with each kind of fault, and checks each run against the guarantees of docs/quality/reliability.md.
 
-    tests/faults/try_faults.py --bin build/release/bin              # all of it, some half an hour
+    tests/faults/try_faults.py --bin build/release/bin              # all faults, about half an hour
     tests/faults/try_faults.py --bin build/release/bin --only signals memory
-    tests/faults/try_faults.py --bin build/release/bin --write      # also the tables of docs/quality/reliability.md
+    tests/faults/try_faults.py --bin build/release/bin --write      # also writes the tables of docs/quality/reliability.md
 
-Root's rights are needed for small disks and for other users' limits. Exit 1 if a guarantee was violated.
+Small disks and the limits of other users require root. The exit code is 1 if a guarantee was violated.
 """
 import argparse
 import os

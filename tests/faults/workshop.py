@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the trials of faults run: every tool on a tiny chain, what it gives undisturbed, and the judgement of one disturbed run."""
+"""Common part of the trials: the tools on a small chain, their undisturbed results, and the check of a disturbed run."""
 import collections
 import dataclasses
 import json
@@ -21,15 +21,15 @@ SCAN = {"detector": {"rows": 8, "columns": 8, "ifov_rad": 0.0011},
 REGRID = {"resolution_m": 0.1, "half_width_m": 5}
 EVAL = {"region_radius_m": 4, "footprint_m": 0.7}
 CONFIGS = {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": EVAL}
-MOST_SECONDS = 60  # no task needs one
-HANGS = 1000  # in place of the exit code of a run that had to be killed after MOST_SECONDS
+MAX_SECONDS = 60  # no task needs one second
+HANGS = 1000  # instead of the exit code of a run that was killed after MAX_SECONDS
 OLD = b"the old output\n"
 PART = re.compile(r"^\.(?P<name>.+)\.[0-9a-f]{8}-\d+\.part$")
 
 
 @dataclasses.dataclass(frozen=True)
 class Task:
-    """One way to use a tool. {in} and {out} in the arguments stand for the folders of inputs and outputs."""
+    """One way to use a tool. {in} and {out} in the arguments are the folders of inputs and outputs."""
     label: str
     arguments: tuple
     outputs: tuple = ()
@@ -66,7 +66,7 @@ TASKS = [
 
 @dataclasses.dataclass
 class Run:
-    """How a run ended, and what it left in the folder of outputs."""
+    """How a run ended, and the files in the folder of outputs."""
     code: int
     stdout: bytes
     stderr: str
@@ -78,7 +78,7 @@ class Run:
 
 
 def files_of(folder):
-    """{name: bytes, or a word for what is no file} of a folder; nothing where there is none."""
+    """{name: bytes, or a word for entries that are not files} of a folder; empty if the folder does not exist."""
     found = {}
     for entry in os.scandir(folder) if os.path.isdir(folder) else []:
         if entry.is_file(follow_symlinks=False):
@@ -90,7 +90,7 @@ def files_of(folder):
 
 
 class Workshop:
-    """Inputs in `in`, outputs in `out` (new for each run), what each task gives undisturbed, and how long it takes."""
+    """Inputs in `in`, outputs in `out` (new for each run), and the results and the time of each task when undisturbed."""
 
     def __init__(self, binaries, threads=2, tasks=None):
         self.binaries = os.path.abspath(binaries)
@@ -105,7 +105,7 @@ class Workshop:
         self.make_inputs()
         self.whole, self.stdout, self.seconds = {}, {}, {}
         for one in tasks or TASKS:
-            self.remember(one)
+            self.record_undisturbed(one)
 
     def make_inputs(self):
         for label in ("terrain-gen .h5", "terrain-gen .tif", "terrain-gen .ply", "scan-sim", "regrid", "dem-eval --metrics --report"):
@@ -115,7 +115,7 @@ class Workshop:
                 raise RuntimeError(f"{label}: {run.stderr}")
             shutil.copy(os.path.join(self.out, one.outputs[0]), self.inputs)
 
-    def remember(self, one):
+    def record_undisturbed(self, one):
         times = []
         for _ in range(3):
             start = time.perf_counter()
@@ -130,7 +130,7 @@ class Workshop:
         return [os.path.join(self.binaries, words[0]), *words[1:], "-t", str(self.threads), *(["-O"] if old and one.outputs else [])]
 
     def prepare(self, one, old=False):
-        """An empty folder of outputs, or one with an old file under each output's name."""
+        """Makes an empty folder of outputs, or one with an old file for each output."""
         if os.path.isdir(self.out):
             for entry in os.scandir(self.out):
                 shutil.rmtree(entry.path) if entry.is_dir(follow_symlinks=False) else os.remove(entry.path)
@@ -146,7 +146,7 @@ class Workshop:
 
     def finish(self, process):
         try:
-            stdout, stderr = process.communicate(timeout=MOST_SECONDS)
+            stdout, stderr = process.communicate(timeout=MAX_SECONDS)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
@@ -158,7 +158,7 @@ class Workshop:
         return self.finish(self.start(one, old, **options))
 
     def open_to_all(self):
-        """Any user may write the outputs."""
+        """Allows any user to write to the folder of outputs."""
         os.chmod(self.out, 0o777)
 
     def remove(self):
@@ -184,7 +184,7 @@ class Judge:
         self.messages = collections.Counter()
 
     def states(self, one, run, old):
-        """Of each output: new, old, none; anything else violates a guarantee and is described in words."""
+        """The state of each output: new, old or none; anything else violates a guarantee and is described in words."""
         def state(name):
             content = run.files.get(name)
             if content == self.workshop.whole[one][name]:
@@ -202,32 +202,32 @@ class Judge:
         if run.code == 0:
             faults += [f"exit 0, but an output is {state}" for state in set(states) - {"new"}]
             faults += ["stderr is not empty"] if run.stderr else []
-            faults += ["stdout is not whole"] if run.stdout != self.workshop.stdout[one] else []
+            faults += ["stdout is incomplete"] if run.stdout != self.workshop.stdout[one] else []
         elif run.code in (1, 2):
             faults += [] if is_one_message(one, run.stderr) else ["not one message"]
-            faults += ["exit 1 or 2, but an output is new"] if "new" in states[self.named_before(one, run):] else []
+            faults += ["exit 1 or 2, but an output is new"] if "new" in states[self.renamed_before(one, run):] else []
         elif run.code == -ended_by:
             faults += [] if run.stderr in ("", f"{one.tool}: interrupted, no output was written\n") else ["not one message"]
             if run.stderr and "new" in states:
                 faults.append("says that no output was written, but one is new")
-            elif len(set(states[self.named_before(one, run):])) > 1 and not parts_may_stay:
+            elif len(set(states[self.renamed_before(one, run):])) > 1 and not parts_may_stay:
                 faults.append("some outputs are new, others not")
         else:
             faults.append("a wrong exit code")
         return faults
 
     @staticmethod
-    def named_before(one, run):
-        """How many outputs may be new although the run failed afterwards."""
+    def renamed_before(one, run):
+        """How many outputs may be new although the run failed."""
         if run.stderr.endswith("writing to standard output failed\n"):
             return len(one.outputs)
-        if "--view" in one.arguments:  # the picture is made of the output that is there already
+        if "--view" in one.arguments:  # the picture is made from the output, which is already complete
             return 1
-        # With several outputs, one gets its name after the other.
+        # Several outputs are renamed one after the other.
         return len(one.outputs) - 1 if "renaming failed" in run.stderr else 0
 
     def take(self, one, run, *, old=False, ended_by=0, parts_may_stay=False, how=""):
-        """Counts a run; returns whether all guarantees held."""
+        """Counts a run and returns whether it kept all guarantees."""
         faults = self.faults_of(one, run, old, ended_by, parts_may_stay)
         self.counts["runs"] += 1
         self.counts["whole" if run.code == 0 else "refused" if run.code in (1, 2) else "ended"] += 1

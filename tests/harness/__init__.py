@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the tests run the tools and read their files, and the tiny case that they share."""
+"""Functions that run the tools and read their files, and the small case that the tests share."""
 import json
 import os
 import shutil
@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 BIN = os.environ["LANDFALL_BIN"]
-SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # such a build takes many times the time and memory
+SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # sanitized builds take many times the time and memory
 LONGEST_S = 1200 if SANITIZED else 120
 TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval"]
 
@@ -42,7 +42,7 @@ EVAL = {"region_radius_m": 4, "footprint_m": 0.7, "quantile": 0.95,
                    "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1, "absolute_horizontal_frac": 0.95}}
 CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL}
 
-# Inputs that need not exist: a wrong flag or configuration is refused before any is opened.
+# These inputs need not exist, because a wrong option or configuration is refused before any input is opened.
 INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
           "dem-eval": ["/nowhere/dem.h5"]}
 
@@ -52,7 +52,7 @@ def tool(name):
 
 
 def run(name, *arguments, stdin="", **options):
-    """Runs a tool off any terminal; the result has returncode, stdout and stderr (text)."""
+    """Runs a tool without a terminal; the result has returncode, stdout and stderr (text)."""
     return subprocess.run([tool(name), *map(str, arguments)], input=stdin, capture_output=True, text=True,
                           timeout=LONGEST_S, **options)
 
@@ -92,7 +92,7 @@ def returns_of(path):
 
 
 class ToolTest(unittest.TestCase):
-    """A test with an empty folder of its own, and checks in the words of the contract."""
+    """A test with its own empty folder, and checks of exit codes, outputs and messages."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="landfall-")
@@ -109,17 +109,17 @@ class ToolTest(unittest.TestCase):
         return path
 
     def entries(self):
-        """Every name in the folder, hidden ones too."""
+        """All names in the folder, hidden ones included."""
         return sorted(os.listdir(self.folder))
 
     def succeed(self, name, *arguments, **options):
-        """Runs a tool that must do its work and say nothing on stderr."""
+        """Runs a tool that must succeed and print nothing on stderr."""
         result = run(name, *arguments, **options)
         self.assertEqual((result.returncode, result.stderr), (0, ""), f"{name} {arguments}")
         return result
 
     def refuse(self, code, name, *arguments, words=(), output=None, **options):
-        """Runs a tool that must fail with `code` and one line that begins with its name and holds `words`."""
+        """Runs a tool that must fail with `code` and one line that begins with the tool's name and contains `words`."""
         result = run(name, *arguments, **options)
         self.assertEqual(result.returncode, code, f"{name} {arguments}: {result.stderr}")
         self.assertEqual(result.stdout, "", f"{name} {arguments}")
@@ -137,7 +137,7 @@ class ToolTest(unittest.TestCase):
 
 
 class Chain:
-    """The tiny case's four files, made once per test module in a folder that remove() deletes."""
+    """The four files of the small case, made once per test module in a folder that remove() deletes."""
 
     def __init__(self, **scan_values):
         self.folder = tempfile.mkdtemp(prefix="landfall-chain-")
@@ -161,7 +161,7 @@ class Chain:
         return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval]))[name]
 
     def inputs(self, name):
-        """Arguments of a tool apart from its output."""
+        """Arguments of a tool, except its output."""
         return {"terrain-gen": [], "scan-sim": ["--terrain", self.terrain],
                 "regrid": [self.scan, "--terrain", self.terrain],
                 "dem-eval": [self.dem]}[name] + ["-c", self.config(name)]

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A headless Chromium for the tests of reports. As a program it takes a picture of one, as docs/images/report.png was made.
+"""A headless Chromium for the tests of reports. Run as a program it takes a screenshot, such as docs/images/report.png.
 
 usage: browser.py report.html picture.png [WIDTH [HEIGHT]]
 
-Without HEIGHT the whole page.
+Without HEIGHT the screenshot shows the whole page.
 """
 import base64
 import json
@@ -24,21 +24,21 @@ except ImportError:
 
 DRIVER = shutil.which("chromedriver")
 CHROMIUM = shutil.which("chromium")
-# WebGL is drawn by the processor (SwiftShader). Nothing is asked of a network.
+# WebGL is rendered in software (SwiftShader), and the browser makes no network requests of its own.
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
          "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
          "--disable-sync", "--disable-dev-shm-usage", "--hide-scrollbars", "--force-device-scale-factor=1"]
 
 
 def missing():
-    """What to say where no browser can be had; None where one can."""
+    """The reason why no browser can be started; None if one can."""
     if webdriver is None or DRIVER is None or CHROMIUM is None:
         return "needs a browser: apt-get install chromium chromium-driver python3-selenium"
     return None
 
 
 class Browser:
-    """A browser with an empty profile of its own, which close() deletes."""
+    """A browser with its own empty profile, which close() deletes."""
 
     def __init__(self, width=1400, height=1000):
         self.profile = tempfile.mkdtemp(prefix="landfall-browser-")
@@ -54,12 +54,12 @@ class Browser:
         shutil.rmtree(self.profile, ignore_errors=True)
 
     def open(self, path):
-        """Opens a report and waits until all of it is drawn."""
+        """Opens a report and waits until it is completely drawn."""
         self.driver.get(pathlib.Path(os.path.abspath(path)).as_uri())
         self.wait("return document.body.dataset.ready === 'yes' || document.getElementById('message').textContent !== ''")
 
     def requests(self):
-        """Addresses that were asked for since the last call, less what pages hold themselves."""
+        """URLs requested since the last call, except data: and chrome: URLs."""
         messages = (json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance"))
         asked = (message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent")
         return [url for url in asked if not url.startswith(("data:", "chrome:"))]
@@ -71,14 +71,14 @@ class Browser:
         return self.driver.execute_script(script, *arguments)
 
     def resize(self, width, height=1000):
-        """The page's own size, for any window frame."""
+        """Sets the size of the page itself, excluding the window frame."""
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
         self.driver.execute_async_script(
             "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 300)));")
 
     def picture(self, path, clip=None):
-        """The whole page, or {x, y, width, height} of it, as PNG."""
+        """Writes the whole page, or its part {x, y, width, height}, as a PNG."""
         metrics = self.driver.execute_cdp_cmd("Page.getLayoutMetrics", {})["cssContentSize"]
         area = clip or {"x": 0, "y": 0, "width": metrics["width"], "height": metrics["height"]}
         shot = self.driver.execute_cdp_cmd("Page.captureScreenshot", {

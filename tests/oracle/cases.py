@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small random configurations of the whole chain. Kinds are dealt from decks, so that every kind comes up."""
+"""Small random configurations of the whole chain. Kinds are dealt from shuffled decks, so that every kind occurs."""
 import os
 
 import h5py
@@ -10,7 +10,7 @@ from oracle.sites import Sites
 
 
 class Deck:
-    """Deals its kinds in random order, all of them before any comes again."""
+    """Deals its kinds in random order, each of them once before any is repeated."""
 
     def __init__(self, rng, kinds):
         self.rng, self.kinds, self.left = rng, kinds, []
@@ -33,8 +33,8 @@ REGIONS = ["circle", "circle", "square", "mask"]
 ESTIMATORS = ["mean", "median", "first", "strongest"]
 
 
-class Dealer(Sites, Lidars):
-    """Draws cases into a folder: their tables, rasters and meshes stand there under bare names."""
+class CaseGenerator(Sites, Lidars):
+    """Generates cases; writes their tables, rasters and meshes to a folder, where configurations name them without a path."""
 
     def __init__(self, seed, folder):
         super().__init__(seed, folder)
@@ -43,7 +43,7 @@ class Dealer(Sites, Lidars):
             ("navigation", NAVIGATION), ("method", METHODS), ("region", REGIONS), ("estimator", ESTIMATORS))}
 
     def case(self, **wanted):
-        """The configurations of the four tools and what each was dealt; `wanted` replaces what a deck deals."""
+        """The configurations of the four tools and the kinds dealt for them; `wanted` replaces kinds of the decks."""
         dealt = {name: deck.deal() for name, deck in self.decks.items()} | wanted
         scan = self.scan(dealt)
         regrid = self.regrid(dealt)

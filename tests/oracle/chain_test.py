@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random small configurations through the whole chain, every number computed a second time in numpy.
+"""Small random configurations through the whole chain; every number is compared with an independent numpy implementation.
 
-LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurations (50), LANDFALL_PROOF_ONLY one case of
-them. `chain_test.py --write` also writes the table of docs/quality/proof.md.
+LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurations (50), and LANDFALL_PROOF_ONLY the number
+of the only case to run. `chain_test.py --write` also writes the table of docs/quality/proof.md.
 """
 import os
 import shutil
@@ -28,10 +28,10 @@ class Chain(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
 
     def test_every_number_of_every_case(self):
-        ledger, dealer = Ledger(), cases.Dealer(SEED, self.folder)
+        ledger, generator = Ledger(), cases.CaseGenerator(SEED, self.folder)
         with comparison.inside(self.folder):
             for number in range(COUNT):
-                case = dealer.case()
+                case = generator.case()
                 if ONLY is None or int(ONLY) == number:
                     ledger.case = f"{number} {case['dealt']} {case['options']}"
                     comparison.run_chain(case)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a case through the four tools and compares every column, layer and number with this package's own."""
+"""Runs a case through the four tools and compares every column, layer and number with those of this package."""
 import contextlib
 import json
 import os
@@ -13,7 +13,7 @@ from oracle import evaluate, regrid, scan, surface, terrain
 from oracle.frames import matrix_of_quaternion, roll_pitch_yaw
 
 BIN = os.path.abspath(os.environ["LANDFALL_BIN"])
-SINGLE = 6e-8  # half a unit in the last place of single precision, relative
+SINGLE = 6e-8  # relative rounding error of single precision
 
 
 def run(tool, *arguments):
@@ -30,7 +30,7 @@ def write_json(name, config):
 
 
 def run_chain(case):
-    """Files terrain.h5, scan.h5, dem.h5, eval.h5 and metrics.json in the working folder."""
+    """Writes terrain.h5, scan.h5, dem.h5, eval.h5 and metrics.json to the working folder."""
     flag = lambda name: ["--" + name.replace("_", "-")] if case["options"][name] else []
     run("terrain-gen", "-O", "-c", write_json("terrain.json", case["terrain"]), "-o", "terrain.h5")
     run("scan-sim", "-O", "-c", write_json("scan.json", case["scan"]), "--terrain", "terrain.h5", "-o", "scan.h5",
@@ -42,7 +42,7 @@ def run_chain(case):
 
 
 def holds(resolved, given):
-    """The resolved configuration has what was given."""
+    """True if the resolved configuration has all keys and values that were given."""
     if isinstance(given, dict):
         return all(key in resolved and holds(resolved[key], value) for key, value in given.items())
     if isinstance(given, list):
@@ -51,7 +51,7 @@ def holds(resolved, given):
 
 
 def check(case, ledger):
-    """Compares the files that run_chain() left. A later stage starts from the files of the one before."""
+    """Compares the files of run_chain(). Each stage starts from the files of the previous one."""
     for name, path in (("terrain", "terrain.h5"), ("scan", "scan.h5"), ("regrid", "dem.h5"), ("eval", "eval.h5")):
         ledger.equal("resolved configuration", [holds(config_of(path), case[name])], [True])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -120,7 +120,7 @@ def check_pulses(ledger, made, counts, suffix):
     for n in (0, 1):
         angle = pulses[f"angle_{n + 1}"]
         whole = 2 * np.pi * np.rint((angle - made.true_angles[:, n]) / (2 * np.pi))
-        resting = np.isnan(made.true_angles[:, n])  # a pulse without an aim
+        resting = np.isnan(made.true_angles[:, n])  # pulses without an aim
         ledger.close("pulses: angle_1, angle_2" + suffix, angle[~resting],
                      (made.true_angles[:, n] + np.nan_to_num(whole))[~resting], 1e-9)
     for side, (p, turn) in (("true", made.true_pose), ("est", made.estimated_pose)):
@@ -169,7 +169,7 @@ def check_dem(case, ledger, ground, scans=("scan.h5",)):
     ledger.close("dem: z_spread", dem["z_spread"], expected["z_spread"], 1e-6, 1e-6, bins.doubtful)
     if ground is not None:
         ledger.close("dem: z_true" + of, dem["z_true"], expected["z_true"], 1e-9,
-                     doubtful=bins.doubtful | at_border(ground, *bins.true_places(expected)))
+                     doubtful=bins.doubtful | at_border(ground, *bins.true_positions(expected)))
     if case["options"]["uncertainty"] or case["options"]["corrected"]:
         check_uncertainty(case, ledger, ground, bins, expected, pulses)
     ledger.equal("dem: layers", sorted(set(dem) - {"x", "y"}), wanted_layers(case))
@@ -188,7 +188,7 @@ def wanted_layers(case):
 
 
 def at_border(ground, x, y):
-    """Places within 1e-9 m of where the terrain ends or a hole begins, or where a mesh's elevation jumps."""
+    """Points within 1e-9 m of the border of the terrain, the border of a hole, or a jump of a mesh's elevation."""
     around = np.array([ground.elevation(x + dx, y + dy) for dx in (-1e-9, 1e-9) for dy in (-1e-9, 1e-9)])
     return (np.isnan(around).any(0) & ~np.isnan(around).all(0)) | (np.ptp(around, axis=0) > 1e-6)
 

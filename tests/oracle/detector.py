@@ -18,7 +18,7 @@ def pitch(config):
 
 
 def centres(config):
-    """u to the right and v up of each pixel, row by row from the top."""
+    """u (to the right) and v (up) of each pixel, row by row from the top."""
     rows, columns = config["rows"], config["columns"]
     if isinstance(config["distribution"], dict):
         c = tables.read(config["distribution"]["path"])
@@ -30,7 +30,7 @@ def centres(config):
 
 
 def directions(config, u, v):
-    """Unit vectors in L: distorted, then turned by the roll about -z_L."""
+    """Unit vectors in L: distorted, then rotated by the roll about -z_L."""
     square = u * u + v * v
     k = config["distortion"]
     scale = 1 + k["k1"] * square + k["k2"] * square**2 + k["k3"] * square**3
@@ -45,7 +45,7 @@ def pixels(config):
 
 
 def subpixels(config):
-    """(pixels, m m, 3)."""
+    """Directions of the sub-pixels, (pixels, m m, 3)."""
     m = config["subpixels"]
     across, down = pitch(config) * (np.sqrt(config["fill_factor"]) if m > 1 else 1)
     offset = (np.arange(m) - (m - 1) / 2) / m
@@ -55,7 +55,7 @@ def subpixels(config):
 
 
 def strongest(ranges, extent):
-    """Mean of the window of `extent`, both ends included, that holds the most; of equal ones the nearest."""
+    """Mean of the ranges in the fullest window of length `extent`, ends included; among equally full ones, in the nearest."""
     ranges = np.sort(ranges[np.isfinite(ranges)])
     if not len(ranges):
         return np.nan
@@ -65,7 +65,7 @@ def strongest(ranges, extent):
 
 
 def estimated(config, ranges):
-    """One range of each row of sub-ranges (..., m m); NaN: no return."""
+    """The range of each row of sub-ranges (..., m m); NaN if there is no return."""
     if ranges.shape[-1] == 1:
         return ranges[..., 0]
     name, hits = config["estimator"], np.sum(np.isfinite(ranges), axis=-1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all that draws configurations shares."""
+"""Base class of the generators of random configurations."""
 import os
 
 import numpy as np
@@ -10,7 +10,7 @@ DURATION_S = 0.12  # of a scan
 
 
 class Drawing:
-    """Random numbers, and tables in a folder under bare names."""
+    """Draws random numbers, and writes tables to a folder, where configurations name them without a path."""
 
     def __init__(self, seed, folder):
         self.rng = np.random.default_rng(seed)

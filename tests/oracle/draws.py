@@ -13,7 +13,7 @@ WEYL = (0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B)
 
 
 def product(a, b):
-    """The upper and the lower 64 bits of a b, by halves of 32 bits."""
+    """The upper and the lower 64 bits of the product a b, computed from 32-bit halves."""
     a_low, a_high, b_low, b_high = a & LOW, a >> HALF, b & LOW, b >> HALF
     low, middle_1, middle_2 = a_low * b_low, a_high * b_low, a_low * b_high
     carry = (low >> HALF) + (middle_1 & LOW) + (middle_2 & LOW)
@@ -21,11 +21,11 @@ def product(a, b):
 
 
 def philox(counter, key):
-    """Philox4x64-10 (Salmon et al. 2011): four words for the four words of a counter and the two of a key."""
+    """Philox4x64-10 (Salmon et al. 2011): four words from the four words of a counter and the two of a key."""
     with np.errstate(over="ignore"):
         words = [np.asarray(word).astype(np.uint64) for word in counter]
-        for turn in range(10):
-            k0, k1 = (np.uint64((key[n] + turn * WEYL[n]) % 2**64) for n in (0, 1))
+        for round_number in range(10):
+            k0, k1 = (np.uint64((key[n] + round_number * WEYL[n]) % 2**64) for n in (0, 1))
             high_0, low_0 = product(MULTIPLIERS[0], words[0])
             high_1, low_1 = product(MULTIPLIERS[1], words[2])
             words = [high_1 ^ words[1] ^ k0, low_1, high_0 ^ words[3] ^ k1, low_0]

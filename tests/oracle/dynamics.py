@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rigid body's descent (docs/user/lidar/trajectory-dynamics.md): classical Runge-Kutta in small steps."""
+"""The descent of a rigid body (docs/user/lidar/trajectory-dynamics.md) by the classical Runge-Kutta method in small steps."""
 import numpy as np
 
 from oracle import draws
@@ -9,13 +9,13 @@ STEPS_PER_PERIOD = 16
 
 
 def quaternion_of_matrix(m):
-    """The quaternion of a matrix that turns by less than half a turn."""
+    """The quaternion of a rotation matrix whose angle is less than 180 degrees."""
     w = np.sqrt(1 + np.trace(m)) / 2
     return np.array([w, *(np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]]) / (4 * w))])
 
 
 class RigidBody:
-    """The states at the control times, and the pose at any time."""
+    """Computes the states at the control times, and the pose at any time."""
 
     def __init__(self, config, duration):
         self.c = config
@@ -39,7 +39,7 @@ class RigidBody:
         return roll_pitch_yaw(np.radians(angles))
 
     def load(self, period, state):
-        """Engine force along z_B and torque about B's axes, held for the period."""
+        """Engine force along z_B and torque about the axes of B, constant during the period."""
         return self.engine(state), self.thrusters(state) + self.disturbance(period)
 
     def engine(self, state):

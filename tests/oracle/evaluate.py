@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers, holes and metrics of an evaluation from a DEM's layers (docs/user/dem-eval.md)."""
+"""Layers, holes and metrics of an evaluation, from the layers of a DEM (docs/user/dem-eval.md)."""
 import numpy as np
 
 from oracle.regrid import windows
 
-NEAR_LIMIT = 1e-12  # of a limit: a value so near may pass or fail
+NEAR_LIMIT = 1e-12  # values so close to a limit may pass or fail
 
 
 def region_of(config, mask, half, s):
@@ -22,7 +22,7 @@ def region_of(config, mask, half, s):
 
 
 def components(invalid):
-    """8-connected, numbered by first bin in row-major order."""
+    """8-connected components, numbered by their first bin in row-major order."""
     ids, count = np.zeros(invalid.shape, int), 0
     for start in zip(*np.nonzero(invalid)):
         if ids[start]:
@@ -41,13 +41,13 @@ def components(invalid):
 
 
 def distances(valid):
-    """Euclidean, in bins, to the nearest valid bin of the map."""
+    """Euclidean distance in bins to the nearest valid bin of the map."""
     result = np.zeros(valid.shape)
-    places = np.argwhere(valid)
+    bins_of_holes = np.argwhere(valid)
     for rows in np.array_split(np.argwhere(~valid), max(1, (~valid).sum() // 200)):
         if len(rows):
-            square = ((rows[:, None] - places)**2).sum(-1)
-            result[tuple(rows.T)] = np.sqrt(square.min(1)) if len(places) else np.inf
+            square = ((rows[:, None] - bins_of_holes)**2).sum(-1)
+            result[tuple(rows.T)] = np.sqrt(square.min(1)) if len(bins_of_holes) else np.inf
     return result
 
 
@@ -61,17 +61,17 @@ class Footprints:
         self.quantile = config["quantile"]
 
     def of(self, error, region):
-        """Mean, and quantile of |e - mean|, of the region's footprints; NaN elsewhere."""
+        """Mean, and quantile of |e - mean|, of each footprint centred in the region; NaN elsewhere."""
         values = windows(error, self.radius)[region][:, self.part]
         count = np.isfinite(values).sum(1)
         with np.errstate(invalid="ignore", divide="ignore"):
             mean = np.nansum(values, 1) / count
         off = np.sort(abs(values - mean[:, None]), axis=1)  # NaN last
-        place = np.maximum(count - 1, 0) * self.quantile
-        low = np.floor(place).astype(int)
+        rank = np.maximum(count - 1, 0) * self.quantile
+        low = np.floor(rank).astype(int)
         rows = np.arange(len(off))
         high = np.minimum(low + 1, np.maximum(count - 1, 0))
-        found = off[rows, low] + (place - low) * (off[rows, high] - off[rows, low])
+        found = off[rows, low] + (rank - low) * (off[rows, high] - off[rows, low])
         absolute, relative = np.full(error.shape, np.nan), np.full(error.shape, np.nan)
         absolute[region], relative[region] = mean, np.where(count > 0, found, np.nan)
         return absolute, relative
@@ -82,7 +82,7 @@ def known(values):
 
 
 def quantile(values, q):
-    """h = (n - 1) q (D23); NaN of nothing, as means and maxima here."""
+    """The quantile with h = (n - 1) q (D23); NaN for no values, like the means and maxima here."""
     return np.quantile(values, q) if values.size else np.nan
 
 
@@ -149,7 +149,7 @@ class Evaluation:
         return flags + 32 * (self.invalid & (self.distance > self.limits["distance_bins"]))
 
     def doubtful(self):
-        """Footprints with a value within rounding of its limit."""
+        """Footprints of which a value equals its limit within rounding."""
         if not self.has_truth:
             return np.zeros(self.region.shape, bool)
         values = [(self.judged[axis][1], self.limit_of(axis)) for axis in "xyz"]
@@ -157,17 +157,17 @@ class Evaluation:
         return np.any([abs(value - limit) < NEAR_LIMIT for value, limit in values], axis=0)
 
     def hole_table(self):
-        places = [np.argwhere(self.holes == number + 1) for number in range(len(self.sizes))]
-        first = np.array([place[0] for place in places]).reshape(-1, 2)
-        centre = np.array([place.mean(0) for place in places]).reshape(-1, 2)
+        bins_of_holes = [np.argwhere(self.holes == number + 1) for number in range(len(self.sizes))]
+        first = np.array([bins[0] for bins in bins_of_holes]).reshape(-1, 2)
+        centre = np.array([bins.mean(0) for bins in bins_of_holes]).reshape(-1, 2)
         half = len(self.dem["x"]) // 2
-        return {"id": np.arange(1, len(places) + 1), "size_bins": self.sizes, "row": first[:, 0], "column": first[:, 1],
+        return {"id": np.arange(1, len(bins_of_holes) + 1), "size_bins": self.sizes, "row": first[:, 0], "column": first[:, 1],
                 "first_x": (first[:, 1] - half) * self.s, "first_y": (first[:, 0] - half) * self.s,
                 "x": (centre[:, 1] - half) * self.s, "y": (centre[:, 0] - half) * self.s,
-                "max_distance_bins": np.array([self.distance[tuple(place.T)].max() for place in places])}
+                "max_distance_bins": np.array([self.distance[tuple(bins.T)].max() for bins in bins_of_holes])}
 
     def metrics(self):
-        """metrics.json but for `format`, `version` and the part `uncertainty`."""
+        """metrics.json without `format`, `version` and `uncertainty`."""
         return {"region": self.region_metrics(), "coverage": self.coverage(), "accuracy": self.accuracy(),
                 "requirements": self.requirements(), "statistics": self.statistics(), "pass": self.verdict()}
 
@@ -223,7 +223,7 @@ class Evaluation:
         over = {axis: accuracy["relative"][axis]["violation_count"] for axis in "xyz"}
         values = np.array([over["z"], over["x"] + over["y"], accuracy["absolute"]["horizontal"]["within_limit_frac"]])
         if not known(self.horizontal).size:
-            values[:] = np.nan  # nothing to judge: missed
+            values[:] = np.nan  # without values the requirements are missed
         return dict(zip(limits, zip(values, limits.values())))
 
     def verdict(self):
@@ -240,14 +240,14 @@ class Evaluation:
         return result
 
     def uncertainty(self):
-        """z-scores of a map with sigmas."""
+        """z-scores of a DEM with sigmas."""
         error = self.dem["z_true_map"].astype(float) - self.dem["z_est"]
         mean, _ = self.footprints.of(error, self.region)
         return {"absolute": self.scores(error, self.dem["z_sigma_abs"].astype(float), self.region),
-                "relative": self.scores(error - mean, self.dem["z_sigma_rel"].astype(float), self.company(error))}
+                "relative": self.scores(error - mean, self.dem["z_sigma_rel"].astype(float), self.with_neighbours(error))}
 
-    def company(self, error):
-        """The region's bins whose footprint holds another valid bin."""
+    def with_neighbours(self, error):
+        """The bins of the region whose footprint contains another valid bin."""
         inside = windows(error, self.footprints.radius)[..., self.footprints.part]
         return self.region & (np.isfinite(inside).sum(-1) > 1)
 

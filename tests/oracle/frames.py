@@ -11,7 +11,7 @@ def dot(a, b):
     return np.sum(a * b, axis=-1)
 
 
-def turned(matrices, vectors):
+def rotated(matrices, vectors):
     return np.einsum("...ij,...j->...i", matrices, vectors)
 
 
@@ -49,7 +49,7 @@ def product_of_quaternions(a, b):
 
 
 def rotation_vector(matrix):
-    """The rotation vector of a matrix that turns by less than half a turn."""
+    """The rotation vector of a rotation matrix whose angle is less than 180 degrees."""
     sine = np.array([matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]]) / 2
     length = np.linalg.norm(sine)
     angle = np.arctan2(length, (np.trace(matrix) - 1) / 2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was compared: per quantity the number of values, the largest difference, its bound, and what failed."""
+"""The record of comparisons: for each quantity the number of values, the largest difference, its bound, and failures."""
 import numpy as np
 
 STAGES = ["resolved configuration", "terrain", "points", "pulses", "detector", "dem", "eval", "holes", "metrics"]
@@ -7,21 +7,21 @@ STAGES = ["resolved configuration", "terrain", "points", "pulses", "detector", "
 
 class Ledger:
     def __init__(self, bounds=None):
-        """`bounds`: (absolute, relative) that replace those of quantities whose names begin so; the first that does."""
+        """`bounds`: {prefix: (absolute, relative)} that replace the bounds of quantities; the first matching prefix counts."""
         self.bounds = bounds or {}
         self.rows, self.failures, self.excused, self.case = {}, [], {}, None
 
     def row(self, quantity, bound):
         row = self.rows.setdefault(quantity, {"values": 0, "largest": 0.0, "bound": bound})
         if row["bound"] == "equal":
-            row["bound"] = bound  # a family of whole numbers and others
+            row["bound"] = bound  # the quantity has both integers and floats
         return row
 
     def fail(self, quantity, text):
         self.failures.append(f"case {self.case}: {quantity}: {text}")
 
     def equal(self, quantity, found, expected, doubtful=None):
-        """Counts, flags, statuses, ids: every one the same, but for those marked doubtful, which are counted."""
+        """Compares counts, flags, statuses and ids. They must be equal; differences of doubtful ones are only counted."""
         found, expected = np.asarray(found), np.asarray(expected)
         row = self.row(quantity, "equal")
         if found.shape != expected.shape:
@@ -37,10 +37,10 @@ class Ledger:
                                 f"{expected[differs].flat[0]}")
 
     def close(self, quantity, found, expected, bound, relative=0.0, doubtful=None):
-        """NaN in the same places, and differences of at most bound + relative |expected|."""
+        """Compares numbers: NaN at the same indices, and differences of at most bound + relative |expected|."""
         found, expected = np.asarray(found, float), np.asarray(expected, float)
         bound, relative = next((own for name, own in self.bounds.items() if quantity.startswith(name)), (bound, relative))
-        row = self.row(quantity, f"{bound:g}" + (f" + {relative:g} of it" if relative else ""))
+        row = self.row(quantity, f"{bound:g}" + (f" + {relative:g} of the value" if relative else ""))
         if found.shape != expected.shape:
             self.fail(quantity, f"{found.shape} values, not {expected.shape}")
             return
@@ -54,11 +54,11 @@ class Ledger:
             off, wrong = np.where(doubtful, 0, off), wrong & ~doubtful
         row["largest"] = max(row["largest"], float(np.nanmax(off, initial=0)))
         if wrong.any():
-            self.fail(quantity, f"{wrong.sum()} of {wrong.size} are off, by {np.nanmax(np.where(wrong, off, 0)):g}; first "
+            self.fail(quantity, f"{wrong.sum()} of {wrong.size} differ, by at most {np.nanmax(np.where(wrong, off, 0)):g}; first "
                                 f"{found[wrong].flat[0]!r} for {expected[wrong].flat[0]!r}")
 
     def nested(self, quantity, found, expected, relative, bound, doubtful=False):
-        """Numbers of a JSON text: the same keys (null or absent for what is not there), equal integers, close floats."""
+        """Compares JSON values: the same keys (null or absent if there is no value), equal integers, close floats."""
         if isinstance(expected, dict):
             for key in sorted(set(expected) | set(found or {})):
                 if key not in expected and (found[key] is not None and not self.is_null(found[key])):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random scans: detectors, errors, trajectories."""
+"""Random configurations of scans: detectors, errors, trajectories."""
 import os
 
 import numpy as np
@@ -65,24 +65,24 @@ class Lidars(Mechanisms):
 
     def trajectory(self, kind):
         b = self.between
-        place, speed = [b(-0.4, 0.4), b(-0.4, 0.4), b(42, 58)], [b(-3, 3), b(-3, 3), b(-20, -2)]
+        position, speed = [b(-0.4, 0.4), b(-0.4, 0.4), b(42, 58)], [b(-3, 3), b(-3, 3), b(-20, -2)]
         if kind == "constant_velocity":
-            return {"type": kind, "position_m": place, "velocity_mps": speed,
+            return {"type": kind, "position_m": position, "velocity_mps": speed,
                     "rpy_deg": [b(-1.5, 1.5), b(-1.5, 1.5), b(-30, 30)], "rpy_rate_degps": b(-5, 5, 3)}
         if kind == "dynamics":
-            return {"type": kind, "position_m": place, "velocity_mps": speed, "rpy_deg": b(-0.5, 0.5, 3),
+            return {"type": kind, "position_m": position, "velocity_mps": speed, "rpy_deg": b(-0.5, 0.5, 3),
                     "rate_degps": b(-3, 3, 3), "inertia_kgm2": [90, 100, 120], "inertia_products_kgm2": b(-5, 5, 3),
                     "thrust": {"descent_rate_mps": b(2, 20), "max_n": self.one_of([0, 900, 3000])},
                     "attitude_control": {"command_rpy_deg": b(-0.5, 0.5, 3), "deadband_deg": b(0.02, 0.2),
                                          "torque_nm": self.one_of([[0, 0, 0], [20, 30, 10]])},
                     "disturbance": {"torque_nm": b(-2, 2, 3), "torque_sigma_nm": b(0, 5, 3), "seed": self.whole(1, 99)}}
-        return {"type": "table", "path": self.poses("poses.csv", kind.split()[1], place, speed)}
+        return {"type": "table", "path": self.poses("poses.csv", kind.split()[1], position, speed)}
 
-    def poses(self, name, attitude, place, speed, start=None):
+    def poses(self, name, attitude, position, speed, start=None):
         start = self.between(-5, 100) if start is None else start
         t = np.concatenate([[0], np.cumsum(self.rng.uniform(0.02, 0.05, 6))])
         t[-1] = max(t[-1], DURATION_S + 0.01)
-        p = np.array(place) + np.outer(t, speed) + self.rng.normal(0, 0.02, (7, 3))
+        p = np.array(position) + np.outer(t, speed) + self.rng.normal(0, 0.02, (7, 3))
         columns = {"t_s": start + t, **{f"{axis}_m": p[:, n] for n, axis in enumerate("xyz")}}
         if self.chance(0.5):
             v = np.array(speed) + self.rng.normal(0, 0.5, (7, 3))
@@ -91,7 +91,7 @@ class Lidars(Mechanisms):
         return self.table(name, columns)
 
     def attitudes(self, kind):
-        """Seven attitudes near the nominal one, in the wanted columns."""
+        """Seven attitudes near the nominal one, in columns of the given kind."""
         turn = self.rng.normal(0, 0.01, (7, 3))
         if kind == "angles":
             return {f"{name}_deg": np.degrees(turn[:, n]) for n, name in enumerate(("roll", "pitch", "yaw"))}
@@ -108,8 +108,8 @@ class Lidars(Mechanisms):
             start = 0.0
             if trajectory["type"] == "table":
                 start = tables.read(os.path.join(self.folder, trajectory["path"]))["t_s"][0]
-            place = trajectory.get("position_m", [0.1, -0.2, 50])
-            return {"table": self.poses("believed.csv", "quaternion", place, [1, -1, -10], start)}
+            position = trajectory.get("position_m", [0.1, -0.2, 50])
+            return {"table": self.poses("estimated.csv", "quaternion", position, [1, -1, -10], start)}
         b = self.between
         config = {"position_m": b(-0.1, 0.1, 3), "velocity_mps": b(-0.5, 0.5, 3), "rpy_rad": b(-2e-3, 2e-3, 3),
                   "rpy_rate_radps": b(-1e-2, 1e-2, 3)} if kind != "commanded" else {"attitude": "commanded"}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random scanners and patterns."""
+"""Random configurations of scanners and patterns."""
 import numpy as np
 
 from oracle.drawing import DURATION_S, Drawing

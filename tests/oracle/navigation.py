@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lander's estimate of its pose (docs/user/lidar/error-navigation.md)."""
+"""The estimated pose of the lander (docs/user/lidar/error-navigation.md)."""
 import numpy as np
 
 from oracle import draws, trajectory
@@ -7,7 +7,7 @@ from oracle.frames import roll_pitch_yaw
 
 
 class Path:
-    """Three numbers on the times 0, h, 2 h .., linear between, constant outside."""
+    """Three components given at the times 0, h, 2 h ...; linear in between, constant outside."""
 
     def __init__(self, h, values):
         self.h, self.values = h, values
@@ -40,7 +40,7 @@ def gauss_markov(h, steps, seed, sigma, time, first_axis):
 
 
 class Estimate:
-    """The estimated pose for a time on the trajectory's clock."""
+    """The estimated pose at times of the trajectory."""
 
     def __init__(self, config, path):
         self.c, self.path = config["navigation_error"], path
@@ -64,7 +64,7 @@ class Estimate:
     def pose(self, t):
         if self.table:
             return self.table.pose(t)
-        t = self.path.kept_within(t)
+        t = self.path.clamped(t)
         since = t - self.path.start
         p, turn = self.path.pose(t)
         if self.c["attitude"] == "commanded":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ground aims of the patterns (docs/user/lidar/pattern-*.md): x, y (n,), NaN where a pulse has none."""
+"""Ground aims of the patterns (docs/user/lidar/pattern-*.md): x, y (n,), NaN for pulses without an aim."""
 import numpy as np
 
 from oracle import tables
@@ -9,11 +9,11 @@ def line_search(c, k, _):
     points = c["rows"] * c["columns"]
     past = k >= points
     n = k % points
-    line, place = np.divmod(n, c["columns"])
+    line, column = np.divmod(n, c["columns"])
     if c["direction"] == "boustrophedon":
-        place = np.where(line % 2 == 1, c["columns"] - 1 - place, place)
+        column = np.where(line % 2 == 1, c["columns"] - 1 - column, column)
     e = c["half_width_m"]
-    x = -e + 2 * e * place / (c["columns"] - 1) if c["columns"] > 1 else np.zeros(len(k))
+    x = -e + 2 * e * column / (c["columns"] - 1) if c["columns"] > 1 else np.zeros(len(k))
     if c["rows"] == 1:
         y = np.zeros(len(k))
     elif c["ramped"]:
@@ -78,14 +78,14 @@ AIMS = {f.__name__: f for f in (line_search, step_stare, spiral, rosette, lissaj
 
 
 def aims(config, k, t):
-    """Ground aims (n, 3) of pulses k at times t since the first."""
+    """Ground aims (n, 3) of the pulses k, at times t after the first pulse."""
     k = np.asarray(k)
     x, y = AIMS[config["type"]](config, k, np.asarray(t, float))
     return np.stack([x, y, np.where(np.isnan(x), np.nan, 0)], -1)
 
 
-def first_behind_jump(config, k):
-    """The first pulse after the latest jump of the aim, 0 before any."""
+def first_after_jump(config, k):
+    """The first pulse after the latest jump of the aim; 0 before the first jump."""
     if config["type"] == "line_search":
         return k - k % config["columns"]
     if config["type"] == "step_stare":
@@ -94,7 +94,7 @@ def first_behind_jump(config, k):
 
 
 def limit(config):
-    """Pulses after which the scan ends."""
+    """The number of pulses after which the scan ends."""
     if config.get("at_end") != "stop" or config["type"] == "table":
         return np.inf
     return config["rows"] * config["columns"] * config.get("pulses_per_step", 1)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A DEM's layers from the returns of a scan (docs/user/regrid.md, docs/user/uncertainty.md)."""
+"""The layers of a DEM from the returns of a scan (docs/user/regrid.md, docs/user/uncertainty.md)."""
 import numpy as np
 
-from oracle.frames import matrix_of_quaternion, turned
+from oracle.frames import matrix_of_quaternion, rotated
 
-EDGE = 1e-9  # of a bin: a return so near a bin's border or a centre's line may be counted on either side
+EDGE = 1e-9  # in bins: a return so close to the border of a bin, or to the line through its centre, may be counted on either side
 
 
 class Bins:
@@ -16,10 +16,10 @@ class Bins:
         self.points, self.method = points, config["method"]
         self.truth_at = config["truth_at"]
         self.x, self.y = np.meshgrid(self.centres, self.centres)
-        self.place()
+        self.assign_bins()
 
-    def place(self):
-        """For each return and each of its bins: `of`, the return; `bin`, row major; `weight`."""
+    def assign_bins(self):
+        """Arrays with one element per return and bin: `of`, the return; `bin`, its row-major index; `weight`."""
         u, v = (self.points[f"{axis}_est"] / self.s for axis in "xy")
         if self.method == "bilinear4":
             parts = [self.share(u, v, dx, dy) for dy in (0, 1) for dx in (0, 1)]
@@ -47,7 +47,7 @@ class Bins:
         return np.flatnonzero(kept), self.number(column, row)[kept], weight[kept]
 
     def around(self, u, v):
-        """The bins next to returns that rounding may put into one or another."""
+        """The bins around returns whose bin depends on rounding."""
         result = np.zeros((self.size, self.size), bool)
         for column, row in zip(np.rint(u).astype(int) + self.half, np.rint(v).astype(int) + self.half):
             result[max(row - 1, 0):row + 2, max(column - 1, 0):column + 2] = True
@@ -62,7 +62,7 @@ class Bins:
             return self.sum(self.weight * values) / self.sum(self.weight)
 
     def chosen(self):
-        """bin -> the returns whose mean every layer is: of min, max and median."""
+        """{bin: returns} for min, max and median: each layer is the mean of these returns."""
         order = np.lexsort((self.points["z_est"][self.of], self.bin))
         numbers, begins = np.unique(self.bin[order], return_index=True)
         pick = {"min": lambda g: g[:1], "median": lambda g: g[[(len(g) - 1) // 2, len(g) // 2]],
@@ -71,7 +71,7 @@ class Bins:
         return {n: self.of[pick(group)] for n, group in zip(numbers, np.split(order, begins[1:]))}
 
     def layer(self, name, values=None):
-        """What the method makes of a column."""
+        """The layer that the method computes from a column."""
         if self.method in ("bilinear_nearest", "bilinear4", "mean"):
             return self.mean(name, values)
         values = self.points[name] if values is None else values
@@ -94,10 +94,10 @@ class Bins:
         with np.errstate(invalid="ignore", divide="ignore"):
             result["z_spread"] = np.sqrt(self.sum(self.weight * (z[self.of] - mean[self.bin])**2) / self.sum(self.weight))
         if surface is not None:
-            result["z_true"] = surface.elevation(*self.true_places(result))
+            result["z_true"] = surface.elevation(*self.true_positions(result))
         return result
 
-    def true_places(self, layers):
+    def true_positions(self, layers):
         if self.truth_at == "centroid":
             return layers["x_true"], layers["y_true"]
         dx, dy = (self.layer(None, self.points[f"{axis}_true"] - self.points[f"{axis}_est"]) for axis in "xy")
@@ -105,7 +105,7 @@ class Bins:
 
 
 def windows(layer, radius):
-    """(rows, columns, (2 radius + 1)^2): the bins around each, NaN beyond the border."""
+    """The values around each bin, (rows, columns, (2 radius + 1)^2); NaN outside the map."""
     padded = np.pad(np.asarray(layer, float), radius, constant_values=np.nan)
     size = 2 * radius + 1
     view = np.lib.stride_tricks.sliding_window_view(padded, (size, size))
@@ -113,7 +113,7 @@ def windows(layer, radius):
 
 
 class Uncertainty:
-    """Slopes, z_corrected and the sigmas, by the formulas of docs/user/uncertainty.md."""
+    """Slopes, z_corrected and sigmas by the formulas of docs/user/uncertainty.md."""
 
     PARTS = ("position_m", "velocity_mps", "rpy_rad", "rpy_rate_radps")
 
@@ -127,7 +127,7 @@ class Uncertainty:
     def slopes(self):
         w = np.nan_to_num(self.layers["weight_sum"])
         result = np.full((*w.shape, 2), np.nan)
-        self.shaky = np.zeros(w.shape)
+        self.near_limit = np.zeros(w.shape)
         done = w == 0
         for radius, enough in ((1, 6), (2, 6), (3, 3)):
             weights = np.nan_to_num(windows(np.where(w > 0, w, np.nan), radius))
@@ -138,7 +138,7 @@ class Uncertainty:
             spread = lambda a, b: mean(a * b) - mean(a) * mean(b)
             xx, xy, yy, xz, yz = spread(x, x), spread(x, y), spread(y, y), spread(x, z), spread(y, z)
             least = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)
-            self.shaky[~done & (abs(least / (0.1 * self.bins.s**2) - 1) < 1e-6)] = 1
+            self.near_limit[~done & (abs(least / (0.1 * self.bins.s**2) - 1) < 1e-6)] = 1
             fits = ~done & ((weights > 0).sum(-1) >= enough) & (least >= 0.1 * self.bins.s**2)
             determinant = np.where(fits, xx * yy - xy * xy, 1)
             fitted = np.stack([(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant], -1)
@@ -147,11 +147,11 @@ class Uncertainty:
         return result
 
     def doubtful(self):
-        """Bins with a window whose scatter lies within rounding of the least that a plane needs, and their neighbours."""
-        return windows(self.shaky, 3).max(-1) > 0
+        """Bins that use a window for which rounding decides whether its scatter suffices for a plane."""
+        return windows(self.near_limit, 3).max(-1) > 0
 
     def lever(self, pulses):
-        """The vector from the body at the bin's mean time to the bin; the pose is linear between pulses."""
+        """The vector from the body at the bin's mean time to the bin; the pose is interpolated linearly between pulses."""
         t = self.bins.mean("t")
         interpolated = lambda name: np.interp(t, pulses["t"], pulses[name])
         body = np.stack([interpolated(f"p{axis}_est") for axis in "xyz"], -1)
@@ -164,7 +164,7 @@ class Uncertainty:
     def navigation(self, J):
         p, v, angle, rate = (np.square(self.sigmas[part]) for part in self.PARTS)
         J = np.broadcast_to(J, self.r.shape)
-        arm = turned(np.swapaxes(self.turn, -1, -2), np.cross(self.r, J))
+        arm = rotated(np.swapaxes(self.turn, -1, -2), np.cross(self.r, J))
         square = (self.since**2)[..., None]
         return np.sum(J**2 * (p + square * v), -1) + np.sum(arm**2 * (angle + square * rate), -1)
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scan with --keep-misses, column by column, from its configuration and the true surface (docs/user/scan-sim.md)."""
+"""The columns of a scan with --keep-misses, from its configuration and the true surface (docs/user/scan-sim.md)."""
 import numpy as np
 
 from oracle import detector, draws, navigation, patterns, scanners, trajectory
-from oracle.frames import dot, normalised, roll_pitch_yaw, transposed, turned
+from oracle.frames import dot, normalised, roll_pitch_yaw, transposed, rotated
 
 RETURN, MISS, DROPOUT, DEAD, BLANKED, TOTAL_REFLECTION, FALSE_RETURN = range(7)
 
 
 class Scan:
-    """The quantities that depend on the pulse alone: times, poses, the mechanism."""
+    """The quantities that depend on the pulse only: times, poses, angles of the mechanism."""
 
     def __init__(self, config):
         self.config, self.seed = config, config["seed"]
@@ -26,19 +26,19 @@ class Scan:
         stamp = pointing["time_stamp_bias_s"] + pointing["time_stamp_sigma_s"] * draws.normal(
             self.seed, draws.TIME_STAMP, self.k)
         self.estimated_pose = navigation.Estimate(config, self.path).pose(self.t + stamp)
-        self.true_angles, self.believed_angles, self.blanked = self.scanner.angles(self)
+        self.true_angles, self.estimated_angles, self.blanked = self.scanner.angles(self)
 
     def look_at(self, pattern, k, ground):
-        """Unit vectors in L to places in D, from the nominal lidar of pulses k (uncompensated: of the first)."""
+        """Unit vectors in L to points in D, and distances, from the nominal pose of pulses k (uncompensated: of the first)."""
         p, body = self.path.nominal(self.path.start + (k / self.rate if pattern["compensated"] else 0.0 * k))
-        lidar = p + turned(body, self.arm)
+        lidar = p + rotated(body, self.arm)
         away = ground - lidar
-        return normalised(turned(transposed(body @ self.mount), away)), np.linalg.norm(away, axis=-1)
+        return normalised(rotated(transposed(body @ self.mount), away)), np.linalg.norm(away, axis=-1)
 
     def aim(self, pattern, k):
         return self.look_at(pattern, k, patterns.aims(pattern, k, k / self.rate))[0]
 
-    def turned_lidar(self):
+    def lidar_rotation(self):
         """R_body_lidar_true (n, 3, 3)."""
         pointing = self.config["pointing_error"]
         sigma = detector.pair(pointing["jitter_sigma_rad"])
@@ -51,7 +51,7 @@ class Scan:
         p, body = pose
         directions, exits, _ = beams
         in_dem = body @ lidar
-        origin = p + turned(body, self.arm)
+        origin = p + rotated(body, self.arm)
         return (origin[:, None] + np.einsum("nij,nmj->nmi", in_dem, exits),
                 np.einsum("nij,nmj->nmi", in_dem, directions))
 
@@ -62,24 +62,24 @@ def pulse_count(config):
 
 
 def columns(config, surface):
-    """The columns of /points (flat, all pixels of all pulses), what depends on the pulse, and /detector.
+    """The columns of /points (flat, all pixels of all pulses), the Scan with the quantities of pulses, and /detector.
 
-    Rows of which rounding decides are marked: `doubtful`, and `doubtful_estimate` for what is measured and estimated.
+    Rows in which rounding decides are marked `doubtful`; `doubtful_estimate` marks measured and estimated values.
     """
     scan, optics = Scan(config), config["detector"]
     pixels = detector.pixels(optics)
     n, m = len(scan.k), len(pixels)
-    lidar = scan.turned_lidar()
+    lidar = scan.lidar_rotation()
     true_beams = scan.scanner.beams(scan.true_angles, pixels)
     origins, directions = scan.rays(scan.true_pose, lidar, true_beams)
     ranges, normals = true_ranges(scan, surface, lidar, true_beams, (origins, directions))
-    believed_beams = scan.scanner.beams(scan.believed_angles, pixels)
-    lost = true_beams[2] | believed_beams[2]
+    estimated_beams = scan.scanner.beams(scan.estimated_angles, pixels)
+    lost = true_beams[2] | estimated_beams[2]
     ranges = np.where(scan.blanked[:, None] | lost, np.nan, ranges)
     points = origins + ranges[..., None] * directions
     dead = draws.uniform(scan.seed, draws.DEAD_PIXEL, np.arange(m)) < config["noise"]["dead_pixel_frac"]
     status = statuses(scan, dead, lost, ranges)
-    slope, unsure = slopes(surface, points, normals, directions, optics)
+    slope, ambiguous = slopes(surface, points, normals, directions, optics)
     measured = measured_ranges(config["noise"], scan.seed, ranges, slope)
     false = false_ranges(config["noise"], scan.seed, n, m, ranges, status)
     is_false = np.isfinite(false)
@@ -87,12 +87,12 @@ def columns(config, surface):
     measured = np.where(is_false, false, np.where(status == RETURN, measured, np.nan))
     points = np.where((is_false & np.isnan(ranges))[..., None], origins + false[..., None] * directions,
                       np.where(np.isnan(ranges)[..., None], np.nan, points))
-    believed = scan.rays(scan.estimated_pose, scan.mount, believed_beams)
-    estimate = believed[0] + measured[..., None] * believed[1]
+    estimated_rays = scan.rays(scan.estimated_pose, scan.mount, estimated_beams)
+    estimate = estimated_rays[0] + measured[..., None] * estimated_rays[1]
     doubtful = near_total_reflection(scan, pixels)
     if config["noise"]["incidence_sigma_rad"] == 0:
-        unsure[:] = False
-    table = {"doubtful": doubtful, "doubtful_estimate": doubtful | unsure,
+        ambiguous[:] = False
+    table = {"doubtful": doubtful, "doubtful_estimate": doubtful | ambiguous,
              "range_true": ranges, "range_measured": measured, "status": status,
              "pulse": np.broadcast_to(scan.k[:, None], (n, m)), "pixel": np.broadcast_to(np.arange(m), (n, m))}
     for axis, name in enumerate("xyz"):
@@ -102,7 +102,7 @@ def columns(config, surface):
 
 
 def true_ranges(scan, surface, lidar, beams, rays):
-    """(n, m) true ranges on the centre rays, and the normals that single rays hit."""
+    """The true ranges on the centre rays (n, m), and the normals at the hits of single rays."""
     optics = scan.config["detector"]
     shape = rays[0].shape[:2]
     if optics["subpixels"] == 1:
@@ -117,19 +117,19 @@ def true_ranges(scan, surface, lidar, beams, rays):
 
 
 def slopes(surface, points, normals, directions, optics):
-    """Tangent of the incidence, at most that of 89 deg, and where the nearest triangle is not one; 0 without a normal."""
-    unsure = np.zeros(points.shape[:-1], bool)
+    """Tangents of incidence angles, limited to 89 deg (0 without a normal), and where the nearest triangle is ambiguous."""
+    ambiguous = np.zeros(points.shape[:-1], bool)
     if optics["subpixels"] > 1:
         found = np.isfinite(points[..., 0])
         normals = np.full(points.shape, np.nan)
-        normals[found], unsure[found] = surface.normals_at(points[found])
+        normals[found], ambiguous[found] = surface.normals_at(points[found])
     cosine = np.clip(abs(dot(normals, directions)), np.cos(np.radians(89)), 1)
-    return np.nan_to_num(np.tan(np.arccos(cosine))), unsure
+    return np.nan_to_num(np.tan(np.arccos(cosine))), ambiguous
 
 
 def near_total_reflection(scan, pixels):
-    """(n, m): pixels with a true or believed ray, or a sub-pixel's, that rounding moves."""
-    doubtful = scan.scanner.doubtful(scan.true_angles, pixels) | scan.scanner.doubtful(scan.believed_angles, pixels)
+    """The pixels (n, m) with a true, estimated or sub-pixel ray that is sensitive to rounding."""
+    doubtful = scan.scanner.doubtful(scan.true_angles, pixels) | scan.scanner.doubtful(scan.estimated_angles, pixels)
     if scan.config["detector"]["subpixels"] > 1:
         looks = detector.subpixels(scan.config["detector"])
         inside = scan.scanner.doubtful(scan.true_angles, looks.reshape(-1, 3))
@@ -146,7 +146,7 @@ def measured_ranges(noise, seed, ranges, slope):
 
 
 def statuses(scan, dead, lost, ranges):
-    """The first that applies of dead, blanked, total reflection, miss, dropout."""
+    """The first status that applies: dead, blanked, total reflection, miss, dropout."""
     n, m = ranges.shape
     dropped = draws.uniform(scan.seed, draws.DROPOUT, np.arange(n)[:, None], np.arange(m)) < (
         scan.config["noise"]["dropout_frac"])
@@ -156,7 +156,7 @@ def statuses(scan, dead, lost, ranges):
 
 
 def false_ranges(noise, seed, n, m, ranges, status):
-    """Ranges of the false detections that are reported, NaN elsewhere."""
+    """Ranges of the reported false detections; NaN elsewhere."""
     k, pixel = np.arange(n)[:, None], np.arange(m)
     drawn = draws.uniform(seed, draws.FALSE_RETURN, k, pixel) < noise["false_return_frac"]
     least, greatest = noise["false_range_m"]

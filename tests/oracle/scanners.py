@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mechanisms (docs/user/lidar/scanner-*.md): angles per pulse, and the rays that leave.
+"""Mechanisms (docs/user/lidar/scanner-*.md): their angles at each pulse, and the outgoing rays.
 
-A scanner has `angles(scan)`: true (n, 2), believed (n, 2) and blanked (n,); and `beams(angles, pixels)`: directions
-(n, m, 3), exit points (n, m, 3) in L and lost rays (n, m).
+`angles(scan)` of a scanner gives true angles (n, 2), estimated angles (n, 2) and blanked pulses (n,);
+`beams(angles, pixels)` gives directions (n, m, 3) and exit points (n, m, 3) in L, and lost rays (n, m).
 """
 import numpy as np
 
 from oracle import draws, patterns, tables
-from oracle.frames import X, Y, Z, about, dot, normalised, turned
+from oracle.frames import X, Y, Z, about, dot, normalised, rotated
 
 LIGHT_MPS = 299792458.0
 NEAR_REFLECTION = 1e-6
@@ -24,7 +24,7 @@ def no_offset(directions):
 class Scanner:
     @staticmethod
     def doubtful(angles, pixels):
-        """(n, m): rays that rounding moves by more than 1e-12."""
+        """The rays (n, m) that rounding may change by more than 1e-12."""
         return np.zeros((len(angles), len(pixels)), bool)
 
 
@@ -42,7 +42,7 @@ class Flash(Scanner):
 
 
 class Aimed(Scanner):
-    """The common part of fsm and gimbal: commanded tilts, jumps, settling."""
+    """Base class of fsm and gimbal: commanded tilts, jumps, settling."""
 
     def __init__(self, config):
         self.c = config
@@ -51,14 +51,14 @@ class Aimed(Scanner):
         return self.tilts(scan.aim(self.c["pattern"], scan.k))
 
     def settled(self, scan, commanded):
-        """Off by e(t) (tilts of the aim before the jump, seen now - tilts commanded now)."""
+        """The commanded tilts plus e(t) times (tilts to the last aim before the jump, as seen now - tilts commanded now)."""
         time, pattern, k = self.c["settle_time_s"], self.c["pattern"], scan.k
         if time == 0:
             return commanded
         zeta = self.c["settle_damping"]
         wn = 3 / (zeta * time)
         wd = wn * np.sqrt(1 - zeta**2)
-        first = patterns.first_behind_jump(pattern, k)
+        first = patterns.first_after_jump(pattern, k)
         t = (k - first) / scan.rate
         e = np.exp(-zeta * wn * t) * (np.cos(wd * t) + zeta / np.sqrt(1 - zeta**2) * np.sin(wd * t))
         last = np.maximum(first - 1, 0)
@@ -67,7 +67,7 @@ class Aimed(Scanner):
 
     def blanked(self, scan):
         k = scan.k
-        first = patterns.first_behind_jump(self.c["pattern"], k)
+        first = patterns.first_after_jump(self.c["pattern"], k)
         turning = (first > 0) & ((k - first) / scan.rate < self.c["turnaround_time_s"] - 1e-9)
         return turning | np.isnan(scan.aim(self.c["pattern"], k)[:, 0])
 
@@ -89,7 +89,7 @@ class Gimbal(Aimed):
 
 
 class Mirror:
-    """The resting mirror and its tilts."""
+    """A mirror with its rest position and its tilts."""
 
     def __init__(self, incidence_deg, fold_azimuth_deg):
         i, fold = np.radians([incidence_deg, fold_azimuth_deg])
@@ -102,7 +102,7 @@ class Mirror:
         return about(self.e1, angles[:, 0]) @ about(self.e2, angles[:, 1])
 
     def tilts(self, c):
-        """The tilts of m = R(e1, a1) R(e2, a2) m0 = (c - d0)/|c - d0|."""
+        """The tilts (a1, a2) with m = R(e1, a1) R(e2, a2) m0 = (c - d0)/|c - d0|."""
         m = normalised(c - self.d0)
         return np.stack([np.arctan2(-m @ self.e2, m @ self.m0), np.arcsin(m @ self.e1)], -1)
 
@@ -110,9 +110,9 @@ class Mirror:
         return reflected(pixels, self.m0)
 
     def beams(self, turn, pixels, pivot=np.zeros(3), focal_distance=0.0):
-        m = turned(turn, self.m0)[:, None]
+        m = rotated(turn, self.m0)[:, None]
         incoming = np.broadcast_to(self.incoming(pixels), (len(turn), *pixels.shape))
-        point = (pivot - turned(turn, pivot))[:, None]
+        point = (pivot - rotated(turn, pivot))[:, None]
         focus = -focal_distance * self.d0
         along = dot(incoming, m)
         exits = focus + incoming * (dot(point - focus, m) / along)[..., None]
@@ -132,10 +132,10 @@ class Fsm(Aimed):
         return true, at_pulse + self.c["encoder_sigma_rad"] * noise, self.blanked(scan)
 
     def aim_at_echo(self, scan):
-        """The aim 2 r/c after the pulse; it moves evenly to the next, at the end of a line or of the pattern as it did before."""
+        """The aim 2 r/c after the pulse. It moves uniformly to the next aim; at the end of a line or pattern, as before it."""
         pattern, k = self.c["pattern"], scan.k
         ground = lambda pulses: patterns.aims(pattern, pulses, pulses / scan.rate)
-        first = lambda pulses: patterns.first_behind_jump(pattern, pulses)
+        first = lambda pulses: patterns.first_after_jump(pattern, pulses)
         here = ground(k)
         after = ground(k + 1)
         ends, begins = (first(k + 1) != first(k)) | np.isnan(after[:, 0]), first(k) == k
@@ -200,7 +200,7 @@ class AngleTable(Scanner):
 
 
 class Risley(Scanner):
-    """Snell's law at four faces; steering by bisection of the trace."""
+    """Snell's law at four faces; steering by bisection of traced rays."""
 
     def __init__(self, config):
         self.c = config
@@ -221,7 +221,7 @@ class Risley(Scanner):
         return commanded + self.c["encoder_sigma_rad"] * noise, commanded, blanked
 
     def faces(self, angles):
-        """Normal (n, 3), vertex on the axis, and the indices before and behind, of each face."""
+        """For each face its normal (n, 3), its point on the axis, and the refractive indices in front and behind."""
         z = 0.0
         for prism in (0, 1):
             a, theta = self.wedge[prism], angles[:, prism]
@@ -234,7 +234,7 @@ class Risley(Scanner):
                 z += self.thickness[prism] if side == 0 else self.c["gap_m"]
 
     def traced(self, angles, pixels):
-        """Directions, exit points, and the radicand of Snell's law that is the least of the four faces."""
+        """Directions, exit points, and the smallest radicand of Snell's law at the four faces."""
         d = np.tile(pixels, (len(angles), 1, 1))
         p, least = np.zeros(d.shape), np.ones(d.shape[:-1])
         for normal, vertex, (before, behind) in self.faces(angles):
@@ -251,7 +251,7 @@ class Risley(Scanner):
         return d, p, least < 0
 
     def doubtful(self, angles, pixels):
-        """Rays near total reflection: their error grows as 1/sqrt(radicand)."""
+        """Rays near total reflection, whose rounding error grows as 1/sqrt(radicand)."""
         return abs(self.traced(angles, pixels)[2]) < NEAR_REFLECTION
 
     def boresight(self, angles):
@@ -262,10 +262,10 @@ class Risley(Scanner):
         return np.arctan2(np.hypot(d[:, 0], d[:, 1]), d[:, 2])
 
     def steered(self, aims):
-        """theta_1, theta_2 whose boresight is the aim, sin(theta_2 - theta_1) of the branch's sign."""
+        """theta_1 and theta_2 whose boresight is the aim; sin(theta_2 - theta_1) has the sign of the branch."""
         sign = 1 if self.c.get("branch", "positive") == "positive" else -1
         rho = np.arctan2(np.hypot(aims[:, 0], aims[:, 1]), aims[:, 2])
-        # Bisection of |D|: the deflection changes one way between prisms alike (0) and opposed (pi).
+        # Bisection of |D|: the deflection is monotonic between aligned (0) and opposed (pi) prisms.
         ends = [np.full(len(aims), 0.0), np.full(len(aims), np.pi)]
         deflection = lambda d: self.deflection(np.stack([np.zeros(len(d)), sign * d], -1))
         falls = deflection(ends[0]) > deflection(ends[1])

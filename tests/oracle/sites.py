@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random terrains: configurations, rasters and meshes."""
+"""Random configurations of terrains, with their rasters and meshes."""
 import os
 
 import numpy as np
@@ -64,7 +64,7 @@ class Sites(Drawing):
         return {"type": kind, "x_m": b(-2.5, 2.5), "y_m": b(-2.5, 2.5), **keys}
 
     def raster(self, interpolation):
-        """Esri ASCII, 44 x 40 cells of half a metre, with holes; elevations that single precision holds."""
+        """An Esri ASCII grid of 44 x 40 cells of 0.5 m with holes; its elevations are exact in single precision."""
         z = np.rint(self.rng.normal(0, 0.15, (40, 44)) * 1024) / 1024
         for _ in range(4):
             row, column = self.whole(4, 35), self.whole(4, 39)
@@ -79,9 +79,9 @@ class Sites(Drawing):
                 "center_pixel": [22 + self.between(0.05, 0.4), 20 + self.between(0.05, 0.4)]}
 
     def mesh(self):
-        """A rough sheet with a floating octahedron, which overhangs."""
-        places = np.linspace(-14, 14, 15)
-        x, y = (grid.ravel() for grid in np.meshgrid(places, places))
+        """A rough sheet below a floating octahedron, so that the mesh has overhangs."""
+        axis = np.linspace(-14, 14, 15)
+        x, y = (grid.ravel() for grid in np.meshgrid(axis, axis))
         sheet = np.column_stack([x, y, self.rng.normal(0, 0.4, x.size)])
         sheet[:, :2] += self.rng.uniform(-0.5, 0.5, (x.size, 2))
         corner = np.array([row * 15 + column for row in range(14) for column in range(14)])
@@ -90,8 +90,8 @@ class Sites(Drawing):
         ball = np.vstack([np.eye(3), -np.eye(3)]) * 2 + [self.between(-3, 3), self.between(-3, 3), 3.5]
         sides = np.array([[a, b, c] for a in (0, 3) for b in (1, 4) for c in (2, 5)]) + len(sheet)
         with open(os.path.join(self.folder, "mesh.obj"), "w", encoding="utf-8") as file:
-            for place in np.vstack([sheet, ball]):
-                print("v", *(repr(float(value)) for value in place), file=file)
+            for vertex in np.vstack([sheet, ball]):
+                print("v", *(repr(float(value)) for value in vertex), file=file)
             for face in np.vstack([faces, sides]) + 1:
                 print("f", *face, file=file)
         return "mesh.obj"

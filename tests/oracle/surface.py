@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The true surface: first hits of rays, elevations and normals, of a triangulated grid and of a mesh."""
+"""True surfaces, a triangulated grid or a mesh: first hits of rays, elevations, normals."""
 import h5py
 import numpy as np
 
 from oracle.frames import dot, normalised
 
-# How far beyond its piece a crossing may lie, in metres along the ray: surfaces are closed.
+# Surfaces have no gaps: a hit counts up to this distance, in metres along the ray, outside its piece.
 CLOSED_M = 1e-9
 
 
@@ -17,7 +17,7 @@ def of_file(path):
 
 
 class Grid:
-    """Cells split from (column + 1, row) to (column, row + 1); a triangle with a NaN node is a hole (D6)."""
+    """A grid whose cells are split from (column + 1, row) to (column, row + 1); triangles with a NaN node are holes (D6)."""
 
     def __init__(self, x, y, z):
         self.x, self.y, self.z = x, y, z
@@ -27,7 +27,7 @@ class Grid:
         return (x - self.x[0]) / self.step, (y - self.y[0]) / self.step
 
     def planes(self, u, v):
-        """Elevation, slopes dz/dx and dz/dy of the triangle's plane at places (in cells); NaN off the surface."""
+        """Elevations and slopes dz/dx and dz/dy of the triangles at points in units of cells; NaN off the surface."""
         rows, columns = self.z.shape
         inside = (u >= 0) & (v >= 0) & (u <= columns - 1) & (v <= rows - 1)
         i = np.clip(np.floor(np.where(inside, u, 0)).astype(int), 0, columns - 2)
@@ -35,7 +35,7 @@ class Grid:
         p, q = u - i, v - j
         z00, z10, z01, z11 = (self.z[j + dj, i + di] for dj, di in ((0, 0), (0, 1), (1, 0), (1, 1)))
         lower = p + q <= 1
-        # On the diagonal that a hole shares with a triangle the place is the triangle's.
+        # On the diagonal between a hole and a triangle, a point belongs to the triangle.
         lower = lower & ~((p + q == 1) & np.isnan(z00))
         gx, gy = np.where(lower, z10 - z00, z11 - z01), np.where(lower, z01 - z00, z11 - z10)
         z = np.where(lower, z00 + p * gx + q * gy, z11 - (1 - p) * gx - (1 - q) * gy)
@@ -45,12 +45,12 @@ class Grid:
         return self.planes(*self.cells(x, y))[0]
 
     def normals_at(self, points):
-        """NaN over holes; none is unsure."""
+        """Normals (NaN over holes), and whether they are ambiguous; those of a grid never are."""
         _, gx, gy = self.planes(*self.cells(points[:, 0], points[:, 1]))
         return normalised(np.stack([-gx, -gy, np.ones_like(gx)], -1)), np.zeros(len(points), bool)
 
     def band(self, origins, directions):
-        """The stretch of each ray over the grid and between its lowest and highest elevation."""
+        """The section of each ray over the grid and between its lowest and highest elevation."""
         low, high = np.zeros(len(origins)), np.full(len(origins), np.inf)
         bounds = [(self.x[0], self.x[-1]), (self.y[0], self.y[-1]), (np.nanmin(self.z), np.nanmax(self.z))]
         for axis, (least, greatest) in enumerate(bounds):
@@ -65,10 +65,10 @@ class Grid:
         return low, high
 
     def first_hits(self, origins, directions):
-        """Ranges (NaN: a miss) and normals: the surface is linear between a ray's crossings of the grid's lines."""
+        """Ranges (NaN for misses) and normals; between a ray's crossings of grid lines and diagonals the surface is linear."""
         ranges, normals = np.full(len(origins), np.nan), np.full(origins.shape, np.nan)
         low, high = self.band(origins, directions)
-        # Rays of one bundle cross about as many lines.
+        # Sorted, so that the rays of one batch cross about equally many lines.
         active = np.flatnonzero(low <= high)
         length = (high - low)[active] * np.max(abs(directions[active, :2]), axis=1, initial=0)
         active = active[np.argsort(length)]
@@ -79,7 +79,7 @@ class Grid:
         return ranges, normals
 
     def crossings(self, u, v, du, dv, low, high):
-        """All parameters, sorted along each ray, at which it crosses a line u, v or u + v = whole; NaN last."""
+        """The sorted ray parameters at which u, v or u + v is an integer; NaN last."""
         found = [low[:, None], high[:, None]]
         for start, rate in ((u, du), (v, dv), (u + v, du + dv)):
             a, b = start + rate * low, start + rate * high
@@ -97,7 +97,7 @@ class Grid:
         t = self.crossings(u, v, du, dv, low, high)
         middle = (t[:, 1:] + t[:, :-1]) / 2
         z, gx, gy = self.planes(u[:, None] + du[:, None] * middle, v[:, None] + dv[:, None] * middle)
-        # Height of the ray above the piece's plane: at its middle, and its rate.
+        # Height of the ray above the plane of the piece: its value in the middle of the piece, and its rate.
         height = origins[:, 2:] + directions[:, 2:] * middle - z
         rate = directions[:, 2:] - gx * directions[:, :1] - gy * directions[:, 1:2]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -111,7 +111,7 @@ class Grid:
 
 
 class Mesh:
-    """All triangles, closed and two-sided (D100), by brute force."""
+    """A mesh of closed, two-sided triangles (D100), searched by brute force."""
 
     def __init__(self, vertices, triangles):
         self.vertices, self.triangles = vertices, triangles
@@ -141,7 +141,7 @@ class Mesh:
         return ranges, normals
 
     def elevation(self, x, y):
-        """The highest surface on each vertical."""
+        """The highest elevation of the surface at each point."""
         result = np.full(np.shape(x), np.nan)
         for a, b, c in zip(self.a, self.b, self.c):
             area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -154,7 +154,7 @@ class Mesh:
         return result
 
     def distances(self, points):
-        """The distance of each point to each triangle: to its face if the foot lies inside, else to its edges."""
+        """The distance of each point to each triangle: to its face if the projected point lies inside, else to its edges."""
         result = np.full((len(points), len(self.a)), np.inf)
         for start, end in ((self.a, self.b), (self.b, self.c), (self.c, self.a)):
             along = end - start
@@ -167,12 +167,12 @@ class Mesh:
         return np.where(inside, abs(height), result)
 
     def normals_at(self, points):
-        """The normals of the nearest triangles; unsure where triangles that face elsewhere are as near."""
-        result, unsure = np.empty(points.shape), np.empty(len(points), bool)
+        """The normals of the nearest triangles, and whether a triangle of another orientation is equally near."""
+        result, ambiguous = np.empty(points.shape), np.empty(len(points), bool)
         for rows in np.array_split(np.arange(len(points)), max(1, len(points) * len(self.a) // 1000000)):
             distances = self.distances(points[rows])
             nearest = np.argmin(distances, axis=1)
             near = distances <= distances[np.arange(len(rows)), nearest][:, None] + CLOSED_M
             elsewhere = abs(self.normal[nearest] @ self.normal.T) < 1 - 1e-9
-            result[rows], unsure[rows] = self.normal[nearest], np.any(near & elsewhere, axis=1)
-        return result, unsure
+            result[rows], ambiguous[rows] = self.normal[nearest], np.any(near & elsewhere, axis=1)
+        return result, ambiguous

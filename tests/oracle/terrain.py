@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Elevations of a grid's nodes from the configuration (docs/user/terrain-gen.md, docs/user/terrain/)."""
+"""Elevations of the nodes of a grid from its configuration (docs/user/terrain-gen.md, docs/user/terrain/)."""
 import numpy as np
 
 from oracle import draws
@@ -7,7 +7,7 @@ from oracle.surface import Grid
 
 
 def taper(inside, width):
-    """T(s, w) of docs/user/terrain: 0 on the border, 1 at `width` inside it."""
+    """T(s, w) of docs/user/terrain: 0 on the border, 1 at the distance `width` inside it."""
     t = np.minimum(1, inside / width) if width > 0 else np.ones_like(inside)
     return t * t * (3 - 2 * t)
 
@@ -101,7 +101,7 @@ def penitente_field(c, u, v):
 
 
 def noise(seed, u, v):
-    """Uniform values on a unit lattice, blended by t^2 (3 - 2 t)."""
+    """Uniform random values on a unit lattice, interpolated with t^2 (3 - 2 t)."""
     i, j = np.floor(u), np.floor(v)
     p, q = taper(u - i, 1), taper(v - j, 1)
     corner = [[2 * draws.uniform(seed, draws.PENITENTE, i + di, j + dj) - 1 for di in (0, 1)] for dj in (0, 1)]
@@ -121,7 +121,7 @@ def own_axes(c, x, y):
 
 
 def placed(config):
-    """All features, those of rings too."""
+    """All features, including those of rings."""
     result = list(config.get("features", []))
     for pattern in config.get("patterns", []):
         for n in range(pattern["count"]):
@@ -132,7 +132,7 @@ def placed(config):
 
 
 def raster(base, x, y):
-    """A `dem` base without a CRS whose samples are numbers of an Esri ASCII file, row 0 the northern one."""
+    """A `dem` base from an Esri ASCII file without a CRS; row 0 of the file is the northernmost."""
     with open(base["path"], encoding="utf-8") as file:
         lines = file.read().splitlines()
     header = {line.split()[0]: float(line.split()[1]) for line in lines[:6]}
@@ -140,7 +140,7 @@ def raster(base, x, y):
     samples[samples == header["NODATA_value"]] = np.nan
     step = header["cellsize"] * base["horizontal_scale_m"]
     rows, columns = samples.shape
-    # Pixel coordinates of the centre: sample (r, c) lies at (c, r), rows counted from the south.
+    # The centre in pixel coordinates, in which sample (r, c) lies at (c, r), with rows counted from the south.
     middle = (base["center_pixel"][0], rows - 1 - base["center_pixel"][1])
     at = {"nearest": nearest, "bilinear": bilinear, "bicubic": bicubic}[base["interpolation"]]
     z = at(samples, middle[0] + x / step, middle[1] + y / step)
@@ -154,7 +154,7 @@ def nearest(samples, u, v):
 
 
 def weighted(samples, u, v, weights_of, first, count):
-    """Sum of samples times weights along u and v; a sample of weight 0 has no part, even where it is a hole."""
+    """The sum of samples times weights along u and v; samples of weight 0 are ignored, even if they are holes."""
     i, j = np.floor(u).astype(int), np.floor(v).astype(int)
     wu, wv = weights_of(u - i), weights_of(v - j)
     total = np.zeros(np.shape(u))
@@ -171,7 +171,7 @@ def bilinear(samples, u, v):
 
 
 def keys(t):
-    """Keys (1981), a = -1/2: weights of the samples at -1, 0, 1 and 2."""
+    """Weights of the samples at -1, 0, 1 and 2 by Keys (1981), a = -1/2."""
     near = lambda d: 1 - 2.5 * d**2 + 1.5 * d**3
     far = lambda d: 2 - 4 * d + 2.5 * d**2 - 0.5 * d**3
     return far(1 + t), near(t), near(1 - t), far(2 - t)
@@ -189,7 +189,7 @@ def base_elevation(base, x, y):
 
 
 def is_known(config):
-    """True if elevations() can compute it: neither fractals nor populations."""
+    """True if elevations() can compute the terrain, which has neither fractals nor populations."""
     bases = config["base"] if isinstance(config["base"], list) else [config["base"]]
     return all(base["type"] != "fractal" for base in bases) and all(
         pattern["type"] == "ring" for pattern in config.get("patterns", []))
@@ -201,7 +201,7 @@ def axis(config):
 
 
 def elevations(config):
-    """z (y, x) of the nodes."""
+    """The elevations z (y, x) of the nodes."""
     x, y = np.meshgrid(axis(config), axis(config))
     bases = config["base"] if isinstance(config["base"], list) else [config["base"]]
     ground = sum(base_elevation(base, x, y) for base in bases) + np.zeros(x.shape)

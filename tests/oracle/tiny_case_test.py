@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tiny case of tests/harness computed a second time, within bounds tighter than those of random cases, and by GMT."""
+"""The small case of tests/harness compared with this package, within tighter bounds than random cases, and with GMT."""
 import copy
 import json
 import shutil
@@ -15,12 +15,12 @@ from harness import EVAL, REGRID, SCAN, TERRAIN, ToolTest, columns, config_of, r
 from oracle import comparison, regrid, surface
 from oracle.ledger import Ledger
 
-# Limits that the case misses in part.
+# The case meets some of these limits and misses others.
 LIMITS = {"invalid_frac": 0.05, "hole_bins": 1, "distance_bins": 0.5, "relative_elevation_m": 0.03,
           "relative_horizontal_m": 0.042, "absolute_horizontal_m": 0.045, "absolute_horizontal_frac": 0.9}
 CASE = {"terrain": TERRAIN, "scan": SCAN, "regrid": REGRID, "eval": {**EVAL, "limits": LIMITS},
         "options": {"keep_misses": False, "float32": False, "truth": True, "uncertainty": False, "corrected": False}}
-# (absolute, relative) by the beginning of a quantity's name.
+# (absolute, relative) bounds by the prefix of a quantity's name.
 BOUNDS = {"pulses: t": (1e-15, 0), "pulses: angle": (1e-13, 0), "pulses: p": (1e-12, 0), "pulses: q": (1e-14, 0),
           "detector: direction": (1e-15, 0), "dem: weight_sum (bilinear_nearest)": (0, 1e-13),
           "dem: z_est (bilinear_nearest)": (1e-13, 0), "dem: z_est (bilinear4)": (1e-9, 0), "dem: z_est": (1e-12, 0),
@@ -31,7 +31,7 @@ BOUNDS = {"pulses: t": (1e-15, 0), "pulses: angle": (1e-13, 0), "pulses: p": (1e
 
 
 class TinyCase(ToolTest):
-    """The four tools run once; each test starts from copies of their files in its working folder."""
+    """The four tools run once; each test gets copies of their files in its working folder."""
 
     @classmethod
     def setUpClass(cls):
@@ -54,8 +54,8 @@ class TinyCase(ToolTest):
         comparison.check(CASE, self.ledger)
         self.assert_agreement()
 
-    def test_the_case_shows_what_it_is_for(self):
-        """Without these the comparison would say little."""
+    def test_the_case_covers_all_flags_and_verdicts(self):
+        """The comparison covers empty bins, every flag, and requirements that are met and missed."""
         count = columns("dem.h5")["count"]
         self.assertGreater((count == 0).sum(), 1000)
         self.assertGreater((count > 0).sum(), 3000)
@@ -69,9 +69,9 @@ class TinyCase(ToolTest):
         self.assertIs(metrics["pass"], False)
 
     def test_misses(self):
-        """--keep-misses: a row per pixel and pulse; its returns, and a map of it, are those of the file without."""
+        """--keep-misses gives a row per pixel and pulse; its returns and its DEM are those of the file without misses."""
         case = copy.deepcopy(CASE)
-        case["scan"]["scanner"]["pattern"]["half_width_m"] = 8  # some rays pass the terrain
+        case["scan"]["scanner"]["pattern"]["half_width_m"] = 8  # some rays miss the terrain
         comparison.run_chain(case)
         plain, plain_pulses, plain_dem = columns("scan.h5", "points"), columns("scan.h5", "pulses"), columns("dem.h5")
         case["options"]["keep_misses"] = True
@@ -126,7 +126,7 @@ class TinyCase(ToolTest):
         np.testing.assert_allclose(layers["weight_sum"][row, col], weight, rtol=1e-12)
 
     def evaluated(self, layers):
-        """Metrics of the map with more layers, compared with the oracle's."""
+        """Metrics of the DEM with these layers added, after a comparison with this package."""
         with h5py.File("dem.h5", "r+") as file:
             for name, values in layers.items():
                 if name in file:
@@ -142,7 +142,7 @@ class TinyCase(ToolTest):
         return metrics
 
     def test_corrected_elevation(self):
-        """Is judged beside the map's own, in either precision, and changes no other number."""
+        """z_corrected is judged in addition to z_est, in either precision, and changes no other number."""
         plain = json.loads(read_bytes("metrics.json"))
         corrected = columns("dem.h5")["z_est"] + 0.01 * np.sin(np.arange(101))
         for dtype in (np.float64, np.float32):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses over time (docs/user/lidar/trajectory-*.md): p (n, 3) in D and R_dem_body (n, 3, 3)."""
+"""Poses at given times (docs/user/lidar/trajectory-*.md): p (n, 3) in D, and R_dem_body (n, 3, 3)."""
 import numpy as np
 
 from oracle import dynamics, tables
@@ -19,12 +19,12 @@ class ConstantVelocity:
 
     nominal = pose
 
-    def kept_within(self, t):
+    def clamped(self, t):
         return t
 
 
 class Table:
-    """Cubic Hermite positions, slerp."""
+    """Cubic Hermite interpolation of positions, and slerp of attitudes."""
 
     def __init__(self, path):
         c = tables.read(path)
@@ -35,7 +35,7 @@ class Table:
         self.q = self.quaternions(c)
 
     def slopes(self):
-        """The velocities of the parabola through each row and its neighbours; at the ends through the three outermost rows."""
+        """The velocity of the parabola through each row and its neighbours; at the ends, through the three outermost rows."""
         if len(self.t) == 2:
             return np.tile((self.p[1] - self.p[0]) / (self.t[1] - self.t[0]), (2, 1))
         result = np.empty_like(self.p)
@@ -60,11 +60,11 @@ class Table:
         return np.column_stack([cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy,
                                 cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy])
 
-    def kept_within(self, t):
+    def clamped(self, t):
         return np.clip(t, self.t[0], self.t[-1])
 
     def pose(self, t):
-        t = self.kept_within(np.asarray(t, float))
+        t = self.clamped(np.asarray(t, float))
         row = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
         h = (self.t[row + 1] - self.t[row])[:, None]
         u = (t - self.t[row])[:, None] / h
@@ -88,21 +88,21 @@ class Table:
 
 
 class Dynamics:
-    """The rigid body, integrated to each time from the control time before it."""
+    """A rigid body, integrated from the last control time before each given time."""
     start = 0.0
 
     def __init__(self, config, scan_time):
         self.config, self.end = config, scan_time
         self.body = dynamics.RigidBody(config, scan_time)
 
-    def kept_within(self, t):
+    def clamped(self, t):
         return np.clip(t, 0, self.end)
 
     def pose(self, t):
-        return self.body.pose(self.kept_within(np.asarray(t, float)))
+        return self.body.pose(self.clamped(np.asarray(t, float)))
 
     def nominal(self, t):
-        """The first velocity across and the commanded descent rate, without an engine free fall."""
+        """The initial horizontal velocity and the commanded descent rate, or free fall without an engine."""
         c, t = self.config, np.asarray(t, float)[:, None]
         velocity, falling = np.array(c["velocity_mps"], float), 0.0
         if c["thrust"]["max_n"] > 0:
@@ -114,7 +114,7 @@ class Dynamics:
 
 
 def duration(config):
-    """How far dynamics and random navigation errors reach: the scan and the greatest delay of a time stamp."""
+    """The time that dynamics and random navigation errors cover: the scan plus the largest delay of a time stamp."""
     pointing = config["pointing_error"]
     return config["laser"]["scan_time_s"] + max(0, pointing["time_stamp_bias_s"] + 9 * pointing["time_stamp_sigma_s"])
 

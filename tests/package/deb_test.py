@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Debian packages: lintian accepts them, two runs of cpack give the same bytes, and they work in a bare Debian 12."""
+"""The Debian packages: lintian accepts them, two runs of cpack give the same bytes, and they work in a minimal Debian 12."""
 import glob
 import hashlib
 import os
@@ -65,7 +65,7 @@ class Deb(unittest.TestCase):
     def test_two_runs_give_the_same_bytes(self):
         self.assertEqual(fingerprints(os.path.join(self.folder, "first")), fingerprints(self.pack("second")))
 
-    def test_each_holds_what_it_should(self):
+    def test_each_package_has_its_files(self):
         tools, module = self.contents("landfall"), self.contents("landfall-dev")
         for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
                      "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
@@ -91,7 +91,7 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
         self.assertEqual(result.stdout.split(maxsplit=1),
                          [f"{unpacked}/usr/lib/python3/dist-packages/landfall/__init__.py", "(5, 5) m ENGCRS\n"])
 
-    def test_python_is_compiled_and_all_of_it_is_removed(self):
+    def test_python_bytecode_is_made_and_removed(self):
         scripts = os.path.join(self.folder, "scripts")
         subprocess.run(["dpkg", "-e", self.path("landfall"), scripts], check=True)
         for name, words in (("postinst", "py3compile -p landfall /usr/share/landfall/python"), ("prerm", "py3clean -p landfall")):
@@ -101,7 +101,7 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
 
     @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed")
     @unittest.skipUnless(is_release(), "only a release build has the flags of a package")
-    def test_lintian_accepts_them(self):
+    def test_lintian_accepts_the_packages(self):
         result = subprocess.run(["lintian", "--allow-root", "--fail-on=error,warning", "--tag-display-limit=0",
                                  self.path("landfall"), self.path("landfall-dev")],
                                 capture_output=True, text=True, check=False)
@@ -109,7 +109,7 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
 
     @unittest.skipUnless(os.environ.get("LANDFALL_TEST_CHROOT"), "takes minutes: LANDFALL_TEST_CHROOT=1 runs it")
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("debootstrap"), "needs root and debootstrap")
-    def test_they_work_in_a_bare_debian(self):
+    def test_packages_work_in_a_minimal_debian(self):
         if not mirror_answers():
             self.skipTest(f"no Debian mirror at {MIRROR}")
         result = subprocess.run([os.path.join(ROOT, "scripts", "test-deb"), os.path.join(self.folder, "first")],

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""cmake --install into a prefix that is then moved: tools, plugin, Python package, studies, schemas and module work from there."""
+"""Tools, plugin, Python package, studies, schemas and module work from a prefix that is moved after cmake --install."""
 import json
 import os
 import re
@@ -43,7 +43,7 @@ class Install(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def test_the_chain_runs_and_a_script_draws_its_dem(self):
+    def test_the_chain_and_a_plot_of_its_dem(self):
         self.succeed(self.tool("terrain-gen"), "-o", self.path("t.h5"), "-O", "--set",
                      'grid={"half_width_m":8,"resolution_m":0.1}')
         self.succeed(self.tool("scan-sim"), "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-O",
@@ -60,11 +60,11 @@ class Install(unittest.TestCase):
             file.write("ncols 21\nnrows 21\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + ("5 " * 21 + "\n") * 21)
         site = ["--from", self.path("dem.asc"), "--half-width", "5", "--resolution", "0.5", "--horizontal-scale", "1"]
         self.succeed(self.tool("terrain-gen"), *site, "-o", self.path("site.h5"))
-        bare = self.path("bare")  # without the plugin beside it, the message names where it was looked for
+        bare = self.path("bare")  # without the plugin, the message names the paths that were searched
         os.makedirs(os.path.join(bare, "bin"))
         shutil.copy(self.tool("terrain-gen"), os.path.join(bare, "bin"))
         result = execute(os.path.join(bare, "bin", "terrain-gen"), *site, "-o", self.path("none.h5"))
-        if result.returncode:  # unless the same version is installed where this build installs to
+        if result.returncode:  # it succeeds if the same version is installed in the prefix of this build
             self.assertTrue(result.stderr.startswith(f"terrain-gen: {self.path('dem.asc')}: cannot find the GDAL plugin landfall-gdal.so; "),
                             result.stderr)
             self.assertIn(os.path.join(bare, "lib", "landfall", "landfall-gdal.so"), result.stderr)
@@ -80,7 +80,7 @@ class Install(unittest.TestCase):
         self.assertFalse(os.path.exists(os.path.join(self.share, "scripts")))
         self.assertEqual(self.compiled, [])
 
-    def test_a_study_runs_to_its_report(self):
+    def test_a_study_and_its_report(self):
         study = {"base": {"terrain": {"grid": {"half_width_m": 4, "resolution_m": 0.1}},
                           "scan": {"laser": {"scan_time_s": 0.02}, "scanner": {"pattern": {"rows": 20, "columns": 20, "half_width_m": 3}}},
                           "regrid": {"half_width_m": 2, "resolution_m": 0.1}, "eval": {"region_radius_m": 1.5}},
@@ -97,7 +97,7 @@ class Install(unittest.TestCase):
         result = execute("/usr/bin/python3", "-c", program, env=environment)
         self.assertIn("landfall.errors.ToolError: landfall-info: ", result.stderr)
 
-    def test_the_pages_links_hold(self):
+    def test_links_of_the_pages_are_valid(self):
         doc = os.path.join(self.prefix, "share", "doc", "landfall")
         broken = []
         for folder, _, files in os.walk(doc):
@@ -105,11 +105,11 @@ class Install(unittest.TestCase):
                 with open(os.path.join(folder, name), encoding="utf-8") as file:
                     text = re.sub(r"`[^`\n]*`", "", file.read())  # code may look like a link
                 links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text)
-                broken += [(name, link) for link in links if not self.is_there(doc, folder, link)]
+                broken += [(name, link) for link in links if not self.is_valid(doc, folder, link)]
         self.assertEqual(broken, [])
 
-    def is_there(self, doc, folder, link):
-        """Pages and images must be installed; the rest lies elsewhere on a prefix, or in the repository only."""
+    def is_valid(self, doc, folder, link):
+        """Pages and images must be installed; other files are elsewhere in the prefix, or only in the repository."""
         target = os.path.normpath(os.path.join(folder, link))
         relative = os.path.relpath(target, doc)
         return os.path.exists(target) or not relative.startswith("docs") and os.path.exists(os.path.join(ROOT, relative))

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One version everywhere; CITATION.cff and the schemas' ids are what they must be."""
+"""All files state the same version, and CITATION.cff and the ids of the schemas are valid."""
 import datetime
 import json
 import os
@@ -24,14 +24,14 @@ RELEASES = re.findall(r"^## (\S+)(?: - (\S+))?$", text("CHANGELOG.md"), re.MULTI
 
 
 class Versions(unittest.TestCase):
-    def test_the_tools_and_the_packages_have_it(self):
+    def test_tools_and_packages_have_the_version(self):
         for tool in ["terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info", "landfall-export"]:
-            said = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
+            words = subprocess.run([os.path.join(os.environ["LANDFALL_BIN"], tool), "--version"], check=True,
                                   capture_output=True, text=True).stdout
-            self.assertIn(VERSION, said.split(), tool)
+            self.assertIn(VERSION, words.split(), tool)
         self.assertEqual(text("packaging", "changelog").split("\n")[0].split(" ")[:2], ["landfall", f"({VERSION})"])
 
-    def test_the_changelog_s_latest_release_has_it(self):
+    def test_the_latest_release_of_the_changelog_has_the_version(self):
         releases = [release for release in RELEASES if release[0] != "Unreleased"]
         self.assertEqual(releases[0][0], VERSION)
         dates = [datetime.date.fromisoformat(date) for _, date in releases]
@@ -39,9 +39,9 @@ class Versions(unittest.TestCase):
         kinds = set(re.findall(r"^### (.*)$", text("CHANGELOG.md"), re.MULTILINE))
         self.assertLessEqual(kinds, {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"})
 
-    def test_the_citation_has_it_and_what_cff_1_2_asks_for(self):
+    def test_the_citation_has_the_version_and_the_keys_of_cff_1_2(self):
         citation = yaml.safe_load(text("CITATION.cff"))
-        for key in ["cff-version", "message", "title", "authors"]:  # the schema's required keys
+        for key in ["cff-version", "message", "title", "authors"]:  # the keys that the schema requires
             self.assertIn(key, citation)
         known = {"abstract", "authors", "cff-version", "commit", "contact", "date-released", "doi", "identifiers", "keywords",
                  "license", "license-url", "message", "preferred-citation", "references", "repository", "repository-artifact",

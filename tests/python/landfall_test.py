@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The package landfall: what open() makes of each kind of file, what it refuses, and what run() passes to the tools."""
+"""The package landfall: the result of open() for each kind of file, its refusals, and what run() passes to the tools."""
 import json
 import os
 import pickle
@@ -32,13 +32,13 @@ PYRAMID = "v 0 0 1\nv 1 -1 0\nv 1 1 0\nv -1 0 0\nf 1 2 3\nf 1 3 4\nf 1 4 2\n"
 
 
 def python(text):
-    """The output of a new python3."""
+    """The output of a new python3 process."""
     return subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {os.path.join(ROOT, 'python')!r}); {text}"],
                           capture_output=True, text=True, check=True).stdout
 
 
 class Chain(unittest.TestCase):
-    """Files of the four tools, made by run()."""
+    """Base class with files of the four tools, made by run()."""
 
     @classmethod
     def setUpClass(cls):
@@ -89,7 +89,7 @@ class Grids(Chain):
             self.assertTrue(np.isnan(dem["z_est"].encoding["_FillValue"]))
             np.testing.assert_array_equal(dem["z_est"], file["z_est"][()])
 
-    def test_any_index_reads_what_it_says(self):
+    def test_all_kinds_of_indices(self):
         with landfall.open(self.path("terrain.h5")) as terrain, h5py.File(self.path("terrain.h5")) as file:
             z = file["z"][()]
             np.testing.assert_array_equal(terrain.z[::-3, 5:2:-1], z[::-3, 5:2:-1])
@@ -97,13 +97,13 @@ class Grids(Chain):
             np.testing.assert_array_equal(terrain.z[-1], z[-1])
             self.assertAlmostEqual(float(terrain.z.sel(x=1, y=0, method="nearest")), 0.5)
 
-    def test_values_are_read_when_they_are_asked_for(self):
-        """Damage that nobody reads is not met; where it is read, the message names file and layer."""
+    def test_values_are_read_on_access(self):
+        """A damaged layer raises an error only when it is read; the message names the file and the layer."""
         def tear(file):
             del file["z_est"]
             layer = file.create_dataset("z_est", chunks=(8, 8), compression="gzip", data=np.ones((41, 41)))
-            for place, name in enumerate("yx"):
-                layer.dims[place].attach_scale(file[name])
+            for dimension, name in enumerate("yx"):
+                layer.dims[dimension].attach_scale(file[name])
             chunk = layer.id.get_chunk_info(0)
             self.torn = chunk.byte_offset, chunk.size
         path = self.changed("dem.h5", tear)
@@ -121,14 +121,14 @@ class Grids(Chain):
             self.assertEqual(plan["count"].encoding["preferred_chunks"], {"y": 256, "x": 256})
             self.assertIn("coverage", json.loads(plan["plan_json"].item()))
 
-    def test_an_evaluation_holds_its_metrics_and_its_holes(self):
+    def test_an_evaluation_has_metrics_and_holes(self):
         with landfall.open(self.path("eval.h5")) as evaluation:
             self.assertEqual(json.loads(evaluation["metrics_json"].item()), landfall.open(self.path("metrics.json")))
             self.assertEqual(list(evaluation["fail"].attrs["flag_masks"]), [1, 2, 4, 8, 16, 32])
         holes = landfall.open(self.path("eval.h5"), "holes")
         self.assertEqual(holes.units["first_x"], "m")
 
-    def test_a_mesh_is_its_vertices_and_triangles(self):
+    def test_a_mesh_has_vertices_and_triangles(self):
         with open(self.path("mesh.obj"), "w", encoding="ascii") as file:
             file.write(PYRAMID)
         with landfall.run("terrain-gen", {"mesh": {"path": self.path("mesh.obj")}}, output=self.path("mesh.h5")) as mesh:
@@ -140,7 +140,7 @@ class Grids(Chain):
         copy = pickle.loads(pickle.dumps(dem))
         np.testing.assert_array_equal(copy["count"], dem.copy(deep=True)["count"])
         dem.close()
-        with self.assertRaises(Exception):  # h5py's own: the file is closed
+        with self.assertRaises(Exception):  # an exception of h5py: the file is closed
             dem["z_true"].load()
 
     def test_it_can_be_written_as_netcdf(self):
@@ -187,8 +187,8 @@ class Tables(Chain):
         self.assertEqual((len(pulses), pulses.units["t"]), (400, "s"))
         self.assertEqual(list(landfall.open(self.path("terrain.h5"), "features")["diameter"]), [2])
 
-    def test_a_table_of_the_paper_s_size_is_not_read(self):
-        """12,960,000 rows of 11 columns: 1 GB, of which a row in a thousand is read."""
+    def test_a_large_table_is_read_in_part(self):
+        """Of 12,960,000 rows of 11 columns, 1 GB, one row in a thousand is read."""
         path, rows = self.path("large.h5"), 12_960_000
         with h5py.File(path, "w") as file:
             file.attrs.update({"format_name": "landfall.scan", "complete": 1})
@@ -201,7 +201,7 @@ before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 part = scan[::1000].to_pandas()
 assert len(scan) == {rows} and part.shape == ({rows // 1000}, 11) and (part == 2.5).all(axis=None), part
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)""")
-        self.assertLess(int(peak), 200_000)  # kB, pandas among them; a column alone has 104,000
+        self.assertLess(int(peak), 200_000)  # kB, including pandas; one complete column would take 104,000
 
     def test_the_results_of_a_study(self):
         cases = {"title": "t", "axes": [{"name": "kind", "unit": ""}], "cases": []}
@@ -215,7 +215,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)""")
 
 
 class Refusals(Chain):
-    def test_what_is_no_file_of_landfall(self):
+    def test_files_that_are_not_of_landfall(self):
         self.refused(self.path("none.h5"), "no such file")
         self.refused(self.folder, "not a readable HDF5 file")
         with open(self.path("note.txt"), "w", encoding="ascii") as file:
@@ -232,9 +232,9 @@ class Refusals(Chain):
             file.write(whole.read()[:20000])
         self.refused(self.path("short.h5"), "not a readable HDF5 file")
 
-    def test_files_that_lead_to_others(self):
+    def test_links_to_other_files(self):
         target = self.path("target")
-        os.mkfifo(target)  # opening it would not return
+        os.mkfifo(target)  # opening it would block
         self.addCleanup(os.remove, target)
         for name, kind in (("dem.h5", "z_est"), ("scan.h5", "points/z_est")):
             def link(file, kind=kind):
@@ -259,7 +259,7 @@ class Refusals(Chain):
                     self.assertRaisesRegex(landfall.Error, f"^the Python package {package} is missing: apt-get install python3-{package}$"):
                 use()
 
-    def test_importing_is_cheap(self):
+    def test_the_import_loads_no_other_package(self):
         heavy = "h5py", "numpy", "matplotlib", "xarray", "pandas", "json", "subprocess"
         self.assertEqual(python(f"import landfall; print([name for name in {heavy} if name in sys.modules])"), "[]\n")
         self.assertNotIn("xarray", python(f"import landfall; landfall.open({self.path('scan.h5')!r}); print(*sys.modules)").split())
@@ -267,7 +267,7 @@ class Refusals(Chain):
 
 class Runs(Chain):
     def stub(self, text):
-        """A tool that writes its arguments and standard input into a file, then does what the text says."""
+        """A tool that writes its arguments and standard input to a file, and then runs the given commands."""
         folder = tempfile.mkdtemp(dir=self.folder)
         path = os.path.join(folder, "scan-sim")
         with open(path, "w", encoding="ascii") as file:
@@ -275,8 +275,8 @@ class Runs(Chain):
         os.chmod(path, 0o755)
         return folder
 
-    def passed(self, *arguments, **options):
-        """(arguments, standard input) that a tool gets."""
+    def passed_to_tool(self, *arguments, **options):
+        """The (arguments, standard input) that a tool gets."""
         folder = self.stub("exit 0")
         with mock.patch.object(tools, "BIN", folder):
             landfall.run("scan-sim", *arguments, **options)
@@ -285,18 +285,18 @@ class Runs(Chain):
         return words.splitlines(), text
 
     def test_options(self):
-        self.assertEqual(self.passed(None, "a.h5", "b.h5", keep_misses=True, threads=2, layers=["z_est", "count"], plan=False, seed=None,
+        self.assertEqual(self.passed_to_tool(None, "a.h5", "b.h5", keep_misses=True, threads=2, layers=["z_est", "count"], plan=False, seed=None,
                                      set={"noise.range_sigma_m": 0.1, "mount": {"rpy_deg": [0, 0, 0]}, "scanner.type": "fsm"})[0],
                          ["a.h5", "b.h5", "--keep-misses", "--threads", "2", "--layers", "z_est,count", "--set", "noise.range_sigma_m=0.1",
                           "--set", 'mount={"rpy_deg": [0, 0, 0]}', "--set", 'scanner.type="fsm"'])
 
     def test_configurations(self):
-        self.assertEqual(self.passed({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
-        self.assertEqual(self.passed("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
+        self.assertEqual(self.passed_to_tool({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
+        self.assertEqual(self.passed_to_tool("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
         with self.assertRaisesRegex(landfall.UsageError, "^papers is neither a file nor a preset: .*paper"):
             landfall.run("scan-sim", "papers")
         for path in ("missing.json", self.path("terrain.h5"), "folder/paper"):
-            self.assertEqual(self.passed(path)[0], ["-c", path])
+            self.assertEqual(self.passed_to_tool(path)[0], ["-c", path])
         with landfall.run("scan-sim", "flash-256", plan=True, output=self.path("flash.h5"), set={"laser.scan_time_s": 0.1}) as plan:
             self.assertEqual(plan.attrs["format_name"], "landfall.plan")
 
@@ -326,7 +326,7 @@ class Runs(Chain):
             self.assertEqual(landfall.run("scan-sim"), "text\n")
         stream.write.assert_called_with("scan-sim: warning: so\n")
 
-    def test_where_tools_are_found(self):
+    def test_tools_are_found_beside_the_package_and_on_path(self):
         beside, elsewhere = self.stub("exit 0"), self.stub("exit 0")
         with mock.patch.dict(os.environ, PATH=elsewhere), mock.patch.object(tools, "BIN", beside):
             self.assertEqual(tools.find("scan-sim"), os.path.join(beside, "scan-sim"))

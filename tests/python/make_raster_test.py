@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""make_raster.py: a GeoTIFF on the map that it says, with the craters that its seed draws."""
+"""make_raster.py: the georeference of its GeoTIFF, and the craters drawn from its seed."""
 import json
 import os
 import subprocess
@@ -29,7 +29,7 @@ class MakeRaster(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.path = os.path.join(self.folder.name, "site.tif")
 
-    def test_size_place_and_frame(self):
+    def test_size_extent_and_crs(self):
         self.assertEqual(run("-o", self.path, "--cells", 101, "--posting", 5, "--center", 1000, -2000).returncode, 0)
         info = json.loads(subprocess.run(["gdalinfo", "-json", self.path], capture_output=True, text=True, check=True).stdout)
         self.assertEqual(info["size"], [101, 101])

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_features.py: it makes a terrain for each shape and draws one picture."""
+"""Tests of plot_features.py, which makes a terrain of each shape and draws all of them in one figure."""
 import os
 import subprocess
 import sys
@@ -33,7 +33,7 @@ class Picture(unittest.TestCase):
         self.assertEqual((result.returncode, result.stderr, result.stdout), (0, "", self.png + "\n"))
         picture = matplotlib.image.imread(self.png)
         self.assertEqual(picture.shape[:2], (490, 750))
-        # Each panel of the 2 x 5 holds a red cut and shades of grey.
+        # Each of the 2 x 5 panels has a red profile and shades of grey.
         for panel in [part for row in np.array_split(picture, 2) for part in np.array_split(row, 5, axis=1)]:
             self.assertGreater(np.count_nonzero(np.ptp(panel[..., :3], axis=2) > 0.2), 20)
             self.assertGreater(len(np.unique(panel[..., 0])), 20)
@@ -50,7 +50,7 @@ class Picture(unittest.TestCase):
         s, height = plot_features.cut(panel, x, x, 3 * x[np.newaxis, :] + 5 * x[:, np.newaxis])
         np.testing.assert_allclose(height, s * (3 * np.cos(np.pi / 6) + 2.5), atol=1e-12)
 
-    def test_an_existing_picture_is_kept(self):
+    def test_an_existing_figure_is_kept(self):
         with open(self.png, "w", encoding="utf-8") as file:
             file.write("old")
         result = run_script("-o", self.png, "--bin", BIN)

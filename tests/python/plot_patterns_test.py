@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_patterns.py: it runs the tools for each pattern and draws one picture."""
+"""Tests of plot_patterns.py, which runs the tools for each pattern and draws all of them in one figure."""
 import os
 import subprocess
 import sys
@@ -33,7 +33,7 @@ class Picture(unittest.TestCase):
         self.assertEqual((result.returncode, result.stderr, result.stdout), (0, "", self.png + "\n"))
         picture = matplotlib.image.imread(self.png)
         self.assertEqual(picture.shape[:2], (350, 750))
-        # Each panel of the 2 x 5 holds coloured curves, not only grey ones.
+        # Each of the 2 x 5 panels has coloured curves, not only grey ones.
         for panel in [part for row in np.array_split(picture, 2) for part in np.array_split(row, 5, axis=1)]:
             self.assertGreater(np.count_nonzero(np.ptp(panel[..., :3], axis=2) > 0.2), 20)
 
@@ -44,7 +44,7 @@ class Picture(unittest.TestCase):
         types = {definitions[name]["properties"]["type"]["const"] for name in names}
         self.assertEqual(types, {panel.keys["type"] for panel in plot_patterns.PANELS})
 
-    def test_an_existing_picture_is_kept(self):
+    def test_an_existing_figure_is_kept(self):
         with open(self.png, "w", encoding="utf-8") as file:
             file.write("old")
         result = run_script("-o", self.png, "--bin", BIN)

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_populations.py: its laws against known counts, its marks against a sample made here, and what
-terrain-gen draws against its laws."""
+"""Tests of plot_populations.py: its laws against known counts, its measured densities against a sample counted by hand,
+and the populations of terrain-gen against its laws."""
 import json
 import os
 import subprocess
@@ -36,7 +36,7 @@ def per_hectare(pattern, *diameters):
 
 
 def write_terrain(path, patterns, columns):
-    """The part of a terrain file that the script reads: 100 x 100 m."""
+    """Writes the parts of a terrain file of 100 x 100 m that the script reads."""
     with h5py.File(path, "w") as file:
         file.attrs["format_name"] = "landfall.terrain"
         file.attrs["complete"] = np.int32(1)
@@ -66,7 +66,7 @@ class Laws(unittest.TestCase):
         k = populations.golombek_k({"area_fraction": 0.02, "area_fraction_above_m": 0.3})
         self.assertAlmostEqual(k * np.exp(-(1.79 + 0.152 / k) * 0.3), 0.02, places=14)
 
-    def test_poisson_intervals_are_those_of_the_tables(self):
+    def test_poisson_intervals_agree_with_published_tables(self):
         low, high = populations.poisson_interval([0, 1, 10, 100])
         np.testing.assert_allclose(low, [0, 0.0253, 4.795, 81.36], rtol=1e-3)
         np.testing.assert_allclose(high, [3.689, 5.572, 18.39, 121.63], rtol=1e-3)
@@ -87,18 +87,18 @@ class Samples(unittest.TestCase):
         pattern = {"type": "craters", "model": "trask", "min_diameter_m": 1, "max_diameter_m": 10, **COMMON}
         write_terrain(self.terrain, [{"type": "ring"}, pattern],
                       {"x": [0.0, 10, 51, 0], "y": [0.0, -50, 0, 0], "diameter": [4.0, 2, 8, 9],
-                       "pattern": np.array([1, 1, 1, 0], np.int32)})  # one off the site, one of the ring
+                       "pattern": np.array([1, 1, 1, 0], np.int32)})  # one lies outside the site, one belongs to the ring
         (sample,) = self.samples()
         counts, densities = sample.measured([1, 2, 3, 4])
         self.assertEqual((sample.number, counts.tolist()), (1, [2, 1, 1, 0]))
         np.testing.assert_allclose(densities, [2e-4, 1e-4, 1e-4, 0])
 
-    def test_the_area_is_that_where_an_object_can_lie(self):
+    def test_the_area_is_where_objects_can_lie(self):
         annulus = {"type": "annulus", "x_m": 50, "y_m": 0, "inner_radius_m": 10, "outer_radius_m": 30}
         pattern = {"type": "power_law_rocks", "model": "viper", "min_diameter_m": 1, "max_diameter_m": 10, **COMMON}
         columns = {"x": [40.0], "y": [20.0], "diameter": [4.0], "pattern": np.array([0], np.int32)}
         write_terrain(self.terrain, [{**pattern, "region": annulus}], columns)
-        self.assertAlmostEqual(self.samples()[0].areas_m2[0], 400 * np.pi, delta=2)  # half of it is on the site
+        self.assertAlmostEqual(self.samples()[0].areas_m2[0], 400 * np.pi, delta=2)  # half of the annulus is on the site
         write_terrain(self.terrain, [{**pattern, "clear_radius_m": 8}], columns)
         self.assertAlmostEqual(self.samples()[0].areas_m2[0], 1e4 - 100 * np.pi, delta=2)
 
@@ -117,7 +117,7 @@ class Samples(unittest.TestCase):
             self.assertGreater(expected, 500)
             self.assertLess(abs(count - expected), 3.5 * np.sqrt(expected))
 
-    def test_a_picture_of_each_pattern(self):
+    def test_a_figure_of_each_pattern(self):
         config = {"grid": {"half_width_m": 50, "resolution_m": 2}, "patterns": PATTERNS}
         subprocess.run([os.path.join(BIN, "terrain-gen"), "-c", "-", "-o", self.terrain], check=True, input=json.dumps(config),
                        text=True)
@@ -126,7 +126,7 @@ class Samples(unittest.TestCase):
         picture = matplotlib.image.imread(self.png)
         self.assertEqual(picture.shape[:2], (300, 400))
         self.assertGreater(np.count_nonzero(np.ptp(picture[..., :3], axis=2) > 0.2), 200)
-        self.assertEqual(run_script(self.terrain, "-o", self.png).returncode, 2)  # it exists
+        self.assertEqual(run_script(self.terrain, "-o", self.png).returncode, 2)  # the figure exists
 
     def test_a_terrain_without_populations_is_refused(self):
         write_terrain(self.terrain, [], {"x": [0.0], "y": [0.0], "diameter": [4.0], "pattern": np.array([-1], np.int32)})

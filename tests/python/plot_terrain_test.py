@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_terrain.py on small files made here."""
+"""Tests of plot_terrain.py on small files that the tests make."""
 import math
 import os
 import subprocess
@@ -59,10 +59,10 @@ class Arithmetic(unittest.TestCase):
         np.testing.assert_allclose(relief.shade, normal @ sun, rtol=1e-12)
         self.assertAlmostEqual(relief.high_m, 15 * 0.5)
 
-    def test_what_looks_away_from_the_sun_is_dark(self):
+    def test_slopes_that_face_away_from_the_sun_are_dark(self):
         self.assertEqual(plot_terrain.shade(np.array([0.0]), np.array([3.0]), plot_terrain.Sun(0, 10))[0], 0)
 
-    def test_bands_give_what_the_whole_gives(self):
+    def test_bands_give_the_same_result_as_the_whole(self):
         make_terrain(self.path)
         with h5py.File(self.path, "a") as file:
             z = np.random.default_rng(4).normal(size=file["z"].shape)
@@ -81,7 +81,7 @@ class Arithmetic(unittest.TestCase):
         self.assertEqual(slope.shape, (15, 15))
         self.assertAlmostEqual(slope[8, 8], whole.slope_deg[32:36, 32:36].mean())
 
-    def test_objects_by_kind_the_largest_first(self):
+    def test_objects_are_sorted_by_kind_and_size(self):
         make_terrain(self.path)
         with h5py.File(self.path, "r") as file:
             objects = plot_terrain.read_objects(file)
@@ -109,13 +109,13 @@ class Script(unittest.TestCase):
             self.assertEqual(result.stdout.strip(), picture)
             image = plt.imread(picture)[:, :, :3]
             colored = np.ptp(image[:, : image.shape[1] // 3], axis=2) > 0.2
-            self.assertEqual(bool(colored.any()), objects)  # a hillshade alone is grey
+            self.assertEqual(bool(colored.any()), objects)  # without objects the hillshade is grey
 
-    def test_leaves_the_quick_look_of_landfall_export_alone(self):
+    def test_the_default_name_differs_from_that_of_landfall_export(self):
         make_terrain(self.path)
         self.assertEqual(self.run_script(self.path, "--dpi", "50").stdout.strip(), self.path.replace(".h5", "-figure.png"))
 
-    def test_refuses_what_it_cannot_draw(self):
+    def test_wrong_files_and_options_are_refused(self):
         make_terrain(self.path)
         with h5py.File(self.path, "a") as file:
             del file["z"]

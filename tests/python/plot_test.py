@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_dem.py and plot_eval.py on small files made here."""
+"""Tests of plot_dem.py and plot_eval.py on small files that the tests make."""
 import json
 import os
 import shutil
@@ -112,7 +112,7 @@ class ScriptTest(unittest.TestCase):
         return done.stdout.split()
 
     def expect_failure(self, code, message, script, *arguments):
-        """One line on stderr that names the problem, nothing on stdout, and no new file."""
+        """Expects one line on stderr that contains the message, nothing on stdout, and no new file."""
         before = sorted(os.listdir(self.folder))
         done = self.call(script, *arguments)
         self.assertEqual(done.returncode, code, done.stderr)
@@ -129,7 +129,7 @@ class ScriptTest(unittest.TestCase):
 
 
 class PlotDemTest(ScriptTest):
-    def test_draws_beside_the_dem_by_default(self):
+    def test_the_default_figure_is_beside_the_dem(self):
         make_dem(self.path("dem.h5"))
         self.assertEqual(self.expect_success("plot_dem.py", self.path("dem.h5")), [self.path("dem-figure.png")])
         self.expect_picture("dem-figure.png", 2000)
@@ -150,7 +150,7 @@ class PlotDemTest(ScriptTest):
         self.expect_success("plot_dem.py", "dem.h5")
         self.expect_picture("dem-figure.png")
 
-    def test_the_same_file_gives_the_same_picture(self):
+    def test_the_same_file_gives_the_same_figure(self):
         make_dem(self.path("dem.h5"))
         pictures = []
         for name in ("a.png", "b.png"):
@@ -159,7 +159,7 @@ class PlotDemTest(ScriptTest):
                 pictures.append(file.read())
         self.assertEqual(*pictures)
 
-    def test_existing_picture_is_kept_without_overwrite(self):
+    def test_existing_figure_is_kept_without_overwrite(self):
         make_dem(self.path("dem.h5"))
         with open(self.path("dem-figure.png"), "w", encoding="utf-8") as file:
             file.write("mine")
@@ -210,7 +210,7 @@ class PlotEvalTest(ScriptTest):
         for name in names:
             self.expect_picture(f"{prefix}{name}.png")
 
-    def test_draws_all_pictures(self):
+    def test_draws_all_figures(self):
         make_evaluation(self.path("eval.h5"))
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)
@@ -262,7 +262,7 @@ class PlotEvalTest(ScriptTest):
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)
 
-    def test_no_value_at_all(self):
+    def test_no_values(self):
         make_evaluation(self.path("eval.h5"), [(row, col) for row in range(BINS) for col in range(BINS)])
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", PICTURES)
@@ -279,7 +279,7 @@ class PlotEvalTest(ScriptTest):
         self.expect_success("plot_eval.py", "eval.h5")
         self.expect_pictures("eval-", ["coverage", "verdict"])
 
-    def test_one_existing_picture_stops_all(self):
+    def test_one_existing_figure_prevents_all(self):
         make_evaluation(self.path("eval.h5"))
         with open(self.path("eval-verdict.png"), "w", encoding="utf-8") as file:
             file.write("mine")
@@ -300,7 +300,7 @@ class PlotEvalTest(ScriptTest):
 
 
 class ReductionTest(unittest.TestCase):
-    def test_extreme_keeps_the_sign_and_the_lone_defect(self):
+    def test_extreme_keeps_the_sign_and_single_values(self):
         values = np.zeros((7, 9))
         values[6, 8] = -3
         values[0, :3] = [1, -2, np.nan]
@@ -316,7 +316,7 @@ class ReductionTest(unittest.TestCase):
             self.assertEqual(reduced[0, 0], expected)
             self.assertTrue(np.isnan(reduced[0, 1]) and np.isnan(reduced[1, 1]))
 
-    def test_a_single_flag_survives_everywhere(self):
+    def test_a_single_flag_stays_visible_anywhere(self):
         for row, col in ((0, 0), (1000, 1001), (2000, 2000)):
             flags = np.zeros((2001, 2001), bool)
             flags[row, col] = True
@@ -358,7 +358,7 @@ class ZoomTest(unittest.TestCase):
         centers = np.arange(-10, 11) * 1.0
         self.grid = files.MapGrid(centers, centers, 1.0)
 
-    def test_window_stays_in_the_map(self):
+    def test_the_window_stays_inside_the_map(self):
         window, rows, cols = maps.zoom_window(self.grid, (10.0, 0.0), 4.0)
         self.assertEqual((window.x[0], window.x[-1], window.y[0], window.y[-1]), (6, 10, -2, 2))
         self.assertEqual((rows, cols), (slice(8, 13), slice(16, 21)))

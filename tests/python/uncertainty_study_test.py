@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The uncertainty study in short: the sigma map against the truth, through the tools, and the study's own arithmetic."""
+"""A short run of the uncertainty study, which compares the sigma map with the truth, and the study's arithmetic."""
 import csv
 import os
 import subprocess
@@ -26,10 +26,11 @@ def run_script(name, *arguments):
 class ShortStudy(unittest.TestCase):
     """4 draws of noise and 60 of navigation errors, seed 1.
 
-    Noise: a share of n independent scores is known to 0.5 / sqrt(n); the limits lie at least 0.008 from what 100 draws
-    gave for the counts looked at (over 20,000 scores each): beyond 2 standard deviations for counts 1 and 2 of z_est on flat
-    ground, 5 elsewhere; the seed is fixed. Navigation: one error per map, so the mean square of 60 scores is chi-square with 60
-    degrees of freedom over 60: outside [0.5, 1.65] in 4 of 10,000 seeds.
+    Noise: the fraction of n independent scores within k sigma has a standard deviation of at most 0.5 / sqrt(n). The limits
+    differ by at least 0.008 from the fractions of 100 draws (over 20,000 scores each): by more than 2 standard deviations
+    for counts 1 and 2 of z_est on flat ground, and 5 elsewhere. The seed is fixed.
+    Navigation: each map has one error, so 60 times the mean square of 60 scores is chi-square with 60 degrees of freedom;
+    the mean square is outside [0.5, 1.65] for 4 of 10,000 seeds.
     """
 
     @classmethod
@@ -65,7 +66,7 @@ class ShortStudy(unittest.TestCase):
                 mean_square = float(row["std"]) ** 2 + float(row["mean"]) ** 2
                 self.assertTrue(0.5 < mean_square < 1.65, f"{scene} {elevation}: {mean_square}")
 
-    def test_the_picture_is_there(self):
+    def test_the_figure_is_written(self):
         with open(os.path.join(self.folder.name, "by-count.png"), "rb") as file:
             self.assertEqual(file.read(4), b"\x89PNG")
 
@@ -83,7 +84,7 @@ class Arithmetic(unittest.TestCase):
         with self.assertRaises(UsageError):
             study.parse(["-o", "x", "--scenes", "flat,moon"])
 
-    def test_a_tool_that_fails_is_told(self):
+    def test_a_failing_tool_is_reported(self):
         with tempfile.TemporaryDirectory() as folder:
             result = run_script("uncertainty_study.py", "-o", folder, "--bin", BIN, "--dem", "/nowhere.tif", "--scenes",
                                 "dem", "--noise-draws", 1, "--navigation-draws", 0)
@@ -92,9 +93,9 @@ class Arithmetic(unittest.TestCase):
 
 
 class CorrectedStudy(unittest.TestCase):
-    """A cone without noise, 4 m wide: the corrected map keeps a tenth of the error."""
+    """A cone 4 m wide, without noise: the corrected map has a tenth of the error."""
 
-    def test_what_the_correction_removes(self):
+    def test_the_correction_removes_most_of_the_error(self):
         with tempfile.TemporaryDirectory() as folder:
             path = lambda name: os.path.join(folder, name)  # pylint: disable=unnecessary-lambda-assignment
             for name, arguments in (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The common part of the study tests: a study of some 25,600 rays a scan, and how it is made."""
+"""Base class of the study tests: a study with 25,600 rays per scan, and functions that run it."""
 import copy
 import csv
 import io
@@ -34,7 +34,7 @@ LIMITS = {"key": "eval.limits.relative_elevation_m", "list": [0.05, 0.1]}
 
 
 def study(*axes, **keys):
-    """A study file's tree."""
+    """The tree of a study file."""
     return {"base": copy.deepcopy(BASE), "axes": [copy.deepcopy(axis) for axis in axes], **keys}
 
 
@@ -44,7 +44,7 @@ def read(path):
 
 
 class StudyTest(unittest.TestCase):
-    """A test with a folder of its own for studies and what they make."""
+    """A test with its own folder for studies and their results."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="landfall-study-")
@@ -68,7 +68,7 @@ class StudyTest(unittest.TestCase):
 
     @staticmethod
     def environment():
-        """Without what an outer make would say."""
+        """The environment without the variables of an outer make."""
         return {key: value for key, value in os.environ.items() if not key.startswith(("MAKE", "MFLAGS"))}
 
     def make(self, *arguments, code=0, **names):
@@ -84,24 +84,24 @@ class StudyTest(unittest.TestCase):
         return result
 
     def plan(self, tree, *options, name="tiny"):
-        """Plans a study and returns the folder."""
+        """Plans a study and returns its folder."""
         self.sweep("plan", self.write(tree, name), "--out", self.out(study_name=name), "--bin", BIN, *options)
         return self.out(study_name=name)
 
     def files(self, *names, **where):
-        """Names below a folder of the study."""
+        """The names in a folder of the study."""
         return sorted(os.listdir(self.out(*names, **where)))
 
     def rows(self, **where):
         return list(csv.DictReader(io.StringIO(read(self.out("results.csv", **where)).decode())))
 
     def runs_of(self, tool_step, since=0):
-        """How often study-chain did a step, by the logs that are younger than `since`."""
+        """How often study-chain ran a step, according to the logs that are newer than `since`."""
         count = 0
         for name in self.files("log"):
             path = self.out("log", name)
             if name.endswith(".log") and os.stat(path).st_mtime_ns > since:
                 command = read(path).decode().split("\n", 1)[0]
-                # STEP CONFIG ...: a step's name is followed by the path of its configuration.
+                # Steps are given as STEP CONFIG ..., so the path of a configuration follows the name.
                 count += command.count(f" {tool_step} {self.out('config')}")
         return count

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What makes Makefile.studies build anew, and what it takes for a proof that something was built."""
+"""Which changes make Makefile.studies build again, and how it checks that a stage made its outputs."""
 import os
 import pty
 import re
@@ -12,14 +12,14 @@ from case import BIN, ROOT, SIGMAS, StudyTest, study
 
 
 class Changes(StudyTest):
-    """The inputs that a study depends on: its files, data files and the tools."""
+    """The inputs of a study: its files, data files and the tools."""
 
     def test_base_files_and_data_files(self):
         tree = study(SIGMAS)
         self.write(tree["base"]["scan"], "scan")
         tree["base"]["scan"] = "scan.json"
-        tree["set"] = {"scan.trajectory": {"type": "table", "path": "way.csv"}}
-        self.write_way(50)
+        tree["set"] = {"scan.trajectory": {"type": "table", "path": "waypoints.csv"}}
+        self.write_trajectory(50)
         self.write(tree)
         self.make("study-results", "-j2")
         first = self.rows()
@@ -28,16 +28,16 @@ class Changes(StudyTest):
         second = self.rows()
         self.assertNotEqual([row["statistics.z.mean_m"] for row in first], [row["statistics.z.mean_m"] for row in second])
         before = os.stat(self.out("results.csv")).st_mtime_ns
-        self.write_way(51)
+        self.write_trajectory(51)
         self.make("study-results", "-j2")
         self.assertEqual([self.runs_of(step, since=before) for step in ("terrain", "scan")], [0, 4])
 
-    def write_way(self, height):
-        with open(self.path("way.csv"), "w", encoding="utf-8") as file:
+    def write_trajectory(self, height):
+        with open(self.path("waypoints.csv"), "w", encoding="utf-8") as file:
             file.write("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n" + "".join(f"{t},0,0,{height - t},1,0,0,0\n" for t in (0, 0.1, 0.2, 0.3)))
 
     def tools_of(self, version):
-        """A folder of tools that say another version and work as before."""
+        """A folder with tools that report another version but work the same."""
         folder = self.path("bin-" + version)
         os.mkdir(folder)
         for tool in ("terrain-gen", "scan-sim", "regrid", "dem-eval"):
@@ -48,13 +48,13 @@ class Changes(StudyTest):
             os.chmod(path, 0o755)
         return folder
 
-    def test_other_tools_make_all_anew_and_the_same_ones_nothing(self):
+    def test_a_new_version_of_the_tools_builds_all_again(self):
         self.write(study(SIGMAS))
         first, second = self.tools_of("1"), self.tools_of("2")
         self.make("study-results", "-j2", f"BIN={first}")
         before = os.stat(self.out("results.csv")).st_mtime_ns
         for tool in os.listdir(first):
-            os.utime(os.path.join(first, tool))  # built anew, the same version
+            os.utime(os.path.join(first, tool))  # as if built again with the same version
         self.assertEqual(self.make("study-results", f"BIN={first}").stdout.count("run-stage"), 0)
         self.assertEqual(os.stat(self.out("results.csv")).st_mtime_ns, before)
         self.make("study-results", "-j2", f"BIN={second}")
@@ -74,8 +74,8 @@ class Changes(StudyTest):
         self.assertIn("STUDY=noise", result.stderr)
 
 
-class Proofs(StudyTest):
-    """run-stage believes files, not exit codes."""
+class Outputs(StudyTest):
+    """run-stage checks the files of a stage, not only exit codes."""
 
     def runner(self, text):
         path = self.path("runner")
@@ -84,12 +84,12 @@ class Proofs(StudyTest):
         os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
         return f"RUNNER={path}"
 
-    def test_a_runner_that_says_done_and_did_nothing(self):
+    def test_a_runner_that_exits_0_without_output(self):
         self.write(study())
         result = self.make("study-results", self.runner("exit 0\n"), "STAGE_PATIENCE=0", code=2)
         self.assertRegex(result.stderr, r"run-stage: \S+/terrain/[0-9a-f]{16}\.h5: the command exited 0 and did not make it")
 
-    def test_old_outputs_are_no_proof(self):
+    def test_old_outputs_do_not_count(self):
         self.write(study())
         self.make("study-results")
         later = os.stat(self.out("results.csv")).st_mtime_ns + 10 ** 10
@@ -97,18 +97,18 @@ class Proofs(StudyTest):
         result = self.make("study-results", self.runner("exit 0\n"), "STAGE_PATIENCE=0", code=2)
         self.assertIn("did not make it", result.stderr)
 
-    def test_an_output_that_comes_late(self):
+    def test_an_output_that_appears_late(self):
         self.write(study())
         self.make("study-results", self.runner('(sleep 1; "$@") >/dev/null 2>&1 &\n'))
         self.assertEqual(len(self.rows()), 1)
 
-    def test_a_runner_that_is_not_there(self):
+    def test_a_missing_runner(self):
         self.write(study())
         result = self.make("study-results", "RUNNER=/nowhere/srun", code=2)
         self.assertIn("/nowhere/srun: No such file", result.stderr)
 
     def test_progress_on_a_terminal(self):
-        """One line that is written over, with what is to go."""
+        """One line that is overwritten, with the remaining number of stages."""
         self.write(study(SIGMAS))
         master, slave = pty.openpty()
         make = subprocess.Popen(self.make_command("study-results"), stdout=slave, stderr=slave, env=self.environment())
@@ -117,7 +117,7 @@ class Proofs(StudyTest):
         while True:
             try:
                 text += os.read(master, 65536).decode()
-            except OSError:  # the terminal is gone with its last user
+            except OSError:  # the other end is closed
                 break
         os.close(master)
         self.assertEqual(make.wait(), 0)

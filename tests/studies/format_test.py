@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Study files: their meaning, and what is refused, with file, key, value and bound."""
+"""Study files: their meaning, and refusals that name the file, the key, the value and the bound."""
 import json
 import math
 import os
@@ -31,7 +31,7 @@ class Cases(StudyTest):
         read = self.read(tree)
         return model.configuration(read, stage, list(read.cases())[number])
 
-    def test_axes_are_crossed_and_the_last_runs_fastest(self):
+    def test_axes_are_crossed_and_the_last_varies_fastest(self):
         self.assertEqual(self.values(study(SIGMAS, RESOLUTIONS)),
                          [[s, r] for s in (0.01, 0.02, 0.05) for r in (0.1, 0.2)])
 
@@ -74,17 +74,17 @@ class Cases(StudyTest):
         self.assertEqual(self.config(tree, "eval", 1)["quantile"], 0.9)
         self.assertEqual(self.config(tree, "scan", 1)["trajectory"], BASE["scan"]["trajectory"])
 
-    def test_objects_go_by_labels(self):
+    def test_objects_are_named_by_labels(self):
         tree = study({"key": "scan.scanner", "list": [BASE["scan"]["scanner"], {"type": "flash"}], "labels": ["FSM", "flash"]})
         self.assertEqual(self.values(tree), [["FSM"], ["flash"]])
 
-    def test_a_stage_alone_is_its_whole_configuration(self):
+    def test_a_stage_without_a_key_replaces_its_configuration(self):
         os.mkdir(self.path("other"))
         self.write({"scanner": {"type": "flash"}}, "other/flash.scan")
         tree = study({"name": "lidar", "variants": {"flash": {"scan": "other/flash.scan.json"}}})
         self.assertEqual(self.config(tree, "scan"), {"scanner": {"type": "flash"}})
 
-    def test_base_files_and_their_data_are_beside_them(self):
+    def test_data_paths_are_relative_to_their_file(self):
         os.mkdir(self.path("data"))
         self.write({"trajectory": {"type": "table", "path": "way.csv"}}, "data/scan")
         self.write("", "data/way")
@@ -113,7 +113,7 @@ class Cases(StudyTest):
         self.assertEqual(self.values(few)[2], [3, *drawn])
 
     def test_draws_have_their_distribution(self):
-        """4,000 draws: the mean within 4 standard errors, the standard deviation within 4 of its own (1 in 10,000 each)."""
+        """4,000 draws: mean and standard deviation are within 4 of their standard errors (exceeded with probability 1e-4 each)."""
         draws = {"scan.noise.range_bias_m": {"normal": 2}, "scan.noise.dropout_frac": {"uniform": [0.25, 0.5]}}
         rows = self.values(study(repeat={"count": 4000, "draws": draws}))
         normal, uniform = [row[1] for row in rows], [row[2] for row in rows]
@@ -123,7 +123,7 @@ class Cases(StudyTest):
         self.assertLess(abs(statistics.fmean(uniform) - 0.375), 4 * 0.25 / math.sqrt(12 * 4000))
         self.assertGreater(min(abs(a - b) for a, b in zip(normal, normal[1:])), 0)
 
-    def test_units_by_names(self):
+    def test_units_follow_from_names(self):
         tree = study(SIGMAS, {"key": "scan.laser.pulse_rate_hz", "list": [2000]}, {"key": "scan.detector.rows", "list": [8]},
                      {**LIMITS, "unit": "furlong", "label": "limit", "log": True})
         axes = self.read(tree).axes()
@@ -132,7 +132,7 @@ class Cases(StudyTest):
         self.assertEqual((axes[3].label, axes[3].log), ("limit", True))
 
 
-# (study, words of the message); /x: the place.
+# (study, words of the message). /x is the path of the key.
 BAD = [
     ("{", ["not JSON"]),
     ('{"name": "a", "name": "b"}', ['"name"', "twice"]),
@@ -235,7 +235,7 @@ class BadStudies(StudyTest):
             with self.subTest(words=words):
                 self.refused(tree, words)
 
-    def test_deep_nesting_is_no_crash(self):
+    def test_deep_nesting_is_refused(self):
         self.refused('{"set": {"scan.x": ' + "[" * 100000 + "]" * 100000 + "}}", ["not JSON"])
 
     def test_no_tools(self):
@@ -247,8 +247,8 @@ class BadStudies(StudyTest):
                 (["plan", self.write(study()), "--out", self.out(), "--bin", BIN_FOLDER, "--keep", "all,scans"], "'scans'"):
             self.assertIn(word, self.sweep(*arguments, code=2).stderr)
 
-    def test_the_schema_says_the_same_to_others(self):
-        """jsonschema accepts what we accept, and refuses what our schema check (not what comes after it) refuses."""
+    def test_the_schema_agrees_with_jsonschema(self):
+        """jsonschema accepts and refuses the same studies as our schema check, without the checks that follow it."""
         try:
             import jsonschema
         except ImportError:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A study whose make and tools are killed at random and that is resumed gives the bytes of an undisturbed one."""
+"""A study is killed at random times (make or its tools) and resumed: it gives the same bytes as an undisturbed one."""
 import os
 import random
 import shlex
@@ -17,7 +17,7 @@ TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval", "study-chain", "run-st
 
 
 def processes(word):
-    """{pid: words of the command line} of the running processes with `word` in theirs, zombies left out."""
+    """{pid: words of the command line} of the processes whose command line contains `word`, without zombies."""
     found = {}
     for pid in filter(str.isdigit, os.listdir("/proc")):
         try:
@@ -34,14 +34,14 @@ class Kills(StudyTest):
         super().setUp()
         self.random = random.Random(SEED)
 
-    def victims(self):
-        """The make of this test, or one of its recipes' processes."""
+    def running(self):
+        """The processes of this test's make and its recipes."""
         return [pid for pid, command in processes(self.folder).items()
                 if any(os.path.basename(part) in TOOLS for part in command[:3])]
 
     def kill_tool(self):
-        victims = self.victims()
-        for pid in [self.random.choice(victims)] if victims else []:
+        running = self.running()
+        for pid in [self.random.choice(running)] if running else []:
             try:
                 os.kill(pid, signal.SIGKILL)
                 return True
@@ -49,8 +49,8 @@ class Kills(StudyTest):
                 pass
         return False
 
-    def disturbed_make(self, goal):
-        """(kills, exit code) of a make of which tools, or which itself, are killed soon after its start."""
+    def make_with_kills(self, goal):
+        """Runs make, and kills it or its tools soon after the start; returns (kills, exit code)."""
         make = subprocess.Popen(self.make_command(goal, "-k", "-j2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                 env=self.environment())
         kills = 0
@@ -70,11 +70,11 @@ class Kills(StudyTest):
         self.make("study-results", "-j2", runs="undisturbed")
         kills = 0
         for attempt in range(12 * KILLS):
-            more, code = self.disturbed_make("study-results")
+            more, code = self.make_with_kills("study-results")
             kills += more
             if kills >= KILLS:
                 break
-            if code == 0:  # all is built before 20 kills: again, without some of it
+            if code == 0:  # all is built: remove some files, and build again
                 self.remove_some()
         self.assertGreaterEqual(kills, KILLS, f"seed {SEED}, {attempt} calls")
         self.make("study-results", "-j2")
@@ -97,12 +97,12 @@ class Kills(StudyTest):
                     os.remove(self.out(folder, name))
 
     def wait_for_orphans(self):
-        """Waits until the processes that a killed make left have ended."""
+        """Waits until the processes that a killed make has left have ended."""
         for _ in range(300):
-            if not self.victims():
+            if not self.running():
                 return
             time.sleep(0.1)
-        self.fail("processes are left")
+        self.fail("processes of a killed make are still running")
 
     def run_stage(self, kill):
         folder = self.path("kill" if kill else "live")
@@ -125,13 +125,13 @@ class Kills(StudyTest):
         self.assertTrue(os.path.exists(metrics))
         return os.path.exists(shared)
 
-    def test_only_the_recipe_of_a_living_make_drops_a_file(self):
-        """One that outlives its make leaves shared files to the make that may have followed."""
+    def test_only_the_recipe_of_a_running_make_removes_shared_files(self):
+        """A recipe that outlives its make keeps shared files, because the next make may use them."""
         self.assertFalse(self.run_stage(kill=False))
         self.assertTrue(self.run_stage(kill=True))
 
     def test_interrupted_by_the_keyboard(self):
-        """SIGINT to the whole group, as a terminal sends it: all end, nothing is half, and the rest is made later."""
+        """SIGINT to the whole group, as a terminal sends it: all end, no file is incomplete, and the rest is made later."""
         self.write(study(SIGMAS, RESOLUTIONS, LIMITS))
         make = subprocess.Popen(self.make_command("study-results", "-j2"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                 env=self.environment(), start_new_session=True)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makefile.studies study: only what is new is built, failures stay apart, nothing half, nothing kept that nobody asked for."""
+"""Makefile.studies study: only new results are built, failures do not affect other cases, and no other files are kept."""
 import json
 import os
 import subprocess
@@ -15,7 +15,7 @@ GRID = (SIGMAS, RESOLUTIONS, LIMITS)
 
 class Builds(StudyTest):
     def test_grid(self):
-        """3 x 2 x 2: each stage once; a fourth value builds what is new; nothing to do on a second call."""
+        """3 x 2 x 2 cases: each stage runs once, a fourth value adds only new stages, and a second call does nothing."""
         self.write(study(*GRID))
         self.make("study-results", "-j2")
         steps = ("terrain", "scan", "regrid", "eval")
@@ -39,7 +39,7 @@ class Builds(StudyTest):
         self.assertIn("Nothing to be done", self.make("study-results").stdout)
 
     def test_a_case_equals_the_chain_by_hand(self):
-        """The chain by hand uses `sweep.py show`: traced with its errors, all layers, no sharing."""
+        """The chain by hand uses `sweep.py show`: one traced scan with its errors, all layers, no shared files."""
         path = self.write(study(SIGMAS, {"key": "scan.noise.dropout_frac", "list": [0, 0.2]}, RESOLUTIONS,
                                 repeat={"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}},
                                 options={"regrid": ["--corrected"]}))
@@ -53,7 +53,7 @@ class Builds(StudyTest):
             subprocess.run(["bash", "-c", script], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
             self.assertEqual(read(self.out(cases[number][-1])), read(os.path.join(folder, "metrics.json")), number)
 
-    def test_many_shared_scans_and_files_that_are_kept_give_the_same(self):
+    def test_many_shared_scans_and_kept_files_give_the_same_results(self):
         many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, 17]}
         self.write(study(many, LIMITS))
         self.make("study-results", "-j2")
@@ -70,7 +70,7 @@ class Builds(StudyTest):
             stored = json.loads(read(self.out("metrics", name[:-3] + ".json", study_name="few")))
             self.assertEqual(metrics, stored)
 
-    def test_keep_asked_for_later(self):
+    def test_files_to_keep_can_be_requested_later(self):
         self.write(study(SIGMAS))
         self.make("study-results")
         first = read(self.out("results.csv"))
@@ -85,8 +85,8 @@ class Builds(StudyTest):
         self.assertIn("Nothing to be done", self.make("study-results", "KEEP=dem,eval").stdout)
         self.assertEqual(read(self.out("results.csv")), first)
 
-    def test_a_failure_stays_apart(self):
-        """The map of the second case is smaller than the region: its evaluation fails, the others are made."""
+    def test_a_failure_does_not_affect_other_cases(self):
+        """The DEM of the second case is smaller than the region, so its evaluation fails; the others are made."""
         self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
         result = self.make("study-results", "-k", "-j2", code=2)
         self.assertEqual(len(self.files("metrics")), 2)
@@ -99,8 +99,8 @@ class Builds(StudyTest):
         self.assertEqual([row["case"] for row in self.rows()], ["0", "2"])
         self.assertIn("No such file", self.sweep("collect", self.out(), code=1).stderr)
 
-    def test_in_one_recipe_too(self):
-        """Where all that hangs on a scan is one recipe, what can be made is, and stays."""
+    def test_a_failure_in_one_recipe(self):
+        """If one recipe makes everything that depends on a scan, the results that can be made are made and kept."""
         sigmas = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, 17]}
         self.write(study(sigmas, {"key": "regrid.half_width_m", "list": [5, 2]}, set={"scan.laser.scan_time_s": 0.05}))
         self.make("study-results", "-k", "-j2", code=2)

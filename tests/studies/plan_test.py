@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""sweep.py plan: every stage once, files written only when they change, truths where scans differ in errors only."""
+"""sweep.py plan: each stage occurs once, only changed files are written, and scans that differ in errors share a truth."""
 import json
 import os
 import re
@@ -26,7 +26,7 @@ class Stages(StudyTest):
         self.assertEqual(self.counts(study()), [1, 0, 1, 1, 1])
 
     def test_equal_values_are_one_stage(self):
-        """An axis that sets what the base says already, and 2.0 for 2."""
+        """An axis with the value of the base, and 2.0 instead of 2."""
         tree = study({"name": "a", "variants": {"x": {"scan.seed": 2}, "y": {"scan.seed": 2.0}}})
         self.assertEqual(self.counts(tree), [1, 0, 1, 1, 1])
         self.assertEqual(len(self.graph(tree).cases), 2)
@@ -45,7 +45,7 @@ class Stages(StudyTest):
                             ("pointing_error.time_stamp_bias_s", [0, 0.1])):
             self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 1, 2], key)
 
-    def test_what_moves_the_true_beams_shares_none(self):
+    def test_keys_that_move_the_true_beams_share_no_truth(self):
         for key, values in (("detector.rows", [8, 9]), ("laser.scan_time_s", [0.1, 0.2]), ("mount.position_m", [[0, 0, 0], [0, 0, 1]]),
                             ("trajectory.velocity_mps", [[0, 0, 0], [0, 0, -1]]), ("scanner.incidence_deg", [0, 45]),
                             ("pointing_error.jitter_sigma_rad", [0, 0.1]),
@@ -76,7 +76,7 @@ class Stages(StudyTest):
 
 class Plans(StudyTest):
     def rules(self, name="tiny"):
-        """{target: prerequisites} of the fragment's stages, without $O/."""
+        """{target: prerequisites} of the stages in study.mk, without $O/."""
         rules = {}
         for line in read(self.out("study.mk", study_name=name)).decode().splitlines():
             match = re.fullmatch(r"(\$O/(?:terrain|truth|scan|dem|metrics|shared)/\S+(?: \$O/\S+)*?) ?&?: (.*)", line)
@@ -110,7 +110,7 @@ class Plans(StudyTest):
         return {os.path.relpath(os.path.join(top, name), folder): os.stat(os.path.join(top, name)).st_mtime_ns
                 for top, _, names in os.walk(folder) for name in names}
 
-    def test_names_follow_all_that_a_stage_depends_on(self):
+    def test_names_depend_on_all_inputs_of_a_stage(self):
         self.plan(study(SIGMAS), name="a")
         first = self.rules("a")
         self.plan(study({**SIGMAS, "list": [0.01, 0.03]}, set={"eval.quantile": 0.9}), name="b")
@@ -119,7 +119,7 @@ class Plans(StudyTest):
                          {name for name in second if name.startswith(("terrain/", "truth/"))})
         self.assertFalse({name for name in first if name.startswith("metrics/")} & set(second))
 
-    def test_what_is_read_once_is_made_by_its_reader(self):
+    def test_files_that_are_read_once_are_made_by_their_reader(self):
         self.plan(study(SIGMAS))
         self.assertEqual(sorted(name.split("/")[0] for name in self.rules()), ["metrics"] * 3 + ["terrain", "truth"])
         self.plan(study(SIGMAS, RESOLUTIONS, LIMITS))
@@ -135,7 +135,7 @@ class Plans(StudyTest):
         self.assertEqual(sum(line.startswith("$O/metrics/") and " $O/eval/" in line and " &:" in line for line in
                              read(self.out("study.mk")).decode().splitlines()), 3)
 
-    def test_many_shared_scans_are_made_one_recipe_each(self):
+    def test_many_shared_scans_have_one_recipe_each(self):
         many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
         self.plan(study(many, RESOLUTIONS, LIMITS))
         text = read(self.out("study.mk")).decode()
@@ -149,7 +149,7 @@ class Plans(StudyTest):
         lines = read(self.out("study.mk")).decode().splitlines()
         self.assertEqual(sum(line.startswith("$O/metrics/") and self.path("mask.h5") in line for line in lines), 3)
 
-    def test_names_that_make_cannot_take(self):
+    def test_names_that_make_cannot_handle(self):
         with open(self.path("my mask.h5"), "w", encoding="utf-8") as file:
             file.write("x")
         path = self.write(study(set={"eval.region": {"shape": "mask", "path": "my mask.h5"}}))
@@ -158,7 +158,7 @@ class Plans(StudyTest):
         self.assertIn("a b", self.sweep("plan", self.write(study()), "--out", self.path("a b"), "--bin", BIN, code=2).stderr)
 
     def test_five_thousand_cases(self):
-        """50 x 100 draws: each its own scan of the one truth, every target once; how fast is measured in bench/."""
+        """50 x 100 draws: each is a scan from the same truth, and each target occurs once. bench/ measures the time."""
         many = {"key": "scan.noise.range_sigma_m", "linspace": [0.001, 0.05, 50]}
         draws = {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}
         self.plan(study(many, repeat={"count": 100, "draws": draws}))

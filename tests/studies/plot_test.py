@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Intervals against closed forms, and plot_study.py on a table made here."""
+"""Confidence intervals against closed forms, and plot_study.py on a table that the tests make."""
 import csv
 import dataclasses
 import json
@@ -25,13 +25,13 @@ from landfall.study.results import Table, flatten, write_h5
 
 class Wilson(unittest.TestCase):
     def test_known_values(self):
-        """Newcombe, Statistics in Medicine 17 (1998) 857-872, table I, method 3."""
+        """From Newcombe, Statistics in Medicine 17 (1998) 857-872, table I, method 3."""
         for passed, count, low, high in ((81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0000, 0.1611),
                                          (1, 29, 0.0061, 0.1718)):
             np.testing.assert_allclose(table.wilson(passed, count), (low, high), atol=5e-5)
 
-    def test_it_solves_its_equation(self):
-        """The bounds are where |rate - p| = z sqrt(p (1 - p) / n)."""
+    def test_bounds_solve_the_equation(self):
+        """At the bounds, |rate - p| = z sqrt(p (1 - p) / n)."""
         for passed, count in ((1, 3), (7, 9), (50, 100)):
             for bound in table.wilson(passed, count):
                 self.assertAlmostEqual(abs(passed / count - bound),
@@ -51,12 +51,12 @@ class Wilson(unittest.TestCase):
 
 class Bootstrap(unittest.TestCase):
     def test_median_of_odd_numbers(self):
-        """A resample's median is at most the i-th of n values with the probability that Bin(n, i/n) exceeds n/2."""
+        """The median of a resample is at most the i-th of n values with the probability P(Bin(n, i/n) > n/2)."""
         for count in (11, 25, 51):
             values = np.arange(1, count + 1, dtype=float)
             at_most = [sum(math.comb(count, k) * (i / count) ** k * (1 - i / count) ** (count - k)
                            for k in range(count // 2 + 1, count + 1)) for i in range(1, count + 1)]
-            # 4,000 resamples place a probability of 0.025 within 0.01 (4 standard errors).
+            # With 4,000 resamples, 4 standard errors of a probability of 0.025 are 0.01.
             low, high = table.bootstrap(np.random.RandomState(3).permutation(values), 0.5)
             for bound, probability in ((low, 0.025), (high, 0.975)):
                 self.assertGreater(at_most[round(bound) - 1], probability - 0.01)
@@ -65,19 +65,19 @@ class Bootstrap(unittest.TestCase):
     def test_extremes(self):
         self.assertTrue(all(map(math.isnan, table.bootstrap([3], 0.5))))
         self.assertEqual(table.bootstrap([3, 3, 3], 0.9), (3, 3))
-        low, high = table.bootstrap([1, 2], 1)  # the largest of two draws is 2 in 3 of 4
+        low, high = table.bootstrap([1, 2], 1)  # the larger of two draws is 2 with probability 3/4
         self.assertEqual((low, high), (1, 2))
 
-    def test_the_same_every_time(self):
+    def test_it_is_reproducible(self):
         values = np.random.RandomState(1).normal(size=30)
         self.assertEqual(table.bootstrap(values, 0.95), table.bootstrap(values, 0.95))
 
     def test_coverage_of_the_true_median(self):
-        """1,000 samples of 25 normal numbers: 95 % of the intervals hold 0 (exact coverage of these order statistics: 0.957)."""
+        """300 samples of 25 normal numbers: about 95 % of the intervals contain 0 (these order statistics cover exactly 0.957)."""
         random = np.random.RandomState(7)
-        held = sum(low <= 0 <= high for low, high in
+        covered = sum(low <= 0 <= high for low, high in
                    (table.bootstrap(random.normal(size=25), 0.5, seed) for seed in range(300)))
-        self.assertTrue(0.90 <= held / 300 <= 0.99, held)
+        self.assertTrue(0.90 <= covered / 300 <= 0.99, covered)
 
 
 AXES = [{"name": "sigma_m", "label": "noise", "unit": "m", "log": False, "numeric": True, "role": "axis"},
@@ -88,7 +88,7 @@ AXES = [{"name": "sigma_m", "label": "noise", "unit": "m", "log": False, "numeri
 
 
 def metrics(sigma, loss, repeat, judged=True):
-    """Numbers that an eye can check: rel_z grows with sigma, one more for each repeat."""
+    """Metrics that are easy to check: the error in z grows with sigma, and by 1 mm with each repeat."""
     largest = 2 * sigma + 0.001 * repeat + loss
     requirement = {name: {"value": 0, "limit": 0, "pass": True if judged else None} for name in table.REQUIREMENTS}
     requirement["relative_elevation"] = {"value": int(1e5 * max(0, largest - 0.05)), "limit": 0,
@@ -107,7 +107,7 @@ class Plots(unittest.TestCase):
         return os.path.join(self.folder.name, *names)
 
     def table(self, names, judged=True, repeats=(1, 2, 3), limits=None, **plot):
-        """Writes results.h5 with the named axes, and returns its name. `lines` go with sigma_m, as in a zip."""
+        """Writes results.h5 with these axes and returns its path. `lines` varies with sigma_m, as in a zip."""
         values = {"sigma_m": (0.0, 0.01, 0.02), "loss_frac": (0, 0.5), "kind": ("FSM", "flash"), "repeat": repeats}
         lines = {0.0: 7, 0.01: 9, 0.02: 8}
         axes = [axis for axis in AXES if axis["name"] in names]
@@ -154,7 +154,7 @@ class Plots(unittest.TestCase):
         self.assertAlmostEqual(float(first["low_95"]), 0.001)
         self.assertAlmostEqual(float(first["high_95"]), 0.003)
 
-    def test_the_line_is_the_median_and_the_requirement_is_drawn(self):
+    def test_the_median_and_the_requirement_are_drawn(self):
         results = self.results("sigma_m", "repeat")
         figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
         (axes,) = figure.axes
@@ -171,12 +171,12 @@ class Plots(unittest.TestCase):
         figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)
         self.assertFalse([line for line in figure.axes[0].get_lines() if line.get_linestyle() == "--"])
 
-    def test_shares_of_the_limits(self):
+    def test_fractions_of_the_limits(self):
         results = self.results("sigma_m", "repeat")
         (point,) = [point for point in results.points if point.values == (0.02,)]
         self.assertAlmostEqual(results.share_of_limit(point, "relative_elevation", 0.5), 0.042 / 0.05)
         self.assertAlmostEqual(results.share_of_limit(point, "relative_elevation", 1), 0.043 / 0.05)
-        for unknown in ("absolute_horizontal", "coverage"):  # no metric; a limit of 0
+        for unknown in ("absolute_horizontal", "coverage"):  # the first has no metric, the second a limit of 0
             self.assertTrue(math.isnan(results.share_of_limit(point, unknown, 0.5)))
         texts = [text.get_text() for text in verdicts.shares_figure(results, 0.5).axes[0].texts]
         self.assertIn("84 %", texts)
@@ -191,7 +191,7 @@ class Plots(unittest.TestCase):
         self.assertEqual(figure.axes[0].get_lines()[0].get_linestyle(), "None")
         self.assertIsNone(figures.map_axes(results, results.axes[0]))
 
-    def test_axes_of_a_zip_are_one_line(self):
+    def test_zipped_axes_are_one_line(self):
         results = self.results("sigma_m", "lines", "repeat")
         sigma, lines = results.axes
         self.assertTrue(results.follows(lines, sigma) and results.follows(sigma, lines))
@@ -204,7 +204,7 @@ class Plots(unittest.TestCase):
         self.assertTrue(crossed.follows(lines, sigma))
         self.assertFalse(crossed.follows(kind, sigma) or crossed.follows(sigma, kind))
 
-    def test_a_limit_that_is_far_above_is_only_named(self):
+    def test_a_limit_far_above_the_values_is_only_in_the_legend(self):
         for limit, drawn in ((1.2, True), (1.3, False)):  # 28 and 30.2 times the largest value, 4.3 cm
             results = self.results("sigma_m", "repeat", limits={"relative_elevation_m": limit})
             (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
@@ -215,12 +215,12 @@ class Plots(unittest.TestCase):
 
     def test_ticks_of_a_logarithmic_axis(self):
         self.assertEqual(figures.tick_labels([1, 10, 100]), ["1", "10", "100"])
-        # 450 and 475 are 0.045 of the axis apart, 450 and 500 0.088.
+        # The distance of 450 and 475 is 0.045 of the axis, too little for two labels; that of 450 and 500 is 0.088.
         self.assertEqual(figures.tick_labels([300, 450, 475, 500, 1000]), ["300", "450", "", "500", "1,000"])
         self.assertEqual(figures.tick_labels([3]), ["3"])
 
     def test_scales(self):
-        """Logarithmic only where half of the values would be hard to read."""
+        """Logarithmic only if half of the values would otherwise be hard to read."""
         results = self.results("sigma_m", "repeat")
         for values, scale in (([1e-4, 0.1, 0.2], "linear"), ([1e-4, 2e-4, 0.2], "log"), ([0, 2e-4, 0.2], "symlog")):
             for point, value in zip(results.points, values):
@@ -229,8 +229,8 @@ class Plots(unittest.TestCase):
             (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
             self.assertEqual(axes.get_yscale(), scale, values)
 
-    def test_marks_are_whole_and_free(self):
-        """Within the axes, also where all values are one, and beside the legend."""
+    def test_marks_are_complete_and_not_hidden(self):
+        """Marks lie completely inside the axes, also if all values are equal, and outside the legend."""
         results = self.results("sigma_m", "repeat")
         metric = "accuracy.relative.z.max_m"
         for value in (0, 0.001, 0.03, 0.05):
@@ -244,7 +244,7 @@ class Plots(unittest.TestCase):
                 self.assertTrue(box.y0 + radius < y < box.y1 - radius, value)
                 self.assertFalse(legend.x0 - radius < x < legend.x1 + radius and legend.y0 - radius < y < legend.y1 + radius, value)
 
-    def test_a_requirement_above_a_symmetric_logarithm_is_seen(self):
+    def test_a_requirement_above_a_symlog_scale_is_visible(self):
         results = self.results("sigma_m", "repeat")
         for value, point in zip((0, 1e-5, 0.004), results.points):
             for row in point.rows:
@@ -253,7 +253,7 @@ class Plots(unittest.TestCase):
         self.assertEqual(axes.get_yscale(), "symlog")
         self.assertGreater(axes.get_ylim()[1], 50)  # mm
 
-    def test_equal_series_are_both_seen(self):
+    def test_equal_series_are_both_visible(self):
         results = self.results("sigma_m", "kind", "repeat")  # the kind changes nothing
         (axes,) = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5).axes
         below, above = [line for line in axes.get_lines() if line.get_label() in ("FSM", "flash")]
@@ -261,7 +261,7 @@ class Plots(unittest.TestCase):
         self.assertGreater(below.get_linewidth(), above.get_linewidth())
         self.assertGreater(below.get_markersize(), above.get_markersize())
 
-    def test_a_map_of_many_values_stays_a_page(self):
+    def test_a_map_of_many_values_has_no_numbers(self):
         results = self.results("sigma_m", "loss_frac", "repeat")
         sigma, loss = results.axes
         small = figures.map_figure(results, "coverage.invalid_frac", (sigma, loss), 0.5)
@@ -276,7 +276,7 @@ class Plots(unittest.TestCase):
         self.assertEqual((len(axes.texts), len(axes.get_xticks())), (0, 20))
         self.assertEqual([axes.get_xlim(), axes.get_ylim()], [(-0.5, 99.5), (-0.5, 1.5)])
         outlines = [path for collection in axes.collections for path in collection.get_paths()]
-        self.assertEqual(len(outlines), 1)  # all pass: one outline about the whole map
+        self.assertEqual(len(outlines), 1)  # all cases pass: one outline around the whole map
         np.testing.assert_allclose([outlines[0].vertices.min(axis=0), outlines[0].vertices.max(axis=0)], [[-0.5, -0.5], [99.5, 1.5]])
 
     def test_overview(self):
@@ -285,7 +285,7 @@ class Plots(unittest.TestCase):
         figure = figures.overview_figure(results, metrics_of_two, results.axes[0], 0.5)
         shown = [axes for axes in figure.axes if axes.get_visible()]
         self.assertEqual(len(shown), 3)
-        np.testing.assert_allclose(shown[0].get_lines()[0].get_ydata(), [0.002, 0.022, 0.042])  # m: losses reach 0.5
+        np.testing.assert_allclose(shown[0].get_lines()[0].get_ydata(), [0.002, 0.022, 0.042])  # in m, because the values reach 0.5
         names = [[text.get_text() for text in axes.get_legend().get_texts()] if axes.get_legend() else [] for axes in shown]
         self.assertEqual(names[0], ["losses 0", "losses 0.5", "required: at most 0.05 m"])
         self.assertTrue(all(name.startswith("required") for name in names[1] + names[2]))
@@ -297,13 +297,13 @@ class Plots(unittest.TestCase):
         self.plot(self.table(("repeat",)), "-o", self.path("f"), "--metrics", "accuracy.relative.z.max_m")
         self.assertIn("accuracy.relative.z.max_m.png", os.listdir(self.path("f")))
 
-    def test_what_is_not_judged(self):
+    def test_cases_that_are_not_judged(self):
         table = self.table(("sigma_m",), judged=False)
         self.plot(table, "-o", self.path("f"), "--metrics", "accuracy.relative.z.max_m")
         with open(self.path("f", "pass_rates.csv"), encoding="utf-8") as file:
             self.assertEqual(len(file.readlines()), 1)
 
-    def test_the_study_says_what_to_draw(self):
+    def test_the_study_chooses_metrics_and_axis(self):
         self.plot(self.table(("sigma_m", "kind"), metrics=["coverage.invalid_frac"], x="kind"), "-o", self.path("f"))
         self.assertEqual(sorted(name for name in os.listdir(self.path("f")) if name.endswith(".png")),
                          ["coverage.invalid_frac.png", "requirements.png", "shares.png"])

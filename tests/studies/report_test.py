@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""report_study.py: what the page holds against the study's files, and how it behaves in a browser."""
+"""report_study.py: the content of the page compared with the files of the study, and its behaviour in a browser."""
 import contextlib
 import csv
 import html.parser
@@ -25,7 +25,7 @@ REPEATS = {"repeat": {"count": 2, "draws": {"scan.navigation_error.velocity_mps"
 
 
 class Page(html.parser.HTMLParser):
-    """Texts of a page's tables and the tree it holds."""
+    """The texts of a page's tables, and the JSON tree in the page."""
 
     def __init__(self, path):
         super().__init__()
@@ -74,8 +74,8 @@ class ReportTest(StudyTest):
         return Page(self.out("report.html", **where))
 
 
-class Made(ReportTest):
-    """Of one study that make runs."""
+class MadeStudy(ReportTest):
+    """The report of one study that make has run."""
 
     @classmethod
     def setUpClass(cls):
@@ -127,15 +127,15 @@ class Made(ReportTest):
         tree = self.page().tree
         planned = reader.read_study(self.path("tiny.json"))
         for number, indices in enumerate(planned.cases()):
-            for place, stage in enumerate(model.STAGES):
+            for index, stage in enumerate(model.STAGES):
                 config = tree["configs"][stage]
-                found = configs.changed(config["base"], config["changes"][tree["caseConfigs"][number][place]])
+                found = configs.changed(config["base"], config["changes"][tree["caseConfigs"][number][index]])
                 self.assertEqual(found, model.configuration(planned, stage, indices), (number, stage))
         self.assertEqual(tree["configs"]["scan"]["shared"]["noise"], {"range_sigma_m": "(varies)"})
         self.assertEqual(tree["configs"]["scan"]["shared"]["detector"], BASE["scan"]["detector"])
 
     def test_times_and_files(self):
-        """A case's time is that of its five runs, whose summaries lie in four logs."""
+        """The time of a case is the sum over its five runs, whose summaries are in four logs."""
         tree = self.page().tree
         seconds = {}
         for name in self.files("log"):
@@ -145,7 +145,7 @@ class Made(ReportTest):
         metrics, log, *needs = read(self.out("targets.txt")).decode().splitlines()[0].split()
         logs = [os.path.basename(log)[:-4], *(re.sub(r"^shared/(.*)\.scan", r"scan/\1", need)[:-3].replace("/", "-") for need in needs)]
         runs = [len(seconds[name]) for name in logs]
-        self.assertEqual((runs[0], sum(runs)), (2, 5), logs)  # gridded and judged; terrain, truth and scan are others' too
+        self.assertEqual((runs[0], sum(runs)), (2, 5), logs)  # regrid and dem-eval; other cases use the same terrain, truth and scan
         self.assertEqual(metrics, json.loads(read(self.out("cases.json")))["cases"][0][-1])
         expected = sum(sum(seconds[name]) for name in logs)
         times = values(next(column for column in tree["columns"] if column["name"] == "time_s"), 12)
@@ -154,14 +154,14 @@ class Made(ReportTest):
         self.assertEqual(kept, {f"{kind}/{name}" for kind in ("terrain", "truth") for name in self.files(kind)})
         self.assertEqual(tree["tools"], read(self.out("tools.txt")).decode().splitlines())
 
-    def test_whatever_a_study_says_is_text(self):
+    def test_texts_of_a_study_are_escaped(self):
         page, text = self.page(), read(self.out("report.html")).decode()
         self.assertEqual(page.tree["title"], HOSTILE)
         self.assertNotIn("<b>", text)
         self.assertNotIn("<script>alert", text)
         self.assertIn("Why &lt;/script&gt;", text)
 
-    def test_nothing_is_asked_of_a_network(self):
+    def test_the_page_has_no_external_references(self):
         page = self.page()
         for tag, attributes in page.tags:
             for name in ("src", "href", "srcset", "action"):
@@ -169,7 +169,7 @@ class Made(ReportTest):
         self.assertEqual(sum(tag == "img" for tag, _ in page.tags), len([name for name in self.files("figures") if name.endswith(".png")]))
         self.assertNotRegex(read(self.out("report.html")).decode(), r"@import|url\(")
 
-    def test_the_same_bytes_and_nothing_to_do(self):
+    def test_the_report_is_reproducible(self):
         self.assertIn("Nothing to be done", self.make("study").stdout)
         self.report("-o", self.path("again.html"))
         self.assertEqual(read(self.path("again.html")), read(self.out("report.html")))
@@ -184,7 +184,7 @@ class Made(ReportTest):
         self.assertFalse([name for name in os.listdir(self.path()) if name.startswith("a.")])
 
 
-class Changed(ReportTest):
+class ChangedStudy(ReportTest):
     def test_failed_and_missing_cases(self):
         self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
         self.make("study", "-k", "-j2", code=2)
@@ -198,11 +198,11 @@ class Changed(ReportTest):
         self.assertRegex(end, r"^exit 2 after ")
         self.assertRegex(tail[-1], r"dem-eval: .*region_radius_m: 3.5 does not fit")
         self.assertIn(tail[-1].split("/")[0], read(self.out("report.html")).decode())
-        os.remove(self.out(log))  # as of a case that nobody has run
+        os.remove(self.out(log))  # as for a case that was never run
         self.report("-O")
         self.assertEqual((self.page().tree["failures"]), {"logs": [], "notMade": [1]})
 
-    def test_a_table_of_another_plan(self):
+    def test_a_table_of_a_different_plan(self):
         folder = fake_study(self, {"key": "regrid.resolution_m", "list": [0.1, 0.2, 0.25]})
         self.report()
         self.plan(study({"key": "regrid.resolution_m", "list": [0.1, 0.3, 0.25]}), "--no-check")
@@ -213,11 +213,11 @@ class Changed(ReportTest):
         os.remove(os.path.join(folder, "figures", "percentiles.csv"))
         self.assertIn("percentiles.csv", self.report("-O", code=1).stderr)
 
-    def test_paths_are_cut(self):
+    def test_folders_are_removed_from_paths(self):
         config = configs.without_folders({"base": {"path": "/home/me/secret/a.tif"}, "list": [{"path": 'NETCDF:"/x/y.h5":z'}]})
         self.assertEqual(config, {"base": {"path": "a.tif"}, "list": [{"path": 'NETCDF:"y.h5":z'}]})
 
-    def test_changes_make_the_tree(self):
+    def test_changes_reproduce_the_configuration(self):
         base = {"a": 1, "b": {"c": [1, 2, {"d": True}]}, "e": "x"}
         for tree in (base, {"a": 1}, {**base, "a": True}, {**base, "b": {"c": [1, 3, {"d": 1}]}}, {**base, "b": {"c": [1]}, "f": None}):
             steps = configs.changes(base, tree)
@@ -227,7 +227,7 @@ class Changed(ReportTest):
 
 
 def fake_study(test, *axes, **keys):
-    """A study whose metrics were never measured: those of a real case, changed with the case's number. Returns its folder."""
+    """Plans a study and writes metrics for each case: those of a real case, scaled by the case number. Returns the folder."""
     folder = test.plan(study(*axes, **keys), "--no-check")
     with open(os.path.join(ROOT, "testdata", "studies", "metrics.json"), encoding="utf-8") as file:
         metrics = json.load(file)
@@ -249,7 +249,7 @@ def scaled(tree, factor):
 
 
 def write_numbers(folder):
-    """Writes the files of plot_study.py except for the pictures."""
+    """Writes the files of plot_study.py except the figures."""
     with h5py.File(os.path.join(folder, "results.h5")) as file:
         results = table.Results(file)
     axes, metrics = [axis.name for axis in results.axes], results.plot.get("metrics", ["accuracy.relative.z.max_m", "coverage.invalid_frac"])
@@ -264,7 +264,7 @@ def write_numbers(folder):
 
 @unittest.skipIf(browser.missing(), browser.missing())
 class InBrowser(ReportTest):
-    """A small study with repeats, and one of 5,000 cases."""
+    """Small studies with repeats, and one of 5,000 cases, in a browser."""
 
     @classmethod
     def setUpClass(cls):
@@ -272,7 +272,7 @@ class InBrowser(ReportTest):
         cls.addClassCleanup(cls.window.close)
         cls.browser = cls.window.driver
         cls.browser.get("about:blank")
-        cls.window.requests()  # what the browser's own first page asked for
+        cls.window.requests()  # discards the requests of the browser's first page
 
     def open(self, *axes, fragment="", **keys):
         fake_study(self, *axes, **keys)

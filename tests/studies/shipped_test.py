@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The studies that ship: each plans, and has a page with its command and its figure."""
+"""The studies of the repository: each can be planned, and has a page with its command and its figure."""
 import glob
 import os
 import re
@@ -14,9 +14,9 @@ from case import BIN, ROOT, StudyTest, read
 from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
-# Measures the tools, not a lidar: docs/quality/performance.md.
+# It measures the speed of the tools: docs/quality/performance.md.
 WITHOUT_PAGE = {"example-2-draws"}
-MOST_BYTES = 200_000
+MAX_BYTES = 200_000
 
 
 def shipped():
@@ -33,30 +33,30 @@ def page(name):
 
 
 class Shipped(StudyTest):
-    def test_none_is_left_out(self):
+    def test_the_list_is_complete(self):
         self.assertLessEqual({"altitude", "attitude-rate-error", "cone-slope", "dead-pixels", "detector-size", "dropout", "error-budget",
                               "noise", "overlap", "pulse-rate", "resolution", "scanners", "velocity-error"}, set(names()))
 
-    def test_each_plans(self):
+    def test_each_can_be_planned(self):
         for name, count in shipped().items():
             with self.subTest(name):
                 result = self.sweep("plan", os.path.join(ROOT, "studies", name + ".json"), "--out", self.out(study_name=name), "--bin", BIN)
                 self.assertRegex(result.stdout + result.stderr, rf"(?m)^{name}: {count} cases: ")
 
-    def test_make_lists_them(self):
+    def test_make_lists_all_studies(self):
         result = subprocess.run(["make", "-C", ROOT, "--no-print-directory", "-f", "Makefile.studies", "studies"], capture_output=True,
                                 text=True, env=self.environment(), timeout=60, check=True)
         self.assertEqual([line.split()[0] for line in result.stdout.splitlines()], sorted(shipped()))
         self.assertRegex(result.stdout, r"(?m)^noise +28 cases  Range noise on the paper's cones$")
 
-    def test_a_list_says_what_is_wrong(self):
+    def test_the_list_names_wrong_studies(self):
         self.write({"base": {}, "axis": []}, "bad")
         result = self.sweep("studies", self.folder, code=2)
         self.assertEqual(result.stdout, "")
         self.assertRegex(result.stderr, "^sweep.py: .*bad.json.*axis")
 
-    def test_each_page_says_how_many_cases_it_ran(self):
-        """The number of the study that ships, so that no page outlives a changed study unseen."""
+    def test_each_page_has_the_number_of_cases(self):
+        """The number on the page is that of the study file, so that a page is updated when its study changes."""
         for name in names():
             with self.subTest(name):
                 self.assertIn(f"\n{shipped()[name]} cases: ", page(name))
@@ -68,17 +68,17 @@ class Shipped(StudyTest):
                 self.assertRegex(text, rf"(?m)^make -f Makefile\.studies study STUDY={name}( |$)")
                 self.assertRegex(text, r"\bCPU\b")  # the run time
 
-    def test_each_figure_is_there_and_small(self):
+    def test_each_figure_exists_and_is_small(self):
         for name in names():
             with self.subTest(name):
                 self.assertIn(f"](../../images/study-{name}.png)", page(name))
                 image = read(os.path.join(ROOT, "docs", "images", f"study-{name}.png"))
-                self.assertLessEqual(len(image), MOST_BYTES)
+                self.assertLessEqual(len(image), MAX_BYTES)
                 self.assertEqual(image[:8], b"\x89PNG\r\n\x1a\n")
                 width, _ = struct.unpack(">II", image[16:24])
                 self.assertGreaterEqual(width, 600)
 
-    def test_the_index_names_all(self):
+    def test_the_index_links_all_pages(self):
         index = page("README")
         linked = set(re.findall(r"\]\(([a-z0-9-]+)\.md\)", index))
         self.assertEqual(linked, set(names()))

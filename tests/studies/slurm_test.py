@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A study on a Slurm of four nodes on this machine: the bytes of a local run, also where a node is lost."""
+"""A study on a local Slurm cluster of four nodes: the same bytes as a local run, also if a node is lost."""
 import os
 import shutil
 import subprocess
@@ -23,7 +23,7 @@ def slurm_local(*arguments, **options):
 class OnSlurm(StudyTest):
     @classmethod
     def setUpClass(cls):
-        # Slurm's folder needs a short name: sockets lie in it.
+        # The folder needs a short name, because it holds sockets.
         cls.slurm = os.path.join(tempfile.mkdtemp(prefix="slurm-"), "d")
         started = slurm_local("start", "-N", "4", "--timeout", "5", "--dir", cls.slurm)
         if "cgroup" in started.stderr:  # in a bare chroot or a locked container
@@ -50,7 +50,7 @@ class OnSlurm(StudyTest):
                                  f"{runs}: {folder}/{name}")
 
     def test_24_cases(self):
-        """srun gives the bytes of the local run; so does the batch runner, which loses a node that is at work."""
+        """srun gives the same bytes as a local run; so does the batch runner when a busy node is lost."""
         self.assertEqual(self.export, f"export SLURM_CONF={self.slurm}/slurm.conf")
         self.write(study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 2}))
         self.make("study-results", "-j2", runs="local")
@@ -65,7 +65,7 @@ class OnSlurm(StudyTest):
         with open(self.path("batch.log"), "w", encoding="utf-8") as log:
             make = subprocess.Popen(command, stdout=log, stderr=log, env=self.environment())
         end = time.monotonic() + 60
-        while self.jobs_of("n1") == "" or not self.done("batch"):
+        while self.jobs_of("n1") == "" or not self.common_files_are_made("batch"):
             self.assertLess(time.monotonic(), end, "no job on n1")
             time.sleep(0.05)
         lost = self.jobs_of("n1")
@@ -75,8 +75,8 @@ class OnSlurm(StudyTest):
         self.assertEqual(code, 0, read(self.path("batch.log")).decode())
         self.assertIn("n1", lost)
 
-    def done(self, runs):
-        """True when the common terrain and truth are there, and the rest runs in parallel."""
+    def common_files_are_made(self, runs):
+        """True when the common terrain and truth are made, after which the rest runs in parallel."""
         return os.path.isdir(self.out("truth", runs=runs)) and self.files("truth", runs=runs)
 
     def jobs_of(self, node):
@@ -98,11 +98,11 @@ class OnSlurm(StudyTest):
         self.assertEqual(os.listdir(self.folder), [])
 
     def batch_jobs(self):
-        """Numbers of the batch runner's jobs that run or wait."""
+        """The numbers of the batch runner's jobs that are running or pending."""
         return subprocess.run(["squeue", "-h", "-n", "landfall", "-t", "running,pending", "-o", "%i"], capture_output=True,
                               text=True, env=self.environment(), check=False).stdout.strip()
 
-    def test_the_batch_runner_hands_back_code_and_messages(self):
+    def test_the_batch_runner_returns_exit_code_and_messages(self):
         result = subprocess.run([os.path.join(ROOT, "studies", "runners", "slurm-batch"), "bash", "-c", "echo 'out  put'; echo oops >&2; exit 3"],
                                 capture_output=True, text=True, cwd=self.folder, env=self.environment(), timeout=60, check=False)
         self.assertEqual((result.returncode, result.stdout, result.stderr), (3, "out  put\n", "oops\n"))
@@ -123,7 +123,7 @@ class SlurmLocal(StudyTest):
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn(word, result.stderr)
 
-    def test_a_folder_that_is_not_its_own_is_left_alone(self):
+    def test_a_folder_of_other_files_is_not_touched(self):
         self.write("{}")
         for command in ("stop", "status"):
             result = slurm_local(command, "--dir", self.folder)
@@ -133,7 +133,7 @@ class SlurmLocal(StudyTest):
             self.assertEqual(os.listdir(self.folder), ["tiny.json"])
 
     def test_missing_packages_are_named(self):
-        """With a PATH that leads to nothing of Slurm's; what the script itself adds to it has no sinfo."""
+        """PATH has no Slurm commands, and the folders that the script adds to it have no sinfo."""
         os.mkdir(self.path("bin"))
         for name in ("id", "realpath"):
             os.symlink(shutil.which(name), self.path("bin", name))

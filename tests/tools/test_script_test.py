@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""scripts/test and the presets, in a project of one test: it runs, wherever the build came from; none at all is a failure."""
+"""scripts/test and the presets in a project with one test: it runs after any earlier build, and no test at all is a failure."""
 import os
 import pathlib
 import shutil
@@ -37,18 +37,18 @@ class TestScript(unittest.TestCase):
     def project(self, result="true"):
         (self.folder / "CMakeLists.txt").write_text(PROJECT.replace("RESULT", result), encoding="utf-8")
 
-    def test_runs_them_after_a_build_without_tests(self):
+    def test_runs_tests_after_a_build_without_tests(self):
         self.project()
         self.assertEqual(self.execute("cmake", "--preset", "release", "-DLANDFALL_BUILD_TESTS=OFF").returncode, 0)
         result = self.execute(self.folder / "scripts" / "test")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         self.assertIn("100% tests passed, 0 tests failed out of 1", result.stdout)
 
-    def test_fails_with_one_that_fails(self):
+    def test_fails_if_a_test_fails(self):
         self.project(result="false")
         self.assertNotEqual(self.execute(self.folder / "scripts" / "test").returncode, 0)
 
-    def test_fails_when_none_is_there(self):
+    def test_fails_without_tests(self):
         self.project()
         result = self.execute(self.folder / "scripts" / "test", "-R", "another")
         self.assertNotEqual(result.returncode, 0)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""testdata/: the committed files are those that its scripts make, small, and described in its README."""
+"""The committed files of testdata/ are those that its scripts make; they are small and listed in its README."""
 import os
 import sys
 import unittest
@@ -23,7 +23,7 @@ def read(path):
 
 
 class Testdata(unittest.TestCase):
-    def test_the_files_are_what_the_scripts_make(self):
+    def test_the_files_are_those_of_the_scripts(self):
         for name, script in {"rasters": make_rasters, "meshes": make_meshes, "malformed": make_malformed}.items():
             folder, made = os.path.join(TESTDATA, name), script.files()
             self.assertEqual(sorted(os.listdir(folder)), sorted(made), f"testdata/make_{name}.py makes other files")
@@ -32,7 +32,7 @@ class Testdata(unittest.TestCase):
 
     def test_the_dictionary_has_the_words_of_the_schemas(self):
         dictionary = read(os.path.join(TESTDATA, "fuzz", "dictionaries", "config.dict")).decode()
-        self.assertEqual(dictionary, make_seeds.dictionary(), "tests/faults/fuzz/make_seeds.py --words renews it")
+        self.assertEqual(dictionary, make_seeds.dictionary(), "tests/faults/fuzz/make_seeds.py --words updates it")
 
     def test_the_readme_has_every_folder_raster_and_mesh(self):
         readme = read(os.path.join(TESTDATA, "README.md")).decode()
@@ -41,7 +41,7 @@ class Testdata(unittest.TestCase):
         for name in [*make_rasters.files(), *make_meshes.files()]:
             self.assertIn(name.replace("mars_big_endian.img", "`.img`"), readme)
 
-    def test_it_is_small(self):
+    def test_the_files_are_small(self):
         sizes = {os.path.join(folder, name): os.path.getsize(os.path.join(folder, name))
                  for folder, _, names in os.walk(TESTDATA) for name in names}
         self.assertLess(max(sizes.values()), 200e3, max(sizes, key=sizes.get))

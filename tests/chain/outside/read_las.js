@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// usage: node read_las.js FILE: what two readers see in a LAS file, as JSON.
+// usage: node read_las.js FILE: prints what two readers read from a LAS file, as JSON.
 import { readFileSync } from "node:fs";
 import { parse } from "@loaders.gl/core";
 import { LASLoader } from "@loaders.gl/las";

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""usage: pvpython read_paraview.py READER FILE OUT.npz ...: points, bounds, number of cells and point data as ParaView sees them."""
+"""usage: pvpython read_paraview.py READER FILE OUT.npz ...: writes points, bounds, number of cells and point data that ParaView reads."""
 import sys
 
 import numpy as np
@@ -16,7 +16,7 @@ def read(name, file):
     reader.UpdatePipeline()
     data = servermanager.Fetch(reader)
     arrays = {"bounds": np.array(data.GetBounds()), "cells": np.array(data.GetNumberOfCells())}
-    if hasattr(data, "GetPoints"):  # an image has none
+    if hasattr(data, "GetPoints"):  # images have no points
         arrays["points"] = vtk_to_numpy(data.GetPoints().GetData())
     fields = data.GetPointData()
     for i in range(fields.GetNumberOfArrays()):

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes what fuzzing begins with: FOLDER/config, table, mesh and hdf5, an input per file, named by its hash.
+"""Writes the first inputs of the fuzzers to FOLDER/config, table, mesh and hdf5, one per file, named by its hash.
 
 usage: make_seeds.py FOLDER
        make_seeds.py --words FILE      the dictionary of the configurations
 
-The configurations are those of studies/, the alternatives of the schemas and what docs/ shows; the others are written here. What an
-input is made of, the head of each fuzz_*.cpp says.
+The configurations come from studies/, from the alternatives of the schemas and from docs/; the other inputs are written here.
+The head of each fuzz_*.cpp describes the format of its inputs.
 """
 import hashlib
 import itertools
@@ -27,7 +27,7 @@ def schema(name: str):
 
 
 class Examples:
-    """Values that a schema accepts: each alternative once, other keys as small as they may be."""
+    """Values that a schema accepts: each alternative once, with the smallest allowed values of other keys."""
 
     def __init__(self, root):
         self.root = root
@@ -105,7 +105,7 @@ def configs():
 
 
 def page_configs(text: str):
-    """The --set and the JSON of a page's commands."""
+    """The --set assignments and the JSON in the commands of a page."""
     for command in re.findall(r"^(?:\$ )?((?:terrain-gen|scan-sim|regrid|dem-eval)\b(?:[^\n]*\\\n)*[^\n]*)", text, re.M):
         try:
             words = shlex.split(command.replace("\\\n", " "))
@@ -149,7 +149,7 @@ def meshes():
 
 
 def hdf5_files():
-    """Every file with each of its readers, unchanged and with one edit of each kind."""
+    """Each file with each of its readers, unchanged and with one edit of each kind."""
     for file, reader in itertools.product(range(7), range(6)):
         yield bytes([file, reader])
         for edit in range(15):

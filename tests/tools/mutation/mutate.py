@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mutation testing of lib/gridding, lib/evaluation, lib/error_models and lib/geometry.
 
-    mutate.py write | build | trace | run | chain | report     one after the other; each goes on where it was stopped
+    mutate.py write | build | trace | run | chain | report     in this order; each continues where it was stopped
 
-All that is made lies in build/mutation. `report` prints the numbers, and the survivors that survivors.json has no reason for.
-docs/quality/mutation.md says what is done and what came out.
+All files are written to build/mutation. `report` prints the numbers, and the survivors for which survivors.json has no reason.
+docs/quality/mutation.md describes the method and the results.
 """
 import argparse
 import collections
@@ -25,13 +25,13 @@ WORK = os.path.join(ROOT, "build", "mutation")
 SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")  # {key of a mutant: why it survives}
 DATABASE = os.path.join(ROOT, "build", "dev", "compile_commands.json")
 LIBRARIES = ["geometry", "error_models", "gridding", "evaluation"]
-# Headers of lib/geometry are read everywhere: their mutants are built apart, with few tests, so that the rest of the
-# project need not be built anew.
+# Headers of lib/geometry are included everywhere. Their mutants are built separately, with few tests, so that the rest of
+# the project need not be built again.
 TREES = {"sources": lambda file: not re.match(r"lib/geometry/.*\.h", file), "headers": lambda file: re.match(r"lib/geometry/.*\.h", file)}
 TESTS = {"sources": ["geometry_test", "error_models_test", "gridding_test", "evaluation_test", "simulation_test", "config_test"],
          "headers": ["geometry_test", "error_models_test"]}
 SEED = 20261121
-SLOWEST_S = 20  # tests that take longer are left out: thousands of mutants would each wait for them
+SLOWEST_S = 20  # slower tests are excluded, because they would run for thousands of mutants
 IMPOSSIBLE, UNCOMPILABLE = "not possible with these types", "does not compile"
 TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info", "landfall-export"]
 
@@ -70,7 +70,7 @@ def write_sources():
 
 
 def build(targets):
-    """Builds the trees; mutants that the compiler refuses are left out and the build is tried again."""
+    """Builds the trees. Mutants that do not compile are excluded, and the build is repeated."""
     for tree in TREES:
         while True:
             mutants = write_sources()
@@ -91,7 +91,7 @@ def build_tree(tree, targets):
         subprocess.run(["cmake", "--preset", "dev", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"], cwd=path(tree), check=True,
                        stdout=subprocess.DEVNULL)
     with open(path(tree + ".log"), "w", encoding="utf-8") as file:
-        # Without these words ccache leaves units with precompiled headers alone.
+        # Without this setting ccache does not cache units with precompiled headers.
         environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
         status = subprocess.run(["cmake", "--build", folder, "--", "-k", "0", *targets], stdout=file, stderr=subprocess.STDOUT,
                                 env=environment, check=False).returncode
@@ -100,7 +100,7 @@ def build_tree(tree, targets):
 
 
 def refusals(log, mutants, tree):
-    """{key: why}: mutants whose types do not allow them, and those on lines with errors."""
+    """{key: reason} of the mutants that are impossible with their types, and of those on lines with errors."""
     by_id = {m["id"]: m for m in mutants}
     refused = {}
     for found in re.finditer(r"impossible\(\) \[with int id = (\d+)\]|impossible<(\d+)>", log):
@@ -133,7 +133,7 @@ def trace(wanted, workers):
                 found = list(pool.map(lambda test, p=program: programs.trace([p, f"--gtest_filter={test}"], SLOWEST_S), tests))
             for test, traced in zip(tests, found):
                 if traced is None:
-                    print(f"{name}: {test} fails without a mutant, or is too slow: left out")
+                    print(f"{name}: {test} fails without a mutant, or is too slow: excluded")
                 else:
                     traces[f"{tree}/{name}:{test}"] = traced
             save("traces.json", traces)
@@ -147,7 +147,7 @@ def live_mutants():
 
 
 def kill(workers, again, only, slowest_s):
-    """Runs the unit tests that reach a mutant, for each mutant, in random order; `again` repeats those that survived."""
+    """Runs, for each mutant in random order, the unit tests that reach it; `again` also repeats survivors."""
     traces, results = load("traces.json"), load("results.json", {})
     reaching = collections.defaultdict(list)
     for test, traced in traces.items():
@@ -162,7 +162,7 @@ def kill(workers, again, only, slowest_s):
 
     todo = [m for m in live_mutants() if m["file"].startswith(tuple(only)) and
             (m["key"] not in results or (again and not results[m["key"]]["by"]))]
-    random.Random(SEED).shuffle(todo)  # so that a run that is stopped is a fair sample
+    random.Random(SEED).shuffle(todo)  # so that an interrupted run is a random sample
     print(f"seed {SEED}, {len(todo)} mutants", flush=True)
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         running = [pool.submit(one, mutant) for mutant in todo]
@@ -175,7 +175,7 @@ def kill(workers, again, only, slowest_s):
 
 
 def chain(count, workers):
-    """Runs random configurations through the tools and tests/oracle, for each mutant of the sources that no unit test killed."""
+    """Runs random configurations through the tools and tests/oracle, for each mutant of the sources that survived unit tests."""
     command = ["/usr/bin/python3", os.path.join(ROOT, "tests", "oracle", "chain_test.py")]
     usual = {"LANDFALL_BIN": path("sources", "build", "dev", "bin"), "LANDFALL_ROOT": ROOT, "PYTHONPATH": os.path.join(ROOT, "tests"), "PYTHONDONTWRITEBYTECODE": "1",
              "LANDFALL_PROOF_CASES": str(count)}
@@ -206,7 +206,7 @@ def chain(count, workers):
 
 
 def report():
-    """Prints the results by library; returns 1, and names them, where survivors and survivors.json differ."""
+    """Prints the results by library. If the survivors differ from survivors.json, prints the differences and returns 1."""
     with open(SURVIVORS, encoding="utf-8") as file:
         reasons = json.load(file)
     results, dropped = load("results.json"), load("dropped.json", {})

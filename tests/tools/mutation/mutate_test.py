@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mutates toy.cpp: which mutants are found, and which of them the toy's own checks kill."""
+"""Mutation testing of toy.cpp: which mutants are found, and which of them the checks in toy.cpp kill."""
 import os
 import subprocess
 import tempfile
@@ -15,7 +15,7 @@ TOY = os.path.join(HERE, "toy.cpp")
 FOUND = {
     "clipped: `a < 0`: < -> <=": "lives",  # 0 is clipped to 0
     "clipped: `a < 0`: < -> >=": "dies",
-    "clipped: 0 -> 1 in `if (a < 0) return 0;`": "lives",  # the border
+    "clipped: 0 -> 1 in `if (a < 0) return 0;`": "lives",  # 0 is clipped to 0
     "clipped: returns a default, not `0`": "dies",
     "clipped: 0 -> 1 in `if (a < 0) return 0;` #2": "dies",
     "clipped: returns a default, not `std::min(a, limit)`": "dies",
@@ -62,17 +62,17 @@ class Toy(unittest.TestCase):
     def test_finds_each_mutant_once(self):
         self.assertEqual(sorted(m["key"] for m in self.mutants), sorted("toy.cpp: " + key for key in FOUND))
 
-    def test_the_mutants_that_the_checks_miss_live(self):
+    def test_mutants_live_or_die_as_listed(self):
         for mutant in self.mutants:
             status = programs.run([self.program], {"LANDFALL_MUTANT": str(mutant["id"])}, 10)
             expected = FOUND[mutant["key"].removeprefix("toy.cpp: ")]
             self.assertEqual("dies" if status != 0 else "lives", expected, mutant["key"])
 
-    def test_a_trace_holds_what_is_reached(self):
+    def test_a_trace_has_all_reached_mutants(self):
         reached = programs.trace([self.program])["reached"]
         self.assertEqual(reached, [m["id"] for m in self.mutants])
 
-    def test_a_dropped_mutant_leaves_its_text_alone(self):
+    def test_a_dropped_mutant_does_not_change_the_text(self):
         finder = Finder(TOY, ["-std=c++20"])
         finder.find()
         mutants = schema.number_mutants({"toy.cpp": finder}, HERE)
@@ -80,7 +80,7 @@ class Toy(unittest.TestCase):
         with open(TOY, encoding="utf-8") as file:
             self.assertTrue(text.endswith(file.read()))
 
-    def test_a_hang_ends(self):
+    def test_a_hanging_program_is_killed(self):
         self.assertIsNone(programs.run(["sleep", "60"], {}, 0.1))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mutation points of a C++ file, found by libclang: where operators, literals, conditions, statements and returns stand."""
+"""The mutation points of a C++ file, found by libclang: its operators, literals, conditions, statements and returns."""
 import dataclasses
 import re
 
@@ -33,13 +33,13 @@ NUMBERS = {TypeKind.INT, TypeKind.UINT, TypeKind.LONG, TypeKind.ULONG, TypeKind.
 @dataclasses.dataclass
 class Mutant:
     kind: str  # relational, arithmetic, ...
-    change: str  # `a < b` -> `a <= b`, for people and for the key
+    change: str  # `a < b` -> `a <= b`, for reports and for the key
     id: int = 0
 
 
 @dataclasses.dataclass
 class Point:
-    """A piece of text, and the parts that replace it: texts, where @0 is the first mutant's id, and pieces of text."""
+    """A piece of the source, and the parts that replace it: texts, in which @0 is the id of the first mutant, and pieces."""
     start: int
     end: int
     parts: list
@@ -81,7 +81,7 @@ class Finder:
         text = " ".join(self.source(piece).split())
         return text if len(text) <= most else text[:most - 3] + "..."
 
-    # What stands where
+    # Traversal
 
     def visit(self, cursor, parent, function, result):
         if cursor.kind in SKIPPED or cursor.kind.is_attribute():
@@ -89,7 +89,7 @@ class Finder:
                 self.visit_children(cursor, function, result)
             return
         piece = self.extent(cursor)
-        if not self.is_here(cursor.extent):  # a default argument, say
+        if not self.is_here(cursor.extent):  # for example a default argument
             return
         if piece[0] == piece[1] or any(a <= piece[0] and piece[1] <= b for a, b in self.macros):
             return
@@ -233,7 +233,7 @@ class Finder:
         return self.extent(first) if first is not None and first.kind.is_expression() else None
 
     def negation(self, piece, function):
-        """Of a condition that has no mutant of its own."""
+        """Adds the negation of a condition without other mutants."""
         text = self.source(piece)
         plain = re.sub(r"\([^()]*\)|\[[^\[\]]*\]|<[^<>()=&|]*>|->", "", text)
         plain = re.sub(r"\([^()]*\)", "", plain)
@@ -314,18 +314,18 @@ class Finder:
         if not (cursor.kind.is_expression() or cursor.kind in (K.BREAK_STMT, K.CONTINUE_STMT, K.RETURN_STMT)):
             return False
         children = list(parent.get_children())
-        place = [c.extent.start.offset for c in children].index(cursor.extent.start.offset)
+        index = [c.extent.start.offset for c in children].index(cursor.extent.start.offset)
         if parent.kind == K.COMPOUND_STMT:
             return True
         if parent.kind in (K.FOR_STMT, K.CXX_FOR_RANGE_STMT, K.WHILE_STMT, K.CASE_STMT, K.DEFAULT_STMT):
-            return place == len(children) - 1
+            return index == len(children) - 1
         if parent.kind == K.IF_STMT:
-            return place > 0 and not self.is_condition(children, place, parent)
+            return index > 0 and not self.is_condition(children, index, parent)
         return False
 
-    def is_condition(self, children, place, parent):
-        """Of an if that declares something before its condition."""
-        closing = self.text[:children[place].extent.start.offset].rstrip()
+    def is_condition(self, children, index, parent):
+        """True for the condition of an if that has an initializer, False for its statements."""
+        closing = self.text[:children[index].extent.start.offset].rstrip()
         return not (closing.endswith(")") or closing.endswith("else"))
 
     def removal(self, cursor, parent, piece, function):
@@ -361,7 +361,7 @@ class Finder:
         inside = (piece[0] + len("return "), piece[1])
         text = self.source(inside)
         if result == "bool" and (re.search(r"[<>!=&|]", text) or text in ("true", "false")):
-            return  # has a mutant of its own that says the same
+            return  # an equivalent mutant exists already
         if text.startswith("{"):
             if result == "auto":
                 return

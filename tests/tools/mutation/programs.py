@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs googletest programs with a mutant on, or records which mutants each of their tests reaches."""
+"""Runs googletest programs with one mutant enabled, or records which mutants each of their tests reaches."""
 import math
 import os
 import signal
@@ -7,16 +7,17 @@ import subprocess
 import tempfile
 import threading
 
-QUICK_S = 0.3  # tests are run in turns, of this length at first, each longer than the one before
+QUICK_S = 0.3  # tests run in groups; the first takes at most this long, and each next one is longer
 GROWTH = 6
-PATIENCE = 5  # a run that takes so many times as long as usual hangs
+PATIENCE = 5  # a run that takes this many times as long as usual is considered to hang
 GRACE_S = 2.0
 IDLE = 20
 
 
 def measured(command, environment, limit_s):
-    """The exit status, or None after `limit_s` of processor time or IDLE times as long, and the processor time taken, seconds.
-    Ends all that the command started. Processor time, so that a busy machine neither kills a mutant nor leaves out a test."""
+    """(exit status, processor time in seconds). The status is None after `limit_s` of processor time, or IDLE times as long in
+    real time; all processes of the command are then killed. Processor time is limited, so that the load of the machine does
+    not decide which mutants are killed and which tests are excluded."""
     limited = ["/bin/sh", "-c", f'ulimit -t {math.ceil(limit_s)} && exec "$@"', "sh", *command]
     process = subprocess.Popen(limited, env={**os.environ, **environment}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                start_new_session=True)
@@ -34,7 +35,7 @@ def run(command, environment, limit_s):
 
 
 def tests_of(program):
-    """Suite.test of all tests of a program."""
+    """The names (Suite.test) of all tests of a program."""
     output = subprocess.run([program, "--gtest_list_tests"], check=True, capture_output=True, text=True).stdout
     tests, suite = [], ""
     for line in output.splitlines():
@@ -47,7 +48,7 @@ def tests_of(program):
 
 
 def trace(command, limit_s=600, environment=None):
-    """Which mutants the command reaches and how long it takes; None where it fails without a mutant or takes too long."""
+    """The mutants that the command reaches, and its time; None if it fails without a mutant or takes too long."""
     with tempfile.TemporaryDirectory() as scratch:
         path = os.path.join(scratch, "trace")
         status, elapsed = measured(command, {**(environment or {}), "LANDFALL_MUTANT_TRACE": path}, limit_s)
@@ -59,8 +60,8 @@ def trace(command, limit_s=600, environment=None):
             return {"seconds": elapsed, "reached": sorted({int(line) for line in file})}
 
 
-def turns(tests, traces):
-    """The tests, the quickest first, in groups of one program whose times add up to more and more."""
+def groups_of(tests, traces):
+    """Groups of tests of one program, the fastest tests first; each next group may take longer."""
     groups, most = [], QUICK_S
     for test in sorted(tests, key=lambda t: traces[t]["seconds"]):
         program = test.split(":")[0]
@@ -76,8 +77,8 @@ def turns(tests, traces):
 
 
 def killer(mutant, tests, traces, folder):
-    """What kills the mutant: "program: failed", "program: hangs"; or "" where it survives `tests`."""
-    for group in turns(tests, traces):
+    """What kills the mutant: "program: failed" or "program: hangs"; "" if it survives `tests`."""
+    for group in groups_of(tests, traces):
         command = [os.path.join(folder, group["program"]), "--gtest_fail_fast", "--gtest_brief=1",
                    "--gtest_filter=" + ":".join(group["tests"])]
         status = run(command, {"LANDFALL_MUTANT": str(mutant)}, GRACE_S + PATIENCE * group["seconds"])

@@ -22,7 +22,7 @@ FLAGS = "-O1 -g0 -Wno-error=deprecated-declarations -D_GLIBCXX_ASSERTIONS"
 
 
 def compile_arguments(database, folder):
-    """What the parser needs of the command of the folder's first file."""
+    """The arguments that the parser needs, from the compile command of the folder's first file."""
     with open(database, encoding="utf-8") as file:
         commands = json.load(file)
     command = next(c["command"] for c in commands if os.path.dirname(c["file"]) == folder)
@@ -32,7 +32,7 @@ def compile_arguments(database, folder):
 
 
 def find_points(root, library, database, cache):
-    """{path below root: what Finder found there}: text, points, constants."""
+    """{path below root: Finder}, with the text, points and constants of each file."""
     folder = os.path.join(root, "lib", library)
     found = {}
     for path in sorted(glob.glob(folder + "/*.cpp") + glob.glob(folder + "/*.h")):
@@ -58,7 +58,7 @@ def found_in(path, arguments, cache):
 
 
 def number_mutants(finders, root):
-    """Gives ids, and hands each use of a named constant the mutant of its declaration."""
+    """Numbers the mutants, and gives each use of a named constant the mutant of its declaration."""
     listed, constants = [], {}
 
     def enter(mutant, file, function, line):
@@ -85,7 +85,7 @@ def number_mutants(finders, root):
 
 
 def name_mutants(listed):
-    """A key that holds while lines move: file, function, change, and a number where these are equal."""
+    """Adds a key that does not depend on line numbers: file, function, change, and a number if these are equal."""
     seen = {}
     for mutant in listed:
         key = f"{mutant['file']}: {mutant['function']}: {mutant['change']}"
@@ -94,12 +94,12 @@ def name_mutants(listed):
 
 
 def render(file, finder, dropped):
-    """The file's text with every point in place but those that hold a dropped mutant."""
+    """The text of the file with all points replaced, except those with a dropped mutant."""
     kept = [p for p in finder.points.values() if not {m.id for m in p.mutants} & dropped]
     kept.sort(key=lambda p: (p.start, -p.end, OUTERMOST_FIRST.index(kind_of(p))))
-    # A header is read by files that know nothing of mutants, and whose warnings are errors.
+    # Headers are also included by files that are compiled with warnings as errors.
     silence = "#pragma GCC system_header\n" if file.endswith(".h") else ""
-    # A function whose throw is removed returns, and must be allowed to.
+    # A function whose throw is removed returns, so it must not be [[noreturn]].
     text = render_piece(finder.text, 0, len(finder.text), kept).replace("[[noreturn]] ", "")
     return silence + '#include "landfall_mutant/schema.h"\n#line 1\n' + text
 
@@ -109,24 +109,24 @@ def kind_of(point):
 
 
 def render_piece(text, start, end, points):
-    """text[start:end] with the points inside it, which are sorted, the outer one first."""
-    result, place, i = [], start, 0
+    """text[start:end] with its points replaced; they are sorted, outer points first."""
+    result, offset, i = [], start, 0
     while i < len(points):
         point = points[i]
         inner = [p for p in points[i + 1:] if point.start <= p.start and p.end <= point.end]
-        result.append(text[place:point.start])
+        result.append(text[offset:point.start])
         for part in point.parts:
             if isinstance(part, str):
                 result.append(re.sub(r"@(\d)", lambda m: str(point.mutants[0].id + int(m[1])), part))
             else:
                 result.append(render_piece(text, *part, [p for p in inner if part[0] <= p.start and p.end <= part[1]]))
-        place = point.end
+        offset = point.end
         i += 1 + len(inner)
-    return "".join(result) + text[place:end]
+    return "".join(result) + text[offset:end]
 
 
 def write_tree(root, target, finders, dropped):
-    """A copy of the repository with mutants in the files of `finders`. Writes only what changed: a second build is short."""
+    """Copies the repository, with mutants in the files of `finders`. Only changed files are written, to keep builds short."""
     listed = subprocess.run(["git", "ls-files", *COPIED], cwd=root, check=True, capture_output=True, text=True).stdout.split("\n")
     for name in filter(None, listed):
         if name not in finders:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The comparison of chain_test.py sees a small change of any column, layer and number, and of any key of a scan."""
+"""The comparison of chain_test.py detects a small change of any column, layer or number, and of any key of a scan."""
 import copy
 import json
 import os
@@ -14,7 +14,7 @@ import numpy as np
 from oracle import cases, comparison, draws, evaluate, surface
 from oracle.ledger import Ledger
 
-# Added to a key, what must show. Metres and radians near the bounds of 1e-9 m; whole numbers: the next one.
+# Changes of keys that must be detected: a little above the bounds of 1e-9 m for floats, 1 for integers.
 SCAN_CHANGES = {
     "mount.position_m.0": 1e-8, "mount.rpy_deg.1": 1e-5, "trajectory.position_m.2": 1e-8, "trajectory.velocity_mps.0": 1e-6,
     "trajectory.rpy_deg.0": 1e-8, "trajectory.rpy_rate_degps.2": 1e-5, "detector.roll_deg": 1e-6, "detector.ifov_rad": 1e-8,
@@ -54,8 +54,8 @@ def changed(config, path, delta):
 
 
 def rich_case(folder):
-    """A case in which every key of SCAN_CHANGES plays a part."""
-    case = cases.Dealer(11, folder).case(
+    """A case in which every key of SCAN_CHANGES affects the results."""
+    case = cases.CaseGenerator(11, folder).case(
         terrain="all", pattern="line_search", scanner="fsm", trajectory="constant_velocity", navigation="all",
         method="bilinear_nearest", region="circle", estimator="mean")
     case["options"] = {"keep_misses": True, "float32": False, "truth": True, "uncertainty": True, "corrected": True}
@@ -78,7 +78,7 @@ def rich_case(folder):
     return case
 
 
-class Sharpness(unittest.TestCase):
+class Sensitivity(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="landfall-proof-")
@@ -100,11 +100,11 @@ class Sharpness(unittest.TestCase):
             self.STAGES[path](self, ledger)
         return ledger.failures
 
-    def test_nothing_is_wrong_without_a_change(self):
+    def test_without_changes_there_are_no_failures(self):
         for path in self.STAGES:
             self.assertEqual(self.failures(path), [])
 
-    def see_changed_keys(self, path, changes):
+    def check_changed_keys_are_detected(self, path, changes):
         plain = comparison.config_of(path)
         self.addCleanup(setattr, comparison, "config_of", comparison.config_of)
         for key, delta in changes.items():
@@ -113,10 +113,10 @@ class Sharpness(unittest.TestCase):
                 self.assertNotEqual(self.failures(path), [])
 
     def test_keys_of_a_scan(self):
-        self.see_changed_keys("scan.h5", SCAN_CHANGES)
+        self.check_changed_keys_are_detected("scan.h5", SCAN_CHANGES)
 
     def test_keys_of_an_evaluation(self):
-        self.see_changed_keys("eval.h5", OTHER_CHANGES["eval"])
+        self.check_changed_keys_are_detected("eval.h5", OTHER_CHANGES["eval"])
 
     def test_sigmas_of_a_map(self):
         for key, delta in OTHER_CHANGES["regrid"].items():
@@ -125,7 +125,7 @@ class Sharpness(unittest.TestCase):
                 comparison.check_dem(case, ledger, self.ground)
                 self.assertNotEqual(ledger.failures, [])
 
-    def see_changed_values(self, path, group="/"):
+    def check_changed_values_are_detected(self, path, group="/"):
         with h5py.File(path) as file:
             names = [name for name, item in file[group].items() if isinstance(item, h5py.Dataset) and item.shape]
         for name in names:
@@ -133,12 +133,12 @@ class Sharpness(unittest.TestCase):
                 continue  # the axes
             with self.subTest(name), h5py.File(path, "r+") as file:
                 values = file[group][name][()]
-                place = np.unravel_index(np.flatnonzero(np.isfinite(values))[-1], values.shape)
-                file[group][name][place] = self.near(values[place])
+                index = np.unravel_index(np.flatnonzero(np.isfinite(values))[-1], values.shape)
+                file[group][name][index] = self.near(values[index])
                 file.close()
                 self.assertNotEqual(self.failures(path), [])
             with h5py.File(path, "r+") as file:
-                file[group][name][place] = values[place]
+                file[group][name][index] = values[index]
 
     @staticmethod
     def near(value):
@@ -148,14 +148,14 @@ class Sharpness(unittest.TestCase):
 
     def test_every_column_of_a_scan(self):
         for group in ("points", "pulses", "detector"):
-            self.see_changed_values("scan.h5", group)
+            self.check_changed_values_are_detected("scan.h5", group)
 
     def test_every_layer_of_a_map(self):
-        self.see_changed_values("dem.h5")
+        self.check_changed_values_are_detected("dem.h5")
 
     def test_every_layer_and_hole_of_an_evaluation(self):
-        self.see_changed_values("eval.h5")
-        self.see_changed_values("eval.h5", "holes")
+        self.check_changed_values_are_detected("eval.h5")
+        self.check_changed_values_are_detected("eval.h5", "holes")
 
     def test_every_number_of_the_metrics(self):
         dem = comparison.columns("dem.h5")
@@ -173,7 +173,7 @@ class Sharpness(unittest.TestCase):
 
 
 class Draws(unittest.TestCase):
-    """The draws of this package against numpy's own generator."""
+    """The draws of this package compared with numpy's generator."""
 
     def test_blocks_are_those_of_numpy(self):
         for seed, stream, i, j in ((7, 3, 5, 9), (2**53 - 1, 13, 0, 2**32 + 4), (0, 1, 1, 0)):
@@ -183,7 +183,7 @@ class Draws(unittest.TestCase):
 
 
 def leaves(value, path=()):
-    """The places of all numbers and truths of a JSON value."""
+    """The paths of all numbers, texts and booleans in a JSON value."""
     if isinstance(value, (dict, list)):
         for key, part in value.items() if isinstance(value, dict) else enumerate(value):
             yield from leaves(part, (*path, key))
