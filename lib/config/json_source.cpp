@@ -93,8 +93,8 @@ std::string plain_message(const std::string& message) {
 Json parse(const std::string& text, const std::string& name) {
   try {
     StrictnessCheck check(name);
-    Json::sax_parse(text, &check);
-    return Json::parse(text);
+    Json::sax_parse(text, &check, nlohmann::detail::input_format_t::json, true, true);
+    return Json::parse(text, nullptr, true, true);  // with comments
   } catch (const Json::exception& error) {
     throw UsageError(name + ": not valid JSON: " + plain_message(error.what()));
   }
@@ -126,10 +126,9 @@ void assign(Json& root, const std::string& assignment) {
   if (equals == std::string::npos || equals == 0)
     throw UsageError("--set " + abbreviated(assignment) + ": expected KEY=JSON");
   const std::string text = assignment.substr(equals + 1);
-  if (!Json::accept(text))
-    throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(text) +
-                     "' is not JSON (a string needs quotes: '\"" + abbreviated(text) + "\"')");
-  const Json value = parse(text, "--set " + abbreviated(assignment));
+  // A word is a string; the schema then decides whether the key takes one.
+  const bool is_word = !Json::accept(text, true) && !text.empty() && text.find_first_of("{[\"") != 0;
+  const Json value = is_word ? Json(text) : parse(text, "--set " + abbreviated(assignment));
   Json* target = &root;
   const std::vector<std::string> keys = split(assignment.substr(0, equals));
   if (keys.size() > std::size_t{kMaxLevels})

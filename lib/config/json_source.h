@@ -14,16 +14,17 @@ struct JsonSource {
 };
 
 /// Reads a JSON object. `path` "-" is standard input, "" the empty object. Throws UsageError if the file
-/// cannot be read, is not JSON (the message gives line and column; NaN and infinity are not JSON), is nested
-/// deeper than 64 levels, has a repeated key, or is not an object.
+/// cannot be read, is not JSON (the message gives line and column; NaN and infinity are not JSON; comments,
+/// // and /* */, are allowed), is nested deeper than 64 levels, has a repeated key, or is not an object.
 [[nodiscard]] JsonSource read_json(const std::string& path);
 
 /// As read_json(), but from a text; `name` replaces the file name.
 [[nodiscard]] JsonSource parse_json(const std::string& text, const std::string& name);
 
 /// Applies `a.b.c=JSON` assignments, UTF-8, in order; a number in the path is an array index, which must
-/// exist. Missing objects are created. Throws UsageError naming the assignment if it is not KEY=JSON, has
-/// more than 64 keys in its path, or its path leads through a value that is not a container.
+/// exist. Missing objects are created. A text that is not JSON and begins like no JSON container is a string.
+/// Throws UsageError naming the assignment if it is not KEY=JSON, has more than 64 keys in its path, or its
+/// path leads through a value that is not a container.
 void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments);
 
 }  // namespace landfall

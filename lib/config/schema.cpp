@@ -2,6 +2,7 @@
 #include "config/schema.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -22,8 +23,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Names the schema for an editor; it is not part of the configuration.
-constexpr const char* kSchemaKey = "$schema";
+/// For an editor and for a reader; they are not part of the configuration.
+constexpr std::array kIgnoredKeys = {"$schema", "$comment"};
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -245,7 +246,7 @@ class Resolver {
                                      const std::string& pointer) const {
     std::vector<std::string> known;
     for (const auto& [name, unused] : properties.items())
-      if (name != kSchemaKey) known.push_back(name);
+      if (!name.starts_with("$")) known.push_back(name);
     const std::string near = nearest_word(key, known);
     std::string hint = near.empty() ? "; known: " : "; did you mean \"" + near + "\"?";
     if (near.empty())
@@ -287,6 +288,11 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
     best_distance = distance;
     best = candidate;
   }
+  constexpr std::size_t kLeastPart = 4;
+  if (best.empty() && word.size() >= kLeastPart)
+    for (const std::string& candidate : known)
+      if (candidate.find(word) != std::string::npos && (best.empty() || candidate.size() < best.size()))
+        best = candidate;
   return best;
 }
 
@@ -303,7 +309,8 @@ Json resolve_config(const JsonSource& source, const Json& schema) {
   Json value = source.value;
   Resolver(source.name, schema).resolve(schema, value, "");
   validate(source.name, schema, value);
-  if (value.is_object()) value.erase(kSchemaKey);
+  if (value.is_object())
+    for (const char* const key : kIgnoredKeys) value.erase(key);
   return value;
 }
 

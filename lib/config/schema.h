@@ -18,12 +18,12 @@ namespace landfall {
 /// valijson decides. Before it, a walk over schema and value together fills in the defaults and reports
 /// errors: `scan.json: /noise/dropout_frac: 1.7 is not in [0, 1]`, and for an unknown key the nearest known
 /// one. A `oneOf` is selected by the value's "type" (which defaults to that of the `oneOf` owner's default)
-/// or by JSON type. A key "$schema" at the top, which names the schema for an editor, is removed. Throws
-/// UsageError.
+/// or by JSON type. The keys "$schema" and "$comment" at the top, for an editor and for a reader, are
+/// removed. Throws UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
 
-/// The member of `known` that `word` most probably means, empty if none is near (edit distance <= 2, or one
-/// third of the word).
+/// The member of `known` that `word` most probably means: the nearest (edit distance <= 2, or one third of
+/// the word), else the shortest that contains it ("rocks" in "golombek_rocks"); empty if there is none.
 [[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace landfall

@@ -32,6 +32,12 @@ std::string refusal(const std::string& text) {
   return "accepted";
 }
 
+TEST(ReadJson, Comments) {
+  EXPECT_EQ(refusal("// a lidar\n{\"a\": 1, /* not 2 */ \"b\": \"// text\"} // end"), "accepted");
+  EXPECT_THAT(refusal("{\"a\": 1} /* open"), HasSubstr("not valid JSON"));
+  EXPECT_THAT(refusal("{\"a\": 1, // first\n \"a\": 2}"), HasSubstr("given twice"));
+}
+
 TEST(ReadJson, MissingFileAndWrongContent) {
   EXPECT_THROW(static_cast<void>(read_json("/nonexistent/a.json")), UsageError);
   EXPECT_THAT(refusal("{\"a\": 1,}"), HasSubstr("line 1, column 9"));
@@ -44,7 +50,8 @@ TEST(ReadJson, AMessageQuotesTheEndOfALongText) {
   const std::string text = "\"" + std::string(3000, 'x');
   EXPECT_THAT(refusal("{" + text),
               HasSubstr("missing closing quote; last read: '..." + end + "'; expected string literal"));
-  EXPECT_THAT(refusal("{\"a\": " + text), testing::EndsWith("missing closing quote; last read: '..." + end + "'"));
+  EXPECT_THAT(refusal("{\"a\": " + text),
+              testing::EndsWith("missing closing quote; last read: '..." + end + "'"));
   EXPECT_THAT(refusal("{\"a\": nil}"), testing::EndsWith("last read: '\"a\": ni'"));
 }
 
@@ -98,9 +105,17 @@ TEST(Assignments, MakeReplaceAndIndex) {
   EXPECT_EQ(source.value, nlohmann::json::parse(R"({"a": {"b": [1,2], "c": "text"}, "list": [1, 7]})"));
 }
 
+TEST(Assignments, AWordIsAText) {
+  JsonSource source{"config", nlohmann::json::object()};
+  apply_assignments(source, {"a=text", "b=NaN", "c=0,01", "d=1e3", "e=true"});
+  EXPECT_EQ(source.value,
+            nlohmann::json::parse(R"({"a": "text", "b": "NaN", "c": "0,01", "d": 1000.0, "e": true})"));
+}
+
 TEST(Assignments, RefuseWhatIsNoAssignment) {
   JsonSource source{"config", {{"list", {1, 2}}, {"x", 3}}};
-  for (const char* const wrong : {"a", "=1", "a=text", "a=NaN", "a.=1", "list.2=1", "list.b=1", "x.y=1"})
+  for (const char* const wrong :
+       {"a", "=1", "a=", "a={", "a=[1", "a=\"open", "a.=1", "list.2=1", "list.b=1", "x.y=1"})
     EXPECT_THROW(apply_assignments(source, {wrong}), UsageError) << wrong;
 }
 

@@ -150,6 +150,8 @@ TEST(Schema, SchemasUseOnlyKeywordsThatAreExplained) {
 TEST(NearestWord, SuggestsOnlyWhatIsNear) {
   EXPECT_EQ(nearest_word("colums", {"rows", "columns"}), "columns");
   EXPECT_EQ(nearest_word("abcdefgh", {"rows", "columns"}), "");
+  EXPECT_EQ(nearest_word("rocks", {"power_law_rocks", "golombek_rocks", "craters"}), "golombek_rocks");
+  EXPECT_EQ(nearest_word("row", {"narrow_field"}), "");  // too short to be a part
 }
 
 }  // namespace

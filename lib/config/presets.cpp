@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/presets.h"
+
+#include <string_view>
+
+#include "base/abbreviated.h"
+#include "base/error.h"
+#include "config/embedded_presets.h"
+#include "config/schema.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::string_view kPrefix = "preset:";
+
+/// The name of an embedded file NAME.SCHEMA.json; empty for a file of another schema.
+std::string preset_name(std::string_view file, const std::string& schema) {
+  const std::string ending = "." + schema + ".json";
+  return file.ends_with(ending) ? std::string(file.substr(0, file.size() - ending.size())) : "";
+}
+
+JsonSource read_preset(const std::string& name, const std::string& schema) {
+  std::vector<std::string> known;
+  for (const auto& preset : embedded::kPresets) {
+    const std::string found = preset_name(preset.name, schema);
+    if (found == name && !name.empty()) return parse_json(preset.text, std::string(kPrefix) + name);
+    if (!found.empty()) known.push_back(found);
+  }
+  std::string list;
+  for (const std::string& word : known) list += (list.empty() ? "" : ", ") + word;
+  const std::string near = nearest_word(name, known);
+  throw UsageError(std::string(kPrefix) + abbreviated(name) + ": there is no such preset; " +
+                   (list.empty()   ? "this tool has none"
+                    : near.empty() ? "known: " + list
+                                   : "did you mean " + std::string(kPrefix) + near + "?"));
+}
+
+JsonSource read_one(const std::string& name, const std::string& schema) {
+  return name.starts_with(kPrefix) ? read_preset(name.substr(kPrefix.size()), schema) : read_json(name);
+}
+
+}  // namespace
+
+std::vector<Preset> presets(const std::string& schema) {
+  std::vector<Preset> found;
+  for (const auto& preset : embedded::kPresets)
+    if (const std::string name = preset_name(preset.name, schema); !name.empty())
+      found.push_back({name, parse_json(preset.text, name).value.value("$comment", "")});
+  return found;
+}
+
+JsonSource read_config(const std::vector<std::string>& names, const std::string& schema) {
+  if (names.empty()) return read_json("");
+  JsonSource merged = read_one(names.front(), schema);
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const JsonSource next = read_one(names[i], schema);
+    merged.value.merge_patch(next.value);
+    merged.name += " + " + next.name;
+  }
+  return merged;
+}
+
+}  // namespace landfall
