@@ -37,7 +37,30 @@ std::int64_t margin_bins(const GridSpec& dem) {
   throw UsageError(message.str());
 }
 
+template <class T, class Predicate>
+BinBox box_of(const Grid<T>& grid, const Predicate& holds) {
+  const GridSpec& spec = grid.spec();
+  BinBox box{{spec.rows, spec.cols}, {-1, -1}};
+  for (std::int64_t row = 0; row < spec.rows; ++row) {
+    const auto values = grid.row(row);
+    const auto begin = std::ranges::find_if(values, holds);
+    if (begin == values.end()) continue;
+    const auto end = std::find_if(values.rbegin(), values.rend(), holds).base();
+    box.first = {std::min(box.first.row, row), std::min<std::int64_t>(box.first.col, begin - values.begin())};
+    box.last = {row, std::max<std::int64_t>(box.last.col, end - values.begin() - 1)};
+  }
+  return box;
+}
+
 }  // namespace
+
+BinBox set_box(const BinMask& mask) {
+  return box_of(mask, [](std::int8_t is_set) { return is_set != 0; });
+}
+
+BinBox valid_box(const Grid<double>& z_est) {
+  return box_of(z_est, [](double z) { return !std::isnan(z); });
+}
 
 BinMask circular_region(const GridSpec& dem, double radius_m) {
   const double radius_bins = ratio_of(radius_m, dem.resolution_m);

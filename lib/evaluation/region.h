@@ -24,4 +24,15 @@ using BinMask = Grid<std::int8_t>;
 
 [[nodiscard]] std::int64_t count_set(const BinMask& mask);
 
+/// The smallest box of rows and columns that holds some bins, inclusive. Without a bin `last` lies before
+/// `first`.
+struct BinBox {
+  BinIndex first;
+  BinIndex last;
+};
+
+/// The box of the bins of a mask, and of the bins with an elevation.
+[[nodiscard]] BinBox set_box(const BinMask& mask);
+[[nodiscard]] BinBox valid_box(const Grid<double>& z_est);
+
 }  // namespace landfall

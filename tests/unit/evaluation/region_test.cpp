@@ -135,5 +135,19 @@ TEST(SquareRegion, FitsWhileEveryBinLiesInTheDem) {
   EXPECT_NE(refused(dem, -1), "accepted");
 }
 
+TEST(BinBox, HoldsTheBins) {
+  const GridSpec dem = GridSpec::centered(5, 1);
+  Grid<double> z(dem, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_LT(valid_box(z).last.row, valid_box(z).first.row);
+  z.at({2, 7}) = 0;
+  z.at({6, 3}) = 1;
+  z.at({4, 5}) = 1;
+  EXPECT_EQ(valid_box(z).first, (BinIndex{2, 3}));
+  EXPECT_EQ(valid_box(z).last, (BinIndex{6, 7}));
+  const BinBox circle = set_box(circular_region(dem, 3));
+  EXPECT_EQ(circle.first, (BinIndex{3, 3}));  // the circle itself is not part of the region
+  EXPECT_EQ(circle.last, (BinIndex{7, 7}));
+}
+
 }  // namespace
 }  // namespace landfall

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/verdict_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/number_text.h"
+
+namespace landfall {
+namespace {
+
+std::string centimetres(double metres) { return short_number(100 * metres) + " cm"; }
+
+std::string bins(double count) { return short_number(count) + (count == 1 ? " bin" : " bins"); }
+
+/// "87,348 of 785,321, 11.1 %, worst 5.79 cm".
+std::string violations(std::int64_t count, std::int64_t all, double worst_m) {
+  const double share = all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
+  return grouped(count) + " of " + grouped(all) + ", " + percent_text(share) + ", worst " +
+         centimetres(worst_m);
+}
+
+const char* verdict(const Requirement& requirement) {
+  return !requirement.pass ? "not judged" : *requirement.pass ? "pass" : "FAIL";
+}
+
+std::string relative_elevation(const Metrics& m) {
+  const RelativeMetrics& z = m.accuracy->relative.z;
+  return violations(z.violation_count, m.region.bin_count, z.max_m.value_or(0));
+}
+
+/// A footprint is judged along x and along y.
+std::string relative_horizontal(const Metrics& m) {
+  const RelativeMetrics& x = m.accuracy->relative.x;
+  const RelativeMetrics& y = m.accuracy->relative.y;
+  return violations(x.violation_count + y.violation_count, 2 * m.region.bin_count,
+                    std::max(x.max_m.value_or(0), y.max_m.value_or(0)));
+}
+
+std::string absolute_horizontal(const Metrics& m, double limit_m) {
+  const HorizontalMetrics& h = m.accuracy->absolute.horizontal;
+  return percent_text(h.within_limit_frac.value_or(0)) + " within " + centimetres(limit_m) + ", 95th pct " +
+         centimetres(h.p95_m.value_or(0));
+}
+
+}  // namespace
+
+const char* overall_verdict(const RequirementMetrics& requirements) {
+  const auto any = [&](std::optional<bool> pass) {
+    return std::ranges::any_of(kRequirementInfo, [&](const RequirementInfo& info) {
+      return (requirements.*info.requirement).pass == pass;
+    });
+  };
+  return any(false) ? "FAIL" : any(std::nullopt) ? "not judged" : "pass";
+}
+
+std::array<VerdictText, kRequirementInfo.size()> verdict_texts(const Metrics& m,
+                                                               const EvaluationLimits& limits) {
+  const RequirementMetrics& r = m.requirements;
+  std::array<VerdictText, kRequirementInfo.size()> texts = {
+      {{"",
+        grouped(m.coverage.invalid_count) + " of " + grouped(m.region.bin_count) + " bins invalid, " +
+            percent_text(m.coverage.invalid_frac),
+        percent_text(limits.invalid_frac), ""},
+       {"", "largest hole " + bins(static_cast<double>(m.coverage.largest_hole_bins)),
+        bins(static_cast<double>(limits.hole_bins)), ""},
+       {"",
+        std::isfinite(m.coverage.max_distance_bins)
+            ? "to the nearest valid bin " + bins(m.coverage.max_distance_bins)
+            : "the DEM has no valid bin",
+        bins(limits.distance_bins), ""},
+       {"", r.relative_elevation.value ? relative_elevation(m) : "", centimetres(limits.relative_elevation_m),
+        ""},
+       {"", r.relative_horizontal.value ? relative_horizontal(m) : "",
+        centimetres(limits.relative_horizontal_m), ""},
+       {"", r.absolute_horizontal.value ? absolute_horizontal(m, limits.absolute_horizontal_m) : "",
+        percent_text(limits.absolute_horizontal_frac), ""}}};
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const RequirementInfo& info = kRequirementInfo[i];
+    texts[i].name = info.name;
+    texts[i].verdict = verdict(r.*info.requirement);
+    if (texts[i].value.empty())
+      texts[i].value = m.accuracy ? "no footprint to judge" : "no truth to compare with";
+    if (info.at_least) texts[i].limit.insert(0, ">= ");
+  }
+  return texts;
+}
+
+}  // namespace landfall

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "evaluation/verdict_text.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace landfall {
+namespace {
+
+/// 87,348 of 785,321 footprints miss the limit of rel_z; all else passes.
+Metrics tutorial() {
+  Metrics m;
+  m.region.bin_count = 785'321;
+  m.coverage.invalid_count = 3;
+  m.coverage.invalid_frac = 3.0 / 785'321;
+  m.coverage.largest_hole_bins = 1;
+  m.coverage.max_distance_bins = 1;
+  AccuracyMetrics& a = m.accuracy.emplace();
+  a.absolute.horizontal = {.p95_m = 0.00361, .within_limit_frac = 1};
+  a.relative.x = {.p95_m = 0.018, .max_m = 0.0202, .violation_count = 0};
+  a.relative.y = {.p95_m = 0.018, .max_m = 0.02, .violation_count = 0};
+  a.relative.z = {.p95_m = 0.05104, .max_m = 0.05791, .violation_count = 87'348};
+  m.requirements = judge(m.coverage, m.accuracy, {});
+  return m;
+}
+
+TEST(VerdictText, CountsHaveTheirDenominatorAndLengthsTheirLimit) {
+  const auto texts = verdict_texts(tutorial(), {});
+  const auto is = [&](std::size_t i, const std::string& value, const std::string& limit,
+                      const std::string& verdict) {
+    EXPECT_EQ(texts[i].name, std::string(kRequirementInfo[i].name));
+    EXPECT_EQ(texts[i].value, value);
+    EXPECT_EQ(texts[i].limit, limit);
+    EXPECT_EQ(texts[i].verdict, verdict);
+  };
+  is(0, "3 of 785,321 bins invalid, 0.000382 %", "1 %", "pass");
+  is(1, "largest hole 1 bin", "10 bins", "pass");
+  is(2, "to the nearest valid bin 1 bin", "1 bin", "pass");
+  is(3, "87,348 of 785,321, 11.1 %, worst 5.79 cm", "5 cm", "FAIL");
+  is(4, "0 of 1,570,642, 0 %, worst 2.02 cm", "5 cm", "pass");
+  is(5, "100 % within 100 cm, 95th pct 0.361 cm", ">= 95 %", "pass");
+}
+
+TEST(VerdictText, AMissedRequirementOutweighsOneThatIsNotJudged) {
+  Metrics m = tutorial();
+  EXPECT_EQ(overall_verdict(m.requirements), std::string("FAIL"));
+  m.accuracy.reset();
+  m.requirements = judge(m.coverage, m.accuracy, {});
+  EXPECT_EQ(overall_verdict(m.requirements), std::string("not judged"));
+  EXPECT_EQ(verdict_texts(m, {})[3].value, "no truth to compare with");
+  EXPECT_EQ(verdict_texts(m, {})[3].verdict, std::string("not judged"));
+  m.coverage.invalid_frac = 0.5;
+  m.requirements = judge(m.coverage, m.accuracy, {});
+  EXPECT_EQ(overall_verdict(m.requirements), std::string("FAIL"));
+}
+
+TEST(VerdictText, AllPass) {
+  Metrics m = tutorial();
+  m.accuracy->relative.z.violation_count = 0;
+  m.requirements = judge(m.coverage, m.accuracy, {});
+  EXPECT_EQ(overall_verdict(m.requirements), std::string("pass"));
+}
+
+TEST(VerdictText, NoFootprintToJudge) {
+  Metrics m = tutorial();
+  m.accuracy->relative.z = {};
+  m.requirements = judge(m.coverage, m.accuracy, {});
+  EXPECT_EQ(verdict_texts(m, {})[3].value, "no footprint to judge");
+  EXPECT_EQ(verdict_texts(m, {})[3].verdict, std::string("FAIL"));
+}
+
+}  // namespace
+}  // namespace landfall
