@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "cli/verdict_table.h"
 #include "config/dem_config.h"
@@ -20,10 +21,12 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   dem-eval dem.h5 -o eval.h5 --metrics metrics.json
-  dem-eval dem.h5 -o eval.h5 --report report.html
+  dem-eval dem.h5 --report report.html
   dem-eval dem.h5 --metrics-only --require-pass > metrics.json
-  dem-eval dem.h5 -o eval.h5 --table --set region_radius_m=40 --set limits.relative_elevation_m=0.03
-Exit status 3: --require-pass is given, and a requirement is missed or cannot be judged.
+  dem-eval dem.h5 --table --set region_radius_m=40 \
+    --set limits.relative_elevation_m=0.03
+Exit status 3: --require-pass is given, and a requirement is missed or cannot
+be judged.
 Configuration: --print-schema, man dem-eval, docs/user/dem-eval.md.)";
 
 constexpr const char* kDescription =
@@ -44,7 +47,8 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--report", o.report, "Write a report: one HTML file with verdicts, maps and a 3-D view")
       ->type_name("FILE");
   app.add_flag("--metrics-only", o.metrics_only,
-               "Write no layers; without -o, --metrics and --report the metrics go to stdout");
+               "Write no layers; without -o, --metrics and --report the metrics go to stdout: JSON, or the "
+               "table on a terminal");
   app.add_flag("--require-pass", o.require_pass, "Exit with 3 unless every requirement passes");
   app.add_flag("--table", o.table, "Print the table of requirements; default on a terminal");
 }
@@ -54,8 +58,8 @@ void check(const cli::CommonOptions& common, const Options& o) {
   if (o.metrics_only && !common.view_path.empty())
     throw UsageError("--view shows a layer, which --metrics-only does not write");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
-  if (!o.metrics_only && common.output_path.empty())
-    throw UsageError("-o/--output is required unless --metrics-only is given");
+  if (!o.metrics_only && !o.table && o.metrics.empty() && o.report.empty() && common.output_path.empty())
+    throw UsageError("nothing to write; give -o, --metrics, --report, --table or --metrics-only");
   if (o.metrics == "-") throw UsageError("--metrics needs a file; --metrics-only alone prints the metrics");
   if (o.report == "-") throw UsageError("--report needs a file");
 }
@@ -72,19 +76,15 @@ DemInput read_inputs(const cli::Session& session, const Options& o, Provenance& 
   return dem;
 }
 
-ExitCode tell(const cli::Session& session, const Options& o, const Metrics& metrics,
-              const EvaluationLimits& limits) {
-  const cli::CommonOptions& common = session.options();
+/// The table for a person, JSON for a program.
+void print(const cli::CommonOptions& common, const Options& o, const Metrics& metrics,
+           const EvaluationLimits& limits) {
   const bool has_file = !o.metrics.empty() || !o.report.empty() || !common.output_path.empty();
-  if (o.metrics_only && !has_file && !common.json_summary && !o.table)
+  const bool to_terminal = isatty(STDOUT_FILENO) != 0;
+  if (o.metrics_only && !has_file && !common.json_summary && !o.table && !to_terminal)
     std::cout << metrics_json(metrics).dump(2) << '\n';
-  else if (o.table || (isatty(STDOUT_FILENO) != 0 && !common.quiet && !common.json_summary))
+  else if (o.table || (to_terminal && !common.quiet && !common.json_summary))
     std::cout << cli::verdict_table(metrics, limits);
-  if (!o.require_pass || metrics.pass.value_or(false)) return ExitCode::done;
-  if (!common.quiet)
-    std::cerr << session.tool() << ": " << o.dem
-              << ": missed or not judged: " << cli::missed_requirements(metrics) << '\n';
-  return ExitCode::requirement_missed;
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
@@ -100,6 +100,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   DemInput dem;
   session.phase("read", [&](const ProgressCallback&) { dem = read_inputs(session, o, provenance); });
   const GridSpec grid = dem.layers.z_est.spec();
+  const BinBox scanned = valid_box(dem.layers.z_est);
   std::optional<EvaluationWriter> writer;
   std::optional<html_report::Report> report;
   std::vector<LayerSink*> sinks;
@@ -125,7 +126,8 @@ ExitCode run(cli::Session& session, const Options& o) {
     if (report_file) report_file->commit();
   });
   session.count("metrics", numbers);
-  return tell(session, o, evaluation.metrics, parameters.limits);
+  print(session.options(), o, evaluation.metrics, parameters.limits);
+  return cli::report_evaluation(session, o.dem, evaluation, scanned, o.require_pass);
 }
 
 }  // namespace

@@ -10,13 +10,13 @@ namespace landfall {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  landfall-export scan.h5 -o scan.ply                          CloudCompare, ParaView
+  landfall-export scan.h5 -o scan.ply              CloudCompare, ParaView
   landfall-export scan.h5 -o scan.las --position true
-  landfall-export scan.h5 -o scan.xmf                          ParaView, meshio: without a copy
+  landfall-export scan.h5 -o scan.xmf              ParaView, meshio; no copy
   landfall-export scan.h5 -o - --format csv --columns x_est,y_est,z_est | head
-  landfall-export dem.h5 -o dem.tif --layers z_est,count       GIS
+  landfall-export dem.h5 -o dem.tif --layers z_est,count  GIS
   landfall-export eval.h5 -o eval.csv --layers fail
-  landfall-export eval.h5 -o eval.png --layers rel_z           a picture to look at
+  landfall-export eval.h5 -o eval.png --layers rel_z        a picture
 docs/user/landfall-export.md lists the formats for each kind of file.)";
 
 void bind(CLI::App& app, ExportOptions& o) {
@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
   tool.name = "landfall-export";
   tool.summary = "Exports a landfall file to the formats of other programs.";
   tool.examples = kExamples;
+  tool.writes_hdf5 = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);

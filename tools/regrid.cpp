@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/uncertainty_config.h"
 #include "scene/dem_output.h"
@@ -99,11 +100,10 @@ ExitCode run(cli::Session& session, const Options& o) {
   inputs.push_back(o.sources.terrain);
   Provenance provenance = session.provenance();
   provenance.options = content_options(o.layers);
-  const auto bins =
+  const BinnedReturns returns =
       make_dem(config, o.sources, o.layers,
                {session.output(inputs), std::move(provenance), session.config_name(), session.phases()});
-  session.count("inside_count", bins->inside_count());
-  session.count("outside_count", bins->outside_count());
+  cli::report_dem(session, returns, config.grid);
   return ExitCode::done;
 }
 

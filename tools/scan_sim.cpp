@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "cli/outcomes.h"
 #include "cli/plan.h"
 #include "cli/tool.h"
 #include "config/scan_config.h"
@@ -16,10 +17,12 @@ namespace landfall {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  scan-sim -c scan.json --terrain terrain.h5 -o scan.h5
-  scan-sim -c scan.json --terrain terrain.h5 -o noisy.h5 --set noise.range_sigma_m=0.0167 --seed 7
-  scan-sim --terrain terrain.h5 -o flash.h5 --set 'scanner={"type":"flash"}' --set detector.rows=128
-  scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2 --set noise.range_sigma_m=0.02
+  scan-sim -c preset:paper --terrain terrain.h5 -o scan.h5
+  scan-sim -c scan.json --terrain terrain.h5 -o noisy.h5 \
+    --set noise.range_sigma_m=0.0167 --seed 7
+  scan-sim --terrain terrain.h5 -o flash.h5 --set detector.rows=128 \
+    --set 'scanner={"type":"flash"}'
+  scan-sim -c scan.json --ranges-from scan.h5 -o draw2.h5 --seed 2
   scan-sim -c scan.json --plan -o plan.h5
 Configuration: --print-schema, man scan-sim, docs/user/scan-sim.md.)";
 
@@ -84,14 +87,6 @@ Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ra
   return scene;
 }
 
-void count_work(cli::Session& session, const Simulation& simulation, const ScanWriter& writer) {
-  session.count("pulse_count", simulation.pulse_count());
-  session.count("ray_count", simulation.ray_count());
-  session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
-  for (const PointStatusInfo& info : kPointStatuses)
-    if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
-}
-
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.plan.requested) {
     if (!o.terrain.empty() || !o.ranges_from.empty())
@@ -127,7 +122,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });
   if (scene.engine) session.count("rays_per_s", static_cast<double>(simulation.ray_count()) / scan_s);
-  count_work(session, simulation, writer);
+  cli::report_scan(session, simulation, writer);
   return ExitCode::done;
 }
 

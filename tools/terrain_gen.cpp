@@ -2,6 +2,7 @@
 // terrain-gen: builds the true terrain of a landing site, or exports one.
 #include <CLI/CLI.hpp>
 
+#include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/import_config.h"
 #include "config/terrain_config.h"
@@ -16,12 +17,14 @@ constexpr const char* kExamples = R"(Examples:
   terrain-gen -c terrain.json -o terrain.h5
   terrain-gen -o slope.h5 --set base.slope_x=0.1 \
     --set 'features=[{"type":"cone","radius_m":3,"height_m":10}]'
-  terrain-gen --from europa.tif -o europa.h5 --center 3800,3380 --half-width 60 --resolution 0.05
-  terrain-gen --from apollo15.png -o apollo.h5 --horizontal-scale 2 --vertical-scale 0.192
+  terrain-gen --from europa.tif -o europa.h5 --center 3800,3380 \
+    --half-width 60 --resolution 0.05
+  terrain-gen --from apollo15.png -o apollo.h5 \
+    --horizontal-scale 2 --vertical-scale 0.192
   terrain-gen --from itokawa.obj -o itokawa.h5 --set mesh.scale_m=1000
   terrain-gen --from europa.h5 -o europa.tif
-The extension of the output selects the format: .h5 terrain, .tif (.tiff) cloud-optimized GeoTIFF,
-.obj or .ply mesh.
+The extension of the output selects the format: .h5 terrain, .tif (.tiff)
+cloud-optimized GeoTIFF, .obj or .ply mesh.
 Configuration: --print-schema, man terrain-gen, docs/user/terrain-gen.md.)";
 
 constexpr const char* kDescription =
@@ -75,7 +78,7 @@ bool is_export(const ImportOptions& import) { return !import.from.empty() && is_
 
 void expand(JsonSource& source, const ImportOptions& import, const cli::CommonOptions& common) {
   if (!is_export(import)) return apply_import(source, import);
-  require_plain_export(import, !common.config_path.empty() || !common.assignments.empty() || common.seed ||
+  require_plain_export(import, !common.config_names.empty() || !common.assignments.empty() || common.seed ||
                                    common.print_config);
 }
 
@@ -103,28 +106,6 @@ TerrainContent write(cli::Session& session, const Options& o) {
   return build_terrain(config, o.links, output(input_files(config, session.options().output_path, o.links)));
 }
 
-ExitCode run(cli::Session& session, const Options& o) {
-  const TerrainContent terrain = write(session, o);
-  if (terrain.nodes) {
-    session.count("node_count", terrain.nodes->nodes);
-    session.count("hole_node_count", terrain.nodes->holes);
-  }
-  if (terrain.features_of) {
-    std::int64_t features = 0;
-    for (const auto& [kind, count] : *terrain.features_of) features += count;
-    session.count("feature_count", features);
-    session.count("feature_count_by_kind", *terrain.features_of);
-  }
-  if (terrain.mesh) {
-    session.count("vertex_count", terrain.mesh->mesh.vertices.size());
-    session.count("triangle_count", terrain.mesh->mesh.triangles.size());
-    session.count("welded_vertex_count", terrain.mesh->welded_vertex_count);
-    session.count("unreferenced_vertex_count", terrain.mesh->unreferenced_vertex_count);
-    session.count("degenerate_facet_count", terrain.mesh->degenerate_facet_count);
-  }
-  return ExitCode::done;
-}
-
 }  // namespace
 }  // namespace landfall
 
@@ -138,12 +119,16 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "terrain";
   tool.has_seed = true;
+  tool.writes_hdf5 = false;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.expand = [&](JsonSource& source, const cli::CommonOptions& common) {
     expand(source, options.import, common);
   };
   tool.complete = [&](JsonSource& source) { complete(source, options); };
   tool.check = [&](const cli::Session& session) { check(session, options.import); };
-  tool.run = [&](cli::Session& session) { return run(session, options); };
+  tool.run = [&](cli::Session& session) {
+    cli::report_terrain(session, write(session, options));
+    return ExitCode::done;
+  };
   return cli::tool_main(argc, argv, tool);
 }

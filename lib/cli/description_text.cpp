@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "cli/config_changes.h"
+#include "cli/page_width.h"
 #include "cli/plan.h"
 #include "cli/print.h"
 #include "cli/verdict_table.h"
@@ -21,8 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kWidth = 100;
-
 /// A text from a file, on one line and cut to the page width.
 std::string cut(std::string text, std::size_t width) {
   std::replace_if(
@@ -34,14 +33,21 @@ std::string cut(std::string text, std::size_t width) {
 }
 
 std::string line(const char* name, const std::string& value) {
-  return print("  %-11s ", name) + cut(value, kWidth - 14) + "\n";
+  return print("  %-11s ", name) + cut(value, page_width() - 14) + "\n";
 }
 
 std::string integer(const Json& value) {
   return value.is_number_integer() ? std::to_string(value.get<std::int64_t>()) : "-";
 }
 
-std::string number(const Json& value) { return value.is_number() ? print("%.4g", value.get<double>()) : "-"; }
+/// At most 8 characters, as far as an exponent leaves room for digits.
+std::string number(const Json& value) {
+  if (!value.is_number()) return "-";
+  std::string text;
+  for (int digits = 4; digits > 1 && (text.empty() || text.size() > 8); --digits)
+    text = print("%.*g", digits, value.get<double>());
+  return text;
+}
 
 std::string metres(const Json& value) { return value.is_number() ? print("%.6g", value.get<double>()) : "-"; }
 
@@ -60,7 +66,7 @@ std::string head(const Json& d) {
   const std::string title = d["title"].get<std::string>();
   return cut(d["file"].get<std::string>() + ": " + d["kind"].get<std::string>() +
                  (title.empty() ? "" : " (" + title + ")"),
-             kWidth) +
+             page_width()) +
          "\n" + line("made by", d["source"].get<std::string>()) +
          line("file id", d["file_id"].get<std::string>()) +
          line("format", "version " + d["format_version"].get<std::string>() + ", complete, " +
@@ -138,7 +144,7 @@ std::string list_lines(const std::string& group, const Json& entries) {
                       e["type"].get<std::string>().c_str(), bytes(e["stored_bytes"].get<double>()).c_str(),
                       e["unit"].get<std::string>().c_str()) +
                     e["long_name"].get<std::string>(),
-                kWidth) +
+                page_width()) +
             "\n";
   return text;
 }
@@ -146,7 +152,7 @@ std::string list_lines(const std::string& group, const Json& entries) {
 /// Prints whole numbers with all digits if they are not too long.
 std::string value_text(const Json& value, const std::string& type) {
   const bool whole = type.find("int") != std::string::npos && value.is_number();
-  return whole && std::abs(value.get<double>()) < 1e9 ? print("%.0f", value.get<double>()) : number(value);
+  return whole && std::abs(value.get<double>()) < 1e7 ? print("%.0f", value.get<double>()) : number(value);
 }
 
 /// Lists the flags that occur, over several lines.
@@ -156,7 +162,7 @@ std::string flag_lines(const Json& by_name, int indent) {
   for (const auto& [name, count] : by_name.items()) {
     if (count == 0) continue;
     const std::string word = cut(name, 40) + " " + integer(count);
-    if (!row.empty() && row.size() + word.size() + static_cast<std::size_t>(indent) + 2 > kWidth) {
+    if (!row.empty() && row.size() + word.size() + static_cast<std::size_t>(indent) + 2 > page_width()) {
       text += print("%*s", indent, "") + row + ",\n";
       row.clear();
     }
@@ -165,18 +171,39 @@ std::string flag_lines(const Json& by_name, int indent) {
   return row.empty() ? "" : text + print("%*s", indent, "") + row + "\n";
 }
 
-std::string statistics_line(const Json& e, int width) {
-  const std::string unit = e["unit"].get<std::string>();
+/// The columns of a table of statistics.
+struct TableShape {
+  int name_width = 0;
+  // Only where the page is wide enough:
+  bool has_types = false;
+  bool has_unit_title = false;
+};
+
+TableShape shape_of(const Json& entries) {
+  const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
+  std::size_t unit = 4;
+  for (const Json& entry : entries) unit = std::max(unit, entry["unit"].get<std::string>().size());
+  const std::size_t numbers = static_cast<std::size_t>(width) + 58;
+  return {width, numbers + unit + 8 <= page_width(), numbers + 4 <= page_width()};
+}
+
+std::string statistics_row(const TableShape& shape, const std::array<std::string, 9>& cells) {
+  std::string text = print("%-*s", shape.name_width + 2, cells[0].c_str());
+  if (shape.has_types) text += print(" %-7s", cells[1].c_str());
+  text += print(" %9s %8s", cells[2].c_str(), cells[3].c_str());
+  for (std::size_t i = 4; i < 8; ++i) text += print(" %8s", cells[i].c_str());
+  return text + (cells[8] == "1" ? "" : " " + cells[8]) + "\n";
+}
+
+std::string statistics_lines(const Json& e, const TableShape& shape) {
   const std::string type = e["type"].get<std::string>();
   std::string text =
-      print("  %-*s %-7s %10s %9s %10s %10s %10s %10s", width, e["name"].get<std::string>().c_str(),
-            type.c_str(), integer(e["count"]).c_str(), integer(e["nan_count"]).c_str(),
-            value_text(e["min"], type).c_str(), value_text(e["max"], type).c_str(), number(e["mean"]).c_str(),
-            number(e["std"]).c_str()) +
-      (unit == "1" ? "" : " " + unit) + "\n";
+      statistics_row(shape, {"  " + e["name"].get<std::string>(), type, integer(e["count"]),
+                             integer(e["nan_count"]), value_text(e["min"], type), value_text(e["max"], type),
+                             number(e["mean"]), number(e["std"]), e["unit"].get<std::string>()});
   if (e["infinite_count"] != 0)
-    text += print("  %-*s   infinite: ", width, "") + integer(e["infinite_count"]) + "\n";
-  if (e.contains("flag_counts")) text += flag_lines(e["flag_counts"], width + 5);
+    text += print("  %-*s   infinite: ", shape.name_width, "") + integer(e["infinite_count"]) + "\n";
+  if (e.contains("flag_counts")) text += flag_lines(e["flag_counts"], shape.name_width + 5);
   return text;
 }
 
@@ -187,10 +214,10 @@ std::string dataset_lines(const std::string& group, const Json& entries) {
     title += " (" + integer(entries[0]["shape"][0]) + ")";
   title = cut(title, 40);
   if (!entries[0].contains("count")) return list_lines(title, entries);
-  const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
-  std::string text = print("\n%-*s %-7s %10s %9s %10s %10s %10s %10s unit\n", width + 2, title.c_str(),
-                           "type", "valid", "NaN", "min", "max", "mean", "std");
-  for (const Json& entry : entries) text += statistics_line(entry, width);
+  const TableShape shape = shape_of(entries);
+  std::string text = "\n" + statistics_row(shape, {title, "type", "valid", "NaN", "min", "max", "mean", "std",
+                                                   shape.has_unit_title ? "unit" : "1"});
+  for (const Json& entry : entries) text += statistics_lines(entry, shape);
   return text;
 }
 
@@ -209,7 +236,7 @@ std::string config_lines(const Json& d, bool whole) {
   std::string text = "\nconfiguration, where it differs from the defaults\n";
   const std::vector<ConfigChange> changes = config_changes(d["config"], schema);
   for (const ConfigChange& change : changes)
-    text += cut("  " + change.key + " = " + change.value.dump(), kWidth) + "\n";
+    text += cut("  " + change.key + " = " + change.value.dump(), page_width()) + "\n";
   return text + (changes.empty() ? "  (nowhere)\n" : "");
 }
 
@@ -227,16 +254,16 @@ std::string step_line(const Json& step) {
   const auto text_of = [&](const char* key) {
     return step.contains(key) && step[key].is_string() ? step[key].get<std::string>() : std::string();
   };
-  return cut(print("  %-12s %-8s %.12s", cut(text_of("tool"), 40).c_str(),
+  return cut(print("  %-12s %-6s %.12s", cut(text_of("tool"), 40).c_str(),
                    cut(text_of("version"), 20).c_str(), text_of("file_id").c_str()) +
                  (step.contains("inputs") ? inputs_text(step["inputs"]) : ""),
-             kWidth) +
+             page_width()) +
          "\n";
 }
 
 std::string provenance_lines(const Json& d) {
   std::string text;
-  if (!d["options"].is_null()) text += "\n" + cut("options " + d["options"].dump(), kWidth) + "\n";
+  if (!d["options"].is_null()) text += "\n" + cut("options " + d["options"].dump(), page_width()) + "\n";
   text += "\nprovenance, oldest step first\n";
   for (const Json& step : d["chain"]) text += step_line(step);
   if (d["environment"].is_object())

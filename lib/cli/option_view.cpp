@@ -5,11 +5,12 @@
 #include <memory>
 #include <sstream>
 
+#include "cli/page_width.h"
+
 namespace landfall::cli {
 namespace {
 
-constexpr std::size_t kWidth = 100;
-constexpr std::size_t kNameWidth = 30;
+constexpr std::size_t kNameWidth = 28;
 
 /// CLI11 appends the checks of an option to its type name: "TEXT:{a,b}", "N:INT in [0 - 9]".
 void split_type(const std::string& name, OptionView& view) {
@@ -59,7 +60,7 @@ class HelpFormat : public CLI::Formatter {
   }
 
   std::string make_option_desc(const CLI::Option* option) const override {
-    return wrapped(option_view(*option).description, kWidth - kNameWidth);
+    return wrapped(option_view(*option).description, page_width() - kNameWidth);
   }
 
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
@@ -68,7 +69,7 @@ class HelpFormat : public CLI::Formatter {
   }
 
   std::string make_description(const CLI::App* app) const override {
-    return wrapped(app->get_description(), kWidth) + "\n";
+    return wrapped(app->get_description(), page_width()) + "\n";
   }
 };
 

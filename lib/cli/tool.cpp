@@ -25,9 +25,12 @@
 #include "cli/config_changes.h"
 #include "cli/manual.h"
 #include "cli/option_view.h"
+#include "cli/page_width.h"
+#include "cli/print.h"
 #include "cli/progress_bar.h"
+#include "cli/run_log.h"
 #include "cli/standard_streams.h"
-#include "config/json_source.h"
+#include "config/presets.h"
 #include "config/schema.h"
 #include "exports/quick_look.h"
 #include "output/temporary_files.h"
@@ -66,6 +69,24 @@ void add_named_files(const Json& value, std::vector<std::string>& files) {
     for (const Json& element : value) add_named_files(element, files);
 }
 
+/// The formats of other programs that the extension of an output may name.
+constexpr std::array kForeignExtensions = {
+    ".asc", ".csv", ".e57", ".gz",  ".html", ".img", ".jpeg", ".jpg", ".json", ".las", ".laz", ".obj",
+    ".off", ".pcd", ".ply", ".png", ".stl",  ".tif", ".tiff", ".txt", ".vrt",  ".xmf", ".xyz", ".zip"};
+/// Those that landfall-export writes.
+constexpr std::array kExportedExtensions = {".csv", ".las", ".ply", ".png", ".tif", ".tiff", ".xmf"};
+
+/// A tool that writes HDF5 would give the file a name that other programs misunderstand.
+void require_hdf5_name(const std::string& tool, const std::string& path) {
+  const std::string extension = file_extension(path);
+  if (std::ranges::find(kForeignExtensions, extension) == kForeignExtensions.end()) return;
+  const std::string own = std::filesystem::path(path).replace_extension(".h5").string();
+  std::string message = "output " + path + ": " + tool + " writes HDF5; name it " + own;
+  if (std::ranges::find(kExportedExtensions, extension) != kExportedExtensions.end())
+    message += ", then run: landfall-export " + own + " -o " + path;
+  throw UsageError(message);
+}
+
 Json environment_json(const std::string& config_name) {
   char host[256] = "";
   gethostname(host, sizeof host - 1);
@@ -98,10 +119,18 @@ constexpr const char* kOutput = "Output";
 constexpr const char* kGeneral = "General";
 constexpr const char* kHidden = "";
 
-void bind_config(CLI::App& app, CommonOptions& o, bool has_seed) {
-  app.add_option("-c,--config", o.config_path, "JSON configuration; - is standard input")
+void bind_config(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  app.add_option("-c,--config", o.config_names,
+                 "JSON configuration, comments allowed: a file, - (standard input) or preset:NAME; "
+                 "repeatable, merged in order")
       ->type_name("FILE")
+      ->expected(1)
+      ->allow_extra_args(false)  // the next argument is the input file, not a second value
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kConfiguration);
+  if (!presets(tool.schema).empty())
+    app.add_flag("--list-presets", o.list_presets, "List the presets of -c preset:NAME and exit")
+        ->group(kConfiguration);
   app.add_option("--set", o.assignments,
                  "Set a configuration value, a.b.c=JSON; repeatable, overrides the file")
       ->type_name("KEY=JSON")
@@ -109,7 +138,7 @@ void bind_config(CLI::App& app, CommonOptions& o, bool has_seed) {
       ->allow_extra_args(false)  // the next argument is the input file, not a second value
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kConfiguration);
-  if (has_seed)
+  if (tool.has_seed)
     app.add_option("--seed", o.seed, "Random seed; overrides the configuration")
         ->type_name("N")
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9007199254740991}))
@@ -142,8 +171,11 @@ void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str()
       ->group(kGeneral);
-  app.add_flag("-q,--quiet", o.quiet, "Errors only, no progress")->group(kGeneral);
+  app.add_flag("-q,--quiet", o.quiet, "Errors only: no progress, no warnings")->group(kGeneral);
   app.add_flag("-v,--verbose", o.verbose, "Log each phase to stderr")->group(kGeneral);
+  app.add_option("--log", o.log_path, "Append all messages of the run to this file, also those that -q omits")
+      ->type_name("FILE")
+      ->group(kGeneral);
   // A function, because CLI11 sets a flag bound to an optional to false if it is not given.
   app.add_flag_function(
          "--progress,!--no-progress", [&o](std::int64_t count) { o.progress = count > 0; },
@@ -158,7 +190,7 @@ void bind_general(CLI::App& app, CommonOptions& o, const Tool& tool) {
 }
 
 void bind_common(CLI::App& app, CommonOptions& o, const Tool& tool) {
-  if (!tool.schema.empty()) bind_config(app, o, tool.has_seed);
+  if (!tool.schema.empty()) bind_config(app, o, tool);
   if (tool.writes) bind_output(app, o);
   if (tool.writes && !tool.schema.empty()) {
     app.add_option("--view", o.view_path, "Also write a picture of the output (.png)")
@@ -183,12 +215,20 @@ ExitCode run_naming_output(const Tool& tool, Session& session) {
   }
 }
 
-ExitCode run_tool(const Tool& tool, const CommonOptions& options) {
-  if (options.print_schema) {
-    std::cout << embedded_schema(tool.schema).dump(2) << '\n';
+std::string preset_list(const std::string& schema) {
+  std::string text;
+  for (const Preset& preset : presets(schema))
+    text += print("%-20s ", preset.name.c_str()) + preset.description + "\n";
+  return text;
+}
+
+ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log) {
+  if (options.print_schema || options.list_presets) {
+    std::cout << (options.print_schema ? embedded_schema(tool.schema).dump(2) + "\n"
+                                       : preset_list(tool.schema));
     return ExitCode::done;
   }
-  Session session(tool.name, tool.schema, options);
+  Session session(tool, options, log);
   if (!tool.schema.empty()) {
     session.resolve_config(tool);
     tool.check(session);
@@ -215,9 +255,30 @@ void require_utf8(int argc, const char* const* argv) {
                        "', is not UTF-8; file names and texts must be UTF-8");
 }
 
+/// A key and its value in two arguments would be read as a key without a value.
+void require_assignments(int argc, const char* const* argv) {
+  for (int i = 1; i + 1 < argc; ++i) {
+    const std::string key = argv[i + 1];
+    if (std::string_view(argv[i]) != "--set" || key.empty() || key.find('=') != std::string::npos) continue;
+    const std::string_view next = i + 2 < argc ? argv[i + 2] : "-";
+    const bool is_value =
+        next.size() > 1 ? next[0] != '-' || (next[1] >= '0' && next[1] <= '9') : next != "-";
+    throw UsageError("--set " + abbreviated(key) + ": expected KEY=JSON" +
+                     (is_value ? "; write --set " + abbreviated(key + "=" + std::string(next)) : ""));
+  }
+}
+
+/// The command of a run, for its log.
+std::string command_line(int argc, const char* const* argv, const Tool& tool) {
+  std::string line = "$ " + tool.name;
+  for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
+  return line;
+}
+
 ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const Tool& tool,
-                       const CommonOptions& options) {
+                       const CommonOptions& options, RunLog& log) {
   require_utf8(argc, argv);
+  if (!tool.schema.empty()) require_assignments(argc, argv);
   try {
     app.parse(argc, argv);
     require_values(app);
@@ -232,7 +293,11 @@ ExitCode parse_and_run(CLI::App& app, int argc, const char* const* argv, const T
     std::cout << (options.print_man ? manual_page(app, tool) : bash_completion(app, tool));
     return ExitCode::done;
   }
-  return run_tool(tool, options);
+  if (!options.log_path.empty()) {
+    log.open(options.log_path);
+    log.write(command_line(argc, argv, tool));
+  }
+  return run_tool(tool, options, log);
 }
 
 /// " (--half-width)", the tool's option for the parameter half_width_m; empty if there is no such option.
@@ -244,21 +309,25 @@ std::string option_hint(const CLI::App& app, const Error& error) {
   return option.size() > 2 ? " (" + option + ")" : "";
 }
 
-/// Prints one line, even if a file name or a key contains line breaks.
-int fail(const std::string& tool, std::string message, ExitCode code) {
-  for (char& c : message)
+/// One line, even if a file name or a key contains line breaks.
+std::string one_line(std::string text) {
+  for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = '?';
-  std::cerr << tool << ": " << message << '\n';
-  return static_cast<int>(code);
+  return text;
 }
 
 }  // namespace
 
-Session::Session(std::string tool, std::string schema, const CommonOptions& options)
-    : tool_(std::move(tool)), schema_(std::move(schema)), options_(options), start_s_(wall_seconds()) {}
+Session::Session(const Tool& tool, const CommonOptions& options, RunLog& log)
+    : tool_(tool.name),
+      schema_(tool.schema),
+      options_(options),
+      log_(log),
+      writes_hdf5_(tool.writes_hdf5),
+      start_s_(wall_seconds()) {}
 
 void Session::resolve_config(const Tool& tool) {
-  JsonSource source = read_json(options_.config_path);
+  JsonSource source = read_config(options_.config_names, schema_);
   if (tool.expand) tool.expand(source, options_);
   apply_assignments(source, options_.assignments);
   if (tool.complete) tool.complete(source);
@@ -270,6 +339,7 @@ void Session::resolve_config(const Tool& tool) {
 OutputOptions Session::output(const std::vector<std::string>& inputs) {
   if (options_.output_path.empty()) throw UsageError("-o/--output is required");
   claim_output("-o", options_.output_path, inputs);
+  if (writes_hdf5_) require_hdf5_name(tool_, options_.output_path);
   claim_view(inputs);
   log("writes " + options_.output_path);
   return {options_.output_path, options_.overwrite, options_.compression};
@@ -285,9 +355,10 @@ void Session::claim_output(const std::string& option, const std::string& path,
   require_usable_output(path, options_.overwrite);
   std::vector<std::string> named = inputs;
   add_named_files(config_, named);
-  if (options_.config_path != "-") named.push_back(options_.config_path);
+  named.insert(named.end(), options_.config_names.begin(), options_.config_names.end());
+  named.push_back(options_.log_path);
   for (const std::string& input : named)
-    if (!input.empty() && same_file(path, input))
+    if (!input.empty() && input != "-" && same_file(path, input))
       throw UsageError("output " + path + " is an input of this run; name another file");
   for (const auto& [other, taken] : outputs_)
     if (same_file(path, taken)) throw UsageError(other + " and " + option + " name the same file, " + path);
@@ -356,8 +427,21 @@ double Session::phase(const std::string& name, const std::function<void(const Pr
 
 double Session::elapsed_s() const { return wall_seconds() - start_s_; }
 
-void Session::log(const std::string& line) const {
-  if (options_.verbose && !options_.quiet) std::cerr << tool_ << ": " << line << '\n';
+void Session::say(const std::string& text, bool shown) const {
+  const std::string line = one_line(tool_ + ": " + text);
+  log_.write(line);
+  if (shown && !options_.quiet) std::cerr << line << '\n';
+}
+
+void Session::log(const std::string& line) const { say(line, options_.verbose); }
+
+void Session::warn(const std::string& text) {
+  warnings_.push_back(text);
+  say("warning: " + text, true);
+}
+
+void Session::conclude(const std::string& text, bool must_be_seen) const {
+  say(text, must_be_seen || options_.verbose || isatty(STDERR_FILENO) != 0);
 }
 
 Json Session::summary() const {
@@ -366,7 +450,8 @@ Json Session::summary() const {
                  {"wall_s", elapsed_s()},
                  {"cpu_s", cpu_seconds()},
                  {"peak_memory_bytes", peak_memory_bytes()},
-                 {"threads", thread_count()}};
+                 {"threads", thread_count()},
+                 {"warnings", warnings_}};
   result.update(counts_);
   return result;
 }
@@ -375,26 +460,32 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   hold_closed_standard_streams();
   CLI::App app(tool.summary, tool.name);
   CommonOptions options;
+  RunLog log;
+  const auto fail = [&](const std::string& message, ExitCode code) {
+    const std::string line = one_line(tool.name + ": " + message);
+    log.write(line);
+    std::cerr << line << '\n';
+    return static_cast<int>(code);
+  };
   set_help_format(app);
   app.footer(tool.examples);
   tool.bind(app);
   bind_common(app, options, tool);
   try {
-    const ExitCode code = parse_and_run(app, argc, argv, tool, options);
+    const ExitCode code = parse_and_run(app, argc, argv, tool, options, log);
     flush_stdout();
     return static_cast<int>(code);
   } catch (const CLI::ParseError& error) {
-    return fail(tool.name, plain_message(app, error) + " (see --help)", ExitCode::usage);
+    return fail(plain_message(app, error) + " (see --help)", ExitCode::usage);
   } catch (const Error& error) {
-    return fail(tool.name, error.what() + option_hint(app, error), error.exit_code());
+    return fail(error.what() + option_hint(app, error), error.exit_code());
   } catch (const std::bad_alloc&) {
-    return fail(tool.name, "not enough memory for this run", ExitCode::data_failed);
+    return fail("not enough memory for this run", ExitCode::data_failed);
   } catch (const std::exception& error) {
     if (is_thread_refusal(error))
-      return fail(tool.name, "the system gives no further thread: allow more threads or memory, or use -t 1",
+      return fail("the system gives no further thread: allow more threads or memory, or use -t 1",
                   ExitCode::data_failed);
-    return fail(tool.name, std::string("internal error, please report it: ") + error.what(),
-                ExitCode::data_failed);
+    return fail(std::string("internal error, please report it: ") + error.what(), ExitCode::data_failed);
   }
 }
 

@@ -23,7 +23,7 @@ namespace landfall::cli {
 
 /// The options that all tools share (docs/user/cli.md).
 struct CommonOptions {
-  std::string config_path;
+  std::vector<std::string> config_names;  ///< of -c: files, "-", preset:NAME
   std::vector<std::string> assignments;
   std::string output_path;
   std::string view_path;  ///< an image of the output; empty: none
@@ -38,25 +38,29 @@ struct CommonOptions {
   bool print_schema = false;
   bool check_only = false;
   bool record_environment = false;
+  bool list_presets = false;
+  std::string log_path;
   bool print_man = false;
   bool print_completion = false;
   int compression = 1;
 };
 
 struct Tool;
+class RunLog;
 
 /// The resources of one run of a tool.
 class Session {
  public:
-  Session(std::string tool, std::string schema, const CommonOptions& options);
+  Session(const Tool& tool, const CommonOptions& options, RunLog& log);
 
   [[nodiscard]] const std::string& tool() const { return tool_; }
   [[nodiscard]] const CommonOptions& options() const { return options_; }
   /// The resolved configuration, and its name for messages.
   [[nodiscard]] const nlohmann::json& config() const { return config_; }
   [[nodiscard]] const std::string& config_name() const { return config_name_; }
-  /// Throws UsageError without -o, or if the output exists, is not possible, or is one of the run's own
-  /// inputs; the same for the image of --view. Call it before the work.
+  /// Throws UsageError without -o, or if the output exists, is not possible, has the extension of a format
+  /// that this tool does not write, or is one of the run's own inputs; the same for the image of --view. Call
+  /// it before the work.
   [[nodiscard]] OutputOptions output(const std::vector<std::string>& inputs = {});
   /// Throws UsageError if the file that `option` names cannot be an output, is one of `inputs`, the
   /// configuration or a file that the configuration names, or is another output of the run.
@@ -89,21 +93,31 @@ class Session {
   [[nodiscard]] double elapsed_s() const;
   /// Prints a line on stderr, only with --verbose.
   void log(const std::string& line) const;
+  /// Prints "TOOL: warning: text" on stderr, not with --quiet: what the user should know of a run that
+  /// succeeds.
+  void warn(const std::string& text);
+  /// Prints the result of the run in one line on stderr, if that is a terminal, with --verbose, or if it must
+  /// be seen; not with --quiet.
+  void conclude(const std::string& text, bool must_be_seen = false) const;
 
   /// Resolves the configuration of `tool`; throws UsageError.
   void resolve_config(const Tool& tool);
   [[nodiscard]] nlohmann::json summary() const;
 
  private:
+  void say(const std::string& text, bool shown) const;
   void claim_view(const std::vector<std::string>& inputs);
 
   std::string tool_;
   std::string schema_;
   CommonOptions options_;
+  RunLog& log_;
+  bool writes_hdf5_;
   std::string config_name_;
   nlohmann::json config_;
   nlohmann::json phases_ = nlohmann::json::object();
   nlohmann::json counts_ = nlohmann::json::object();
+  nlohmann::json warnings_ = nlohmann::json::array();
   std::vector<std::pair<std::string, std::string>> outputs_;  ///< option and path of each claimed output
   double start_s_;
 };
@@ -117,6 +131,7 @@ struct Tool {
   std::string examples;
   std::string schema;  ///< name for embedded_schema(); empty for a tool without a configuration
   bool has_seed = false;
+  bool writes_hdf5 = true;              ///< false: the tool checks the extension of its output itself
   bool writes = true;                   ///< false: no -o, no summary of the run
   std::function<void(CLI::App&)> bind;  ///< declares the tool's own options; opens nothing
   /// Translates the tool's own options into configuration values, before --set; may be empty.

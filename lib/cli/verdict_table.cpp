@@ -4,22 +4,14 @@
 #include <array>
 #include <optional>
 
+#include "base/number_text.h"
 #include "cli/print.h"
+#include "evaluation/verdict_text.h"
 
 namespace landfall::cli {
 namespace {
 
 using Number = std::optional<double>;
-
-std::string number(const Number& value) { return value ? print("%.6g", *value) : "-"; }
-
-std::string measured(const RequirementInfo& info) {
-  const std::string text = info.measured;
-  if (info.unit == RequirementUnit::fraction) return text + ", fraction";
-  return info.unit == RequirementUnit::bins ? text + ", bins" : text;
-}
-
-std::string verdict(const std::optional<bool>& pass) { return !pass ? "-" : *pass ? "pass" : "FAIL"; }
 
 std::string centimetres(const Number& metres) { return metres ? print("%.3f", 100 * *metres) : "-"; }
 
@@ -60,24 +52,19 @@ std::string region_text(const RegionMetrics& region) {
   return " of the mask";
 }
 
-std::string requirement_lines(const Metrics& metrics) {
-  std::string text =
-      print("%-20s %-44s %12s %10s  %s\n", "requirement", "measured as", "value", "limit", "verdict");
-  for (const RequirementInfo& info : kRequirementInfo) {
-    const Requirement& r = metrics.requirements.*info.requirement;
-    text += print("%-20s %-44s %12s %10s  %s\n", info.name, measured(info).c_str(), number(r.value).c_str(),
-                  number(r.limit).c_str(), verdict(r.pass).c_str());
-  }
-  return text + print("%-20s %-44s %12s %10s  %s\n", "all", "", "", "", verdict(metrics.pass).c_str());
+std::string row(const VerdictText& text) {
+  return print("%-19s %-40s %-8s %s\n", text.name, text.value.c_str(), text.limit.c_str(), text.verdict);
 }
 
 }  // namespace
 
 std::string verdict_table(const Metrics& metrics, const EvaluationLimits& limits) {
-  std::string text =
-      requirement_lines(metrics) + print("\nRegion: %ld bins%s; %ld invalid in %ld holes\n",
-                                         metrics.region.bin_count, region_text(metrics.region).c_str(),
-                                         metrics.coverage.invalid_count, metrics.coverage.hole_count);
+  std::string text = row({"requirement", "measured", "limit", "verdict"});
+  for (const VerdictText& requirement : verdict_texts(metrics, limits)) text += row(requirement);
+  text += row({"all", "", "", overall_verdict(metrics.requirements)});
+  text += "\nRegion: " + grouped(metrics.region.bin_count) + " bins" + region_text(metrics.region) + "; " +
+          grouped(metrics.coverage.invalid_count) + " invalid in " + grouped(metrics.coverage.hole_count) +
+          " holes\n";
   if (metrics.accuracy)
     text += accuracy_lines(*metrics.accuracy, limits) + statistics_lines(metrics.statistics);
   return text;

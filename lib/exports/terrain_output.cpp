@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file_extension.h"
+#include "base/number_text.h"
 #include "files/mesh_terrain_file.h"
 #include "files/raster_screening.h"
 #include "meshio/mesh_file.h"
@@ -73,6 +74,20 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
   return content;
 }
 
+/// What a user should know of a site that is much smaller than a pixel of its raster, or much finer.
+std::vector<std::string> posting_warnings(const DemBase& dem, const DemRaster& raster, const GridSpec& site) {
+  const double posting_m = raster.mapping.posting_m();
+  const double width_m = static_cast<double>(site.cols - 1) * site.resolution_m;
+  const std::string subject = dem.path + ": the raster has one sample per " + short_number(posting_m) + " m";
+  constexpr double kSlack = 1 + 1e-9;  // of the posting, which is the inverse of a matrix
+  if (posting_m > kSlack * width_m / 4)
+    return {subject + ", the site is only " + short_number(width_m) + " m wide: its relief is interpolated"};
+  if (site.resolution_m < posting_m / 1000)
+    return {subject + ", the grid one node per " + short_number(site.resolution_m) +
+            " m: that is more than 1,000 times finer"};
+  return {};
+}
+
 std::map<std::string, std::int64_t> count_by_kind(const std::vector<PlacedFeature>& features) {
   std::map<std::string, std::int64_t> counts;
   for (const PlacedFeature& placed : features) ++counts[feature_kinds()[placed.feature.shape.index()]];
@@ -117,19 +132,25 @@ std::vector<std::string> input_files(const TerrainConfig& config, const std::fil
 TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, TerrainOutput output) {
   const bool is_own = format_of(output.file.path) == Format::landfall;
   if (config.mesh) return build_mesh(*config.mesh, output);
+  std::vector<std::string> warnings;
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
     screen_raster(dem, links);
     DemRaster raster = dem_loader(links)(dem, site);
     output.provenance.add_input("raster", raster_id(raster), {});
+    for (std::string& warning : posting_warnings(dem, raster, site)) warnings.push_back(std::move(warning));
     return raster;
   };
-  if (is_own && config.grid.rows * config.grid.cols > StripSize().most_nodes)
-    return build_in_strips(config, load, output);
+  if (is_own && config.grid.rows * config.grid.cols > StripSize().most_nodes) {
+    TerrainContent content = build_in_strips(config, load, output);
+    content.warnings = std::move(warnings);
+    return content;
+  }
   GeneratedTerrain terrain;
   output.phase("terrain", [&](const ProgressCallback& progress) {
     terrain = generate_terrain(config.model, config.grid, load, progress);
   });
-  TerrainContent content{count_nodes(terrain.nodes), count_by_kind(terrain.features)};
+  TerrainContent content{
+      count_nodes(terrain.nodes), count_by_kind(terrain.features), {}, std::move(warnings)};
   if (is_own) {
     write_own(output, [&](LandfallFileWriter& file) { write_terrain(file, terrain); });
   } else {

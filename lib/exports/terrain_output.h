@@ -30,6 +30,7 @@ struct TerrainContent {
   std::optional<NodeCounts> nodes = {};                                 ///< of a gridded one
   std::optional<std::map<std::string, std::int64_t>> features_of = {};  ///< objects by kind
   std::optional<CleanMesh> mesh = {};                                   ///< of an imported one
+  std::vector<std::string> warnings = {};  ///< where the site does not suit the raster that it is taken from
 };
 
 /// The files of the mesh or of the rasters, which an output at `path` must not replace. The files of a raster

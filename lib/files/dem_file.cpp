@@ -2,6 +2,7 @@
 #include "files/dem_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <limits>
 
@@ -169,8 +170,8 @@ void check_layers(const DemRequest& request) {
   }
 }
 
-void write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemRequest& request,
-               const std::string& crs_wkt, const ProgressCallback& progress) {
+std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemRequest& request,
+                       const std::string& crs_wkt, const ProgressCallback& progress) {
   const Accumulator& bins = *scans.bins;
   GridLayerWriter out(file, bins.spec(), crs_wkt);
   std::vector<Layer> layers = all_layers(request.truth_at);
@@ -178,17 +179,20 @@ void write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemReq
   std::vector<GridLayerWriter::TiledLayer> tiled;
   tiled.reserve(layers.size());
   for (const Layer& layer : layers) tiled.push_back({layer.name, layer.type, layer.text});
+  std::atomic<std::int64_t> empty_bins = 0;
   const auto fill = [&](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
     std::vector<BinValues> row(static_cast<std::size_t>(tile.cols));
     for (std::int64_t r = 0; r < tile.rows; ++r) {
       const BinIndex first{tile.first.row + r, tile.first.col};
       bins.values(first, row);
+      empty_bins += std::ranges::count_if(row, [](const BinValues& bin) { return bin.count == 0; });
       const Strip strip{bins.spec(), scans, request, first, row, static_cast<std::size_t>(r * tile.stride)};
       for (std::size_t l = 0; l < layers.size(); ++l) layers[l].put(strip, values[l]);
     }
   };
   out.write_tiled(tiled, fill, progress);
   file.commit();
+  return empty_bins;
 }
 
 }  // namespace landfall

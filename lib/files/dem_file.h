@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ void check_layers(const DemRequest& request);
 
 /// Writes dem.h5 (docs/user/files/dem.md), tile by tile, and commits. The scans must have the maps from which
 /// the requested layers are computed: slopes for z_corrected, the uncertainty for the sigmas.
-void write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemRequest& request,
-               const std::string& crs_wkt, const ProgressCallback& progress = {});
+/// Returns the number of bins without a return.
+std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, const DemRequest& request,
+                       const std::string& crs_wkt, const ProgressCallback& progress = {});
 
 }  // namespace landfall

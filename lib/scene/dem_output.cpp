@@ -59,8 +59,8 @@ void compute_error_maps(GriddedScans& gridded, const std::optional<UncertaintyIn
 
 }  // namespace
 
-std::unique_ptr<Accumulator> make_dem(const RegridConfig& config, const DemSources& sources,
-                                      DemRequest layers, DemOutput output) {
+BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, DemRequest layers,
+                       DemOutput output) {
   const Scans scans = open_scans(sources.scans, output.provenance);
   std::optional<UncertaintyInputs> uncertainty;
   if (layers.uncertainty) uncertainty = uncertainty_inputs(scans, output);
@@ -74,10 +74,11 @@ std::unique_ptr<Accumulator> make_dem(const RegridConfig& config, const DemSourc
     gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty}, progress);
   });
   if (layers.uncertainty || layers.corrected) compute_error_maps(gridded, uncertainty, output.phase);
+  std::int64_t empty_bins = 0;
   output.phase("write", [&](const ProgressCallback& progress) {
-    write_dem(file, gridded, layers, scans.front()->crs_wkt(), progress);
+    empty_bins = write_dem(file, gridded, layers, scans.front()->crs_wkt(), progress);
   });
-  return std::move(gridded.bins);
+  return {gridded.bins->inside_count(), gridded.bins->outside_count(), empty_bins};
 }
 
 }  // namespace landfall

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -25,11 +25,17 @@ struct DemOutput {
   PhaseRunner phase;
 };
 
-/// Grids scans into dem.h5, and returns their bins. `layers.truth` and `layers.truth_at` are set here. The
+struct BinnedReturns {
+  std::int64_t inside_count = 0;
+  std::int64_t outside_count = 0;  ///< off the grid
+  std::int64_t empty_bins = 0;
+};
+
+/// Grids scans into dem.h5. `layers.truth` and `layers.truth_at` are set here. The
 /// provenance's configuration gives the sigmas of the uncertainty; missing ones are taken from the scans, and
 /// all are recorded. Throws UsageError as check_layers() and uncertainty_parameters() do, FormatError for a
 /// scan of another terrain, and as the readers and PoseTrack do.
-std::unique_ptr<Accumulator> make_dem(const RegridConfig& config, const DemSources& sources,
-                                      DemRequest layers, DemOutput output);
+BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, DemRequest layers,
+                       DemOutput output);
 
 }  // namespace landfall

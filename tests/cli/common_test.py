@@ -17,7 +17,7 @@ from harness import CONFIGS, INPUTS, TOOLS, ChainTest, ToolTest, read_bytes, run
 
 COMMON = ["-c,--config", "--set", "-o,--output", "-O,--overwrite", "-t,--threads", "-q,--quiet", "-v,--verbose",
           "--progress", "--no-progress", "--json", "--print-config", "--print-schema", "--check", "-V,--version",
-          "-h,--help", "--compression", "--record-environment"]
+          "-h,--help", "--compression", "--record-environment", "--log"]
 
 
 class Information(ToolTest):
@@ -30,6 +30,13 @@ class Information(ToolTest):
                 self.assertIn(option, text, name)
             self.assertEqual("--seed" in text, name in ["terrain-gen", "scan-sim"], name)
             self.assertEqual(run(name, "-h").stdout, text)
+
+    def test_texts_fit_80_columns(self):
+        for name in [*TOOLS, "landfall-info", "landfall-export"]:
+            for line in self.succeed(name, "--help").stdout.splitlines():
+                self.assertLessEqual(len(line), 80, f"{name}: {line}")
+        for line in self.succeed("scan-sim", "--list-presets").stdout.splitlines():
+            self.assertLessEqual(len(line), 80, line)
 
     def test_help_does_not_load_gdal(self):
         for name in TOOLS:
@@ -201,12 +208,12 @@ class Output(ChainTest):
         names = [("-o", "--metrics"), ("-o", "--report"), ("--metrics", "--report")]
         for first, second in names:
             others = [] if first == "-o" else ["--metrics-only"]
-            self.refuse(2, "dem-eval", self.chain.dem, *others, first, "one.html", second, "./one.html", cwd=self.folder,
-                        words=[f"{first} and {second} name the same file, ./one.html"])
+            self.refuse(2, "dem-eval", self.chain.dem, *others, first, "one", second, "./one", cwd=self.folder,
+                        words=[f"{first} and {second} name the same file, ./one"])
         self.refuse(2, "dem-eval", self.chain.dem, "-o", "e.h5", "--report", "./x.png", "--view", "x.png", cwd=self.folder,
                     words=["--view and --report name the same file"])
         self.refuse(2, "regrid", self.chain.scan, "-o", "x.png", "--view", "./x.png", "-O", cwd=self.folder,
-                    words=["-o and --view name the same file"])
+                    words=["regrid writes HDF5"])
         self.assertEqual(self.entries(), [])
 
     def test_only_a_regular_file_is_replaced(self):

@@ -141,11 +141,48 @@ class Assignments(ToolTest):
 
     def test_invalid_assignments(self):
         for name in TOOLS:
-            for text in ["a", "=1", "a=", "a=nonsense", "a=NaN", "a..b=1", '{"a":1}']:
+            for text in ["a", "=1", "a=", "a=[1", 'a="open', "a..b=1", '{"a":1}']:
                 self.refuse(2, name, "--check", "--set", text, words=["--set", text])
         self.refuse(2, "scan-sim", "--check", "--set", "seed=1", "--set", "seed.x=1", words=["--set seed.x=1"])
         self.refuse(2, "scan-sim", "--check", "--set", 'noise={"range_bias_m":1,"range_bias_m":2}',
                     words=["--set", "range_bias_m", "twice"])
+
+    def test_a_word_is_a_text(self):
+        self.assertEqual(self.resolved("regrid", "--set", "truth_at=centroid")["truth_at"], "centroid")
+        self.assertEqual(self.resolved("scan-sim", "--set", "scanner.type=flash")["scanner"], {"type": "flash"})
+        for text in ["abc", "NaN", "0,01", "1e", "True"]:
+            self.refuse(2, "scan-sim", "--check", "--set", f"noise.range_sigma_m={text}",
+                        words=["/noise/range_sigma_m", f'"{text}" is of type string, not number'])
+
+    def test_a_key_and_its_value_in_two_arguments(self):
+        for value in ["0.01", "-3", "[1,2]"]:
+            self.refuse(2, "scan-sim", "--set", "noise.range_sigma_m", value,
+                        words=[f"expected KEY=JSON; write --set noise.range_sigma_m={value}"])
+        result = self.refuse(2, "scan-sim", "--set", "noise.range_sigma_m", "--check", words=["expected KEY=JSON"])
+        self.assertNotIn("write", result.stderr)
+
+    def test_several_files_merge_in_order(self):
+        first = self.config({"laser": {"scan_time_s": 1, "pulse_rate_hz": 100}, "seed": 5}, "first.json")
+        second = self.config('// a shorter scan\n{"laser": {"scan_time_s": 0.5 /* s */}, "seed": null}', "second.json")
+        resolved = self.resolved("scan-sim", "-c", first, "--config", second)
+        self.assertEqual((resolved["laser"]["scan_time_s"], resolved["laser"]["pulse_rate_hz"]), (0.5, 100))
+        self.assertEqual(resolved["seed"], 1)  # null removes a key, which then has its default
+        self.refuse(2, "scan-sim", "-c", first, "-c", self.config({"nope": 1}, "third.json"), "--check",
+                    words=["first.json + ", "third.json: /nope"])
+
+    def test_presets(self):
+        names = [line.split()[0] for line in self.succeed("scan-sim", "--list-presets").stdout.splitlines()]
+        self.assertIn("paper", names)
+        for name in names:
+            self.succeed("scan-sim", "-c", f"preset:{name}", "--check", cwd=self.folder)
+        resolved = self.resolved("scan-sim", "-c", "preset:paper", "-c", self.config({"seed": 3}))
+        self.assertEqual((resolved["seed"], resolved["scanner"]["pattern"]["rows"]), (3, 200))
+        self.refuse(2, "scan-sim", "-c", "preset:papr", "--check", words=["did you mean preset:paper?"])
+        self.refuse(2, "regrid", "-c", "preset:paper", "--check", words=["this tool has none"])
+        self.refuse(2, "regrid", "--list-presets", words=["unknown option --list-presets"])
+
+    def test_a_part_of_a_type_suggests_it(self):
+        self.refuse(2, "terrain-gen", "--check", "--set", 'patterns=[{"type": "rocks"}]', words=['did you mean "golombek_rocks"?'])
 
     def test_config_from_standard_input(self):
         for name in TOOLS:

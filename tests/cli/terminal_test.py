@@ -53,8 +53,23 @@ class Terminal(ChainTest):
 
     def test_quiet_and_no_progress_suppress_progress(self):
         for name in TOOLS:
-            for flag in ("-q", "--no-progress"):
-                self.assertEqual(self.on_terminal(name, flag, streams=["stderr"]), "", name)
+            self.assertEqual(self.on_terminal(name, "-q", streams=["stderr"]), "", name)
+            self.assertRegex(self.on_terminal(name, "--no-progress", streams=["stderr"]), rf"\A{name}: [^\n]+\n\Z")
+
+    def test_the_result_is_the_last_line(self):
+        for name in TOOLS:
+            text = self.on_terminal(name, streams=["stderr"])
+            self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL)")
+
+    def test_metrics_only_prints_the_table(self):
+        ours, theirs = open_terminal()
+        command = [tool("dem-eval"), *self.chain.inputs("dem-eval"), "--metrics-only"]
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=theirs, stderr=subprocess.DEVNULL) as process:
+            os.close(theirs)
+            text = read_all(ours)
+        os.close(ours)
+        self.assertEqual(process.returncode, 0)
+        self.assertRegex(text, r"(?m)^requirement +measured +limit +verdict")
 
     def test_progress_can_be_forced_off_a_terminal(self):
         for name in TOOLS:
@@ -67,7 +82,7 @@ class Terminal(ChainTest):
         for name in TOOLS:
             text = self.on_terminal(name, streams=["stdout"])
             if name == "dem-eval":
-                self.assertRegex(text, r"requirement +measured as +value +limit +verdict")
+                self.assertRegex(text, r"requirement +measured +limit +verdict")
                 self.assertRegex(text, r"relative_elevation .* FAIL")
             else:
                 self.assertEqual(text, "")

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/outcomes.h"
+
+#include <algorithm>
+
+#include "base/number_text.h"
+#include "cli/verdict_table.h"
+#include "evaluation/verdict_text.h"
+
+namespace landfall::cli {
+namespace {
+
+/// The fraction of rays, or of the region's width, from which on a user should know.
+constexpr double kNotable = 0.01;
+
+}  // namespace
+
+void report_terrain(Session& session, const TerrainContent& terrain) {
+  std::string said;
+  const auto say = [&](std::size_t count, const char* what) {
+    said += (said.empty() ? "" : ", ") + grouped(static_cast<std::int64_t>(count)) + " " + what;
+  };
+  if (terrain.nodes) {
+    session.count("node_count", terrain.nodes->nodes);
+    session.count("hole_node_count", terrain.nodes->holes);
+    say(static_cast<std::size_t>(terrain.nodes->nodes), "nodes");
+    if (terrain.nodes->holes > 0) say(static_cast<std::size_t>(terrain.nodes->holes), "holes");
+  }
+  if (terrain.features_of) {
+    std::int64_t features = 0;
+    for (const auto& [kind, count] : *terrain.features_of) features += count;
+    session.count("feature_count", features);
+    session.count("feature_count_by_kind", *terrain.features_of);
+    say(static_cast<std::size_t>(features), "features");
+  }
+  if (terrain.mesh) {
+    session.count("vertex_count", terrain.mesh->mesh.vertices.size());
+    session.count("triangle_count", terrain.mesh->mesh.triangles.size());
+    session.count("welded_vertex_count", terrain.mesh->welded_vertex_count);
+    session.count("unreferenced_vertex_count", terrain.mesh->unreferenced_vertex_count);
+    session.count("degenerate_facet_count", terrain.mesh->degenerate_facet_count);
+    say(terrain.mesh->mesh.vertices.size(), "vertices");
+    say(terrain.mesh->mesh.triangles.size(), "triangles");
+  }
+  if (!said.empty()) session.conclude(said);
+  for (const std::string& warning : terrain.warnings) session.warn(warning);
+}
+
+void report_scan(Session& session, const Simulation& simulation, const ScanWriter& writer) {
+  session.count("pulse_count", simulation.pulse_count());
+  session.count("ray_count", simulation.ray_count());
+  session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
+  for (const PointStatusInfo& info : kPointStatuses)
+    if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
+  const std::int64_t misses = writer.count(PointStatus::miss);
+  const std::int64_t returns = writer.count(PointStatus::returned) + writer.count(PointStatus::false_return);
+  const std::int64_t aimed = std::max<std::int64_t>(1, returns + misses + writer.count(PointStatus::dropout));
+  const double missed = static_cast<double>(misses) / static_cast<double>(aimed);
+  session.conclude(grouped(simulation.ray_count()) + " rays: " + grouped(returns) + " returns, " +
+                   percent_text(missed) + " missed the terrain");
+  if (missed > kNotable)
+    session.warn(percent_text(missed) + " of the rays missed the terrain; enlarge it, or narrow the scan");
+}
+
+void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid) {
+  session.count("inside_count", returns.inside_count);
+  session.count("outside_count", returns.outside_count);
+  session.conclude(grouped(returns.inside_count) + " returns in the map, " + grouped(returns.outside_count) +
+                   " outside it; " + grouped(returns.empty_bins) + " of " +
+                   grouped(static_cast<std::int64_t>(grid.size())) + " bins are empty");
+}
+
+ExitCode report_evaluation(Session& session, const std::string& dem, const Evaluation& evaluation,
+                           const BinBox& scanned, bool require_pass) {
+  const BinBox region = set_box(evaluation.region);
+  const std::int64_t beyond =
+      std::max({scanned.first.row - region.first.row, scanned.first.col - region.first.col,
+                region.last.row - scanned.last.row, region.last.col - scanned.last.col});
+  const std::int64_t width =
+      std::max(region.last.row - region.first.row, region.last.col - region.first.col) + 1;
+  const bool is_empty = scanned.last.row < scanned.first.row;  // the coverage says so
+  if (!is_empty && static_cast<double>(beyond) > kNotable * static_cast<double>(width))
+    session.warn(dem + ": the judged region reaches " +
+                 short_number(static_cast<double>(beyond) * evaluation.region.spec().resolution_m) +
+                 " m beyond the scanned area; reduce it (region_radius_m), or scan more");
+  const Metrics& metrics = evaluation.metrics;
+  const std::string missed = missed_requirements(metrics);
+  const bool refused = require_pass && !metrics.pass.value_or(false);
+  session.conclude(
+      refused ? dem + ": missed or not judged: " + missed
+              : dem + ": " + overall_verdict(metrics.requirements) + (missed.empty() ? "" : ": " + missed),
+      refused);
+  return refused ? ExitCode::requirement_missed : ExitCode::done;
+}
+
+}  // namespace landfall::cli

@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a run says beyond errors: its conclusion, warnings, the log, and which output names it refuses."""
+import json
+import unittest
+
+from harness import EVAL, REGRID, TERRAIN, TOOLS, ChainTest, read_bytes, run, with_values
+
+
+class Conclusion(ChainTest):
+    """One line at the end of each tool, on a terminal (terminal_test.py) and with -v."""
+
+    LINE = {"terrain-gen": r"14,641 nodes, 3 features", "scan-sim": r"25,600 rays: [0-9,]+ returns, 0 % missed the terrain",
+            "regrid": r"[0-9,]+ returns in the map, [0-9,]+ outside it; [0-9,]+ of 10,201 bins are empty",
+            "dem-eval": r".*dem\.h5: FAIL: [a-z_, ]+"}
+
+    def test_each_tool_says_its_result(self):
+        for name in TOOLS:
+            result = run(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", "-v")
+            self.assertRegex(result.stderr.splitlines()[-1], rf"^{name}: {self.LINE[name]}$")
+
+    def test_a_refused_dem_says_why_once(self):
+        result = run("dem-eval", *self.chain.inputs("dem-eval"), "--metrics", self.path("m.json"), "--require-pass")
+        self.assertEqual((result.returncode, result.stdout), (3, ""))
+        self.assertRegex(result.stderr, r"\Adem-eval: .*dem\.h5: missed or not judged: [a-z_, ]+\n\Z")
+
+
+class Warnings(ChainTest):
+    """A warning is one line on stderr and in --json; -q suppresses it; the exit status stays 0."""
+
+    def warning(self, name, *arguments):
+        arguments = [name, *arguments, "-O"]
+        quiet = run(*arguments, "-q")
+        self.assertEqual((quiet.returncode, quiet.stderr), (0, ""))
+        result = run(*arguments, "--json")
+        self.assertEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, rf"\A{name}: warning: [^\n]+\n\Z")
+        text = result.stderr.removeprefix(f"{name}: warning: ").rstrip("\n")
+        self.assertEqual(json.loads(result.stdout)["warnings"], [text])
+        return text
+
+    def test_rays_that_miss_the_terrain(self):
+        small = self.path("small.h5")
+        self.succeed("terrain-gen", "-c", self.config(with_values(TERRAIN, grid__half_width_m=3)), "-o", small)
+        text = self.warning("scan-sim", "-c", self.chain.config("scan-sim"), "--terrain", small, "-o", self.path("s.h5"))
+        self.assertRegex(text, r"^[0-9.]+ % of the rays missed the terrain; enlarge it, or narrow the scan$")
+        summary = json.loads(run("scan-sim", "-c", self.chain.config("scan-sim"), "--terrain", small, "-o",
+                                 self.path("s.h5"), "-O", "--json", "-q").stdout)
+        share = summary["miss_count"] / sum(summary[f"{key}_count"] for key in ("miss", "return", "dropout", "false_return"))
+        self.assertAlmostEqual(float(text.split()[0]), 100 * share, delta=0.1)
+        self.assertGreater(share, 0.01)
+
+    def test_a_region_beyond_the_scan(self):
+        dem = self.path("wide.h5")
+        self.succeed("regrid", self.chain.scan, "-o", dem, "-c", self.config(with_values(REGRID, half_width_m=8)))
+        text = self.warning("dem-eval", dem, "-c", self.config(with_values(EVAL, region_radius_m=7.5)), "-o",
+                            self.path("e.h5"))
+        self.assertRegex(text, r"wide\.h5: the judged region reaches [0-9.]+ m beyond the scanned area; reduce it")
+
+    def test_a_raster_coarser_than_a_quarter_of_the_site(self):
+        raster = self.path("raster.tif")
+        self.succeed("terrain-gen", "-o", raster, "--set", "grid.half_width_m=50", "--set", "grid.resolution_m=10")
+        text = self.warning("terrain-gen", "--from", raster, "--half-width", "10", "--resolution", "1", "-o",
+                            self.path("t.h5"))
+        self.assertIn("one sample per 10 m, the site is only 20 m wide: its relief is interpolated", text)
+        text = self.warning("terrain-gen", "--from", raster, "--half-width", "25", "--resolution", "0.005", "-o",
+                            self.path("t.h5"), "--set", "grid={\"half_width_m\": 25, \"resolution_m\": 0.0078125}")
+        self.assertIn("one node per 0.00781 m: that is more than 1,000 times finer", text)
+        self.succeed("terrain-gen", "--from", raster, "--half-width", "20", "--resolution", "1", "-o", self.path("u.h5"))
+
+
+class Log(ChainTest):
+    def test_it_keeps_what_quiet_omits_and_grows(self):
+        log = self.path("run.log")
+        for name in TOOLS:
+            self.succeed(name, *self.chain.inputs(name), "-o", self.path("out.h5"), "-O", "-q", "--log", log)
+            self.assertEqual(read_bytes(self.path("out.h5")), read_bytes(self.chain.output(name)))
+        self.refuse(1, "dem-eval", self.path("nowhere.h5"), "--table", "--log", log)
+        with open(log, encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        self.assertEqual(lines[0], "# landfall log")
+        self.assertEqual([line.split()[1] for line in lines if line.startswith("$ ")], [*TOOLS, "dem-eval"])
+        for name in TOOLS:
+            self.assertTrue(any(line.startswith(f"{name}: writes ") for line in lines), name)
+        self.assertRegex(lines[-1], r"^dem-eval: .*nowhere\.h5: no such file$")
+
+    def test_no_other_file_is_changed(self):
+        before = read_bytes(self.chain.scan)
+        self.refuse(2, "regrid", self.chain.scan, "-o", self.path("out.h5"), "--log", self.chain.scan,
+                    words=["is not a log of landfall"])
+        self.assertEqual(read_bytes(self.chain.scan), before)
+        self.refuse(2, "regrid", self.chain.scan, "-o", self.path("out.h5"), "--log", self.folder, words=["--log"])
+        self.refuse(2, "regrid", self.chain.scan, "-o", self.path("out.h5"), "--log", self.path("no/folder.log"),
+                    words=["--log", "cannot be written"])
+
+
+class OutputNames(ChainTest):
+    """The extension of another format is refused with the command that makes that format."""
+
+    def test_formats_that_landfall_export_writes(self):
+        for name, file in [("scan-sim", "scan.las"), ("scan-sim", "scan.PLY"), ("regrid", "dem.tif"), ("dem-eval", "e.csv")]:
+            own = file.split(".")[0] + ".h5"
+            self.refuse(2, name, *self.chain.inputs(name), "-o", self.path(file),
+                        words=[f"{name} writes HDF5; name it ", f"landfall-export {self.path(own)} -o {self.path(file)}"],
+                        output=self.path(file))
+
+    def test_formats_that_nobody_writes(self):
+        result = self.refuse(2, "regrid", self.chain.scan, "-o", self.path("dem.json"), words=["name it "])
+        self.assertNotIn("landfall-export", result.stderr)
+
+    def test_the_command_of_the_message_works(self):
+        message = run("regrid", *self.chain.inputs("regrid"), "-o", self.path("dem.tif")).stderr
+        self.succeed("regrid", *self.chain.inputs("regrid"), "-o", self.path("dem.h5"))
+        self.succeed(*message.rstrip("\n").split("then run: ")[1].split())
+        self.assertEqual(read_bytes(self.path("dem.tif"))[:4], b"II*\0")
+
+    def test_other_names_are_accepted(self):
+        for name in ["dem.nc", "dem", "dem_0.05", "dem.h5.new"]:
+            self.succeed("regrid", *self.chain.inputs("regrid"), "-o", self.path(name))
+            self.assertEqual(read_bytes(self.path(name)), read_bytes(self.chain.dem))
+
+
+class Evaluation(ChainTest):
+    """What dem-eval needs: something to write, of any kind."""
+
+    def test_a_report_needs_no_layers(self):
+        self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--report", self.path("r.html"))
+        self.assertIn("r.html", self.entries())
+
+    def test_without_anything_to_write(self):
+        self.refuse(2, "dem-eval", *self.chain.inputs("dem-eval"), words=["nothing to write; give -o, --metrics, --report"])
+
+    def test_metrics_only_is_json_in_a_pipe(self):
+        result = self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--metrics-only")
+        self.assertEqual(json.loads(result.stdout)["format"], "landfall.metrics")
+
+    def test_a_failure_outweighs_what_is_not_judged(self):
+        dem = self.path("no_truth.h5")
+        self.succeed("regrid", self.chain.scan, "-o", dem, "-c", self.chain.config("regrid"))
+        table = run("dem-eval", dem, "-c", self.chain.config("dem-eval"), "--table", "-q").stdout
+        self.assertRegex(table, r"(?m)^relative_elevation +no truth to compare with +5 cm +not judged$")
+        self.assertRegex(table, r"(?m)^all +(FAIL|not judged)$")
+        strict = run("dem-eval", dem, "--table", "-q", "-c", self.config(with_values(EVAL, limits__invalid_frac=0))).stdout
+        self.assertRegex(strict, r"(?m)^all +FAIL$")
+
+
+if __name__ == "__main__":
+    unittest.main()
