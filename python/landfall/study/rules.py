@@ -247,8 +247,8 @@ def _special(target, names):
 def write_if_changed(path, text):
     """Writes a file whole or not at all; one that holds the text keeps its time. True where it was written."""
     try:
-        with open(path, encoding="utf-8") as file:
-            if file.read() == text:
+        with open(path, "rb") as file:
+            if file.read() == text.encode():
                 return False
     except FileNotFoundError:
         pass
