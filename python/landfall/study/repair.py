@@ -12,7 +12,7 @@ import re
 from landfall.study import rules, stages
 
 CHECKSUM = "# checksum: "
-PLAN = ("tools.txt", "targets.txt", "cases.json")
+PLAN = ("tools.txt", "targets.txt", "names.txt", "cases.json")
 # Written by Python under such names first; the number is the process.
 TEMPORARY = re.compile(r"(?:\..*\.(\d+)\.part|.*\.(\d+)\.tmp)")
 HDF5 = b"\x89HDF\r\n\x1a\n"

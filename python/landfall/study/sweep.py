@@ -25,7 +25,8 @@ from landfall import tools
 from landfall.command import Parser
 from landfall.errors import ToolError, UsageError
 from landfall.schema import read_json, shown
-from landfall.study import lock, model, reader, repair, rules, session, stages
+from landfall.study import lock, model, names, reader, repair, rules, session, stages
+from landfall.study.names import counted
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval"}
 MOST_CHECKS_PER_AXIS = 100
@@ -90,16 +91,12 @@ def plan(options):
           f"{counted(len(graph.eval), 'evaluation')}; {written} files written")
 
 
-def counted(number, noun):
-    return f"{number} {noun}" + ("" if number == 1 else "s")
-
-
 def write_plan(options, study, graph, fragment, versions):
     """Writes what changed and returns how many files that were; study.mk, last, always gets a new time."""
     for folder in rules.folders(graph):
         os.makedirs(os.path.join(options.out, folder), exist_ok=True)
     files = {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
-    files |= {"tools.txt": versions, "targets.txt": fragment.targets(),
+    files |= {"tools.txt": versions, "targets.txt": fragment.targets(), "names.txt": rules.names_text(study, graph),
               "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph)),
               "study.mk": fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)}
     files["study.mk"] += f"{repair.CHECKSUM}{repair.checksum(files)}\n"
@@ -249,21 +246,36 @@ def free(options):
 
 def status(options):
     cases = read_folder(options.folder)
-    missing = set(session.missing_targets(options.folder))
-    metrics = list(dict.fromkeys(case[-1] for case in cases))
-    logs = {metrics: log for metrics, log, *_ in session.read_targets(options.folder)}
-    failed = {name: reason for name in sorted(missing)
-              if (reason := failure(options.folder, logs.get(name) or log_of(name)))}
-    lost = [name for name in metrics if name in missing]
-    print(f"{len(metrics) - len(lost)} done, {len([name for name in lost if name in failed])} failed, {len(lost)} left, "
-          f"of {counted(len(metrics), 'evaluation')} for {counted(len(cases), 'case')}")
-    for name, reason in failed.items():
-        print(f"{name}: {reason}")
+    done, failed, left = states(options.folder, [case[-1] for case in cases["cases"]])
+    failures = sum(map(len, failed.values()))
+    print(f"{len(done)} done, {failures} failed, {len(left)} left, of {counted(len(cases['cases']), 'case')}")
+    by_values = names.CaseNames(cases["axes"], cases["cases"])
+    for reason, numbers in failed.items():
+        count = f" ({counted(len(numbers), 'case')})" if len(numbers) > 1 else ""
+        print(f"{by_values.of_cases(numbers)}{count}: {reason}")
+
+
+def states(folder, metrics):
+    """Numbers of the cases that are done, {how a stage failed: numbers}, and of those that are left, by their metrics."""
+    missing = set(session.missing_targets(folder))
+    made_by = {name: [(need, log_of(need)) for need in needs] + [(name, log)] for name, log, *needs in session.read_targets(folder)}
+    done, failed, left, reasons = [], {}, [], {}
+    for number, name in enumerate(metrics):
+        if name not in missing:
+            done.append(number)
+            continue
+        logs = [log for need, log in made_by.get(name, []) if need in missing]
+        for log in logs:
+            if log not in reasons:
+                reasons[log] = failure(folder, log)
+        reason = next((reasons[log] for log in logs if reasons[log]), None)
+        (failed.setdefault(reason, []) if reason else left).append(number)
+    return done, failed, left
 
 
 def read_folder(folder):
     from landfall.study import results  # needs h5py, which a plan does not
-    return results.read_cases(folder)["cases"]
+    return results.read_cases(folder)
 
 
 def log_of(name):
