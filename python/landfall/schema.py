@@ -3,6 +3,7 @@
 
 It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError.
 """
+import codecs
 import json
 import re
 
@@ -15,10 +16,12 @@ WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "ty
 
 
 def read_json(path):
-    """The file's value. Rejects duplicate keys, NaN and infinity."""
+    """The file's value. Rejects duplicate keys, NaN, infinity and NUL bytes; skips a byte order mark at the start."""
     try:
-        with open(path, encoding="utf-8") as file:
-            return json.load(file, object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
+        with open(path, "rb") as file:
+            data = file.read().removeprefix(codecs.BOM_UTF8)
+        _reject_nul(data)
+        return json.loads(data.decode(), object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
@@ -41,6 +44,13 @@ def type_of(value):
     if _is(value, "number"):
         return "integer" if isinstance(value, int) else "number"
     return next(name for name, kind in TYPES.items() if isinstance(value, kind))
+
+
+def _reject_nul(data):
+    at = data.find(b"\0")
+    if at >= 0:
+        line_start = data.rfind(b"\n", 0, at) + 1
+        raise ValueError(f"a NUL byte at line {data.count(10, 0, at) + 1}, column {at - line_start + 1}")
 
 
 def _unique(pairs):

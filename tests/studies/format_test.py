@@ -94,6 +94,15 @@ class Cases(StudyTest):
         self.assertEqual(self.config(tree, "scan"),
                          {"trajectory": {"type": "table", "path": self.path("data/way.csv")}, "seed": 3})
 
+    def test_a_byte_order_mark_is_skipped(self):
+        """At the start of a study and of a file that it names; a position is counted without it."""
+        self.write("\ufeff" + json.dumps({"seed": 7}), "marked.scan")
+        with_mark = {"base": {"scan": "marked.scan.json"}, "title": "T"}
+        read = reader.read_study(self.write("\ufeff" + json.dumps(with_mark)))
+        self.assertEqual((read.title, read.base["scan"]), ("T", {"seed": 7}))
+        with self.assertRaisesRegex(UsageError, "a NUL byte at line 1, column 3"):
+            reader.read_study(self.write("\ufeff{}\0"))
+
     def test_repeats_have_the_same_seeds_at_every_point(self):
         tree = study(RESOLUTIONS, repeat={"count": 3, "first_seed": 11, "seeds": ["scan.seed", "terrain.seed"]})
         self.assertEqual(self.values(tree), [[r, n] for r in (0.1, 0.2) for n in (1, 2, 3)])
@@ -140,6 +149,9 @@ BAD = [
     ('{"set": {"scan.noise.range_sigma_m": 1e999}}', ["1e999"]),
     ("[]", ["[]", "is of type array, not object"]),
     ({"axis": []}, ["/axis", "unknown key; known: ", "axes"]),
+    ("{}\0", ["not JSON: a NUL byte at line 1, column 3"]),
+    ('{\n "title": "a\0b"}', ["not JSON: a NUL byte at line 2, column 13"]),
+    ('{"title":\ufeff"a"}', ["not JSON: Expecting value: line 1 column 10"]),
     ({"name": "a b"}, ["/name", '"a b"', "does not match"]),
     ({"base": {"lidar": {}}}, ["/base/lidar", "unknown key", "terrain, scan, regrid, eval"]),
     ({"base": {"scan": 3}}, ["/base/scan", "3 is of type integer, not string or object"]),

@@ -3,6 +3,7 @@
 """Makefile.studies study: only new results are built, failures do not affect other cases, and no other files are kept."""
 import json
 import os
+import re
 import subprocess
 import unittest
 
@@ -90,11 +91,12 @@ class Builds(StudyTest):
         self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))
         result = self.make("study-results", "-k", "-j2", code=2)
         self.assertEqual(len(self.files("metrics")), 2)
-        self.assertRegex(result.stderr, r"FAILED \(exit 2\): metrics [0-9a-f]{16}; the end of \S+\.log:\n +dem-eval: .*region")
+        self.assertRegex(result.stderr, r"FAILED \(exit 2\): metrics of half width 2 m; the end of \S+\.log:\n +dem-eval: .*region")
+        self.assertRegex(result.stdout, r"(?m)^\[\d done, .*\] metrics of half width 5 m \(\d+\.\d s\)$")
         self.assertFalse(os.path.exists(self.out("results.csv")))
         status = self.make("study-status").stdout
-        self.assertIn("2 done, 1 failed, 1 left, of 3 evaluations for 3 cases", status)
-        self.assertRegex(status, r"metrics/[0-9a-f]{16}\.json: exit 2 after .* s: dem-eval: ")
+        self.assertIn("2 done, 1 failed, 0 left, of 3 cases\n", status)
+        self.assertRegex(status, r"(?m)^half width 2 m: exit 2 after .* s: dem-eval: ")
         self.assertIn("2 cases", self.make("study-partial").stdout)
         self.assertEqual([row["case"] for row in self.rows()], ["0", "2"])
         self.assertIn("No such file", self.sweep("collect", self.out(), code=1).stderr)
@@ -105,7 +107,26 @@ class Builds(StudyTest):
         self.write(study(sigmas, {"key": "regrid.half_width_m", "list": [5, 2]}, set={"scan.laser.scan_time_s": 0.05}))
         self.make("study-results", "-k", "-j2", code=2)
         self.assertEqual(len(self.files("metrics")), 17)
-        self.assertIn("17 done, 17 failed, 17 left", self.make("study-status").stdout)
+        status = self.make("study-status").stdout
+        self.assertIn("17 done, 17 failed, 0 left, of 34 cases", status)
+        self.assertRegex(status, r"(?m)^range sigma 0\.01 m, half width 2 m: exit 2 after .* s: dem-eval: ")
+        log = next(name for name in self.files("log") if name.startswith("metrics-") and name.endswith(".log"))
+        self.assertRegex(read(self.out("log", log)).decode(), r"\n# metrics of range sigma 0\.\d+ m\n")
+
+    def test_cases_of_a_stage_that_failed(self):
+        """All cases of a scan fail with it; a case that nothing was tried for is left."""
+        self.write(study(SIGMAS, LIMITS))
+        self.make("study-plan")
+        config = self.out("config", "scan")
+        for name in self.files("config", "scan"):
+            if b'"range_sigma_m": 0.02' in read(os.path.join(config, name)):
+                bad = re.search(rf"stage,dem,([0-9a-f]{{16}}),.*scan \$O/config/scan/{name} ", read(self.out("study.mk")).decode())[1]
+        os.makedirs(self.out("log"), exist_ok=True)
+        with open(self.out("log", f"dem-{bad}.log"), "w", encoding="utf-8") as file:
+            file.write("# scan-sim\nscan-sim: no room\n# exit 1 after 0.10 s\n")
+        status = self.make("study-status").stdout
+        self.assertIn("0 done, 2 failed, 4 left, of 6 cases\n", status)
+        self.assertRegex(status, r"(?m)^range sigma 0\.02 m \(2 cases\): exit 1 after 0\.10 s: scan-sim: no room \(")
 
     def test_results(self):
         self.write(study(SIGMAS, {"name": "kind", "variants": {"a": {"eval.footprint_m": 0.7}, "b": {"eval.footprint_m": 0.5}}}))

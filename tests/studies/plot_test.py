@@ -181,6 +181,57 @@ class Plots(unittest.TestCase):
         texts = [text.get_text() for text in verdicts.shares_figure(results, 0.5).axes[0].texts]
         self.assertIn("84 %", texts)
 
+    def test_metrics_by_the_share_of_their_limits(self):
+        """0.043 m of 0.05 m, half of the bins where none is allowed, what has no limit, and last what never changes."""
+        results = self.results("sigma_m", "loss_frac", "repeat")
+        largest, count = "accuracy.relative.z.max_m", "requirements.relative_elevation.value"
+        results.columns["statistics.z.mean_m"] = list(range(len(results.columns["case"])))
+        results.columns["coverage.largest_hole_bins"] = [9] * len(results.columns["case"])
+        self.assertAlmostEqual(results.share_used(largest), 0.543 / 0.05)
+        self.assertAlmostEqual(results.share_used(count), 0.543 / 0.05)  # that of its requirement: its own limit is 0
+        self.assertTrue(math.isnan(results.share_used("statistics.z.mean_m")))
+        for values in ([0.001, 0.02, 0.01], [0.001, -0.02, float("nan")]):
+            results.columns["accuracy.relative.x.max_m"] = (values * 9)[:len(results.columns["case"])]
+            results.limits["relative_horizontal_m"] = 0.1
+            self.assertAlmostEqual(results.share_used("accuracy.relative.x.max_m"), 0.2)
+            self.assertEqual(results.by_use(["coverage.largest_hole_bins", "statistics.z.mean_m", "accuracy.relative.x.max_m", largest]),
+                             [largest, "accuracy.relative.x.max_m", "statistics.z.mean_m", "coverage.largest_hole_bins"])
+        names = ["coverage.invalid_frac", largest]
+        self.plot(self.table(("sigma_m", "repeat"), metrics=names), "-o", self.path("f"))
+        for arguments, order in (([], names[::-1]), (["--metrics", ",".join(names)], names)):
+            self.plot(self.path("results.h5"), "-O", "-o", self.path("f"), *arguments)
+            with open(self.path("f", "percentiles.csv"), encoding="utf-8") as file:
+                self.assertEqual(list(dict.fromkeys(row["metric"] for row in csv.DictReader(file))), order)
+
+    def test_the_sign_of_errors_is_stated(self):
+        results = self.results("sigma_m", "loss_frac", "repeat")
+        errors, shares = "accuracy.relative.z.max_m", "coverage.invalid_frac"
+        sign = "error = true - estimated, absolute value"
+        for metric, text in ((errors, sign), (shares, "")):
+            figure = figures.metric_figure(results, metric, results.axes[0], 0.5)
+            self.assertEqual(figure.axes[0].get_title().split("\n")[2:], [text] if text else [])
+            figure = figures.map_figure(results, metric, (results.axes[0], results.axes[1]), 0.5)
+            self.assertEqual(figure.axes[1].get_ylabel().split("\n")[1:], [text] if text else [])
+        self.assertIn(sign, figures.overview_figure(results, [errors, shares], results.axes[0], 0.5)._suptitle.get_text())
+        self.assertEqual(table.error_sign(["statistics.z.mean_m", errors]), "error = true - estimated")
+
+    def test_a_map_has_the_limit_on_its_scale(self):
+        """At most 43 mm are measured; a requirement far above is only named."""
+        for limit, drawn in ((0.05, True), (0.01, True), (1.4, False)):
+            results = self.results("sigma_m", "repeat", limits={"relative_elevation_m": limit})
+            results.axes.append(dataclasses.replace(results.axes[0], name="b", values=(0,)))
+            results.points = [dataclasses.replace(point, values=(*point.values, 0)) for point in results.points]
+            axes, bar = figures.map_figure(results, "accuracy.relative.z.max_m", tuple(results.axes), 0.5).axes
+            (image,) = axes.get_images()
+            low, high = sorted([0.2, 4.2, 100 * limit])[::2] if drawn else (0.2, 4.2)  # cm
+            np.testing.assert_allclose([image.norm.vmin, image.norm.vmax], [low, high])
+            self.assertEqual([line.get_ydata()[0] for line in bar.get_lines()], [100 * limit] if drawn else [])
+
+    def test_no_unit_twice(self):
+        for metric, unit, label in (("statistics.z.mean_m", "m", "statistics.z.mean"), ("region.bin_count", "1", "region.bin_count"),
+                                    ("accuracy.relative.z.max_m", "m", "relative elevation error, largest")):
+            self.assertEqual(table.metric_label(metric, unit), label)
+
     def test_series_and_kinds(self):
         results = self.results("sigma_m", "kind", "repeat")
         figure = figures.metric_figure(results, "accuracy.relative.z.max_m", results.axes[0], 0.5)

@@ -197,7 +197,9 @@ class ChangedStudy(ReportTest):
         self.assertRegex(log, r"^log/metrics-[0-9a-f]{16}\.log$")
         self.assertRegex(end, r"^exit 2 after ")
         self.assertRegex(tail[-1], r"dem-eval: .*region_radius_m: 3.5 does not fit")
-        self.assertIn(tail[-1].split("/")[0], read(self.out("report.html")).decode())
+        text = read(self.out("report.html")).decode()
+        self.assertIn(tail[-1].split("/")[0], text)
+        self.assertIn('1 case, <a href="#case-1">half width 2 m</a>: exit 2 after ', text)
         os.remove(self.out(log))  # as for a case that was never run
         self.report("-O")
         self.assertEqual((self.page().tree["failures"]), {"logs": [], "notMade": [1]})
@@ -326,7 +328,7 @@ class InBrowser(ReportTest):
         self.assertEqual(sorted(self.seen_cases()), [3, 4, 5])
         self.by_css('.window tr[data-case="4"] button').click()
         detail = self.by_css("#case-detail").text
-        self.assertIn("Case 4: range_sigma_m 0.01 m, resolution_m 0.2 m, repeat 2", detail)
+        self.assertIn("Case 4: range sigma 0.01 m, resolution 0.2 m, repeat 2", detail)
         self.assertIn("relative elevation", detail)
         self.by_css("#close").click()
         self.assertEqual(self.run_script("return document.activeElement.textContent"), "4")
@@ -348,7 +350,7 @@ class InBrowser(ReportTest):
         self.make("study-partial")
         self.browser.get("file://" + self.out("report.html") + "#case-1")
         detail = self.by_css("#case-detail").text
-        self.assertIn("half_width_m 2 m", detail)
+        self.assertIn("half width 2 m", detail)
         self.assertIn("does not fit the DEM", detail)
         self.choose("verdict", "error")
         self.assertEqual(self.seen_cases(), [1])

@@ -7,7 +7,8 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-from landfall.study.table import METRIC_NAMES
+from landfall.study.names import digits_of, number, with_unit
+from landfall.study.table import error_sign, metric_label
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
@@ -32,8 +33,8 @@ class Scale:
     """How a metric is shown: metres as cm or mm where these suit."""
 
     def __init__(self, results, metric):
-        self.name = METRIC_NAMES.get(metric, metric)
         self.unit, self.factor = results.units[metric], 1
+        self.name = metric_label(metric, self.unit)
         largest = largest_value(results, metric)
         if self.unit == "m" and 0 < largest < 0.5:
             self.unit, self.factor = ("cm", 100) if largest >= 0.01 else ("mm", 1000)
@@ -54,20 +55,9 @@ def largest_value(results, metric):
     return max((abs(value) for point in results.points for value in results.values(point, metric)), default=0)
 
 
-def with_unit(value, unit):
-    unit = "bin" if unit == "bins" and value == 1 else unit
-    return f"{number(value)} {unit}" if unit not in ("", "1") else number(value)
-
-
 def point_name(axes, values):
-    return ", ".join(f"{axis.label} {with_unit(value, axis.unit)}" if axis.numeric else str(value)
+    return ", ".join(f"{axis.label} {with_unit(value, axis.unit, digits_of(axis.values))}" if axis.numeric else str(value)
                      for axis, value in zip(axes, values))
-
-
-def number(value):
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    return f"{value:,.0f}" if 1000 <= abs(value) < 1e7 else f"{value:.3g}"
 
 
 def estimate_name(results, quantile):
@@ -87,8 +77,8 @@ def metric_figure(results, metric, x, quantile):
         draw_distribution(axes, results, metric, scale)
     else:
         draw_series(axes, results, metric, scale, x, quantile)
-    subtitle = estimate_name(results, quantile) if x else ""
-    axes.set_title(results.title + (f"\n{subtitle}" if subtitle else ""), fontsize=10)
+    notes = [estimate_name(results, quantile) if x else "", error_sign([metric])]
+    axes.set_title("\n".join(filter(None, [results.title, *notes])), fontsize=10)
     axes.grid(True, color="0.9")
     return figure
 
@@ -240,8 +230,12 @@ def map_figure(results, metric, pair, quantile):
         rates[at] = results.pass_rate(point, "all")
     wide, tall = min(max(5, len(columns)), WIDEST_MAP), min(max(4, len(rows)), TALLEST_MAP)
     figure, axes = plt.subplots(figsize=(2.6 + 0.75 * wide, 2.0 + 0.5 * tall), constrained_layout=True)
-    image = axes.imshow(values, origin="lower", aspect="auto", cmap="cividis", norm=map_norm(values))
-    figure.colorbar(image, ax=axes, label=scale.title())
+    limit = results.limit(metric)
+    far = limit is None or limit * scale.factor > FAR_LIMIT * np.nanmax(values, initial=0)
+    image = axes.imshow(values, origin="lower", aspect="auto", cmap="cividis", norm=map_norm(values, None if far else limit * scale.factor))
+    bar = figure.colorbar(image, ax=axes, label="\n".join(filter(None, [scale.title(), error_sign([metric])])))
+    if not far:
+        bar.ax.axhline(limit * scale.factor, color=LIMIT_COLOR, linewidth=2.5)
     if len(columns) <= WIDEST_MAP and len(rows) <= TALLEST_MAP:
         write_cells(axes, values, rates, image)
     else:
@@ -250,18 +244,18 @@ def map_figure(results, metric, pair, quantile):
     axes.set_yticks(*map_ticks(rows, TALLEST_MAP))
     axes.set_xlabel(x.title())
     axes.set_ylabel(y.title())
-    limit = results.limit(metric)
     notes = [estimate_name(results, quantile).split(",")[0], scale.requirement(metric, limit) if limit is not None else "",
              "framed: every case passes all requirements"]
     axes.set_title(results.title + "\n" + "; ".join(note for note in notes if note), fontsize=9)
     return figure
 
 
-def map_norm(values):
-    finite = values[np.isfinite(values)]
+def map_norm(values, limit):
+    """From the least to the largest of the values and of the requirement."""
+    finite = np.append(values[np.isfinite(values)], [] if limit is None else limit)
     if finite.size and finite.min() > 0 and finite.max() / finite.min() > 100:
         return matplotlib.colors.LogNorm(finite.min(), finite.max())
-    return None
+    return matplotlib.colors.Normalize(finite.min(), finite.max()) if finite.size else None
 
 
 def map_ticks(values, most):
@@ -308,8 +302,8 @@ def overview_figure(results, metrics, x, quantile):
         draw_panel(axes, results, metric, x, quantile, with_series=index == 0)
     for axes in panels.flat[len(shown):]:
         axes.set_visible(False)
-    note = estimate_name(results, quantile)
-    figure.suptitle(results.title + (f"\n{note}" if note else ""), fontsize=11)
+    notes = ["; ".join(filter(None, [estimate_name(results, quantile), error_sign(shown)]))]
+    figure.suptitle("\n".join(filter(None, [results.title, *notes])), fontsize=11)
     return figure
 
 

@@ -78,6 +78,16 @@ def unit_of(name):
     return UNITS.get(name.rsplit("_", 1)[-1], "") if "_" in name else ""
 
 
+def without_unit(name, unit):
+    """The name without the unit that it ends in, for texts that give the unit beside it: range_sigma_m -> range_sigma."""
+    return name.rsplit("_", 1)[0] if unit not in ("", "1") and "_" in name and name.rsplit("_", 1)[1] in UNITS else name
+
+
+def label_of(name, unit):
+    """The label of an axis that has none: range_sigma_m -> range sigma."""
+    return without_unit(name, unit).replace("_", " ")
+
+
 # Configurations
 
 

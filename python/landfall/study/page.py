@@ -6,8 +6,9 @@ import json
 import os
 
 from landfall.errors import DataError
-from landfall.study.figures import number, with_unit
-from landfall.study.table import METRIC_NAMES, REQUIREMENTS
+from landfall.study.model import label_of
+from landfall.study.names import counted, number, with_unit
+from landfall.study.table import error_sign, metric_label, REQUIREMENTS
 
 # The page sends no request, whatever texts it shows.
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
@@ -28,7 +29,7 @@ def page(tree, figures, styles, scripts):
     """The whole document; `figures` is the folder with those of plot_study.py, styles and scripts are texts that it holds."""
     sections = [("verdicts", "Verdicts", verdicts(tree)), ("failed", "Cases that were not made", failed(tree)),
                 ("tried", "What was tried", tried(tree)), ("points", "Points", points(tree)), ("cases", "Cases", CASES),
-                ("figures", "Figures", figure_panels(figures, tree["metrics"])), ("provenance", "Provenance", provenance(tree))]
+                ("figures", "Figures", figure_panels(figures, tree)), ("provenance", "Provenance", provenance(tree))]
     sections = [section for section in sections if section[2]]
     links = "".join(f'<a href="#{name}">{title}</a>' for name, title, _ in sections)
     body = "".join(f'<section id="{name}"><h2>{title}</h2>\n{text}</section>\n' for name, title, text in sections)
@@ -49,10 +50,6 @@ def data(tree):
     points_of_table = [{"cases": point["cases"]} for point in tree["points"]] if repeat_count(tree) > 1 else []
     text = json.dumps({**tree, "points": points_of_table}, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
-
-
-def counted(count, noun):
-    return f"{count:,} {noun}" + ("" if count == 1 else "s")
 
 
 def size(tree):
@@ -100,17 +97,18 @@ def failed(tree):
     """What failed, by log, with its end; and what was not run."""
     text = ""
     for log, end, tail, cases in tree["failures"]["logs"]:
-        text += (f"<p>{verdict('error')} {case_list(cases)}: {escaped(end)}, {escaped(log)}</p>\n"
+        text += (f"<p>{verdict('error')} {case_list(tree, cases)}: {escaped(end)}, {escaped(log)}</p>\n"
                  f"<pre>{escaped(chr(10).join(tail) or 'no message')}</pre>\n")
     if tree["failures"]["notMade"]:
-        text += f"<p>{verdict('not made')} {case_list(tree['failures']['notMade'])}</p>\n"
+        text += f"<p>{verdict('not made')} {case_list(tree, tree['failures']['notMade'])}</p>\n"
     return text
 
 
-def case_list(cases):
-    named = ", ".join(f'<a href="#case-{case}">{case}</a>' for case in cases[:MOST_NAMED])
+def case_list(tree, cases):
+    """How many, and the first ones by the values of their axes."""
+    named = "; ".join(f'<a href="#case-{case}">{escaped(tree["caseNames"][str(case)])}</a>' for case in cases[:MOST_NAMED])
     rest = f" and {len(cases) - MOST_NAMED:,} more" if len(cases) > MOST_NAMED else ""
-    return ("case " if len(cases) == 1 else "cases ") + named + rest
+    return f"{counted(len(cases), 'case')}, {named}{rest}"
 
 
 # Axes, limits, configuration
@@ -136,15 +134,15 @@ def plain_unit(unit):
 
 
 def values(axis):
-    shown = [number(value) if axis["numeric"] else value if isinstance(value, str) else json.dumps(value) for value in axis["values"]]
+    shown = [number(value, axis["digits"]) if axis["numeric"] else value if isinstance(value, str) else json.dumps(value) for value in axis["values"]]
     if len(shown) > MOST_VALUES:
         shown = [*shown[:MOST_VALUES // 2], "…", shown[-1]]
     return "; ".join(shown)
 
 
 def limits(found):
-    rows = [[f"<td>{escaped(key)}</td>", cell(value, with_unit(value, LIMIT_UNITS.get(key.rsplit("_", 1)[-1], "")))]
-            for key, value in found.items()]
+    units = {key: LIMIT_UNITS.get(key.rsplit("_", 1)[-1], "") for key in found}
+    rows = [[f"<td>{escaped(label_of(key, units[key]))}</td>", cell(value, with_unit(value, units[key]))] for key, value in found.items()]
     return table([head("limit"), head("value", True)], rows) if rows else '<p class="note">None: every limit differs between cases.</p>\n'
 
 
@@ -159,13 +157,14 @@ def points(tree):
     units = {column["name"]: column["unit"] for column in tree["columns"]}
     heads = [head(escaped(titled(axis["label"], axis["unit"])).replace("_", "_<wbr>"), axis["numeric"]) for axis in axes]
     heads += [head("done", True), *(head(f"{name} met", True) for name in ("all requirements", *map(plain, REQUIREMENTS)))]
-    heads += [head(escaped(titled(METRIC_NAMES.get(metric, metric), units[metric])), True) for metric in tree["metrics"]]
+    heads += [head(escaped(titled(metric_label(metric, units[metric]), units[metric])), True) for metric in tree["metrics"]]
     rows = [[*(value_cell(axis, value) for axis, value in zip(axes, point["values"])),
              cell(point["done"], f"{point['done']} of {len(point['cases'])}"), *map(rate_cell, point["rates"]),
              *(estimate_cell(estimate or [None] * 3) for estimate in point["estimates"])] for point in tree["points"]]
+    sign = f"; {error_sign(tree['metrics'])}" if error_sign(tree["metrics"]) else ""
     estimate = "median" if tree["quantile"] == 0.5 else f"{100 * tree['quantile']:g}th percentile"
     return (f'<p class="note">Requirements: repeats that meet them, and the 95 % interval of their rate (Wilson). Metrics: {estimate} of the '
-            "repeats and its 95 % interval (percentile bootstrap). A click on a heading sorts, one on a row shows its cases.</p>\n"
+            f"repeats and its 95 % interval (percentile bootstrap){sign}. A click on a heading sorts, one on a row shows its cases.</p>\n"
             + table(heads, rows, "sortable points"))
 
 
@@ -179,7 +178,7 @@ def titled(label, unit):
 
 def value_cell(axis, value):
     if axis["numeric"]:
-        return cell(value)
+        return cell(value, number(value, axis["digits"]))
     return f"<td>{escaped(value if isinstance(value, str) else json.dumps(value))}</td>"
 
 
@@ -207,7 +206,8 @@ CASES = """<noscript><p>This table needs JavaScript; results.csv beside this pag
 <details id="columns" class="screen-only"><summary>Columns</summary><div class="choices"></div></details>
 <p class="note"><output id="case-count"></output></p>
 <div class="window" id="case-window" tabindex="0" role="region" aria-label="cases"></div>
-<p class="note">A click on a heading sorts. A case's number opens it: all metrics, configuration, files. Arrow keys go from case to case.</p>
+<p class="note">A click on a heading sorts. A case's number opens it: all metrics, configuration, files. Arrow keys go from case to case.
+Errors are true - estimated.</p>
 <div id="case-detail" hidden></div>
 <h3>One number against another</h3>
 <div class="controls" id="plot-controls"></div>
@@ -218,11 +218,11 @@ CASES = """<noscript><p>This table needs JavaScript; results.csv beside this pag
 # Figures, provenance
 
 
-def figure_panels(folder, metrics):
+def figure_panels(folder, tree):
     """The figures of plot_study.py that are there: whole ones, then each metric's."""
-    names = {**WHOLE}
-    for metric in metrics:
-        names[metric] = METRIC_NAMES.get(metric, metric)
+    names, units = {**WHOLE}, {column["name"]: column["unit"] for column in tree["columns"]}
+    for metric in tree["metrics"]:
+        names[metric] = metric_label(metric, units[metric])
         names[metric + "-map"] = names[metric] + ", map"
     text = ""
     for name, caption in names.items():

@@ -38,6 +38,7 @@ def percentile(text):
 
 
 def chosen_metrics(options, results):
+    """In the order of --metrics; else those that use most of their limits first."""
     if options.metrics:
         names = options.metrics.split(",")
     else:
@@ -45,7 +46,7 @@ def chosen_metrics(options, results):
     for name in names:
         if not results.is_metric(name):
             raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
-    return names
+    return names if options.metrics else results.by_use(names)
 
 
 def chosen_x(options, results):

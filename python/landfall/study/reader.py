@@ -8,7 +8,8 @@ import statistics
 from landfall import schema, tools
 from landfall.errors import UsageError
 from landfall.schema import shown
-from landfall.study.model import assign, Axis, plain_numbers, Point, stage_of, STAGES, Study, unit_of, with_full_paths
+from landfall.study.model import (assign, Axis, label_of, plain_numbers, Point, stage_of, STAGES, Study, unit_of, with_full_paths,
+                                  without_unit)
 
 KINDS = ("list", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")
@@ -115,7 +116,8 @@ class _Reader:
         return self.named(tree, tree.get("name", _name_of(keys[0])), points)
 
     def named(self, tree, name, points):
-        axis = Axis(name, tree.get("label", name), tree.get("unit", unit_of(name)), tree.get("log", False), tuple(points))
+        unit = tree.get("unit", unit_of(name))
+        axis = Axis(name, tree.get("label", label_of(name, unit)), unit, tree.get("log", False), tuple(points))
         if name in RESERVED:
             self.fail("/axes", f"an axis cannot be named {name}")
         seen = set()
@@ -229,7 +231,8 @@ def _drawn(draw, first_seed, key, repeat):
 def _draw_columns(key, values):
     """Columns that show what was drawn and set nothing: the repeat's own points do."""
     unit = unit_of(key)
+    label = without_unit(key, unit)
     if not isinstance(values[0], list):
-        return [Axis(key, key, unit, False, tuple(Point(value, ()) for value in values), "drawn")]
-    return [Axis(f"{key}.{i}", f"{key}.{i}", unit, False, tuple(Point(value[i], ()) for value in values), "drawn")
+        return [Axis(key, label, unit, False, tuple(Point(value, ()) for value in values), "drawn")]
+    return [Axis(f"{key}.{i}", f"{label}.{i}", unit, False, tuple(Point(value[i], ()) for value in values), "drawn")
             for i in range(len(values[0]))]

@@ -40,10 +40,17 @@ function numberText(value) {
   return String(Number(value.toPrecision(4)));
 }
 
+/** A value of an axis, with as many digits as tell it from the others. */
+function axisText(value, digits) {
+  const size = Math.abs(value);
+  if (!(size >= 1000 && size < 1e7)) return String(Number(value.toPrecision(digits)));
+  return value.toLocaleString("en", {maximumFractionDigits: Math.max(0, digits - 1 - Math.floor(Math.log10(size)))});
+}
+
 function text(column, value) {
   if (value === null) return "\u2013";
   if (column.role === "pass") return value ? "pass" : "fail";
-  if (typeof value === "number") return ["axis", "repeat", "case"].includes(column.role) ? String(Number(value.toPrecision(7))) : numberText(value);
+  if (typeof value === "number") return column.digits ? axisText(value, column.digits) : column.role === "case" ? String(value) : numberText(value);
   return typeof value === "string" ? value : JSON.stringify(value);
 }
 
@@ -294,10 +301,17 @@ function focusCase(row) {
 
 // One case
 
+/** "range noise 0.0167 m, repeat 3" */
+function valuesOfCase(row) {
+  return study.columns.filter((column) => ["axis", "repeat"].includes(column.role)).map((column) => {
+    const unit = column.unit ? " " + column.unit : "";
+    return `${column.label} ${text(column, at(column, row))}${unit}`;
+  }).join(", ");
+}
+
 function caseName(row) {
-  const parts = study.columns.filter((column) => ["axis", "repeat"].includes(column.role))
-      .map((column) => `${column.label} ${text(column, at(column, row))}${column.unit ? " " + column.unit : ""}`);
-  return `Case ${row}` + (parts.length ? `: ${parts.join(", ")}` : "");
+  const name = valuesOfCase(row);
+  return `Case ${row}` + (name ? `: ${name}` : "");
 }
 
 /** A stage's configuration in a case: the first one with what the case changes. */
@@ -318,7 +332,7 @@ function configuration(kind, row) {
 function caseStudy(row) {
   const base = Object.fromEntries(Object.keys(study.configs).map((kind) => [kind, configuration(kind, row)]));
   const options = study.options.length ? {options: {regrid: study.options}} : {};
-  return {title: `${study.title}, case ${row}`, base, ...options};
+  return {title: [study.title, valuesOfCase(row)].filter(Boolean).join(": "), base, ...options};
 }
 
 function save(name, tree) {
@@ -350,7 +364,7 @@ function requirementRows(row) {
 
 function metricRows(row) {
   return study.columns.filter((column) => ["metric", "drawn"].includes(column.role) && at(column, row) !== null)
-      .map((column) => [column.name, at(column, row), column.unit]);
+      .map((column) => [column.label, at(column, row), column.unit]);
 }
 
 function runRows(row) {

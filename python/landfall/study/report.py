@@ -9,8 +9,8 @@ import h5py
 
 from landfall import files
 from landfall.errors import DataError
-from landfall.study import chain, configs, results, session
-from landfall.study.table import METRIC_NAMES, REQUIREMENTS, Results
+from landfall.study import chain, configs, names, results, session
+from landfall.study.table import metric_label, REQUIREMENTS, Results
 
 # Of more cases the page shows the first ones, and their number.
 MOST_CASES = 20_000
@@ -86,13 +86,23 @@ def report(folder, figures):
         "metricLimits": metric_limits(study),
         "configs": config_table.tree(), "caseConfigs": case_configs, "runs": run_table.rows, "caseRuns": case_runs,
         "options": list(dict.fromkeys(option for run in chains[0] for option in run.options)),
-        "failures": failures(study, chains, verdicts), "reports": reports(study, shown)}
+        "failures": failures(study, chains, verdicts), "caseNames": case_names(study, verdicts), "reports": reports(study, shown)}
 
 
 def axes(study):
-    """Name, label, unit, role and values in order of each axis, of a repeat and of what it draws too."""
-    return [{**{key: axis[key] for key in ("name", "label", "unit", "role", "numeric")},
-             "values": list({json.dumps(row[index]): row[index] for row in study.rows}.values())} for index, axis in enumerate(study.axes)]
+    """Name, label, unit, role and values in order of each axis, of a repeat and of what it draws too; digits that tell the values apart."""
+    made = []
+    for index, axis in enumerate(study.axes):
+        values = list({json.dumps(row[index]): row[index] for row in study.rows}.values())
+        made.append({**{key: axis[key] for key in ("name", "label", "unit", "role", "numeric")}, "digits": names.digits_of(values),
+                     "values": values})
+    return made
+
+
+def case_names(study, verdicts):
+    """{case: name by the values of its axes} of the cases that were not made."""
+    by_values = names.CaseNames(study.axes, study.rows)
+    return {str(case): by_values.of(case) for case, verdict in verdicts.items() if verdict in ("error", "not made")}
 
 
 def metric_limits(study):
@@ -114,16 +124,19 @@ def columns(study, shown, verdicts, seconds, metrics):
     """Those of the cases' table: what a case is, its verdict, then all of results.csv; `first` are shown unless asked otherwise."""
     made = [_column("case", "case", "", "case", list(shown), True),
             _column("verdict", "verdict", "", "verdict", [verdicts[case] for case in shown], True)]
-    for index, axis in enumerate(study.axes):
+    for index, axis in enumerate(axes(study)):
         values = [study.rows[case][index] for case in shown]
-        made.append(_column(axis["name"], axis["label"], axis["unit"], axis["role"], values, axis["role"] != "drawn"))
+        column = _column(axis["name"], axis["label"], axis["unit"], axis["role"], values, axis["role"] != "drawn")
+        made.append({**column, "digits": axis["digits"]})
     made.append(_column("missed", "requirements missed", "", "text", [missed(study, case) for case in shown], True))
     known = {column["name"] for column in made}
-    others = [name for name in study.results.columns if name not in known and name != "pass"]
-    for name in [*metrics, *(name for name in others if name not in metrics)]:
+    others = [name for name in study.results.columns if name not in known and name != "pass" and name not in metrics]
+    requirements = [name for name in others if name.startswith("requirements.")]
+    for name in [*metrics, *study.results.by_use(name for name in others if name not in requirements), *requirements]:
         values = [_rounded(study.value(case, name)) for case in shown]
         role = "pass" if name.endswith(".pass") else "metric"
-        made.append(_column(name, METRIC_NAMES.get(name, name), study.results.units[name], role, values, name in metrics))
+        unit = study.results.units[name]
+        made.append(_column(name, metric_label(name, unit), unit, role, values, name in metrics))
     made.append(_column("time_s", "time of its tools", "s", "time", seconds, True))
     return made
 

@@ -8,6 +8,7 @@ import json
 from dataclasses import dataclass, field
 
 from landfall.command import write_whole
+from landfall.study import names, stages
 
 KEEPABLE = ("scan", "dem", "eval")
 MOST_SHARED = 16
@@ -247,8 +248,8 @@ def _special(target, names):
 def write_if_changed(path, text):
     """Writes a file whole or not at all; one that holds the text keeps its time. True where it was written."""
     try:
-        with open(path, encoding="utf-8") as file:
-            if file.read() == text:
+        with open(path, "rb") as file:
+            if file.read() == text.encode():
                 return False
     except FileNotFoundError:
         pass
@@ -260,12 +261,22 @@ def write_if_changed(path, text):
     return True
 
 
+def axes_of(study):
+    """The axes as cases.json holds them; those of one dimension go together."""
+    return [{"name": axis.name, "label": axis.label, "unit": axis.unit, "log": axis.log, "numeric": axis.is_numeric(), "role": axis.role,
+             "dimension": index} for index, dimension in enumerate(study.dimensions) for axis in dimension]
+
+
+def names_text(study, graph):
+    """names.txt: for each stage, by its id, the cases that it is made for."""
+    cases = names.CaseNames(axes_of(study), [values for values, _ in graph.cases])
+    return "".join(f"{identity}\t{cases.of_cases(numbers)}\n" for identity, numbers in stages.cases_of(graph).items())
+
+
 def cases_text(study, graph, layout, limits):
     """cases.json: the axes, the limits that all cases share, and each case's values and metrics."""
-    axes = [{"name": axis.name, "label": axis.label, "unit": axis.unit, "log": axis.log, "numeric": axis.is_numeric(),
-             "role": axis.role} for axis in study.axes()]
     description = {"description": study.description} if study.description else {}
     head = {"format": "landfall.cases", "version": 1, "name": study.name, "title": study.title, **description, "plot": study.plot,
-            "limits": limits, "axes": axes}
+            "limits": limits, "axes": axes_of(study)}
     rows = [json.dumps([*values, layout.metrics(stage)], ensure_ascii=False) for values, stage in graph.cases]
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"

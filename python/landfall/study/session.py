@@ -38,6 +38,17 @@ def read_targets(folder):
         return [[inner_name(word) for word in line.split()] for line in file]
 
 
+def name_of(folder, identity):
+    """What a stage is made for, by names.txt: "range noise 0.0167 m, repeat 3"; its id where that is not known."""
+    try:
+        with open(os.path.join(folder, "names.txt"), "rb") as file:
+            text = b"\n" + file.read()
+    except OSError:
+        return identity
+    _, key, rest = text.partition(f"\n{identity}\t".encode())
+    return rest.split(b"\n", 1)[0].decode(errors="replace") if key else identity
+
+
 def missing_targets(folder):
     """Names of what is still to be made: metrics that are absent or older than the tools, and what they lack."""
     tools = age(os.path.join(folder, "tools.txt"))

@@ -49,6 +49,18 @@ def build(study):
     return _Builder(study).graph
 
 
+def cases_of(graph):
+    """{id of a stage: numbers of the cases that it is made for}."""
+    found = {}
+    for number, (_, stage) in enumerate(graph.cases):
+        while stage:
+            found.setdefault(stage.id, []).append(number)
+            if stage.truth:
+                found.setdefault(stage.truth.id, []).append(number)
+            stage = stage.upstream
+    return found
+
+
 def canonical(value):
     return json.dumps(value, sort_keys=True, separators=(",", ":"))
 

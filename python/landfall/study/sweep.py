@@ -7,20 +7,26 @@
   sweep.py show STUDY.json CASE                    a shell script that makes one case by hand
   sweep.py status DIR                              what is done, failed and left
   sweep.py collect DIR                             results.csv and results.h5
-  sweep.py tidy DIR                                removes what waits for readers that are all done
   sweep.py prune DIR                               removes files that the plan does not name any more
+
+Of Makefile.studies alone:
+  sweep.py begin DIR PID                           locks the study for make's process, removes damaged files; prints who holds it
+  sweep.py tidy DIR                                removes what waits for readers that are all done
+  sweep.py free DIR PID                            waits for the process to end and removes its lock
 """
 import argparse
 import glob
 import json
 import os
 import shlex
+import sys
 
 from landfall import tools
 from landfall.command import Parser
 from landfall.errors import ToolError, UsageError
 from landfall.schema import read_json, shown
-from landfall.study import model, reader, rules, session, stages
+from landfall.study import lock, model, names, reader, repair, rules, session, stages
+from landfall.study.names import counted
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval"}
 MOST_CHECKS_PER_AXIS = 100
@@ -49,6 +55,10 @@ def parse(arguments):
         command.add_argument("folder", metavar="DIR")
         if name == "collect":
             command.add_argument("--partial", action="store_true", help="leave out cases that are not done")
+    for name, text in (("begin", "lock a study for make"), ("free", "remove the lock when make has ended")):
+        command = commands.add_parser(name, help=text)
+        command.add_argument("folder", metavar="DIR")
+        command.add_argument("pid", type=int, metavar="PID")
     return parser.parse_args(arguments)
 
 
@@ -74,28 +84,39 @@ def plan(options):
         check_with_tools(study, options.bin)
     graph = stages.build(study)
     fragment = rules.Fragment(graph, layout, study.options)
-    written = write_plan(options, study, graph, fragment, versions)
+    with lock.held(options.out):
+        written = write_plan(options, study, graph, fragment, versions)
     print(f"{study.name}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}; {written} files written")
-
-
-def counted(number, noun):
-    return f"{number} {noun}" + ("" if number == 1 else "s")
 
 
 def write_plan(options, study, graph, fragment, versions):
     """Writes what changed and returns how many files that were; study.mk, last, always gets a new time."""
     for folder in rules.folders(graph):
         os.makedirs(os.path.join(options.out, folder), exist_ok=True)
-    files = {f"config/{tool}/{config_id}.json": text for (tool, config_id), text in graph.configs.items()}
-    files |= {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
-    files |= {"tools.txt": versions, "targets.txt": fragment.targets(),
+    files = {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
+    files |= {"tools.txt": versions, "targets.txt": fragment.targets(), "names.txt": rules.names_text(study, graph),
               "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph)),
               "study.mk": fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)}
-    written = sum(rules.write_if_changed(os.path.join(options.out, name), text)
-                  for name, text in files.items())
+    files["study.mk"] += f"{repair.CHECKSUM}{repair.checksum(files)}\n"
+    rules_text = files.pop("study.mk")
+    written = sum(rules.write_if_changed(os.path.join(options.out, name), text) for name, text in files.items())
+    written += write_configs(options.out, graph)
+    written += rules.write_if_changed(os.path.join(options.out, "study.mk"), rules_text)
     os.utime(os.path.join(options.out, "study.mk"))
+    return written
+
+
+def write_configs(out, graph):
+    """They get the time of tools.txt: one that was lost and is the same again, as its name says, makes nothing anew."""
+    age = session.age(os.path.join(out, "tools.txt"))
+    written = 0
+    for (tool, config_id), text in graph.configs.items():
+        path = os.path.join(out, "config", tool, config_id + ".json")
+        if rules.write_if_changed(path, text):
+            os.utime(path, ns=(age, age))
+            written += 1
     return written
 
 
@@ -200,26 +221,61 @@ def show(options):
           "dem-eval dem.h5 -c eval.json -o eval.h5 --metrics metrics.json")
 
 
+# begin, free
+
+
+def begin(options):
+    """Prints who else works in the folder; otherwise nothing: the lock is taken, and what is damaged is to be made again."""
+    try:
+        lock.take(options.folder, options.pid)
+    except UsageError as error:
+        print(error)
+        return
+    lock.free_after(options.folder, options.pid)
+    for name in repair.repair(options.folder):
+        print(f"{os.path.join(options.folder, name)} is lost or damaged and is made again", file=sys.stderr)
+
+
+def free(options):
+    lock.wait_for(options.pid)
+    lock.free(options.folder, options.pid)
+
+
 # status, collect, tidy, prune
 
 
 def status(options):
     cases = read_folder(options.folder)
-    missing = set(session.missing_targets(options.folder))
-    metrics = list(dict.fromkeys(case[-1] for case in cases))
-    logs = {metrics: log for metrics, log, *_ in session.read_targets(options.folder)}
-    failed = {name: reason for name in sorted(missing)
-              if (reason := failure(options.folder, logs.get(name) or log_of(name)))}
-    lost = [name for name in metrics if name in missing]
-    print(f"{len(metrics) - len(lost)} done, {len([name for name in lost if name in failed])} failed, {len(lost)} left, "
-          f"of {counted(len(metrics), 'evaluation')} for {counted(len(cases), 'case')}")
-    for name, reason in failed.items():
-        print(f"{name}: {reason}")
+    done, failed, left = states(options.folder, [case[-1] for case in cases["cases"]])
+    failures = sum(map(len, failed.values()))
+    print(f"{len(done)} done, {failures} failed, {len(left)} left, of {counted(len(cases['cases']), 'case')}")
+    by_values = names.CaseNames(cases["axes"], cases["cases"])
+    for reason, numbers in failed.items():
+        count = f" ({counted(len(numbers), 'case')})" if len(numbers) > 1 else ""
+        print(f"{by_values.of_cases(numbers)}{count}: {reason}")
+
+
+def states(folder, metrics):
+    """Numbers of the cases that are done, {how a stage failed: numbers}, and of those that are left, by their metrics."""
+    missing = set(session.missing_targets(folder))
+    made_by = {name: [(need, log_of(need)) for need in needs] + [(name, log)] for name, log, *needs in session.read_targets(folder)}
+    done, failed, left, reasons = [], {}, [], {}
+    for number, name in enumerate(metrics):
+        if name not in missing:
+            done.append(number)
+            continue
+        logs = [log for need, log in made_by.get(name, []) if need in missing]
+        for log in logs:
+            if log not in reasons:
+                reasons[log] = failure(folder, log)
+        reason = next((reasons[log] for log in logs if reasons[log]), None)
+        (failed.setdefault(reason, []) if reason else left).append(number)
+    return done, failed, left
 
 
 def read_folder(folder):
     from landfall.study import results  # needs h5py, which a plan does not
-    return results.read_cases(folder)["cases"]
+    return results.read_cases(folder)
 
 
 def log_of(name):
@@ -266,6 +322,11 @@ def tidy(options):
 def prune(options):
     """Removes what an earlier plan of the study made and this one does not name."""
     read_folder(options.folder)
+    with lock.held(options.folder):
+        prune_folder(options)
+
+
+def prune_folder(options):
     with open(os.path.join(options.folder, "study.mk"), encoding="utf-8") as file:
         named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
     stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}
@@ -286,4 +347,4 @@ def prune(options):
 def main(arguments):
     options = parse(arguments)
     {"plan": plan, "studies": list_studies, "list": list_cases, "show": show, "status": status, "collect": collect, "tidy": tidy,
-     "prune": prune}[options.command](options)
+     "prune": prune, "begin": begin, "free": free}[options.command](options)

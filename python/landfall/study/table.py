@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from landfall.errors import DataError
+from landfall.study import model
 
 REQUIREMENTS = ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal", "absolute_horizontal"]
 # Metrics that a limit of dem-eval bounds; the others' limits are in the results.
@@ -43,6 +44,23 @@ METRIC_NAMES = {
     "requirements.relative_elevation.value": "footprints over the relative elevation limit",
     "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
 }
+
+
+# Their absolute values are taken; a mean or median has its sign.
+SIZES = ("max_m", "p95_m", "le90_m")
+
+
+def metric_label(metric, unit):
+    """What a figure or a report calls a metric, without the unit, which it gives beside it."""
+    return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
+
+
+def error_sign(metrics):
+    """The sign convention, where some of the metrics are errors; else empty."""
+    errors = [metric for metric in metrics if metric.startswith(("accuracy.", "statistics.")) and metric.endswith("_m")]
+    if not errors:
+        return ""
+    return "error = true - estimated" + (", absolute value" if all(metric.rpartition(".")[2] in SIZES for metric in errors) else "")
 
 
 @dataclass(frozen=True)
@@ -139,6 +157,31 @@ class Results:
         largest = np.max(np.array(shares, float), axis=0)
         return float(np.nanquantile(largest, quantile)) if np.isfinite(largest).any() else math.nan
 
+    def by_use(self, metrics):
+        """The metrics by how much of their limits they use at most: the largest first, then those without a limit, then constant ones."""
+        def order(metric):
+            share = self.share_used(metric)
+            return self.is_constant(metric), math.isnan(share), -share if not math.isnan(share) else 0
+        return sorted(metrics, key=order)
+
+    def is_constant(self, metric):
+        """Whether it is one number in all cases of several."""
+        values = {value for value in self.columns[metric] if value is not None and value == value}
+        return len(self.columns[metric]) > 1 and len(values) <= 1
+
+    def share_used(self, metric):
+        """The largest share of its limit that a case uses; of a metric that counts or rates what exceeds a limit, that of its requirement."""
+        requirement = requirement_of(metric)
+        if requirement is None:
+            return math.nan
+        is_length = metric.endswith("_m") and metric.rpartition(".")[0] in LENGTH_LIMITS
+        shares = [self._largest(name) / limit for name in ([metric] if is_length else USED_BY[requirement])
+                  if name in self.columns and (limit := self.limit(name))]
+        return max(shares, default=math.nan)
+
+    def _largest(self, metric):
+        return max((abs(value) for value in self.columns[metric] if value is not None and math.isfinite(value)), default=math.nan)
+
     def repeats(self):
         return max(len(point.rows) for point in self.points)
 
@@ -147,9 +190,18 @@ class Results:
         parent, _, last = metric.rpartition(".")
         if parent in LENGTH_LIMITS and last in ("p95_m", "max_m"):
             return self.limits.get(LENGTH_LIMITS[parent])
-        requirement = metric.split(".")[1] if metric.startswith("requirements.") and last == "value" else VALUES_OF.get(metric)
+        requirement = requirement_of(metric)
         column = self.columns.get(f"requirements.{requirement}.limit", [])
         return column[0] if len(set(column)) == 1 else None
+
+
+def requirement_of(metric):
+    """The requirement that a metric is judged by; None where there is none."""
+    parent, _, last = metric.rpartition(".")
+    if parent in LENGTH_LIMITS and last in ("p95_m", "max_m"):
+        return LENGTH_LIMITS[parent].removesuffix("_m")
+    found = metric.split(".")[1] if metric.startswith("requirements.") and last == "value" else VALUES_OF.get(metric)
+    return found if found in USED_BY else None
 
 
 def _column(dataset):

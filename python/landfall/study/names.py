@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names of cases by the values of their axes, "range noise 0.0167 m, repeat 3", and the texts of numbers and units."""
+import math
+
+MOST_VALUES = 3  # of an axis that a name lists
+MOST_CASES = 3  # that are named one by one
+FEWEST_DIGITS, MOST_DIGITS = 3, 17
+
+
+def number(value, digits=FEWEST_DIGITS):
+    """A number to so many significant digits; other values as they are."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value)
+    if not 1000 <= abs(value) < 1e7:
+        return f"{value:.{digits}g}"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    text = f"{value:,.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if decimals else text
+
+
+def with_unit(value, unit, digits=FEWEST_DIGITS):
+    unit = "bin" if unit == "bins" and value == 1 else unit
+    return f"{number(value, digits)} {unit}" if unit not in ("", "1") else number(value, digits)
+
+
+def digits_of(values):
+    """The fewest digits, and no fewer than 3, by which all the numbers differ; 3 where some are no numbers."""
+    if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        return FEWEST_DIGITS
+    different = len(set(values))
+    return next((digits for digits in range(FEWEST_DIGITS, MOST_DIGITS)
+                 if len({number(value, digits) for value in values}) == different), MOST_DIGITS)
+
+
+def counted(count, noun):
+    return f"{count:,} {noun}" + ("" if count == 1 else "s")
+
+
+class CaseNames:
+    """Of a study's cases: `axes` as in cases.json, `rows` with a value of each axis. What a repeat draws is not named."""
+
+    def __init__(self, axes, rows):
+        self._rows = rows
+        self._named = [index for index, axis in enumerate(axes) if axis["role"] != "drawn"]
+        self._axes = axes
+        self._values = {index: list(dict.fromkeys(row[index] for row in rows)) for index in self._named}
+        self._digits = {index: digits_of(values) for index, values in self._values.items()}
+
+    def of(self, case):
+        """The name of one case; "the only case" of a study that has no other."""
+        row = self._rows[case]
+        return self._printable(", ".join(self._part(index, [row[index]]) for index in self._named)) or "the only case"
+
+    def of_cases(self, cases):
+        """What several cases have in common, by their numbers: "all cases", "range noise 0.0167 m", or some of their names."""
+        cases = list(cases)
+        if len(cases) == 1:
+            return self.of(cases[0])
+        if len(cases) == len(self._rows):
+            return "all cases"
+        if not self._is_product(cases):
+            rest = f" and {counted(len(cases) - MOST_CASES, 'more case')}" if len(cases) > MOST_CASES else ""
+            return "; ".join(map(self.of, cases[:MOST_CASES])) + rest
+        parts = []
+        for index in self._named:
+            values = list(dict.fromkeys(self._rows[case][index] for case in cases))
+            if len(values) < len(self._values[index]):
+                parts.append(self._part(index, values))
+        return self._printable(", ".join(parts))
+
+    def _is_product(self, cases):
+        """Whether the cases are all combinations of some values of each dimension."""
+        count = 1
+        for members in self._dimensions().values():
+            count *= len({tuple(self._rows[case][index] for index in members) for case in cases})
+        return count == len(cases)
+
+    def _dimensions(self):
+        """{dimension: its axes}; axes of a zip share one."""
+        found = {}
+        for index in self._named:
+            found.setdefault(self._axes[index].get("dimension", f"axis {index}"), []).append(index)
+        return found
+
+    def _part(self, index, values):
+        """ "LABEL VALUE UNIT"."""
+        axis, digits = self._axes[index], self._digits[index]
+        if len(values) > MOST_VALUES:
+            return f"{len(values)} values of {axis['label']}"
+        texts = [*(number(value, digits) for value in values[:-1]), with_unit(values[-1], axis["unit"], digits)]
+        return f"{axis['label']} " + " or ".join(texts)
+
+    @staticmethod
+    def _printable(text):
+        return "".join(character if character.isprintable() else "?" for character in text)
