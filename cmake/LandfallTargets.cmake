@@ -41,13 +41,43 @@ if(LANDFALL_COVERAGE)
 endif()
 target_link_options(landfall_flags INTERFACE ${landfall_instrumentation})
 
-# landfall_library(module SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...])
+# landfall_precompiled(name HEADERS <a> ... LINKS ...): headers that many units of the libraries include, parsed once. A static
+# library, because a precompiled header fits only units that are compiled for the same kind of target.
+# CMAKE_DISABLE_PRECOMPILE_HEADERS=ON does without.
+function(landfall_precompiled name)
+  cmake_parse_arguments(arg "" "" "HEADERS;LINKS" ${ARGN})
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/precompiled_${name}.cpp CONTENT "extern int landfall_${name};\n")
+  add_library(precompiled_${name} STATIC ${CMAKE_CURRENT_BINARY_DIR}/precompiled_${name}.cpp)
+  target_link_libraries(precompiled_${name} PRIVATE landfall_flags ${arg_LINKS})
+  target_precompile_headers(precompiled_${name} PRIVATE ${arg_HEADERS})
+endfunction()
+
+# landfall_uses_precompiled_strings(target): in a precompiled header g++ 12 forgets that std::string is of a system header, and
+# shows more of GCC bug 105651. Builds without precompiled headers keep these warnings.
+function(landfall_uses_precompiled_strings target)
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>
+                                             $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overread>
+                                             $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>)
+  endif()
+endfunction()
+
+# landfall_builds_fast(target): a target whose time nobody waits for, but for that of its compilation.
+function(landfall_builds_fast target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# landfall_library(module SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...] [PRECOMPILED name])
 # A static library landfall::<module> that may include exactly what it links.
 function(landfall_library module)
-  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(arg "" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(landfall_${module} STATIC ${arg_SOURCES})
   add_library(landfall::${module} ALIAS landfall_${module})
   target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
+  if(arg_PRECOMPILED)
+    target_precompile_headers(landfall_${module} REUSE_FROM precompiled_${arg_PRECOMPILED})
+    landfall_uses_precompiled_strings(landfall_${module})
+  endif()
 endfunction()
 
 # landfall_header_library(module LINKS ...): the same for a folder that is headers only.
