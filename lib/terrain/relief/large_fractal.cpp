@@ -49,7 +49,7 @@ GridSpec coarse_grid(const GridSpec& grid) {
   return {grid.resolution_m * kCoarse, 0, 0, count(grid.rows), count(grid.cols)};
 }
 
-WaveDomain patch_domain(const GridSpec& grid) { return {grid.resolution_m, kPatch, kPatch}; }
+WaveDomain patch_domain(const GridSpec& grid) { return {grid.resolution_m, kPatch}; }
 
 /// Both bands of a fractal.
 struct Bands {
@@ -60,23 +60,6 @@ struct Bands {
         longer{kLimit * grid.resolution_m, longest_m} {}
   [[nodiscard]] bool has_longer() const { return longer.from_m < longer.below_m; }
 };
-
-/// The factor by which both bands' amplitudes in the law are multiplied to meet it at the reference length
-/// although the longest waves are missing, like calibrated_amplitude() for one transform.
-double calibration(const GridSpec& grid, const FractalBase& fractal, const Bands& bands) {
-  const WaveDomain whole = WaveDomain::around(grid);
-  const double lag_nodes = calibration_lag(whole, fractal);
-  const WaveDomain coarse = WaveDomain::around(coarse_grid(grid));
-  const WaveDomain fine = patch_domain(grid);
-  const double hurst = fractal.hurst_exponent;
-  const double longer_m = law_amplitude(fractal, coarse);
-  const double shorter_m = law_amplitude(fractal, fine);
-  const double square_m2 =
-      longer_m * longer_m *
-          FractalWaves(coarse, bands.longer, hurst, 1).squared_deviation(lag_nodes / kCoarse) +
-      shorter_m * shorter_m * FractalWaves(fine, bands.shorter, hurst, 1).squared_deviation(lag_nodes);
-  return lawful_deviation_m(fractal, lag_nodes * grid.resolution_m) / std::sqrt(square_m2);
-}
 
 /// The patches of a layer use layers above those of all bases: a model has at most 2^32 bases.
 std::uint64_t patch_layer(std::uint64_t layer, std::int64_t number) {
@@ -90,23 +73,21 @@ LargeFractal::LargeFractal(const FractalBase& fractal, const FractalDraw& draw, 
     : fractal_(fractal),
       draw_(draw),
       grid_(grid),
-      longest_m_(fractal.longest_wavelength_m.value_or(std::numeric_limits<double>::infinity())) {
-  const Bands bands(grid, longest_m_);
-  // A fractal without relief needs no calibration.
-  const bool calibrated = std::isinf(longest_m_) && fractal.rms_deviation_m > 0;
-  const double scale = calibrated ? calibration(grid, fractal, bands) : 1;
-  patch_amplitude_ = scale * law_amplitude(fractal, patch_domain(grid));
-  if (bands.has_longer()) make_long_waves(scale, progress);
+      longest_m_(fractal.longest_wavelength_m.value_or(std::numeric_limits<double>::infinity())),
+      patch_amplitude_(law_amplitude(fractal, patch_domain(grid))),
+      patch_spectrum_(patch_domain(grid), Bands(grid, longest_m_).shorter, fractal.hurst_exponent) {
+  if (Bands(grid_, longest_m_).has_longer()) make_long_waves(progress);
   report(progress, 1);
 }
 
-void LargeFractal::make_long_waves(double scale, const ProgressCallback& progress) {
+void LargeFractal::make_long_waves(const ProgressCallback& progress) {
   const GridSpec coarse = coarse_grid(grid_);
   const WaveDomain domain = WaveDomain::around(coarse);
-  FractalWaves waves(domain, Bands(grid_, longest_m_).longer, fractal_.hurst_exponent, coarse.rows);
+  const FractalSpectrum spectrum(domain, Bands(grid_, longest_m_).longer, fractal_.hurst_exponent);
+  FractalWaves waves(spectrum, coarse.rows);
   long_waves_ = Grid<double>(coarse);
   waves.draw(draw_, [&](double fraction) { report(progress, fraction / 2); });
-  waves.add_to(long_waves_, scale * law_amplitude(fractal_, domain),
+  waves.add_to(long_waves_, law_amplitude(fractal_, domain),
                [&](double fraction) { report(progress, 0.5 + fraction / 2); });
 }
 
@@ -138,7 +119,7 @@ void LargeFractal::add_long_waves(Grid<double>& strip) const {
 
 Grid<double> LargeFractal::patch(std::int64_t row, std::int64_t col) const {
   const std::int64_t per_row = last_patch(grid_.cols - 1) + 1;
-  FractalWaves waves(patch_domain(grid_), Bands(grid_, longest_m_).shorter, fractal_.hurst_exponent, kPatch);
+  FractalWaves waves(patch_spectrum_, kPatch);
   waves.draw({draw_.seed, patch_layer(draw_.layer, row * per_row + col)});
   Grid<double> z(GridSpec{grid_.resolution_m, 0, 0, kPatch, kPatch});
   waves.add_to(z, patch_amplitude_);

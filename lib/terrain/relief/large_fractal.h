@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "raster/grid.h"
 #include "terrain/relief/fractal.h"
+#include "terrain/relief/fractal_spectrum.h"
 
 namespace landfall {
 
@@ -18,8 +19,8 @@ namespace landfall {
 /// - shorter ones in periodic patches of 512 x 512 nodes, each with draws of its own, that overlap by 128
 ///   nodes. There their weights are a sine and a cosine, whose squares sum to 1: the variance is kept.
 ///
-/// The law, its amplitude and the longest wavelength are as in add_fractal(). An overlap, which mixes two
-/// patches, adds less than 2 % to differences within the shorter band.
+/// The law and the longest wavelength are as in add_fractal(). An overlap, which mixes two patches, adds less
+/// than 2 % to differences within the shorter band.
 ///
 /// The values are a pure function of draw, parameters and grid: at any thread count, for any strips. Memory:
 /// 0.4 bytes per node of the grid, and 32 kB for each of its columns.
@@ -35,7 +36,7 @@ class LargeFractal {
  private:
   using PatchRow = std::vector<Grid<double>>;
 
-  void make_long_waves(double amplitude, const ProgressCallback& progress);
+  void make_long_waves(const ProgressCallback& progress);
   void add_long_waves(Grid<double>& strip) const;
   const PatchRow& patch_row(std::int64_t number, const ProgressCallback& progress);
   [[nodiscard]] Grid<double> patch(std::int64_t row, std::int64_t col) const;
@@ -45,7 +46,8 @@ class LargeFractal {
   FractalDraw draw_;
   GridSpec grid_;
   double longest_m_;
-  double patch_amplitude_ = 0;
+  double patch_amplitude_;
+  FractalSpectrum patch_spectrum_;
   Grid<double> long_waves_;                   ///< of node (8 (row - 1), 8 (col - 1)); empty without any
   std::map<std::int64_t, PatchRow> patches_;  ///< patches that the next strip may need
 };

@@ -18,7 +18,7 @@ inline double band_deviation_m(const FractalBase& law, double longest_m, double 
                           std::pow(2, 2 * hurst + 1) * gamma * gamma * std::sin(std::numbers::pi * hurst);
   const double first = std::log(2 * std::numbers::pi / longest_m);
   const double last = std::log(1e4 / lag_m);
-  constexpr int kPieces = 400000;
+  constexpr int kPieces = 40000;
   double sum = 0;
   for (int i = 0; i <= kPieces; ++i) {
     const double k = std::exp(first + (last - first) * i / kPieces);
