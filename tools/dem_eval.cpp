@@ -35,7 +35,7 @@ constexpr const char* kDescription =
 The output has the error layers and the layer fail, which marks the missed requirements; --metrics writes the numbers as JSON, --table prints them.)";
 
 struct Options {
-  std::string dem, metrics, report;
+  std::string dem, metrics, report, title;
   bool metrics_only = false;
   bool require_pass = false;
   bool table = false;
@@ -46,6 +46,8 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--metrics", o.metrics, "Write the metrics as JSON")->type_name("FILE");
   app.add_option("--report", o.report, "Write a report: one HTML file with verdicts, maps and a 3-D view")
       ->type_name("FILE");
+  app.add_option("--title", o.title, "Title of the report; default: the site and the lidar in words")
+      ->type_name("TEXT");
   app.add_flag("--metrics-only", o.metrics_only,
                "Write no layers; without -o, --metrics and --report the metrics go to stdout: JSON, or the "
                "table on a terminal");
@@ -61,6 +63,7 @@ void check(const cli::CommonOptions& common, const Options& o) {
   if (!o.metrics_only && !o.table && o.metrics.empty() && o.report.empty() && common.output_path.empty())
     throw UsageError("nothing to write; give -o, --metrics, --report, --table or --metrics-only");
   if (o.metrics == "-") throw UsageError("--metrics needs a file; --metrics-only alone prints the metrics");
+  if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
   if (o.report == "-") throw UsageError("--report needs a file");
 }
 
@@ -120,7 +123,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const nlohmann::ordered_json numbers = metrics_json(evaluation.metrics);
   session.phase("write", [&](const ProgressCallback&) {
     if (metrics_file) write_text(*metrics_file, numbers.dump(2) + "\n");
-    if (report) write_text(*report_file, report->page(evaluation, provenance));
+    if (report) write_text(*report_file, report->page(evaluation, provenance, o.title));
     if (writer) writer->finish(evaluation);
     if (metrics_file) metrics_file->commit();
     if (report_file) report_file->commit();

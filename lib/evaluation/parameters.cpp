@@ -21,6 +21,14 @@ void check(const EvaluationParameters& parameters) {
   require_fraction({"limits", "absolute_horizontal_frac"}, limits.absolute_horizontal_frac);
 }
 
+std::optional<double> limit_of_layer(const EvaluationLimits& limits, std::string_view layer) {
+  if (layer == "rel_z" || layer == "e_z") return limits.relative_elevation_m;
+  if (layer == "rel_x" || layer == "rel_y" || layer == "e_x" || layer == "e_y")
+    return limits.relative_horizontal_m;
+  if (layer == "abs_x" || layer == "abs_y") return limits.absolute_horizontal_m;
+  return std::nullopt;
+}
+
 Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m) {
   const double half = parameters.footprint_m / (2 * resolution_m) + 1e-9;
   require(half >= 0 && half < 0x1p20 + 1, {"", "footprint_m"}, parameters.footprint_m,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string_view>
 
 #include "base/fields.h"
 #include "evaluation/footprint.h"
@@ -20,6 +22,11 @@ struct EvaluationLimits {
   LANDFALL_FIELDS(invalid_frac, hole_bins, distance_bins, relative_elevation_m, relative_horizontal_m,
                   absolute_horizontal_m, absolute_horizontal_frac)
 };
+
+/// The limit that the scale of an error layer shows: of rel_x .. rel_z and of the errors of single bins, e_x
+/// .. e_z, the limit of the relative error; of abs_x and abs_y that of the absolute horizontal one; none of
+/// others (D241).
+[[nodiscard]] std::optional<double> limit_of_layer(const EvaluationLimits& limits, std::string_view layer);
 
 enum class RegionShape { circle, square, mask };
 enum class FootprintShape { square, disc };

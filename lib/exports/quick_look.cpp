@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
+#include "files/evaluation_file.h"
 #include "files/terrain_file.h"
 #include "returns/columns.h"
 
@@ -38,7 +39,9 @@ RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const Pr
         std::visit([&reducer](const auto& rows) { reducer.add(rows); }, strip);
       },
       progress);
-  return map_picture(reducer.map(), style_of(layer));
+  MapStyle style = style_of(layer);
+  if (grid.kind() == "evaluation") style.limit = stored_limit(grid.file(), layer.name);
+  return map_picture(reducer.map(), style);
 }
 
 struct Extent {
@@ -89,7 +92,7 @@ RgbImage scan_picture(const PointReader& points, const std::string& layer, const
             map.add(batch.real(0)[i], batch.real(1)[i], counts ? 1 : batch.number(2, i));
       },
       [&](double f) { report(progress, (1 + 2 * f) / 3); });
-  if (counts) return map_picture(map.count(), {"returns per pixel", "1"});
+  if (counts) return map_picture(map.count(), {"returns per pixel", "1", Colors::count});
   MapStyle style = style_of(points.column(layer));
   style.title += flags ? ", the greatest of the returns" : ", mean of the returns";
   style.cut = !flags;  // false returns lie far from the ground
@@ -139,8 +142,14 @@ RgbImage mesh_file_picture(const std::filesystem::path& input, const std::string
 MapStyle style_of(const ContentInfo& content) {
   MapStyle style{content.name, content.units};
   style.relief = is_among(content.name, {"z", "z_est", "z_true", "z_true_map", "z_corrected"});
-  if (is_among(content.name, {"e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z"}))
-    style.colors = Colors::diverging;
+  if (style.relief) style.colors = Colors::elevation;
+  if (is_among(content.name, {"count", "frames"})) style.colors = Colors::count;
+  const bool is_mean = is_among(content.name, {"abs_x", "abs_y", "abs_z"});
+  if (is_mean || is_among(content.name, {"e_x", "e_y", "e_z"})) {
+    style.colors = Colors::error;
+    style.title += is_mean ? ", mean of true - estimated" : " = true - estimated";
+  }
+  style.from_zero = is_among(content.name, {"rel_x", "rel_y", "rel_z"});
   style.cut = !style.relief && !keeps_greatest(content);
   return style;
 }

@@ -10,9 +10,8 @@
 
 namespace landfall {
 
-/// The style for a layer or column of this name: elevations are shaded, signed errors have diverging colours
-/// about zero, everything else has sequential ones. Flags and hole numbers keep the greatest value of a
-/// pixel's bins, other layers the mean.
+/// The style for a layer or column of this name: elevations are shaded; the title of a signed error says its
+/// sign. Flags and hole numbers keep the greatest value of a pixel's bins, other layers the mean.
 [[nodiscard]] MapStyle style_of(const ContentInfo& content);
 
 /// An image of any landfall file, seen from above, north up, at most 1100 pixels a side plus its labels.

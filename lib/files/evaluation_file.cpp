@@ -114,6 +114,21 @@ std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& p
   return result;
 }
 
+std::optional<double> stored_limit(const LandfallFileReader& evaluation, const std::string& layer) {
+  const nlohmann::json& config = evaluation.config();
+  if (!config.is_object() || !config.contains("limits") || !config["limits"].is_object()) return std::nullopt;
+  EvaluationLimits limits;
+  for (const auto& [key, limit] : {std::pair("relative_elevation_m", &limits.relative_elevation_m),
+                                   std::pair("relative_horizontal_m", &limits.relative_horizontal_m),
+                                   std::pair("absolute_horizontal_m", &limits.absolute_horizontal_m)}) {
+    const auto found = config["limits"].find(key);
+    if (found == config["limits"].end() || !found->is_number()) return std::nullopt;
+    *limit = found->get<double>();
+    if (!std::isfinite(*limit) || *limit < 0) return std::nullopt;
+  }
+  return limit_of_layer(limits, layer);
+}
+
 DemInput read_dem(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);

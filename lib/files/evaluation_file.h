@@ -56,6 +56,10 @@ struct RegionMask {
 /// first three is missing. Throws FormatError.
 [[nodiscard]] std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& path);
 
+/// limit_of_layer() with the limits in the configuration that made an eval.h5; none if it has no valid ones.
+[[nodiscard]] std::optional<double> stored_limit(const LandfallFileReader& evaluation,
+                                                 const std::string& layer);
+
 /// Writes eval.h5: each layer as the evaluation gives it, /holes and /metrics_json at the end.
 class EvaluationWriter : public LayerSink {
  public:

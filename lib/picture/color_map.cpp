@@ -4,39 +4,33 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
 namespace landfall {
 namespace {
 
-constexpr std::array<Rgb, 17> kCividis = {{{0, 34, 78},
-                                           {0, 46, 106},
-                                           {26, 56, 111},
-                                           {50, 67, 109},
-                                           {67, 78, 108},
-                                           {83, 90, 109},
-                                           {97, 101, 111},
-                                           {111, 112, 115},
-                                           {125, 124, 120},
-                                           {140, 136, 120},
-                                           {155, 148, 118},
-                                           {171, 160, 114},
-                                           {188, 174, 108},
-                                           {205, 187, 99},
-                                           {222, 201, 88},
-                                           {240, 216, 70},
-                                           {254, 232, 56}}};
-constexpr std::array<Rgb, 11> kBlueRed = {{{5, 48, 97},
-                                           {32, 101, 171},
-                                           {67, 147, 195},
-                                           {144, 196, 221},
-                                           {209, 229, 240},
-                                           {247, 246, 246},
-                                           {253, 219, 199},
-                                           {243, 164, 129},
-                                           {214, 96, 77},
-                                           {177, 24, 43},
-                                           {103, 0, 31}}};
+// The same table is in python/landfall/colors.py; tests/chain/report_browser_test.py compares them.
+constexpr std::array<std::uint32_t, 17> kCividis = {
+    0x00224e, 0x002e6a, 0x1a386f, 0x32436d, 0x434e6c, 0x535a6d, 0x61656f, 0x6f7073, 0x7d7c78,
+    0x8c8878, 0x9b9476, 0xaba072, 0xbcae6c, 0xcdbb63, 0xdec958, 0xf0d846, 0xfee838};
+constexpr std::array<std::uint32_t, 17> kBlueRed = {
+    0x053061, 0x175290, 0x2a71b2, 0x3f8ec0, 0x6bacd1, 0x9bc9e0, 0xc2ddec, 0xe0ecf3, 0xf7f6f6,
+    0xfbe5d8, 0xfbccb4, 0xf5aa89, 0xe48066, 0xd05548, 0xba2832, 0x930e26, 0x67001f};
+constexpr std::array<std::uint32_t, 17> kYellowBrown = {
+    0xffffe5, 0xfffbd0, 0xfff7bc, 0xfeeda6, 0xfee390, 0xfed36f, 0xfec34f, 0xfeae3b, 0xfe9829,
+    0xf5841e, 0xeb6f14, 0xdb5d0b, 0xcb4b02, 0xb13f03, 0x983404, 0x7e2c05, 0x662506};
+constexpr std::array<std::uint32_t, 17> kViridis = {
+    0x440154, 0x48186a, 0x472d7b, 0x424086, 0x3b528b, 0x33638d, 0x2c728e, 0x26828e, 0x21918c,
+    0x1fa088, 0x28ae80, 0x3fbc73, 0x5ec962, 0x84d44b, 0xaddc30, 0xd8e219, 0xfde725};
+
+struct ColorMap {
+  const char* name;
+  std::span<const std::uint32_t> anchors;
+};
+/// In the order of the enumerators.
+constexpr std::array<ColorMap, kColorMaps> kMaps = {
+    {{"elevation", kCividis}, {"error", kBlueRed}, {"count", kYellowBrown}, {"magnitude", kViridis}}};
+
+const ColorMap& map_of(Colors colors) { return kMaps.at(static_cast<std::size_t>(colors)); }
 
 std::uint8_t between(std::uint8_t a, std::uint8_t b, double part) {
   return static_cast<std::uint8_t>(std::lround(a + (b - a) * part));
@@ -44,19 +38,23 @@ std::uint8_t between(std::uint8_t a, std::uint8_t b, double part) {
 
 }  // namespace
 
+const char* name_of(Colors colors) { return map_of(colors).name; }
+
+std::span<const std::uint32_t> color_anchors(Colors colors) { return map_of(colors).anchors; }
+
+Rgb rgb_of(std::uint32_t rrggbb) {
+  const auto part = [rrggbb](unsigned shift) { return static_cast<std::uint8_t>(rrggbb >> shift & 0xffU); };
+  return {part(16), part(8), part(0)};
+}
+
 Rgb color_of(double fraction, Colors colors) {
-  const std::span<const Rgb> anchors =
-      colors == Colors::sequential ? std::span<const Rgb>(kCividis) : std::span<const Rgb>(kBlueRed);
+  const std::span<const std::uint32_t> anchors = color_anchors(colors);
   const double position = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(anchors.size() - 1);
   const std::size_t below = std::min(static_cast<std::size_t>(position), anchors.size() - 2);
   const double part = position - static_cast<double>(below);
-  const Rgb& a = anchors[below];
-  const Rgb& b = anchors[below + 1];
+  const Rgb a = rgb_of(anchors[below]);
+  const Rgb b = rgb_of(anchors[below + 1]);
   return {between(a.r, b.r, part), between(a.g, b.g, part), between(a.b, b.b, part)};
-}
-
-Rgb no_value_color(Colors colors) {
-  return colors == Colors::sequential ? Rgb{255, 255, 255} : Rgb{70, 70, 70};
 }
 
 }  // namespace landfall

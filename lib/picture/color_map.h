@@ -1,19 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
 #include "raster/rgb_image.h"
 
 namespace landfall {
 
+/// The quantities that maps show. Each has one colour map, the same in pictures, reports and figures (D240).
 enum class Colors {
-  sequential,  ///< cividis (Nunez, Anderton, Renslow, PLOS ONE 2018): blue to yellow, made for colour
-               ///< blindness
-  diverging,   ///< blue, white, red (ColorBrewer RdBu): 0.5 is white
+  elevation,  ///< cividis (Nunez, Anderton, Renslow, PLOS ONE 2018), shaded
+  error,      ///< blue, white, red (ColorBrewer RdBu), symmetric: zero is white
+  count,      ///< ColorBrewer YlOrBr: returns, frames
+  magnitude,  ///< viridis (van der Walt, Smith 2015): relative errors, sigmas, and everything else
 };
+inline constexpr std::size_t kColorMaps = 4;
 
+/// "elevation", "error", "count", "magnitude".
+[[nodiscard]] const char* name_of(Colors colors);
+/// The colours 0xRRGGBB at equal distances from 0 to 1; colours between are interpolated.
+[[nodiscard]] std::span<const std::uint32_t> color_anchors(Colors colors);
+[[nodiscard]] Rgb rgb_of(std::uint32_t rrggbb);
 /// The colour of a fraction in [0, 1]; a fraction outside gets the colour of the nearer end.
 [[nodiscard]] Rgb color_of(double fraction, Colors colors);
-/// The colour of a missing value, unlike any colour of the map.
-[[nodiscard]] Rgb no_value_color(Colors colors);
+
+inline constexpr std::uint32_t kNoValueColor = 0xc8c8c8;  ///< unlike any colour of the maps
+inline constexpr std::uint32_t kMarkColor = 0xff00ff;     ///< bins that stand out from every map
 
 }  // namespace landfall

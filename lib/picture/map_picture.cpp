@@ -17,6 +17,7 @@ constexpr std::int64_t kEnlargeTo = 600;
 constexpr std::int64_t kMinSide = 240;  ///< of the frame, so that labels have room
 constexpr double kOutliers = 0.005;     ///< on either side
 constexpr double kMinRange = 1e-9;      ///< smaller ranges are rounding errors
+constexpr double kLimitInside = 1.1;    ///< the scale reaches at least this times the limit
 constexpr std::int64_t kTick = 6;
 constexpr std::int64_t kGap = 8;
 constexpr std::int64_t kBarWidth = 22;
@@ -38,6 +39,14 @@ double quantile(std::vector<double>& values, double q) {
   const auto rank = static_cast<std::ptrdiff_t>(std::llround(q * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
   return values[static_cast<std::size_t>(rank)];
+}
+
+/// The upper end of a scale that begins at zero or is symmetric about it.
+double magnitude_bound(std::vector<double> values, const MapStyle& style) {
+  for (double& value : values) value = std::abs(value);
+  const double bound = quantile(values, style.cut ? 1 - kOutliers : 1);
+  const double least = std::max(kMinRange, style.limit ? kLimitInside * *style.limit : 0);
+  return std::max(bound, least);
 }
 
 /// The positions of all elements, in image pixels.
@@ -100,7 +109,7 @@ void draw_map(RgbImage& image, const PixelMap& map, const MapStyle& style, const
   for (std::int64_t row = 0; row < map.rows; ++row)
     for (std::int64_t col = 0; col < map.cols; ++col) {
       const double value = map.at(row, col);
-      Rgb color = no_value_color(style.colors);
+      Rgb color = rgb_of(kNoValueColor);
       if (std::isfinite(value)) {
         color = color_of((value - range[0]) / (range[1] - range[0]), style.colors);
         if (style.relief) color = shaded(color, shades[static_cast<std::size_t>(row * map.cols + col)]);
@@ -137,6 +146,14 @@ void draw_axes(RgbImage& image, const PixelMap& map, const Layout& layout) {
             kInk);
 }
 
+/// The limits that the scale of an error shows.
+std::vector<double> limits_on(const MapStyle& style, const std::array<double, 2>& range) {
+  std::vector<double> limits;
+  if (style.limit && *style.limit < range[1]) limits.push_back(*style.limit);
+  if (style.limit && -*style.limit > range[0]) limits.push_back(-*style.limit);
+  return limits;
+}
+
 void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
               const std::array<double, 2>& range) {
   const Rectangle bar{layout.top, layout.right() + 3 * kGap, layout.frame_height - 2 * kTextHeight,
@@ -153,8 +170,13 @@ void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
     draw_text(image, {row - kTextHeight / 2, bar.left + bar.width + kTick + kGap / 2}, text_of(value, 8),
               kInk);
   }
+  for (const double limit : limits_on(style, range)) {
+    const std::int64_t row = bar.top + std::llround((range[1] - limit) / (range[1] - range[0]) * last);
+    fill(image, {row - 2, bar.left - kGap, 5, bar.width + kGap}, kPaper);
+    fill(image, {row - 1, bar.left - kGap, 3, bar.width + kGap}, kInk);
+  }
   const Rectangle swatch{layout.bottom() - kTextHeight, bar.left, kTextHeight - 2, kBarWidth};
-  fill(image, swatch, no_value_color(style.colors));
+  fill(image, swatch, rgb_of(kNoValueColor));
   outline(image, swatch);
   draw_text(image, {swatch.top - 1, bar.left + bar.width + kGap}, "no value", kInk);
 }
@@ -171,6 +193,8 @@ void draw_texts(RgbImage& image, const PixelMap& map, const MapStyle& style,
     if (*least < range[0] || *greatest > range[1])
       text += ", colours end at " + text_of(range[0], 4) + " and " + text_of(range[1], 4);
   }
+  if (style.limit)
+    text += std::string(", limit ") + (style.colors == Colors::error ? "+-" : "") + text_of(*style.limit, 4);
   draw_text(image, {2 * kGap + kTextHeight, kGap}, text, kInk);
 }
 
@@ -179,6 +203,10 @@ void draw_texts(RgbImage& image, const PixelMap& map, const MapStyle& style,
 std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
   std::vector<double> values = finite_values(map);
   if (values.empty()) return {0, 1};
+  if (style.colors == Colors::error || style.from_zero) {
+    const double high = magnitude_bound(std::move(values), style);
+    return {style.colors == Colors::error ? -high : 0, high};
+  }
   double low = quantile(values, 0);
   double high = quantile(values, 1);
   const double most_low = quantile(values, kOutliers);
@@ -186,10 +214,6 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
   if (style.cut && most_high > most_low && high - low > 2 * (most_high - most_low)) {
     low = most_low;
     high = most_high;
-  }
-  if (style.colors == Colors::diverging) {
-    high = std::max(std::abs(low), std::abs(high));
-    low = -high;
   }
   if (high - low > std::max(kMinRange, 1e-12 * std::max(std::abs(low), std::abs(high)))) return {low, high};
   const double half = low == 0 ? 0.5 : std::abs(low) / 2;

@@ -7,6 +7,7 @@
 
 #include "report/embedded_assets.h"
 #include "report/escape.h"
+#include "report/heading.h"
 #include "report/verdicts.h"
 
 namespace landfall::html_report {
@@ -78,17 +79,22 @@ std::string asset(std::string_view name) {
 std::string programs_html() {
   std::string text;
   for (const char* const name :
-       {"data.js", "scales.js", "table.js", "map.js", "chart.js", "crops.js", "terrain3d.js", "report.js"})
+       {"theme.js", "data.js", "scales.js", "relief.js", "table.js", "colorbar.js", "cursor.js", "map.js",
+        "chart.js", "profile.js", "crops.js", "terrain3d.js", "report.js"})
     text += "<script>\n" + asset(name) + "</script>\n";
   return text;
 }
 
-std::string subtitle_html(const nlohmann::json& evaluation) {
+std::string subtitle_html(const nlohmann::json& steps) {
+  const nlohmann::json& evaluation = steps.back();
+
   std::string dem = "\u2013";
   for (const nlohmann::json& input : member(evaluation, "inputs"))
     if (member(input, "role") == "dem") dem = text_of(input, "file_id");
-  return "landfall dem-eval " + text_of(evaluation, "version") + ", evaluation <code>" +
-         text_of(evaluation, "file_id") + "</code> of DEM <code>" + dem + "</code>";
+  const std::string origin = origin_of(steps);
+  return (origin.empty() ? "" : html_text(origin) + "<br>") + "landfall dem-eval " +
+         text_of(evaluation, "version") + ", evaluation <code>" + text_of(evaluation, "file_id") +
+         "</code> of DEM <code>" + dem + "</code>";
 }
 
 /// Replaces each @NAME@ in the template by its value in `parts`.
@@ -110,8 +116,10 @@ std::string filled(const std::string& page, const std::map<std::string, std::str
 
 std::string report_page(const ReportContent& content) {
   const Metrics& metrics = content.evaluation.metrics;
+  const std::string title = content.title.empty() ? title_of(content.steps) : content.title;
   return filled(asset("report.html"), {{"style", asset("report.css")},
-                                       {"subtitle", subtitle_html(content.steps.back())},
+                                       {"title", html_text(title)},
+                                       {"subtitle", subtitle_html(content.steps)},
                                        {"banner", verdict_banner_html(metrics)},
                                        {"verdicts", verdict_table_html(metrics)},
                                        {"provenance", provenance_html(content.steps)},
@@ -126,12 +134,13 @@ Report::Report(const std::filesystem::path& path, const DemLayers& dem,
   if (const auto count = dem_.count()) take(*count);
 }
 
-std::string Report::page(const Evaluation& evaluation, const Provenance& provenance) const {
+std::string Report::page(const Evaluation& evaluation, const Provenance& provenance,
+                         const std::string& title) const {
   nlohmann::json steps = provenance.chain;
   steps.push_back(provenance.as_step());
   const auto worst =
       worst_footprints(shares(), parameters_, [this](const GridSpec& window) { return dem_.read(window); });
-  return report_page({parameters_, evaluation, *this, worst, steps});
+  return report_page({parameters_, evaluation, *this, worst, steps, title});
 }
 
 }  // namespace landfall::html_report

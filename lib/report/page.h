@@ -19,8 +19,10 @@ class Report : public ReportLayers {
   /// `dem` holds the layers of the file; `parameters` must outlive the report. Throws FormatError.
   Report(const std::filesystem::path& path, const DemLayers& dem, const EvaluationParameters& parameters);
 
-  /// The whole page; call it after the evaluation. Throws FormatError.
-  [[nodiscard]] std::string page(const Evaluation& evaluation, const Provenance& provenance) const;
+  /// The whole page; call it after the evaluation. Without a title it has one of the provenance. Throws
+  /// FormatError.
+  [[nodiscard]] std::string page(const Evaluation& evaluation, const Provenance& provenance,
+                                 const std::string& title = {}) const;
 
  private:
   const EvaluationParameters& parameters_;

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
 #include <span>
 
 #include "base/parallel.h"
 #include "files/field_json.h"
 #include "files/metrics_json.h"
+#include "picture/color_map.h"
 
 namespace landfall::html_report {
 namespace {
@@ -36,6 +38,36 @@ const char* name_of(Style style) {
       return "flags";
   }
   return "";
+}
+
+/// Empty for masks and flags, whose marks have their own colours.
+std::string colors_of(Style style) {
+  switch (style) {
+    case Style::elevation:
+      return name_of(Colors::elevation);
+    case Style::signed_error:
+      return name_of(Colors::error);
+    case Style::magnitude:
+      return name_of(Colors::magnitude);
+    case Style::count:
+      return name_of(Colors::count);
+    case Style::mask:
+    case Style::flags:
+      return "";
+  }
+  return "";
+}
+
+/// The colour maps of lib/picture, which the page's scripts use too.
+Json colors_json() {
+  Json maps = Json::object();
+  for (std::size_t k = 0; k < kColorMaps; ++k) {
+    const auto colors = static_cast<Colors>(k);
+    Json anchors = Json::array();
+    for (const std::uint32_t rrggbb : color_anchors(colors)) anchors.push_back(rrggbb);
+    maps[name_of(colors)] = std::move(anchors);
+  }
+  return {{"maps", std::move(maps)}, {"no_value", kNoValueColor}, {"mark", kMarkColor}};
 }
 
 const char* name_of(Rule rule) {
@@ -90,15 +122,20 @@ Json holes_json(std::vector<Hole> holes, const GridSpec& spec) {
 /// Packs layers in parallel, as many at a time as there are threads.
 class Packer {
  public:
+  explicit Packer(const EvaluationLimits& limits) : limits_(limits) {}
+
   /// The layer must outlive the packer.
   Json add(const ReportLayer& layer, const std::string& id) {
     ids_.push_back(id);
     codes_.emplace_back(layer.values.codes);
+    const std::optional<double> limit_m = limit_of_layer(limits_, layer.name);
     return {{"id", id},
             {"name", layer.name},
             {"title", layer.title},
             {"unit", layer.unit},
             {"style", name_of(layer.style)},
+            {"colors", colors_of(layer.style)},
+            {"limit_m", limit_m ? Json(*limit_m) : Json(nullptr)},
             {"rule", name_of(layer.rule)},
             {"offset", layer.values.offset},
             {"step", layer.values.step},
@@ -118,6 +155,7 @@ class Packer {
   }
 
  private:
+  const EvaluationLimits& limits_;
   std::vector<std::string> ids_;
   std::vector<std::span<const std::uint16_t>> codes_;
   std::deque<ReportLayer> kept_;
@@ -174,13 +212,15 @@ Json histograms_json(const ReportLayers& layers) {
 
 ReportData report_data(const ReportContent& content) {
   const ReportLayers& layers = content.layers;
-  Packer packer;
+  Packer packer(content.parameters.limits);
   Json list = Json::array();
   for (const ReportLayer& layer : layers.layers()) list.push_back(packer.add(layer, layer.name));
   ReportData data;
   data.values = {{"grid", grid_json(layers.spec(), layers.factor())},
                  {"footprint", footprint_json(content.parameters, layers.spec().resolution_m)},
                  {"limits", fields_json(content.parameters.limits)},
+                 {"quantile", content.parameters.quantile},
+                 {"colors", colors_json()},
                  {"metrics", metrics_json(content.evaluation.metrics)},
                  {"layers", std::move(list)},
                  {"fail_count", layers.fail_counts()},

@@ -20,6 +20,7 @@ struct ReportContent {
   const std::vector<WorstFootprint>& worst;
   /// The steps up to the evaluation, oldest first, the evaluation last: Provenance::as_step(). Not empty.
   const nlohmann::json& steps;
+  std::string title = {};  ///< the user's; if empty, the page makes one of the steps
 };
 
 /// The data that the page's scripts draw: plain values, and separately the packed() texts by name.

@@ -34,6 +34,18 @@ Quantised quantise_whole(const std::vector<double>& cells) {
   return result;
 }
 
+/// Shares in steps of 0.1 %, rounded up: only a block without any marked bin has the code 0.
+Quantised quantise_shares(const std::vector<double>& cells) {
+  constexpr double kSteps = 1000;
+  Quantised result = quantise(cells, kMaxSteps);
+  result.offset = 0;
+  result.step = 1 / kSteps;
+  std::ranges::transform(cells, result.codes.begin(), [](double share) {
+    return static_cast<std::uint16_t>(std::ceil(share * kSteps - 1e-9));
+  });
+  return result;
+}
+
 float larger(float a, double b) {
   const auto share = static_cast<float>(b);
   return std::isnan(a) || share > a ? share : a;
@@ -48,7 +60,10 @@ ReportLayers::ReportLayers(const GridSpec& spec, const EvaluationParameters& par
 template <class T>
 void ReportLayers::add(ReportLayer layer, const Grid<T>& values) {
   const std::vector<double> cells = reduce(values, factor_, layer.rule).cells;
-  layer.values = is_whole(layer.style) ? quantise_whole(cells) : quantise(cells, steps_of(layer.style));
+  if (layer.style == Style::mask && layer.rule == Rule::mean && factor_ > 1)
+    layer.values = quantise_shares(cells);
+  else
+    layer.values = is_whole(layer.style) ? quantise_whole(cells) : quantise(cells, steps_of(layer.style));
   layers_.push_back(std::move(layer));
 }
 
@@ -64,7 +79,7 @@ void ReportLayers::take(const Grid<std::int32_t>& count) {
 void ReportLayers::take(const CoverageLayers& layers) {
   region_ = layers.in_region;
   add({"in_region", "Judged region", "", Style::mask, Rule::largest, {}}, layers.in_region);
-  add({"invalid", "Invalid bins", "", Style::mask, Rule::largest, {}}, layers.invalid);
+  add({"invalid", "Invalid bins", "", Style::mask, Rule::mean, {}}, layers.invalid);
 }
 
 void ReportLayers::take(Axis axis, const AxisLayers& layers) {

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 
-import matplotlib
 import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,12 +10,10 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from landfall import reduction
+from landfall import colors, reduction
 
 FONT_PT = 11
-NO_VALUE = "#cccccc"
-# Single bins without a value, enlarged: dark where colour maps are pale, pale where they are dark.
-MARK_ON_SEQUENTIAL, MARK_ON_DIVERGING = "#f4f4f4", "#303030"
+NO_VALUE, MARK = colors.css(colors.NO_VALUE), colors.css(colors.MARK)
 OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 # Okabe and Ito's palette, whose colours are distinguishable with all common forms of colour blindness.
 BLUE, SKY_BLUE, VERMILION = "#0072b2", "#56b4e9", "#d55e00"
@@ -30,12 +27,11 @@ plt.rcParams.update({"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figur
 
 @dataclass(frozen=True)
 class Scale:
-    """A colour map, its limits in metres, and the unit that its colour bar shows."""
+    """The quantity that has the colour map, its limits in metres, and the unit that its colour bar shows."""
 
-    cmap: str
+    quantity: str
     low_m: float
     high_m: float
-    mark: str
 
     @property
     def unit(self):
@@ -53,20 +49,20 @@ def signed_scale(*layers):
     """Symmetric about 0, at least +-1 mm, so that rounding noise does not fill a panel with colour."""
     low, high = finite_extremes(*layers)
     bound = max(abs(low), abs(high), 1e-3) if np.isfinite(low) else 1e-3
-    return Scale("RdBu_r", -bound, bound, MARK_ON_DIVERGING)
+    return Scale("error", -bound, bound)
 
 
 def magnitude_scale(layer):
     """From 0 to the largest value, at least 1 mm."""
     high = finite_extremes(layer)[1]
-    return Scale("viridis", 0, max(high, 1e-3) if np.isfinite(high) else 1e-3, MARK_ON_SEQUENTIAL)
+    return Scale("magnitude", 0, max(high, 1e-3) if np.isfinite(high) else 1e-3)
 
 
 def elevation_scale(*layers):
     low, high = finite_extremes(*layers)
     if not np.isfinite(low):
         low, high = 0.0, 1.0
-    return Scale("viridis", low, max(high, low + 1e-3), MARK_ON_SEQUENTIAL)
+    return Scale("elevation", low, max(high, low + 1e-3))
 
 
 # Panels
@@ -102,9 +98,9 @@ def draw_values(ax, grid, values, scale, cells, shrink=reduction.shrink_extreme,
     size = reduction.block_size(values.shape, cells)
     unit, factor = scale.unit
     image = draw_image(ax, grid, shrink(values, size) * factor, size, vmin=scale.low_m * factor,
-                       vmax=scale.high_m * factor, cmap=color_map(scale))
+                       vmax=scale.high_m * factor, cmap=colors.color_map(scale.quantity))
     if no_value is not None and no_value.any():
-        draw_flags(ax, grid, no_value, scale.mark, cells, growth=1)
+        draw_flags(ax, grid, no_value, MARK, cells, growth=1)
     draw_color_bar(ax, image, unit)
     if np.isnan(values).all():
         notice(ax, "no value anywhere")
@@ -114,12 +110,6 @@ def draw_color_bar(ax, image, unit):
     """A colour bar exactly as high as the map."""
     bar = ax.figure.colorbar(image, cax=ax.inset_axes([1.03, 0, 0.045, 1]))
     bar.ax.set_title(unit, fontsize=FONT_PT)
-
-
-def color_map(scale):
-    cmap = matplotlib.colormaps[scale.cmap].copy()
-    cmap.set_bad(NO_VALUE)
-    return cmap
 
 
 def draw_flags(ax, grid, flags, color, cells, growth=2):

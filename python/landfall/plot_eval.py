@@ -72,7 +72,7 @@ def draw_error(evaluation):
     grid, error = evaluation.grid, evaluation.layers["e_z"]
     inside = evaluation.inside()
     within = np.where(inside, error, np.nan)
-    title = f"{evaluation.name}: elevation error e_z = true - estimated (black: no return, enlarged)"
+    title = f"{evaluation.name}: elevation error e_z = true - estimated (magenta: no return, enlarged)"
     figure, axes = maps.new_figure((1, 3), (14, 4.9), title)
     scale = maps.signed_scale(within)
     maps.frame_map(axes[0, 0], grid, error_title(within))

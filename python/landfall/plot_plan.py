@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction
+from landfall import colors, command, files, maps, plots, reduction
 from landfall.errors import DataError
 
 CELLS = 620  # blocks along a panel's edge
@@ -13,7 +13,7 @@ BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),
           ("off_region", "outside the region", "#e69f00"),
           ("blanked", "blanked", "#999999")]
-UNCOVERED = "#d55e00"
+UNCOVERED = maps.MARK
 
 
 def parse(arguments):
@@ -39,10 +39,10 @@ def read(path):
 
 def draw_map(ax, grid, values, style, layers, radius_m):
     """`values` where known, in the region and around it; bins of the region that nothing covers are marked."""
-    title, cmap, unit, high = style
+    title, quantity, unit, high = style
     maps.frame_map(ax, grid, title)
     size = reduction.block_size(values.shape, CELLS)
-    image = maps.draw_image(ax, grid, reduction.shrink_mean(values, size), size, cmap=cmap, vmin=0, vmax=high)
+    image = maps.draw_image(ax, grid, reduction.shrink_mean(values, size), size, cmap=colors.color_map(quantity), vmin=0, vmax=high)
     maps.draw_color_bar(ax, image, unit)
     uncovered = (layers["count"] == 0) & (layers["in_region"] != 0)
     if uncovered.any():
@@ -84,11 +84,11 @@ def draw(grid, layers, plan, options):
     radius_m = plan["region"]["radius_m"]
     known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "frames")}
     for ax, name, style in [
-            (axes[0, 0], "count", ("returns per bin", "viridis", "", max(2, plan["returns_per_bin"]["p95"]))),
-            (axes[0, 1], "frames", ("frames per bin (overlap)", "cividis", "", max(2, frames["p95"])))]:
+            (axes[0, 0], "count", ("returns per bin", "count", "", max(2, plan["returns_per_bin"]["p95"]))),
+            (axes[0, 1], "frames", ("frames per bin (overlap)", "count", "", max(2, frames["p95"])))]:
         draw_map(ax, grid, known[name], style, layers, radius_m)
     draw_map(axes[0, 2], grid, layers["first_seen"],
-             ("when each bin is first seen", "plasma", "s", max(np.nanmax(layers["first_seen"], initial=0), 1e-9)),
+             ("when each bin is first seen", "magnitude", "s", max(np.nanmax(layers["first_seen"], initial=0), 1e-9)),
              layers, radius_m)
     draw_histogram(axes[1, 0], plan, layers)
     grid_spec = axes[1, 1].get_gridspec()

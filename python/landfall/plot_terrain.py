@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.patches import Patch
 
-from landfall import command, files, maps, plots, reduction
+from landfall import colors, command, files, maps, plots, reduction
 from landfall.errors import DataError
 
 CELLS = 900  # blocks along a panel's edge
@@ -201,7 +201,7 @@ def draw_hillshade(ax, grid, image, size):
 
 def draw_slope(ax, grid, relief):
     steepest = np.nanmax(relief.slope_deg) if np.isfinite(relief.slope_deg).any() else 1
-    image = draw_cells(ax, grid, relief.slope_deg, relief.size, cmap="viridis", vmin=0,
+    image = draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0,
                        vmax=max(float(steepest), 1e-3))
     maps.draw_color_bar(ax, image, "deg")
 

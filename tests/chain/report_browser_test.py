@@ -2,12 +2,18 @@
 """The report of dem-eval in a browser: its numbers and drawings, and that it requests no other file."""
 import json
 import math
+import os
+import sys
 import unittest
 
 import h5py
 import numpy as np
+from matplotlib.image import imread
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, Chain, ToolTest, browser
+from landfall import colors
 
 WIDTHS = (1400, 800)
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
@@ -55,6 +61,35 @@ data.forEach((pixel, i) => {
   if (x === 0 || y === 0 || x === width - 1 || y === height - 1) ++border;
 });
 return [all / data.length, border];
+"""
+# A drag of the pointer over the map of a layer, from and to a position in metres; with one position a move.
+POINT = """
+const [layer, ...places] = arguments;
+const panel = panels.find((p) => p.canvas.dataset.layer === layer && p.options.region);
+const box = panel.plot.getBoundingClientRect(), zoom = box.width / panel.width;
+const event = (type, [x, y]) => panel.plot.dispatchEvent(new PointerEvent(type, {
+  clientX: box.left + panel.x(x) * zoom, clientY: box.top + panel.y(y) * zoom, bubbles: true}));
+if (places.length > 1) event("pointerdown", places[0]);
+event("pointermove", places[places.length - 1]);
+if (places.length > 1) event("pointerup", places[places.length - 1]);
+"""
+# Every error map's scale and what its colour bar shows of the limit.
+SCALES = """
+return Object.fromEntries(panels.filter((p) => p.options.region && ["signed", "magnitude"].includes(p.raster.layer.style)).map(
+    (p) => [p.raster.layer.name, {low: p.scale.low, high: p.scale.high, marks: p.svg.querySelectorAll("polygon.limit").length,
+        limit: p.raster.layer.limit_m, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
+"""
+# The contrast of the text of an element with the first background behind it (WCAG 2, 1.4.3).
+CONTRAST = """
+const light = (color) => color.match(/[0-9.]+/g).slice(0, 3).map((part) => part / 255).map(
+    (c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
+return arguments[0].map((selector) => {
+  let behind = document.querySelector(selector);
+  const ink = light(getComputedStyle(behind).color);
+  while (/rgba.*, 0\\)/.test(getComputedStyle(behind).backgroundColor)) behind = behind.parentElement;
+  const paper = light(getComputedStyle(behind).backgroundColor);
+  return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
+});
 """
 # Pairs of texts that overlap, in a diagram or on the page, and elements wider than the page.
 LAYOUT = """
@@ -181,8 +216,7 @@ class ReportTest(ToolTest):
 
     def test_a_sparse_dem_is_not_hidden_by_its_marks(self):
         self.report(self.sparse("sparse.h5", 0.2))
-        self.assertLess(self.window.run(SHARE, "z_est", [255, 255, 255]), 0.001)
-        self.assertLess(self.window.run(SHARE, "z_est", [29, 39, 51]), 0.001)
+        self.assertLess(self.window.run(SHARE, "z_est", list(colors.MARK)), 0.001)
         self.assertLess(self.window.run(SHARE, "invalid", [0, 114, 178]), 0.7)
         self.assertGreater(self.window.run(VIEW)[0], 0.05)
         self.check_log_and_requests()
@@ -194,7 +228,7 @@ class ReportTest(ToolTest):
             count = int(np.sum(file["invalid"][()]))
         self.assertTrue(5 < count < 60, count)
         width = self.window.run("return document.querySelector('#maps canvas[data-layer=invalid]').width")
-        for layer, color in (("invalid", [0, 114, 178]), ("z_est", [255, 255, 255])):
+        for layer, color in (("invalid", [0, 114, 178]), ("z_est", list(colors.MARK))):
             found = self.window.run(SHARE, layer, color) * width ** 2 / count
             self.assertTrue(6 < found <= 9.5, f"{layer}: {found} pixels per bin")
         self.check_log_and_requests()
@@ -220,6 +254,174 @@ class ReportTest(ToolTest):
         readout = self.window.run("return document.querySelector('#maps canvas[data-layer=e_z]').closest('figure')"
                                   ".querySelector('.readout').textContent")
         self.assertRegex(readout, r"^x .?0\.0\d m, y .?0\.0\d m: ")
+
+    def settle(self):
+        """Waits for the next frame, with which overlays are drawn."""
+        self.window.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(() => arguments[0]()))")
+
+    def layers(self, *names):
+        with h5py.File(self.path("eval.h5")) as evaluation, h5py.File(self.chain.dem) as dem:
+            return [(evaluation if name in evaluation else dem)[name][()] for name in names]
+
+    def test_the_cursor_is_on_all_maps_with_all_values(self):
+        self.report()
+        x, y, z_est, rel_z, count = self.layers("x", "y", "z_est", "rel_z", "count")
+        self.window.run(POINT, "abs_x", [x[40], y[57]])
+        self.settle()
+        drawn = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.cursor')).map((p) => p.raster.layer.name)")
+        self.assertEqual(drawn, MAPS)
+        shown = self.window.run("return Object.fromEntries([...document.querySelectorAll('#values [data-value-of]')].map("
+                                "(e) => [e.dataset.valueOf, e.querySelector('output').textContent]))")
+        self.assertEqual(set(shown), set(MAPS))
+        self.assertRegex(self.text("#values .place"), rf"^x {x[40]:.2f} m, y {y[57]:.2f} m$".replace("-", "\u2212"))
+        self.assertAlmostEqual(float(shown["z_est"].split()[0].replace("\u2212", "-")), z_est[57, 40], delta=1e-3)
+        self.assertAlmostEqual(float(shown["rel_z"].split()[0]) / 100, rel_z[57, 40], delta=1e-3)
+        self.assertEqual(shown["count"], str(count[57, 40]))
+        self.assertEqual(shown["fail"], self.window.run("return failText(arguments[0])", int(self.layers("fail")[0][57, 40])))
+        self.check_quiet()
+
+    def test_a_dragged_line_gives_the_profile_of_the_file(self):
+        self.report()
+        x, y, z_est, z_true, error = self.layers("x", "y", "z_est", "z_true", "e_z")
+        self.window.run(POINT, "e_z", [x[20], y[33]], [x[80], y[33]])
+        self.settle()
+        lines = self.window.run("return panels.filter((p) => p.options.region && p.svg.querySelector('.profile-line')).length")
+        self.assertEqual(lines, len(MAPS))
+        for name, values in (("z_est", z_est), ("z_true", z_true), ("e_z", error)):
+            found = self.window.run("return rasterOf(layerNamed(arguments[0]), report.grid).then((r) => profileOf(r, pointing.line)"
+                                    ".map(([at, v]) => [at, Number.isNaN(v) ? null : v]))", name)
+            step = self.window.run("return layerNamed(arguments[0]).step", name)
+            self.assertIn(len(found), (60, 61, 62), name)
+            for at, value in found[1:-1]:
+                col = round((at + x[20] - x[0]) / 0.1)
+                if math.isnan(values[33, col]):
+                    self.assertIsNone(value)
+                else:
+                    self.assertAlmostEqual(value, values[33, col], delta=0.501 * step)
+        self.assertGreater(self.window.run("return document.querySelectorAll('#profile polyline').length"), 2)
+        self.assertEqual(self.window.run("return document.querySelectorAll('#profile line.limit').length"), 2)
+        self.window.run("document.querySelectorAll('#profile input').forEach((field, k) => { field.value = [-1, -2, 3, 1][k];"
+                        " field.dispatchEvent(new Event('change')); })")
+        self.assertEqual(self.window.run("return [pointing.line.from.x_m, pointing.line.from.y_m, pointing.line.to.x_m, pointing.line.to.y_m]"),
+                         [-1, -2, 3, 1])
+        self.assertTrue(self.text("#profile .note").startswith("5.00 m; error: largest "), self.text("#profile .note"))
+        self.check_quiet()
+        self.check_layout()
+
+    def test_a_click_draws_no_line(self):
+        self.report()
+        before = self.window.run("return pointing.line")
+        self.window.run(POINT, "e_z", [1, 1], [1, 1])
+        self.assertEqual(self.window.run("return pointing.line"), before)
+
+    def test_blinks_between_estimated_and_true_elevation(self):
+        self.report()
+        panel = "#maps canvas[data-layer=z_est]"
+        first = self.canvas(panel)["sum"]
+        caption = "return document.querySelector('#maps canvas[data-layer=z_est]').closest('figure').querySelector('figcaption code').textContent"
+        self.window.run("document.querySelector('button.blink').click()")
+        self.assertEqual(self.window.run(caption), "z_true")
+        self.assertNotEqual(self.canvas(panel)["sum"], first)
+        self.window.wait(caption + " === 'z_est'", 5)
+        self.assertEqual(self.canvas(panel)["sum"], first)
+        self.window.run("document.querySelector('button.blink').click()")
+        self.assertEqual((self.window.run(caption), self.text("button.blink")), ("z_est", "blink z_est / z_true"))
+        scales = self.window.run("return ['z_est', 'z_true'].map((name) => panels.find("
+                                 "(p) => p.raster.layer.name === name && p.options.region).scale).map(({low, high}) => [low, high])")
+        self.assertEqual(*scales)
+        self.check_quiet()
+
+    def theme(self, name):
+        self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": name}]})
+        self.addCleanup(self.window.driver.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
+
+    def test_dark_mode_follows_the_system_and_the_button(self):
+        paper = "return getComputedStyle(document.querySelector('main > section')).backgroundColor"
+        texts = ["h1", "h2", ".note", "nav a", "#verdict", ".verdict.pass", "figcaption", "#values", "td", "summary"]
+        self.report()
+        self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(255, 255, 255)", "dark mode"))
+        maps = self.canvas("#maps canvas[data-layer=e_z]")["sum"]
+        self.theme("dark")
+        self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(24, 29, 35)", "light mode"))
+        self.assertEqual(self.canvas("#maps canvas[data-layer=e_z]")["sum"], maps)
+        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
+        self.window.run("document.getElementById('theme').click()")
+        self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(255, 255, 255)", "dark mode"))
+        self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
+        self.check_quiet()
+
+    def test_buttons_name_what_they_enlarge(self):
+        self.report()
+        names = self.window.run("return [...document.querySelectorAll('#maps button.enlarge')].map((b) => b.textContent)")
+        self.assertEqual(names, [f"enlarge {name}" for name in MAPS])
+        self.window.run("document.querySelectorAll('#maps button.enlarge')[5].click()")
+        self.assertEqual(self.text("#maps figure.wide button.enlarge"), "reduce e_z")
+
+    def test_every_scale_of_an_error_holds_its_limit(self):
+        for limit in (0.05, 30):  # far above and far below the errors, too
+            limits = {"relative_elevation_m": limit, "relative_horizontal_m": limit, "absolute_horizontal_m": 20 * limit}
+            self.report(None, *[argument for key, value in limits.items() for argument in ("--set", f"limits.{key}={value}")])
+            scales = self.window.run(SCALES)
+            self.assertEqual(set(scales), {f"{kind}_{axis}" for kind in ("e", "abs", "rel") for axis in "xyz"})
+            for name, scale in scales.items():
+                self.assertTrue(any("true \u2212 estimated" in text or "|e \u2212 mean|" in text for text in scale["text"]), name)
+                if name == "abs_z":
+                    self.assertIsNone(scale["limit"])
+                    continue
+                self.assertEqual(scale["limit"], limits["absolute_horizontal_m"] if name.startswith("abs") else limit)
+                self.assertGreaterEqual(scale["high"], 1.1 * scale["limit"])
+                self.assertEqual(scale["low"], 0 if name.startswith("rel") else -scale["high"])
+                self.assertEqual(scale["marks"], 1 if name.startswith("rel") else 2, name)
+                self.assertIn("limit", scale["note"])
+        self.window.run("const s = document.querySelector('#scales'); s.value = 'data'; s.dispatchEvent(new Event('change'))")
+        for name, scale in self.window.run(SCALES).items():
+            self.assertEqual(scale["marks"], 0, name)
+        self.check_layout()
+
+    def test_scales_end_at_a_quantile_and_say_so(self):
+        dem = self.path("outlier.h5")
+        self.succeed("regrid", self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(REGRID, "r.json"), "-o", dem)
+        with h5py.File(dem, "r+") as file:
+            file["z_est"][50, 50:52] = [7, -7]
+        self.report(dem)
+        with h5py.File(self.path("eval.h5")) as file:
+            magnitudes = np.sort(np.abs(file["e_z"][()][~np.isnan(file["e_z"][()])]))
+        scale = self.window.run(SCALES)["e_z"]
+        expected = max(1.1 * 0.05, magnitudes[round(0.995 * (len(magnitudes) - 1))])
+        self.assertAlmostEqual(scale["high"], expected, delta=self.window.run("return layerNamed('e_z').step"))
+        self.assertIn("colours end at \u00b1", scale["note"])
+
+    def test_colours_are_those_of_the_figures(self):
+        self.report()
+        maps = self.window.run("return COLOR_MAPS")
+        self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
+        self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
+        self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
+
+    def test_elevations_are_shaded_as_in_view(self):
+        self.report()
+        self.succeed("landfall-export", self.chain.dem, "--layers", "z_est", "-o", self.path("view.png"))
+        view = np.round(255 * imread(self.path("view.png"))[..., :3])
+        # The map of 101 x 101 bins begins at (88, 120) and is enlarged by 5 (lib/picture/map_picture.cpp).
+        view = view[88:88 + 505, 120:120 + 505][2::5, 2::5][::-1]
+        drawn = self.window.run("""return rasterOf(layerNamed("z_est"), report.grid).then((r) => {
+            const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
+            return [...reliefColors(alone, b, scaleOf(alone))]; })""")
+        self.assertLess(np.abs(np.reshape(drawn, (101, 101, 3)) - view).max(), 4)
+
+    def test_view_fills_its_canvas(self):
+        self.report()
+        for width in WIDTHS:
+            self.window.resize(width)
+            share, border = self.window.run(VIEW)
+            self.assertGreater(share, 0.3)
+            self.assertEqual(border, 0)
+
+    def test_has_the_title_that_is_given(self):
+        self.report(None, "--title", "Site 7 & <others>")
+        self.assertEqual((self.text("h1"), self.window.driver.title), ("Site 7 & <others>",) * 2)
+        self.report()
+        self.assertEqual(self.text("h1"), "plane with cone features, hemisphere features and pyramid features, fsm scanner")
 
     def test_view_turns_and_changes_its_colour(self):
         self.report()
@@ -257,7 +459,8 @@ class ReportTest(ToolTest):
         self.report()
         legend = "#terrain-legend"
         self.assertIn("Estimated elevation (m)", self.text(legend))
-        for layer, text in (("rel_z", "Relative error in z (cm)"), ("fail", "relative z: "), ("count", "Returns in the bin")):
+        for layer, text in (("rel_z", "Relative error in z: |e \u2212 mean|, 95 % quantile (cm)"),
+                            ("e_z", "Error in z: true \u2212 estimated (cm)"), ("fail", "relative z: "), ("count", "Returns in the bin")):
             self.window.run("const s = document.querySelector('#terrain-layer'); s.value = arguments[0];"
                             "s.dispatchEvent(new Event('change'))", layer)
             self.window.driver.execute_async_script("setTimeout(arguments[0], 300)")
@@ -361,7 +564,7 @@ class ReportTest(ToolTest):
         self.assertEqual([row[:1] + row[2:] for row in self.cells("#verdicts")], expected_rows(metrics))
         names = self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)")
         self.assertEqual(names, ["z_est", "count", "invalid", "fail"])
-        legend = self.window.run("return [...document.querySelectorAll('#maps .legend > span')].map((s) => s.textContent)")
+        legend = self.window.run("return [...document.querySelectorAll('#maps .flags > span')].map((s) => s.textContent)")
         self.assertEqual([entry.split(": ")[1] == "not judged" for entry in legend], [True] * 4 + [False] * 2)
         self.assertNotIn("numbered", self.text("#maps"))
         self.assertIsNone(self.text("#worst"))

@@ -4,6 +4,8 @@
 // Diagrams: curves, bars and points between two axes, linear or logarithmic.
 
 const LEAST_BOUND_M = 1e-6;  // least bound of an axis, so that rounding errors do not fill it
+// The colours of lines, which differ in light and dark mode (report.css).
+const LINE = {blue: "var(--blue)", sky: "var(--sky)", vermilion: "var(--vermilion)", purple: "var(--purple)"};
 const CHART = {width: 430, height: 300, left: 58, right: 16, top: 14, bottom: 46};
 
 class Axis {
@@ -63,7 +65,7 @@ class Chart {
     }
     this.svg.append(
         svgElement("rect", {x: left, y: top, width: width - left - right, height: height - top - bottom,
-                            fill: "none", stroke: INK}),
+                            fill: "none", stroke: TEXT_COLOR}),
         svgElement("text", {x: (left + width - right) / 2, y: height - 8, "text-anchor": "middle"}, this.x.label),
         svgElement("text", {transform: `translate(13 ${(top + height - bottom) / 2}) rotate(-90)`,
                             "text-anchor": "middle"}, this.y.label));
@@ -101,21 +103,24 @@ class Chart {
   }
 
   /** A vertical line at x; outside the axis only its legend entry is shown. */
-  limit(x, text, color = VERMILION) {
+  limit(x, text, color = LINE.vermilion) {
     const beyond = x > this.x.high || x < this.x.low;
     if (!beyond) this.curve([[x, this.y.low], [x, this.y.high]], {color, dash: "7 3"});
     this.entry(text + (beyond ? " (beyond this diagram)" : ""), color, "7 3");
     return this;
   }
 
-  entry(text, color, dash) {
-    const sample = svgElement("svg", {viewBox: "0 0 30 10", class: "sample"}, svgElement(
-        "line", {x1: 1, x2: 29, y1: 5, y2: 5, stroke: color, "stroke-width": 2.5, "stroke-dasharray": dash}));
-    this.legend.append(htmlElement("span", {}, sample, text));
-  }
+  entry(text, color, dash) { this.legend.append(legendEntry(text, color, dash)); }
 }
 
-const AXIS_STYLES = {x: {color: BLUE, dash: ""}, y: {color: VERMILION, dash: "6 3"}, z: {color: INK, dash: "2 2"}};
+/** A line and its name. */
+function legendEntry(text, color, dash, width = 2.5) {
+  const sample = svgElement("svg", {viewBox: "0 0 30 10", class: "sample"}, svgElement(
+      "line", {x1: 1, x2: 29, y1: 5, y2: 5, stroke: color, "stroke-width": width, "stroke-dasharray": dash}));
+  return htmlElement("span", {}, sample, text);
+}
+
+const AXIS_STYLES = {x: {color: LINE.blue, dash: ""}, y: {color: LINE.vermilion, dash: "6 3"}, z: {color: TEXT_COLOR, dash: "2 2"}};
 
 /** Shares up to a value, extended to the right border with share 1, so that a single value gives a line, too. */
 function rising(points, right, factor) {
@@ -146,7 +151,7 @@ function errorChart(axes) {
   const [unit, factor] = lengthUnit(bound);
   const curves = shown.map(([axis, h]) => [axis, merged(h.error, bound, 80)]);
   const high = 1.08 * Math.max(...curves.map(([, points]) => Math.max(...points.map(([, y]) => y))));
-  const chart = new Chart("Errors of the bins", {low: -bound * factor, high: bound * factor, label: `error (${unit})`},
+  const chart = new Chart("Errors of the bins", {low: -bound * factor, high: bound * factor, label: `true \u2212 estimated (${unit})`},
                           {low: 0, high: 100 * high, label: "bins in a class (%)"});
   for (const [axis, points] of curves) {
     chart.curve(points.map(([x, y]) => [x * factor, 100 * y]), {...AXIS_STYLES[axis], text: `e_${axis}`});
@@ -208,7 +213,7 @@ function relativeChart(axes, limits) {
   const texts = limits.relative_elevation_m === limits.relative_horizontal_m ?
       [["limit", limits.relative_elevation_m]] :
       [["limit of z", limits.relative_elevation_m], ["limit of x and y", limits.relative_horizontal_m]];
-  for (const [text, limit] of texts) chart.limit(limit * factor, `${text} ${metresAs(limit, ...lengthUnit(limit))}`, PURPLE);
+  for (const [text, limit] of texts) chart.limit(limit * factor, `${text} ${metresAs(limit, ...lengthUnit(limit))}`, LINE.purple);
   return chart.element;
 }
 
@@ -223,7 +228,7 @@ function holeChart({size_bins, count}, limit) {
                            whole: true});
   const bars = size_bins.map((size, k) => log ? {low: size / 1.05, high: size * 1.05, count: count[k]} :
                                                 {low: size - 0.4, high: size + 0.4, count: count[k]});
-  return chart.bars(bars, BLUE).limit(limit + 0.5, `limit ${counted(limit, "bin")}`).element;
+  return chart.bars(bars, LINE.blue).limit(limit + 0.5, `limit ${counted(limit, "bin")}`).element;
 }
 
 function reliabilityChart(title, {sigma_m, rmse_m, bins}) {
@@ -235,8 +240,8 @@ function reliabilityChart(title, {sigma_m, rmse_m, bins}) {
   const most = Math.max(...shown.map(([, , n]) => n));
   const chart = new Chart(title, {low, high, log: true, label: `predicted sigma (${unit})`},
                           {low, high, log: true, label: `root mean square error (${unit})`});
-  return chart.curve([[low, low], [high, high]], {color: INK, text: "as foretold", width: 1.2})
-      .dots(shown.map(([sigma, rmse, n]) => [sigma * factor, rmse * factor, 2.5 + 6 * Math.sqrt(n / most)]), BLUE,
+  return chart.curve([[low, low], [high, high]], {color: TEXT_COLOR, text: "as predicted", width: 1.2})
+      .dots(shown.map(([sigma, rmse, n]) => [sigma * factor, rmse * factor, 2.5 + 6 * Math.sqrt(n / most)]), LINE.blue,
             "found (area: bins)").element;
 }
 
@@ -252,6 +257,6 @@ function shareChart(title, {k, frac}) {
   const chart = new Chart(title, {low: 0, high: 4, label: "k"},
                           {low: 0, high: 100, label: "errors within k sigma (%)"});
   const normal = Array.from({length: 81}, (_, i) => [i / 20, 100 * errorFunction(i / 20 / Math.SQRT2)]);
-  return chart.curve(normal, {color: INK, text: "normal distribution", width: 1.2})
-      .dots(k.map((value, i) => [value, 100 * frac[i], 3.5]), BLUE, "found").element;
+  return chart.curve(normal, {color: TEXT_COLOR, text: "normal distribution", width: 1.2})
+      .dots(k.map((value, i) => [value, 100 * frac[i], 3.5]), LINE.blue, "found").element;
 }

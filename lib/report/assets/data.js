@@ -122,9 +122,22 @@ function blocksOf(raster, stride) {
   return {rows, cols, values, stride, cell_m: stride * raster.cell_m};
 }
 
-/** Whether a mask covers less than 1 % of the region: more enlarged marks would hide the map and overlap. */
+/** The share of the cells of each block that have no value. */
+function missingShares(raster, {stride, rows, cols}) {
+  const missing = new Float32Array(rows * cols), all = new Float32Array(rows * cols);
+  raster.codes.forEach((code, i) => {
+    const block = Math.floor(Math.floor(i / raster.cols) / stride) * cols + Math.floor(i % raster.cols / stride);
+    ++all[block];
+    if (code === NO_VALUE_CODE) ++missing[block];
+  });
+  return missing.map((count, block) => count / all[block]);
+}
+
+const MOST_MARKED = 0.01;  // of the region, and of the map by enlarged marks: more would hide the map
+
+/** Whether a mask covers less than 1 % of the region. */
 function fewMarks(mask, region) {
-  return mask.marked() < 0.01 * (region ? region.marked() : mask.codes.length);
+  return mask.marked() < MOST_MARKED * (region ? region.marked() : mask.codes.length);
 }
 
 /** [{row, col, value}] of the marks with at most one marked neighbour of eight; larger groups are visible. */

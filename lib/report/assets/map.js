@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 "use strict";
 
-// A map with axes in metres, north up, a colour bar, the region's outline, and the value under the pointer.
+// A map with axes in metres, north up, a colour bar, the region's outline, the common cursor and the profile's line.
 
 function svgElement(name, attributes = {}, ...children) {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -17,59 +17,66 @@ function htmlElement(name, attributes = {}, ...children) {
   return element;
 }
 
-function colorGradient(id, colors, direction) {
-  const stops = Array.from({length: 33}, (_, k) => svgElement(
-      "stop", {offset: k / 32, "stop-color": cssColor(colors[Math.round(255 * k / 32)])}));
-  return svgElement("defs", {}, svgElement("linearGradient", {id, ...direction}, ...stops));
-}
-
-const MAP_MARGIN = {left: 50, right: 66, top: 22, bottom: 40};
-let gradientCount = 0;
+const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
+const panels = [];  // all maps of the page
 
 class MapPanel {
   /** `options`: region (the raster in_region), marks (a mask whose single bins are shown enlarged on the map), points
-   * ([{x_m, y_m, text}]), footprint ({x_m, y_m}: its outline there). */
+   * ([{x_m, y_m, text}]), footprint ({x_m, y_m}: its outline there), note (instead of the range of values). */
   constructor(raster, options = {}) {
-    this.raster = raster;
     this.options = options;
-    this.scale = scaleOf(raster);
-    this.canvas = htmlElement("canvas", {class: "map", "data-layer": raster.layer.id, role: "img",
-                                         "aria-label": raster.layer.title});
+    this.canvas = htmlElement("canvas", {class: "map", "data-layer": raster.layer.id, role: "img", tabindex: "0"});
     this.svg = svgElement("svg");
     this.plot = htmlElement("div", {class: "plot"}, this.canvas, this.svg);
-    this.readout = htmlElement("output", {class: "readout screen-only"});
-    this.element = htmlElement("figure", {class: "panel"}, this.caption(), this.plot, this.readout);
-    this.plot.addEventListener("pointermove", (event) => this.read(event));
-    this.plot.addEventListener("pointerdown", (event) => this.read(event));
-    this.plot.addEventListener("pointerleave", () => this.readout.replaceChildren("\u00a0"));
-    this.readout.replaceChildren("\u00a0");
+    this.readout = htmlElement("output", {class: "readout screen-only"}, "\u00a0");
+    this.title = htmlElement("span");
+    this.noteText = htmlElement("span", {class: "note"});
+    this.caption = htmlElement("figcaption", {}, this.title, this.enlargeButton(raster.layer), this.noteText);
+    this.element = htmlElement("figure", {class: "panel"}, this.caption, this.plot, this.readout);
     this.width = 0;
+    this.setRaster(raster);
+    panels.push(this);
+    listenToPointer(this);
     new ResizeObserver(() => this.fit()).observe(this.plot);
   }
 
-  caption() {
-    const enlarge = htmlElement("button", {type: "button", class: "enlarge screen-only",
-                                           "aria-pressed": "false"}, "enlarge");
-    enlarge.addEventListener("click", () => {
-      const wide = this.element.classList.toggle("wide");
-      enlarge.setAttribute("aria-pressed", String(wide));
-      enlarge.textContent = wide ? "reduce" : "enlarge";
-    });
-    this.blocks = htmlElement("span");
-    const note = htmlElement("span", {class: "note"}, this.note(), this.blocks);
-    return htmlElement("figcaption", {}, this.raster.layer.title, enlarge, note);
+  /** Shows a raster of the same grid. */
+  setRaster(raster) {
+    this.raster = raster;
+    this.title.replaceChildren(raster.layer.title + " ", htmlElement("code", {}, raster.layer.name));
+    this.canvas.setAttribute("aria-label", this.title.textContent);
+    this.rescale();
   }
 
+  /** Draws again, for example with other ends of the scale. */
+  rescale() {
+    this.scale = scaleOf(this.raster);
+    if (this.width > 0) this.draw();
+  }
+
+  enlargeButton({name, title}) {
+    const text = (wide) => `${wide ? "reduce" : "enlarge"} ${name}`;
+    const button = htmlElement("button", {type: "button", class: "enlarge screen-only", "aria-pressed": "false",
+                                          title: title}, text(false));
+    button.addEventListener("click", () => {
+      const wide = this.element.classList.toggle("wide");
+      button.setAttribute("aria-pressed", String(wide));
+      button.textContent = text(wide);
+    });
+    return button;
+  }
+
+  /** The range of the values, the limit, and what of them the colours show. */
   note() {
     const {layer} = this.raster;
     if (this.options.note) return this.options.note;
     if (!this.raster.hasValue()) return "no value anywhere";
-    if (this.isMarks()) return "\u00a0";
-    const {unit, factor} = this.scale;
+    if (this.isMarks()) return "";
+    const [unit, factor] = lengthUnit(Math.max(Math.abs(layer.low), Math.abs(layer.high)));
     const range = layer.unit === "m" ?
         `${metresAs(layer.low, unit, factor)} to ${metresAs(layer.high, unit, factor)}` :
         `${layer.low} to ${layer.high} ${layer.unit}`.trimEnd();
-    return range + (this.scale.clipped ? "; colours end earlier" : "");
+    return [range, clippingText(this.scale), limitText(layer)].filter((text) => text !== "").join("; ");
   }
 
   isMarks() { return ["mask", "flags"].includes(this.raster.layer.style); }
@@ -103,6 +110,9 @@ class MapPanel {
     this.drawFootprint();
     this.drawPoints();
     if (!this.isMarks()) this.drawColorBar();
+    this.overlay = svgElement("g", {class: "overlay"});
+    this.svg.append(this.overlay);
+    this.drawOverlay();
   }
 
   x(x_m) { return this.box.left + (x_m - this.raster.left_m) * this.pixels_per_m; }
@@ -112,61 +122,67 @@ class MapPanel {
     const {width, height} = this.canvas;
     // All blocks have the same whole number of cells, because uneven blocks would cause a beat pattern.
     const cells = this.raster.width_m / this.raster.cell_m / width;
-    const stride = this.isShaded() ? 1 : Math.max(1, Math.ceil(cells - 1e-9));
-    const blocks = blocksOf(this.raster, stride);
-    const judged = this.isMarks() && this.options.region ? blocksOf(this.options.region, stride).values : null;
-    const colors = new Float32Array(3 * blocks.values.length);
-    blocks.values.forEach((value, i) => colors.set(this.blockColor(value, !judged || judged[i] !== 0), 3 * i));
+    const stride = Math.max(1, Math.ceil(cells - 1e-9));
+    const marks = this.enlargedMarks(stride, ratio);
+    const isAveraged = this.raster.layer.style === "count" || (this.isMarks() && marks === null);
+    const blocks = blocksOf(this.raster, isAveraged ? 1 : stride);
     const context = this.canvas.getContext("2d");
     const columns = pixelShares(width, this.raster.width_m / blocks.cell_m, blocks.cols);
     const rows = pixelShares(height, this.raster.height_m / blocks.cell_m, blocks.rows).reverse();
-    context.putImageData(new ImageData(stretched(colors, blocks.cols, columns, rows), width, height), 0, 0);
-    this.paintMarks(context, blocks, ratio);
+    const pixels = stretched(this.blockColors(blocks, isAveraged && this.raster.layer.style === "mask"), blocks.cols, columns, rows);
+    context.putImageData(new ImageData(pixels, width, height), 0, 0);
+    if (marks) this.paintMarks(context, marks, ratio);
     this.paintRegionEdge(context, ratio);
-    this.tellBlocks(stride, this.isShaded() && cells > 1);
+    this.tell(blocks.stride, isAveraged && cells > 1, marks !== null && marks.length > 0);
   }
 
-  /** Whether a pixel has the mean colour of its cells: the least count, or whether any bin is marked, would look the
-   * same everywhere on a map with many gaps. */
-  isShaded() {
-    const {style} = this.raster.layer;
-    return style === "count" || (style === "mask" && !fewMarks(this.raster, this.options.region));
+  blockColors(blocks, isShare) {
+    if (this.raster.layer.style === "elevation") return reliefColors(this.raster, blocks, this.scale);
+    const {region} = this.options;
+    const judged = this.isMarks() && region ? blocksOf(region, blocks.stride).values : null;
+    const colors = new Float32Array(3 * blocks.values.length);
+    blocks.values.forEach((value, i) => colors.set(this.blockColor(value, !judged || judged[i] !== 0, isShare), 3 * i));
+    return colors;
   }
 
-  blockColor(value, judged) {
+  /** A mask's value is the share of its bins that are set; `isShare`: the colour shows it. */
+  blockColor(value, judged, isShare) {
     const {style} = this.raster.layer;
     if (!this.isMarks()) return colorOf(this.scale, value);
-    if (value !== 0) return parseColor(markColor(style, value));
-    return judged ? [255, 255, 255] : NO_VALUE_COLOR;
+    const ground = judged ? [255, 255, 255] : NO_VALUE_COLOR;
+    if (value === 0) return ground;
+    const color = parseColor(markColor(style, value));
+    return isShare ? color.map((part, k) => ground[k] + value * (part - ground[k])) : color;
   }
 
-  /** Paints marks of one or two blocks at least 3 pixels wide if marks are few: a single bad bin of a large map would
-   * not be visible. */
-  paintMarks(context, blocks, ratio) {
-    const {style} = this.raster.layer, own = this.isMarks();
-    const source = own ? this.raster : this.options.marks;
-    if (!source || !fewMarks(source, this.options.region)) return;
+  /** The marks to be painted at least 3 pixels wide, because a single bad bin of a large map would not be visible: those
+   * with at most one neighbour. Null if less than 1 % of the region and of the map must not be hidden by them. */
+  enlargedMarks(stride, ratio) {
+    const source = this.isMarks() ? this.raster : this.options.marks;
+    if (!source || !fewMarks(source, this.options.region)) return null;
+    const blocks = blocksOf(source, stride);
+    const pixels = this.canvas.width * blocks.cell_m / this.raster.width_m, size = Math.round(3 * ratio);
+    if (pixels >= size) return [];
+    const marks = loneMarks(blocks).map(({row, col, value}) => ({
+      x: (col + 0.5) * pixels, y: this.canvas.height - (row + 0.5) * pixels, value}));
+    return marks.length * size ** 2 < MOST_MARKED * this.canvas.width * this.canvas.height ? marks : null;
+  }
+
+  paintMarks(context, marks, ratio) {
+    const {style} = this.raster.layer;
     const size = Math.round(3 * ratio);
-    const pixels = this.canvas.width * blocks.cell_m / this.raster.width_m;
-    if (pixels >= size) return;
-    const marks = loneMarks(own ? blocks : blocksOf(source, blocks.stride));
-    const paint = (width, colorAt) => {
-      for (const {row, col, value} of marks) {
-        context.fillStyle = colorAt(value);
-        context.fillRect(Math.round((col + 0.5) * pixels - width / 2),
-                         Math.round(this.canvas.height - (row + 0.5) * pixels - width / 2), width, width);
-      }
-    };
-    // On a coloured map: white with a dark edge, visible on any colour.
-    if (!own) paint(size + 2 * Math.round(ratio), () => INK);
-    paint(size, (value) => own ? markColor(style, value) : "#ffffff");
+    for (const {x, y, value} of marks) {
+      context.fillStyle = this.isMarks() ? markColor(style, value) : MARK_COLOR;
+      context.fillRect(Math.round(x - size / 2), Math.round(y - size / 2), size, size);
+    }
   }
 
-  /** Adds to the note how the drawn map is reduced from the DEM. */
-  tellBlocks(stride, averaged) {
+  /** Says what is drawn, and how it is reduced from the DEM. */
+  tell(stride, averaged, enlarged) {
     const bins = stride * this.raster.factor;
-    this.blocks.textContent = (bins === 1 ? "" : `; blocks of ${bins} x ${bins} bins`) +
-        (averaged ? "; averaged in each pixel" : "");
+    const texts = [this.note(), bins === 1 ? "" : `blocks of ${bins} x ${bins} bins`, averaged ? "averaged in each pixel" : "",
+                   !enlarged ? "" : this.isMarks() ? "single ones enlarged" : "magenta: single invalid bins, enlarged"];
+    this.noteText.textContent = texts.filter((text) => text !== "").join("; ") || "\u00a0";
   }
 
   /** Paints the border of a region that is neither a circle nor a square. */
@@ -190,14 +206,14 @@ class MapPanel {
   drawAxes() {
     const {left, top, width, height} = this.box;
     const {left_m, bottom_m, width_m, height_m} = this.raster;
-    this.svg.append(svgElement("rect", {x: left, y: top, width, height, fill: "none", stroke: INK}));
+    this.svg.append(svgElement("rect", {x: left, y: top, width, height, fill: "none", stroke: TEXT_COLOR}));
     for (const {value, text} of ticks(left_m, left_m + width_m, Math.max(2, width / 45))) {
       this.svg.append(svgElement("line", {x1: this.x(value), x2: this.x(value), y1: top + height,
-                                          y2: top + height + 4, stroke: INK}),
+                                          y2: top + height + 4, stroke: TEXT_COLOR}),
                       svgElement("text", {x: this.x(value), y: top + height + 17, "text-anchor": "middle"}, text));
     }
     for (const {value, text} of ticks(bottom_m, bottom_m + height_m, Math.max(2, height / 40))) {
-      this.svg.append(svgElement("line", {x1: left - 4, x2: left, y1: this.y(value), y2: this.y(value), stroke: INK}),
+      this.svg.append(svgElement("line", {x1: left - 4, x2: left, y1: this.y(value), y2: this.y(value), stroke: TEXT_COLOR}),
                       svgElement("text", {x: left - 7, y: this.y(value) + 4, "text-anchor": "end"}, text));
     }
     this.svg.append(
@@ -264,44 +280,56 @@ class MapPanel {
 
   drawColorBar() {
     const {left, top, width, height} = this.box;
-    const {colors, low, high, unit, factor, clipped} = this.scale;
-    const id = `gradient-${++gradientCount}`;
-    const x = left + width + 12;
-    this.svg.append(
-        colorGradient(id, colors, {x1: 0, x2: 0, y1: 1, y2: 0}),
-        svgElement("rect", {x, y: top, width: 12, height, fill: `url(#${id})`, stroke: INK}),
-        svgElement("text", {x: x + 6, y: top - 9, "text-anchor": "middle"}, unit + (clipped ? " \u2265" : "")));
-    const y = (value) => top + height * (1 - (value - low * factor) / ((high - low) * factor));
-    const few = this.raster.layer.style === "count" ? Math.min(height / 35, high) : height / 35;
-    for (const {value, text} of ticks(low * factor, high * factor, Math.max(2, few))) {
-      this.svg.append(svgElement("line", {x1: x + 12, x2: x + 15, y1: y(value), y2: y(value), stroke: INK}),
-                      svgElement("text", {x: x + 18, y: y(value) + 4}, text));
-    }
-    const limit = this.options.limit_m;
-    if (limit !== undefined && limit > low && limit < high) {
-      this.svg.append(svgElement("line", {x1: x - 4, x2: x + 16, y1: y(limit * factor), y2: y(limit * factor),
-                                          stroke: VERMILION, "stroke-width": 3}));
-    }
+    this.svg.append(...verticalColorBar(this.raster, this.scale, {x: left + width + 14, top, height}));
   }
 
-  read(event) {
+  /** The position under the pointer, metres; null outside the map. */
+  placeOf(event) {
     const size = this.plot.getBoundingClientRect();
     const zoom = this.width / size.width;
     const x_m = this.raster.left_m + ((event.clientX - size.left) * zoom - this.box.left) / this.pixels_per_m;
     const y_m = this.raster.bottom_m +
         (this.box.top + this.box.height - (event.clientY - size.top) * zoom) / this.pixels_per_m;
-    const index = this.raster.indexAt(x_m, y_m);
-    const place = `x ${formatNumber(x_m, 0.01)} m, y ${formatNumber(y_m, 0.01)} m: `;
-    this.readout.textContent = index < 0 ? "\u00a0" : place + this.valueText(index);
+    return this.raster.indexAt(x_m, y_m) < 0 ? null : {x_m, y_m};
   }
 
-  valueText(index) {
-    const value = this.raster.value(index);
-    const {style, step} = this.raster.layer;
-    if (style === "flags") return failText(value);
-    if (Number.isNaN(value)) return "no value";
-    if (style === "mask") return value === 0 ? "no" : "yes";
-    const {unit, factor} = this.scale;
-    return `${formatNumber(factor * value, factor * step)} ${unit}`;
+  /** Draws the cursor and the line of the profile, and reads the value at the cursor. */
+  drawOverlay() {
+    if (!this.overlay) return;
+    const {cursor, line} = pointing;
+    this.overlay.replaceChildren();
+    const stroke = (name, attributes) => {
+      for (const [color, width] of [["#ffffff", 3.5], [INK, 1.5]]) {
+        this.overlay.append(svgElement(name, {...attributes, fill: "none", stroke: color, "stroke-width": width}));
+      }
+    };
+    const holds = ({x_m, y_m}) => this.raster.indexAt(x_m, y_m) >= 0;
+    if (line && holds(line.from) && holds(line.to)) {
+      const [x1, y1, x2, y2] = [this.x(line.from.x_m), this.y(line.from.y_m), this.x(line.to.x_m), this.y(line.to.y_m)];
+      stroke("line", {x1, y1, x2, y2, class: "profile-line"});
+      stroke("circle", {cx: x1, cy: y1, r: 3.5});
+    }
+    const isInside = cursor !== null && holds(cursor);
+    if (isInside) {
+      const x = this.x(cursor.x_m), y = this.y(cursor.y_m);
+      stroke("path", {class: "cursor", d: `M${x - 11} ${y}h7m8 0h7M${x} ${y - 11}v7m0 8v7`});
+    }
+    this.readout.textContent = isInside ?
+        `${placeText(cursor)}: ${valueText(this.raster, this.raster.indexAt(cursor.x_m, cursor.y_m))}` : "\u00a0";
   }
+}
+
+function placeText({x_m, y_m}) {
+  return `x ${formatNumber(x_m, 0.01)} m, y ${formatNumber(y_m, 0.01)} m`;
+}
+
+/** The value of a cell with its unit, in words for masks and flags. */
+function valueText(raster, index) {
+  const value = raster.value(index);
+  const {style, step, unit} = raster.layer;
+  if (style === "flags") return failText(value);
+  if (Number.isNaN(value)) return "no value";
+  if (style === "mask") return value === 0 ? "no" : value === 1 ? "yes" : `${formatNumber(100 * value, 1)} % of the bins`;
+  const {unit: shown, factor} = withUnit({low: raster.layer.low, high: raster.layer.high}, unit);
+  return `${formatNumber(factor * value, factor * step)} ${shown}`.trimEnd();
 }

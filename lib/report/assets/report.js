@@ -11,21 +11,17 @@ const MAP_GROUPS = [
   ["Coverage and verdict", ["invalid", "fail"]],
 ];
 const BLOCK_TEXT = "of elevations their mean, of errors the one of the largest magnitude, of relative errors the " +
-    "largest, of missed requirements all of them; numbers of returns are averaged";
+    "largest, of missed requirements all of them; numbers of returns and shares of invalid bins are averaged";
 
-function mapOptions(raster, region, marks) {
-  const {layer} = raster;
+function mapOptions({layer}, region, marks) {
   const options = {region};
-  if (layer.name === "z_est") options.marks = marks;
-  if (layer.name === "rel_z") options.limit_m = report.limits.relative_elevation_m;
-  if (layer.name === "rel_x" || layer.name === "rel_y") options.limit_m = report.limits.relative_horizontal_m;
+  if (layer.style === "elevation") options.marks = marks;
   const {coverage} = report.metrics;
-  const enlarged = () => raster.marked() > 0 && fewMarks(raster, region) ? ", single ones enlarged" : "";
   if (layer.name === "invalid") {
-    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}${enlarged()}`;
+    options.note = `${counted(coverage.invalid_count, "bin")} in ${counted(coverage.hole_count, "hole")}`;
   }
   if (layer.name === "fail") {
-    options.note = `bins and centres of footprints${enlarged()}` +
+    options.note = "bins and centres of footprints" +
         (report.worst.length > 0 ? "; the worst are numbered where there is room" : "");
     options.points = report.worst.map(({x_m, y_m}, k) => ({x_m, y_m, text: String(k + 1)}));
   }
@@ -40,36 +36,93 @@ function failLegend() {
                               svgElement("rect", {width: 12, height: 12, fill: color}));
     return htmlElement("span", {}, sample, `${text}: ${count}`);
   });
-  return htmlElement("div", {class: "legend"}, ...entries);
+  return htmlElement("div", {class: "legend flags"}, ...entries);
 }
 
-function mapsNote(marked) {
+function mapsNote() {
   const {factor, rows, cols, resolution_m} = report.grid;
   const size = `${cols} x ${rows} bins of ${Number((resolution_m * 100).toPrecision(6))} cm`;
   const blocks = Math.max(rows, cols) < 200 ? "" :
       ` Blocks of bins, where a map has more bins than pixels, show ${BLOCK_TEXT}` +
           `${factor === 1 ? "" : `, after the least of each ${factor} x ${factor} bins`}.`;
-  const boxes = marked ? "boxes on the elevation: single invalid bins, enlarged; " : "";
-  return `${size}.${blocks} North (y) is up; grey: no value; outlined: the judged region; ${boxes}a red mark on a colour ` +
-      "bar: the limit.";
+  return `${size}.${blocks} North (y) is up; grey: no value; outlined: the judged region. Errors are true \u2212 estimated. ` +
+      "Colours end at the 99.5 % quantile of the magnitudes, or beyond the limit (\u25b8), whichever is larger; a pointed end of a " +
+      "colour bar means that values lie beyond it. Elevations are lit from the north-west.";
+}
+
+/** The choice of whether the scales of errors reach the limits. */
+function scaleControl() {
+  const select = htmlElement("select", {id: "scales"}, htmlElement("option", {value: "limits"}, "reach the limits"),
+                             htmlElement("option", {value: "data"}, "show the data only"));
+  select.addEventListener("change", () => {
+    display.limits = select.value === "limits";
+    for (const panel of panels) panel.rescale();
+  });
+  return htmlElement("label", {}, "colour scales", select);
+}
+
+/** A button that alternates a panel between two rasters; where the system asks for less motion, one step a click. */
+function blinkButton(panel, rasters) {
+  const PERIOD_MS = 700;
+  const names = rasters.map(({layer}) => layer.name).join(" / ");
+  const button = htmlElement("button", {type: "button", class: "blink screen-only", "aria-pressed": "false"}, `blink ${names}`);
+  const step = () => panel.setRaster(rasters[panel.raster === rasters[0] ? 1 : 0]);
+  let timer = null;
+  button.addEventListener("click", () => {
+    if (window.matchMedia("(prefers-reduced-motion: reduce)").matches) {
+      step();
+      return;
+    }
+    if (timer === null) {
+      step();
+      timer = setInterval(step, PERIOD_MS);
+    } else {
+      clearInterval(timer);
+      timer = null;
+      panel.setRaster(rasters[0]);
+    }
+    button.setAttribute("aria-pressed", String(timer !== null));
+    button.textContent = timer === null ? `blink ${names}` : "stop blinking";
+  });
+  return button;
+}
+
+/** The estimated and the true elevation have one scale. */
+function makePeers(rasters) {
+  const elevations = rasters.filter(({layer}) => layer.style === "elevation");
+  for (const raster of elevations) raster.peers = elevations;
+  return elevations;
+}
+
+function profileView(rasters) {
+  const named = (name) => rasters.find(({layer}) => layer.name === name) ?? null;
+  const styles = [["z_true", LINE.sky, 5], ["z_est", LINE.vermilion, 1.5]];
+  const elevations = styles.map(([name, ...style]) => [named(name), ...style]).filter(([raster]) => raster !== null);
+  return new ProfileView(elevations, named("e_z"));
 }
 
 async function fillMaps(section) {
+  const shown = MAP_GROUPS.map(([title, names]) => [title, names.map(layerNamed).filter((layer) => layer !== null)]);
+  const rasters = await Promise.all(shown.flatMap(([, layers]) => layers).map((layer) => rasterOf(layer, report.grid)));
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const marks = await rasterOf(layerNamed("invalid"), report.grid);
-  section.append(htmlElement("p", {class: "note"}, mapsNote(marks.marked() > 0 && fewMarks(marks, region))));
-  for (const [title, names] of MAP_GROUPS) {
-    const layers = names.map(layerNamed).filter((layer) => layer !== null);
+  const elevations = makePeers(rasters);
+  section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(rasters),
+                 htmlElement("div", {class: "controls screen-only"}, scaleControl()));
+  for (const [title, layers] of shown) {
     if (layers.length === 0) continue;
     const figures = htmlElement("div", {class: "figures"});
     section.append(htmlElement("h3", {}, title), figures);
     for (const layer of layers) {
-      const raster = await rasterOf(layer, report.grid);
+      const raster = rasters.find((candidate) => candidate.layer === layer);
       const panel = new MapPanel(raster, mapOptions(raster, region, marks));
       if (layer.name === "fail") panel.element.append(failLegend());
+      if (layer.name === "z_est" && elevations.length === 2) panel.noteText.before(blinkButton(panel, elevations));
       figures.append(panel.element);
     }
+    if (layers[0].style === "elevation") section.append(profileView(rasters).element);
   }
+  setLine(firstLine(report.grid));
 }
 
 function statisticsTable({statistics}) {
@@ -119,11 +172,12 @@ function fillUncertainty(section) {
 function fillContents() {
   const links = [...document.querySelectorAll("main > section")].map((section) => htmlElement(
       "a", {href: `#${section.id}`}, section.querySelector("h2").textContent));
-  document.querySelector("nav.contents").append(...links);
+  document.querySelector("nav.contents").prepend(...links);
 }
 
 async function fillPage() {
   const section = (id) => document.getElementById(id);
+  makeThemeButton(section("theme"));
   fillUncertainty(section("uncertainty"));
   fillErrors(section("errors"));
   fillHoles(section("holes"));

@@ -3,24 +3,14 @@
 
 // Colours of values and of pixels; units, ticks and numbers.
 
-// Seventeen colours each, evenly spaced; colours between are interpolated. All three are readable with every common
-// colour blindness: viridis (van der Walt and Smith 2015), cividis (Nunez et al. 2018), ColorBrewer's RdBu turned
-// round, blue for negative.
-const COLOR_MAPS = {
-  viridis: unpackColors(
-      "440154 48186a 472d7b 424086 3b528b 33638d 2c728e 26828e 21918c " +
-      "1fa088 28ae80 3fbc73 5ec962 84d44b addc30 d8e219 fde725"),
-  cividis: unpackColors(
-      "00224e 002e6a 1a386f 32436d 434e6c 535a6d 61656f 6f7073 7d7c78 " +
-      "8c8878 9b9476 aba072 bcae6c cdbb63 dec958 f0d846 fee838"),
-  diverging: unpackColors(
-      "053061 175290 2a71b2 3f8ec0 6bacd1 9bc9e0 c2ddec e0ecf3 f7f6f6 " +
-      "fbe5d8 fbccb4 f5aa89 e48066 d05548 ba2832 930e26 67001f"),
-};
+// One colour map for each quantity, from lib/picture/color_map.cpp: colours at equal distances, interpolated between.
+const COLOR_MAPS = Object.fromEntries(Object.entries(report.colors.maps).map(([name, anchors]) => [name, unpackColors(anchors)]));
+const NO_VALUE_COLOR = partsOf(report.colors.no_value);
+const MARK_COLOR = cssColor(partsOf(report.colors.mark));
 // Okabe and Ito's palette is readable with every common colour blindness, too.
-const BLUE = "#0072b2", SKY_BLUE = "#56b4e9", VERMILION = "#d55e00", ORANGE = "#e69f00", GREEN = "#009e73",
-    PURPLE = "#cc79a7", INK = "#1d2733";
-const NO_VALUE_COLOR = [217, 217, 217];
+const BLUE = "#0072b2", SKY_BLUE = "#56b4e9", VERMILION = "#d55e00", ORANGE = "#e69f00", PURPLE = "#cc79a7";
+const INK = "#1d2733";            // on maps, which look the same in light and dark mode
+const TEXT_COLOR = "var(--ink)";  // beside maps
 
 // FailFlag of lib/evaluation/evaluate.h and the requirement that judges it. A cell has the colour of the first entry
 // of which it has a bit.
@@ -33,60 +23,80 @@ const FAIL_FLAGS = [
   {bits: 32, text: "too far from a valid bin", requirement: "hole_distance", color: SKY_BLUE},
 ];
 
-function unpackColors(text) {
-  const anchors = text.split(" ").map(parseColor);
+function unpackColors(anchors) {
+  const colors = anchors.map(partsOf);
   const table = [];
   for (let i = 0; i < 256; ++i) {
-    const at = i / 255 * (anchors.length - 1);
-    const k = Math.min(Math.floor(at), anchors.length - 2);
-    table.push(anchors[k].map((low, c) => Math.round(low + (at - k) * (anchors[k + 1][c] - low))));
+    const at = i / 255 * (colors.length - 1);
+    const k = Math.min(Math.floor(at), colors.length - 2);
+    table.push(colors[k].map((low, c) => Math.round(low + (at - k) * (colors[k + 1][c] - low))));
   }
   return table;
 }
 
+function partsOf(rrggbb) {
+  return [rrggbb >> 16, rrggbb >> 8 & 255, rrggbb & 255];
+}
+
 function parseColor(text) {
-  const digits = text.replace("#", "");
-  return [0, 2, 4].map((at) => parseInt(digits.slice(at, at + 2), 16));
+  return partsOf(parseInt(text.slice(1), 16));
 }
 
 function cssColor(rgb) {
   return `rgb(${rgb.join(",")})`;
 }
 
-/** The mapping of a raster's values to colours: {colors, low, high, clipped, factor, unit}. */
+const OUTLIERS = 0.005;     // on either side; as in lib/picture/map_picture.cpp
+const LIMIT_INSIDE = 1.1;   // a scale reaches at least this times the limit
+const display = {limits: true};  // whether scales reach the limits
+
+/** The mapping of a raster's values to colours: {colors, low, high, clipped: [below, above], factor, unit, limit}. The
+ * rasters of raster.peers have one common scale. */
 function scaleOf(raster) {
-  const {style, low, high, unit} = raster.layer;
-  if (style === "elevation") {
-    return withUnit({colors: COLOR_MAPS.cividis, low, high: Math.max(high, low + 1e-3), clipped: false}, unit);
-  }
-  if (style === "count" || style === "mask" || style === "flags") {
-    return withUnit({colors: COLOR_MAPS.cividis, low: 0, high: Math.max(high, 1), clipped: false}, unit);
-  }
-  const {bound, clipped} = colorBound(raster, Math.max(Math.abs(low), Math.abs(high)));
-  const signed = style === "signed";
-  return withUnit({colors: signed ? COLOR_MAPS.diverging : COLOR_MAPS.viridis, low: signed ? -bound : 0,
-                   high: bound, clipped}, unit);
+  const {style, unit, limit_m} = raster.layer;
+  const peers = raster.peers ?? [raster];
+  const low = Math.min(...peers.map((peer) => peer.layer.low)), high = Math.max(...peers.map((peer) => peer.layer.high));
+  const ends = style === "signed" || style === "magnitude" ? errorEnds(raster) : ordinaryEnds(peers, low, high);
+  const colors = COLOR_MAPS[raster.layer.colors] ?? COLOR_MAPS.magnitude;
+  const slack = 1e-9 * (ends[1] - ends[0]);
+  return withUnit({colors, low: ends[0], high: ends[1], clipped: [low < ends[0] - slack, high > ends[1] + slack],
+                   limit: limit_m}, unit);
 }
 
-/** The largest magnitude, or the 99.5th percentile where that is less than half of it: a single outlier
- * would make all other colours equal. At least 1 mm, so that rounding errors do not appear in colour. */
-function colorBound(raster, largest) {
-  const magnitudes = [];
-  const stride = Math.max(1, Math.floor(raster.codes.length / 200000));
-  for (let i = 0; i < raster.codes.length; i += stride) {
-    const value = raster.value(i);
-    if (!Number.isNaN(value)) magnitudes.push(Math.abs(value));
-  }
-  magnitudes.sort((a, b) => a - b);
-  const usual = magnitudes[Math.floor(0.995 * (magnitudes.length - 1))] ?? 0;
-  const clipped = usual >= 1e-3 && usual < largest / 2;
-  return {bound: Math.max(clipped ? roundUp(usual) : largest, 1e-3), clipped};
+/** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if they are to be shown, the limits. At
+ * least 1 mm, so that rounding errors do not appear in colour. */
+function errorEnds(raster) {
+  const magnitudes = sampleOf([raster]).map(Math.abs).sort();
+  const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit_m ?? 0) : 0;
+  const bound = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), limit, 1e-3);
+  return [raster.layer.style === "signed" ? -bound : 0, bound];
 }
 
-/** Rounds up to 1, 1.5, 2, 3, 5 or 7 times a power of ten. */
-function roundUp(value) {
-  const power = 10 ** Math.floor(Math.log10(value));
-  return power * ([1, 1.5, 2, 3, 5, 7, 10].find((digit) => digit * power >= value * (1 - 1e-12)) ?? 10);
+/** All values or, if these reach over more than twice the range between the 0.5 and 99.5 % quantiles, this range. Numbers
+ * of returns begin at 0. */
+function ordinaryEnds(peers, low, high) {
+  const values = sampleOf(peers).sort();
+  const least = quantileOf(values, OUTLIERS), most = quantileOf(values, 1 - OUTLIERS);
+  if (peers[0].layer.style !== "elevation") return [0, most >= 1 && high > 2 * most ? most : Math.max(high, 1)];
+  const ends = most > least && high - low > 2 * (most - least) ? [least, most] : [low, high];
+  return [ends[0], Math.max(ends[1], ends[0] + 1e-3)];
+}
+
+/** At most about 200,000 values of the rasters. */
+function sampleOf(rasters) {
+  const values = [];
+  for (const raster of rasters) {
+    const stride = Math.max(1, Math.floor(raster.codes.length / 200000));
+    for (let i = 0; i < raster.codes.length; i += stride) {
+      const value = raster.value(i);
+      if (!Number.isNaN(value)) values.push(value);
+    }
+  }
+  return Float64Array.from(values);
+}
+
+function quantileOf(sorted, share) {
+  return sorted[Math.round(share * (sorted.length - 1))] ?? 0;
 }
 
 /** Chooses m, cm or mm for metres so that the numbers are neither very small nor very large. */
@@ -110,7 +120,7 @@ function failColor(bits) {
   return FAIL_FLAGS.find((flag) => flag.bits & bits)?.color ?? null;
 }
 
-/** The colour of a set bin of a mask, or of a bin with flags. */
+/** The colour of a set bin of a mask, or of a bin with flags, on a map of its own. */
 function markColor(style, value) {
   return style === "flags" ? failColor(value) : BLUE;
 }

@@ -5,6 +5,8 @@
 
 const MOST_VERTICES = 512;  // along either axis
 const ZOOM = 1.8;           // the distance divided by half the width that is visible at that distance
+const FILLED = 0.97;        // the part of the canvas, along x or y, that the surface spans
+const HULL_CELLS = 48;      // along either axis, of the blocks whose extremes stand for the surface
 
 const VERTEX_SHADER = `#version 300 es
 in float elevation;
@@ -65,11 +67,35 @@ function surfaceIndices({rows, cols, values}) {
   return {corners, points};
 }
 
+const FIRST_VIEW = {azimuth: -0.4, tilt: 0.62, zoom: 1};
+
+/** The lowest and the highest vertex of each block of the surface, relative to the middle of the map: what must be in
+ * sight. */
+function hullOf({rows, cols, values, cell_m}, middle_m) {
+  const stride = Math.ceil(Math.max(rows, cols) / HULL_CELLS), points = [];
+  for (let row0 = 0; row0 < rows; row0 += stride) {
+    for (let col0 = 0; col0 < cols; col0 += stride) {
+      let low = null, high = null;
+      for (let row = row0; row < Math.min(rows, row0 + stride); ++row) {
+        for (let col = col0; col < Math.min(cols, col0 + stride); ++col) {
+          const z = values[row * cols + col] - middle_m;
+          if (Number.isNaN(z)) continue;
+          const point = [(col + 0.5 - cols / 2) * cell_m, (row + 0.5 - rows / 2) * cell_m, z];
+          if (low === null || z < low[2]) low = point;
+          if (high === null || z > high[2]) high = point;
+        }
+      }
+      if (low !== null) points.push(low, high);
+    }
+  }
+  return points;
+}
+
 class TerrainView {
   /** Throws if WebGL 2 is missing. */
   constructor(surface, left_m, bottom_m) {
     this.surface = surface;
-    this.view = {azimuth: -0.6, tilt: 0.75, distance: 1.4, exaggeration: 1};
+    this.view = {...FIRST_VIEW, exaggeration: 1};
     this.canvas = htmlElement("canvas", {id: "terrain", tabindex: "0", role: "img", "aria-label":
       "The DEM in three dimensions. Arrow keys turn it, plus and minus zoom."});
     this.gl = this.canvas.getContext("webgl2", {antialias: true, preserveDrawingBuffer: true});
@@ -109,13 +135,13 @@ class TerrainView {
       if (value < low) low = value;
       if (value > high) high = value;
     }
-    this.size_m = Math.max(rows, cols) * cell_m;
-    this.relief_m = low <= high ? high - low : 0;
+    const middle_m = low <= high ? (low + high) / 2 : 0;
+    this.hull = hullOf(this.surface, middle_m);
     const at = (name) => this.gl.getUniformLocation(this.program, name);
     const centre = [left_m + cols * cell_m / 2, bottom_m + rows * cell_m / 2];
     this.gl.uniform2f(at("first"), left_m + cell_m / 2 - centre[0], bottom_m + cell_m / 2 - centre[1]);
     this.gl.uniform2f(at("cell"), cell_m, cell_m);
-    this.gl.uniform1f(at("middle"), low <= high ? (low + high) / 2 : 0);
+    this.gl.uniform1f(at("middle"), middle_m);
     this.gl.uniform1i(at("columns"), cols);
   }
 
@@ -150,12 +176,11 @@ class TerrainView {
     const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
     gl.viewport(0, 0, width, height);
-    gl.clearColor(0.957, 0.965, 0.973, 1);
+    const paper = parseColor(getComputedStyle(canvas).getPropertyValue("--shade").trim());
+    gl.clearColor(...paper.map((part) => part / 255), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const at = (name) => gl.getUniformLocation(this.program, name);
-    // The distance is large enough for exaggerated heights to fit.
-    const reach_m = Math.hypot(this.size_m, 0.8 * this.relief_m * this.view.exaggeration);
-    gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, reach_m, width / height));
+    gl.uniformMatrix4fv(at("projection"), false, viewMatrix(this.view, this.hull, width / height));
     gl.uniform1f(at("exaggeration"), this.view.exaggeration);
     gl.uniform1f(at("pointScale"), this.surface.cell_m * ZOOM / Math.max(1, width / height) * width / 2);
     gl.uniform1i(at("level"), 0);
@@ -171,12 +196,12 @@ class TerrainView {
   }
 
   zoom(factor) {
-    this.view.distance = Math.min(6, Math.max(0.1, this.view.distance * factor));
+    this.view.zoom = Math.min(4, Math.max(0.05, this.view.zoom * factor));
     this.draw();
   }
 
   reset() {
-    Object.assign(this.view, {azimuth: -0.6, tilt: 0.75, distance: 1.4});
+    Object.assign(this.view, FIRST_VIEW);
     this.draw();
   }
 
@@ -217,18 +242,45 @@ class TerrainView {
   }
 }
 
-/** Transforms map coordinates relative to the middle to screen coordinates, column-major. The eye looks at the middle
- * from `tilt` above the horizon, `azimuth` from the south, counter-clockwise. */
-function viewMatrix({azimuth, tilt, distance}, size_m, aspect) {
+/** Transforms map coordinates relative to the middle to screen coordinates, column-major. The eye looks from `tilt` above
+ * the horizon, `azimuth` from the south, counter-clockwise, and is so far away that `hull`, points of the surface, fills
+ * the canvas; then the distance is multiplied by `zoom`. */
+function viewMatrix({azimuth, tilt, zoom, exaggeration}, hull, aspect) {
   const [ca, sa, ct, st] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(tilt), Math.sin(tilt)];
   const right = [ca, sa, 0], up = [-st * sa, st * ca, ct], back = [sa * ct, -ca * ct, st];
-  const away = distance * size_m, near = away / 50, far = away + 4 * size_m;
-  const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
   const sx = ZOOM / Math.max(1, aspect), sy = sx * aspect;
+  const dot = (axis, [x, y, z]) => axis[0] * x + axis[1] * y + axis[2] * z * exaggeration;
+  const seen = hull.map((point) => [dot(right, point), dot(up, point), dot(back, point)]);
+  const {shift, away} = fittedView(seen, sx, sy);
+  const distance = away * zoom;
+  const size = Math.max(...seen.map((point) => Math.hypot(...point))) + Math.hypot(...shift);
+  const near = Math.max(distance - size, size / 500) / 2, far = distance + 2 * size;
+  const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
   const matrix = [];
-  for (let k = 0; k < 3; ++k) matrix.push(sx * right[k], sy * up[k], a * back[k], -back[k]);
-  matrix.push(0, 0, -a * away + b, away);
+  for (let k = 0; k < 3; ++k) {
+    // Heights are exaggerated by the shader.
+    matrix.push(sx * right[k], sy * up[k], a * back[k], -back[k]);
+  }
+  matrix.push(-sx * shift[0], -sy * shift[1], -a * distance + b, distance);
   return new Float32Array(matrix);
+}
+
+/** The shift [to the right, up] and the distance of the eye with which points (right, up, towards the eye) span the part
+ * FILLED of the canvas and lie in its middle. */
+function fittedView(seen, sx, sy) {
+  const shift = [0, 0];
+  let away = 0;
+  for (let round = 0; round < 40; ++round) {
+    away = Math.max(...seen.map(([x, y, z]) => z + Math.max(sx * Math.abs(x - shift[0]), sy * Math.abs(y - shift[1])) / FILLED));
+    // Moves the middle of what is seen to the middle of the canvas; a longer step would swing about it.
+    const nearest = away - Math.max(...seen.map((point) => point[2]));
+    for (const [axis, scale] of [[0, sx], [1, sy]]) {
+      const places = seen.map((point) => scale * (point[axis] - shift[axis]) / (away - point[2]));
+      shift[axis] += (Math.min(...places) + Math.max(...places)) / 2 * nearest / scale;
+    }
+  }
+  away = Math.max(...seen.map(([x, y, z]) => z + Math.max(sx * Math.abs(x - shift[0]), sy * Math.abs(y - shift[1])) / FILLED));
+  return {shift, away: Math.max(away, 1e-3)};
 }
 
 /** Creates the view with its controls. */
@@ -250,25 +302,12 @@ async function fillTerrainView(section) {
       "a bin without an elevation is omitted, one without neighbours is a point. Light from the north-west shades " +
       "the surface. Drag or use the arrow keys to turn, + and \u2212 (or Ctrl and the wheel) to zoom."));
   view.show(elevation);
+  themeListeners.push(() => view.draw());
   return undefined;
 }
 
-/** The legend of the colours, which ignores the shading of the surface. */
 function terrainLegend(raster) {
-  if (raster.layer.style === "flags") return failLegend();
-  const {colors, low, high, unit, factor, clipped} = scaleOf(raster);
-  const id = "terrain-gradient", left = 20, width = 380;
-  const svg = svgElement("svg", {viewBox: `0 0 ${width + 2 * left} 34`}, colorGradient(id, colors, {x1: 0, x2: 1}),
-                         svgElement("rect", {x: left, y: 2, width, height: 12, fill: `url(#${id})`, stroke: INK}));
-  const most = raster.layer.style === "count" ? Math.min(6, high) : 6;
-  for (const {value, text} of ticks(low * factor, high * factor, Math.max(2, most))) {
-    const x = left + width * (value - low * factor) / ((high - low) * factor);
-    svg.append(svgElement("line", {x1: x, x2: x, y1: 14, y2: 17, stroke: INK}),
-               svgElement("text", {x, y: 29, "text-anchor": "middle"}, text));
-  }
-  const name = raster.layer.title + (unit ? ` (${unit})` : "") + (clipped ? ", colours end earlier" : "");
-  const grey = raster.layer.style === "elevation" ? "" : "grey: no value";
-  return htmlElement("div", {class: "legend"}, htmlElement("span", {}, name), svg, htmlElement("span", {}, grey));
+  return raster.layer.style === "flags" ? failLegend() : horizontalColorBar(raster);
 }
 
 function terrainControls(view, legend) {

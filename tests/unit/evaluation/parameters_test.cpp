@@ -114,5 +114,16 @@ TEST(FootprintOf, RefusesAFootprintBeyondCounting) {
   EXPECT_THROW(static_cast<void>(half_bins(1e300, 1e-300)), UsageError);
 }
 
+TEST(LimitOfLayer, IsTheOneThatTheLayerIsJudgedBy) {
+  const EvaluationLimits limits{
+      .relative_elevation_m = 1, .relative_horizontal_m = 2, .absolute_horizontal_m = 3};
+  for (const char* const layer : {"rel_z", "e_z"}) EXPECT_EQ(limit_of_layer(limits, layer), 1) << layer;
+  for (const char* const layer : {"rel_x", "rel_y", "e_x", "e_y"})
+    EXPECT_EQ(limit_of_layer(limits, layer), 2) << layer;
+  for (const char* const layer : {"abs_x", "abs_y"}) EXPECT_EQ(limit_of_layer(limits, layer), 3) << layer;
+  for (const char* const layer : {"abs_z", "z_est", "count", ""})
+    EXPECT_EQ(limit_of_layer(limits, layer), std::nullopt) << layer;
+}
+
 }  // namespace
 }  // namespace landfall

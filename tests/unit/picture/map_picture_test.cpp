@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -18,27 +19,36 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Rgb kWhite = {255, 255, 255};
 constexpr Rgb kBlack = {0, 0, 0};
 
+constexpr std::array kAllColors = {Colors::elevation, Colors::error, Colors::count, Colors::magnitude};
+
+double light(Rgb c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+
+int difference(Rgb a, Rgb b) { return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b); }
+
 TEST(Colors, RunFromEndToEndAndStayThere) {
-  EXPECT_EQ(color_of(0, Colors::sequential), (Rgb{0, 34, 78}));
-  EXPECT_EQ(color_of(1, Colors::sequential), (Rgb{254, 232, 56}));
-  EXPECT_EQ(color_of(7, Colors::sequential), color_of(1, Colors::sequential));
-  EXPECT_EQ(color_of(-7, Colors::diverging), color_of(0, Colors::diverging));
-  EXPECT_EQ(color_of(0.5, Colors::diverging), (Rgb{247, 246, 246}));
+  EXPECT_EQ(color_of(0, Colors::elevation), (Rgb{0, 34, 78}));
+  EXPECT_EQ(color_of(1, Colors::elevation), (Rgb{254, 232, 56}));
+  EXPECT_EQ(color_of(7, Colors::magnitude), color_of(1, Colors::magnitude));
+  EXPECT_EQ(color_of(-7, Colors::error), color_of(0, Colors::error));
+  EXPECT_EQ(color_of(0.5, Colors::error), (Rgb{247, 246, 246}));
 }
 
-TEST(Colors, GrowLighterWithTheValue) {
-  const auto light = [](Rgb c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
-  for (int i = 1; i <= 100; ++i)
-    EXPECT_GE(light(color_of(i / 100.0, Colors::sequential)),
-              light(color_of((i - 1) / 100.0, Colors::sequential)));
+TEST(Colors, BecomeSteadilyLighterOrDarkerWithTheValue) {
+  for (int i = 1; i <= 100; ++i) {
+    const auto step = [i](Colors colors) {
+      return light(color_of(i / 100.0, colors)) - light(color_of((i - 1) / 100.0, colors));
+    };
+    EXPECT_GE(step(Colors::elevation), 0);
+    EXPECT_GE(step(Colors::magnitude), 0);
+    EXPECT_LE(step(Colors::count), 0);
+  }
 }
 
-TEST(Colors, NoValueIsNoneOfThem) {
-  for (const Colors colors : {Colors::sequential, Colors::diverging})
+TEST(Colors, NoValueAndMarksAreNoneOfThem) {
+  for (const Colors colors : kAllColors)
     for (int i = 0; i <= 100; ++i) {
-      const Rgb a = color_of(i / 100.0, colors);
-      const Rgb b = no_value_color(colors);
-      EXPECT_GE(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 60);
+      EXPECT_GE(difference(color_of(i / 100.0, colors), rgb_of(kNoValueColor)), 60) << name_of(colors);
+      EXPECT_GE(difference(color_of(i / 100.0, colors), rgb_of(kMarkColor)), 150) << name_of(colors);
     }
 }
 
@@ -89,8 +99,21 @@ TEST(ColorRange, IsThatOfTheFiniteValues) {
   EXPECT_EQ(color_range(row_of({3, kNan, -1, 2}), whole), (std::array<double, 2>{-1, 3}));
   EXPECT_EQ(color_range(row_of({kNan}), whole), (std::array<double, 2>{0, 1}));
   EXPECT_EQ(color_range(row_of({4, 4}), whole), (std::array<double, 2>{2, 6}));
-  whole.colors = Colors::diverging;
+  whole.colors = Colors::error;
   EXPECT_EQ(color_range(row_of({3, -5, 0}), whole), (std::array<double, 2>{-5, 5}));
+}
+
+TEST(ColorRange, OfErrorsEndsAtAQuantileOfTheMagnitudesAndHoldsTheLimit) {
+  std::vector<double> values(1001, 0);
+  for (int i = 0; i <= 1000; ++i) values[static_cast<std::size_t>(i)] = i % 2 == 0 ? i : -i;
+  MapStyle errors{"e_z", "m", Colors::error};
+  EXPECT_EQ(color_range(row_of(values), errors), (std::array<double, 2>{-995, 995}));
+  errors.limit = 2000;
+  EXPECT_EQ(color_range(row_of(values), errors), (std::array<double, 2>{-1.1 * 2000, 1.1 * 2000}));
+  MapStyle relative{"rel_z", "m"};
+  relative.from_zero = true;
+  relative.limit = 10;
+  EXPECT_EQ(color_range(row_of(values), relative), (std::array<double, 2>{0, 995}));
 }
 
 TEST(ColorRange, LeavesOutliersOut) {
@@ -115,11 +138,19 @@ TEST(MapPicture, ShowsEveryPixelInItsColourEnlarged) {
   style.cut = false;
   const RgbImage image = map_picture(map, style);
   EXPECT_EQ(image.height, 3U * 16 + 40 + 600 + 2 * 16 + 32);
-  EXPECT_GE(pixels_of(image, color_of(0, Colors::sequential)), 300 * 300);
-  EXPECT_GE(pixels_of(image, color_of(0.5, Colors::sequential)), 300 * 300);
-  EXPECT_GE(pixels_of(image, color_of(1, Colors::sequential)), 300 * 300);
-  EXPECT_EQ(image.at(88 + 150, 120 + 150), color_of(0, Colors::sequential));
-  EXPECT_EQ(image.at(88 + 450, 120 + 450), no_value_color(Colors::sequential));
+  EXPECT_GE(pixels_of(image, color_of(0, Colors::magnitude)), 300 * 300);
+  EXPECT_GE(pixels_of(image, color_of(0.5, Colors::magnitude)), 300 * 300);
+  EXPECT_GE(pixels_of(image, color_of(1, Colors::magnitude)), 300 * 300);
+  EXPECT_EQ(image.at(88 + 150, 120 + 150), color_of(0, Colors::magnitude));
+  EXPECT_EQ(image.at(88 + 450, 120 + 450), rgb_of(kNoValueColor));
+}
+
+TEST(MapPicture, MarksTheLimitOnItsScale) {
+  MapStyle style{"e_z", "m", Colors::error};
+  const auto ink = [&style] { return pixels_of(map_picture(row_of({-1, 1}), style), {30, 30, 30}); };
+  const std::int64_t without = ink();
+  style.limit = 0.5;
+  EXPECT_GE(ink(), without + 2 * 3 * 22);  // two lines of three pixels across the bar
 }
 
 TEST(MapPicture, HasRoomForAMapWithoutAnyValue) {

@@ -58,6 +58,22 @@ TEST(ReportPage, StandsADemWithoutAnyElevation) {
   EXPECT_THAT(page_of(dem_without_truth(std::nan(""))), HasSubstr("FAIL: 3 of 6 requirements missed"));
 }
 
+TEST(ReportPage, HasTheTitleOfTheUserOrOfTheSteps) {
+  EXPECT_THAT(page_of(dem_without_truth()), HasSubstr("<h1>DEM evaluation</h1>"));
+  const DemLayers dem = dem_without_truth();
+  EvaluationParameters parameters;
+  parameters.region_radius_m = 1;
+  ReportLayers layers(dem.z_est.spec(), parameters);
+  layers.take(dem);
+  const Evaluation evaluation = evaluate(dem, parameters, {&layers});
+  const nlohmann::json steps = {{{"tool", "dem-eval"}}};
+  const std::string page =
+      report_page({parameters, evaluation, layers, {}, steps, "Ice & <b>rocks</b> @style@"});
+  for (const char* const tag : {"h1", "title"})
+    EXPECT_THAT(page, HasSubstr(std::string("<") + tag + ">Ice &amp; &lt;b&gt;rocks&lt;/b&gt; @style@</" +
+                                tag + ">"));
+}
+
 TEST(ReportPage, HasTheSameBytesForAnyNumberOfThreads) {
   const auto with = [](std::size_t threads) {
     const ThreadLimit limit(threads);
