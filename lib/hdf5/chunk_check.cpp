@@ -9,13 +9,12 @@
 
 #include "hdf5/chunk_decoder.h"
 #include "hdf5/chunk_source.h"
+#include "hdf5/fletcher32.h"
 #include "hdf5/h5.h"
 #include "hdf5/h5_filters.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::size_t kChecksumBytes = 4;  // fletcher32
 
 std::vector<h5::Filter> filters_of(hid_t dataset) {
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
@@ -60,15 +59,15 @@ bool is_whole(const StoredChunk& stored, std::span<const h5::Filter> filters, st
   for (std::size_t i = filters.size(); i-- > 0;) {
     if (!is_used(i) || filters[i].id == H5Z_FILTER_SHUFFLE) continue;
     if (filters[i].id == H5Z_FILTER_FLETCHER32) {
-      if (bytes.size() < kChecksumBytes) return false;
-      bytes.resize(bytes.size() - kChecksumBytes);
+      if (bytes.size() < kFletcher32Bytes) return false;
+      bytes.resize(bytes.size() - kFletcher32Bytes);
       continue;
     }
     std::size_t size = chunk_bytes;  // size before deflate
     for (std::size_t before = 0; before < i; ++before)
-      if (is_used(before) && filters[before].id == H5Z_FILTER_FLETCHER32) size += kChecksumBytes;
+      if (is_used(before) && filters[before].id == H5Z_FILTER_FLETCHER32) size += kFletcher32Bytes;
     std::vector<std::byte> inflated(size);
-    if (!decode_chunk(bytes, 1, {1, size, true}, 0, inflated)) return false;
+    if (!decode_chunk(bytes, 1, {1, size, ChunkFilters::shuffle_deflate}, 0, inflated)) return false;
     bytes = std::move(inflated);
   }
   return bytes.size() == chunk_bytes;

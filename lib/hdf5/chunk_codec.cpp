@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "hdf5/byte_shuffle.h"
+#include "hdf5/fletcher32.h"
 
 namespace landfall {
 namespace {
@@ -160,10 +161,19 @@ std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, l
   return {room.data(), out};
 }
 
+/// The bytes and their checksum.
+std::span<const std::byte> put_checksum(Bytes raw, std::vector<std::byte>& room) {
+  room.resize(raw.size() + kFletcher32Bytes);
+  std::byte* out = std::copy(raw.begin(), raw.end(), room.data());
+  const std::uint32_t checksum = fletcher32(raw);
+  for (const unsigned shift : {0U, 8U, 16U, 24U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
+  return room;
+}
+
 }  // namespace
 
 std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) {
-  if (level_ == 0) return raw;
+  if (level_ == 0) return put_checksum(raw, stream_);
   thread_local std::vector<std::byte> room;
   if (room.size() < raw.size()) room.resize(raw.size());
   const std::span<std::byte> planes = std::span(room).first(raw.size());

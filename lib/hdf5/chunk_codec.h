@@ -12,7 +12,8 @@ inline constexpr unsigned kDeflateAtMost = 1032;
 
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
 /// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
-/// the bytes unchanged and unshuffled, as in a dataset without filters.
+/// the bytes unchanged and unshuffled, and appends the checksum of HDF5's filter fletcher32. Either form
+/// shows a damaged chunk: a zlib stream has a checksum of its own.
 ///
 /// Below level 6, neighbouring bytes of numbers are stored uncompressed where a trial finds noise in them:
 /// searching noise for repetitions takes four fifths of the time and saves nothing. The trial uses samples,
@@ -25,8 +26,7 @@ class ChunkEncoder {
   /// `level` in 0..9.
   ChunkEncoder(std::size_t element_size, int level) : element_size_(element_size), level_(level) {}
 
-  /// Valid until the next call, at level 0 as long as `raw`. Throws IoError if libdeflate refuses (out of
-  /// memory).
+  /// Valid until the next call. Throws IoError if libdeflate refuses (out of memory).
   [[nodiscard]] std::span<const std::byte> encode(std::span<const std::byte> raw);
 
  private:

@@ -10,12 +10,14 @@
 
 #include "base/error.h"
 #include "hdf5/byte_shuffle.h"
+#include "hdf5/fletcher32.h"
 
 namespace landfall {
 namespace {
 
 constexpr std::uint32_t kShuffleLeftOut = 1;
 constexpr std::uint32_t kDeflateLeftOut = 2;
+constexpr std::uint32_t kChecksumLeftOut = 1;
 
 /// One decompressor per thread, and memory for a chunk.
 struct Inflater {
@@ -35,13 +37,33 @@ std::span<const std::byte> inflated(std::span<const std::byte> stored, std::size
   return std::span(inflater.bytes).first(size);
 }
 
+/// The bytes before the checksum; empty if they do not match it.
+std::span<const std::byte> checked(std::span<const std::byte> stored) {
+  if (stored.size() < kFletcher32Bytes) return {};
+  const auto bytes = stored.first(stored.size() - kFletcher32Bytes);
+  std::uint32_t checksum = 0;
+  for (std::size_t i = 0; i < kFletcher32Bytes; ++i)
+    checksum |= std::to_integer<std::uint32_t>(stored[bytes.size() + i]) << 8U * i;
+  return fletcher32(bytes) == checksum ? bytes : std::span<const std::byte>();
+}
+
+/// The bytes of the chunk, shuffled if they are stored so; of another size if they are corrupt.
+std::span<const std::byte> opened(std::span<const std::byte> stored, std::uint32_t filter_mask,
+                                  const ChunkFormat& format) {
+  if (format.filters == ChunkFilters::shuffle_deflate && (filter_mask & kDeflateLeftOut) == 0)
+    return inflated(stored, format.byte_count());
+  if (format.filters == ChunkFilters::fletcher32 && (filter_mask & kChecksumLeftOut) == 0)
+    return checked(stored);
+  return stored;
+}
+
 }  // namespace
 
 bool decode_chunk(std::span<const std::byte> stored, std::uint32_t filter_mask, const ChunkFormat& format,
                   std::size_t first, std::span<std::byte> elements) {
-  const bool deflated = format.filtered && (filter_mask & kDeflateLeftOut) == 0;
-  const bool shuffled = format.filtered && (filter_mask & kShuffleLeftOut) == 0;
-  const std::span<const std::byte> bytes = deflated ? inflated(stored, format.byte_count()) : stored;
+  const bool shuffled =
+      format.filters == ChunkFilters::shuffle_deflate && (filter_mask & kShuffleLeftOut) == 0;
+  const std::span<const std::byte> bytes = opened(stored, filter_mask, format);
   if (bytes.size() != format.byte_count()) return false;
   if (shuffled) {
     unshuffle_bytes(bytes, format.element_size, first, elements);

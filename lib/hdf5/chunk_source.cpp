@@ -30,9 +30,13 @@ bool has_chunks(hid_t properties, std::span<const hsize_t> chunk) {
   return rank == static_cast<int>(chunk.size()) && std::equal(chunk.begin(), chunk.end(), found.begin());
 }
 
-bool has_our_filters(hid_t properties) {
+std::optional<ChunkFilters> our_filters(hid_t properties) {
   const std::vector<h5::Filter> filters = h5::filters_in(properties);
-  return filters.size() == 2 && filters[0].id == H5Z_FILTER_SHUFFLE && filters[1].id == H5Z_FILTER_DEFLATE;
+  if (filters.empty()) return ChunkFilters::none;
+  if (filters.size() == 1 && filters[0].id == H5Z_FILTER_FLETCHER32) return ChunkFilters::fletcher32;
+  if (filters.size() == 2 && filters[0].id == H5Z_FILTER_SHUFFLE && filters[1].id == H5Z_FILTER_DEFLATE)
+    return ChunkFilters::shuffle_deflate;
+  return std::nullopt;
 }
 
 bool read_fully(int descriptor, std::uint64_t offset, std::span<std::byte> out) {
@@ -51,12 +55,11 @@ bool read_fully(int descriptor, std::uint64_t offset, std::span<std::byte> out) 
 std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk) {
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   if (!has_chunks(properties.get(), chunk)) return std::nullopt;
-  const bool filtered = has_our_filters(properties.get());
-  if (!filtered && H5Pget_nfilters(properties.get()) != 0) return std::nullopt;
+  const std::optional<ChunkFilters> filters = our_filters(properties.get());
   const std::optional<h5::Type> type = stored_type(dataset);
-  if (!type) return std::nullopt;
+  if (!filters || !type) return std::nullopt;
   const auto count = std::accumulate(chunk.begin(), chunk.end(), hsize_t{1}, std::multiplies<>());
-  return DecodableChunks{*type, {h5::size_of(*type), static_cast<std::size_t>(count), filtered}};
+  return DecodableChunks{*type, {h5::size_of(*type), static_cast<std::size_t>(count), *filters}};
 }
 
 bool load_chunk(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chunk) {

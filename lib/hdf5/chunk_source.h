@@ -23,9 +23,9 @@ struct DecodableChunks {
   ChunkFormat format;
 };
 
-/// Chunks of exactly `chunk` elements (one number per dimension), without filters or with shuffle and
-/// deflate, of one of the little-endian types of h5::Type. For any other form, which other programs may
-/// write, returns nothing: use h5::read_values().
+/// Chunks of exactly `chunk` elements (one number per dimension), without filters, with shuffle and
+/// deflate or with fletcher32, of one of the little-endian types of h5::Type. For any other form, which other
+/// programs may write, returns nothing: use h5::read_values().
 [[nodiscard]] std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk);
 
 /// The file that holds a dataset's chunks. Several threads may load chunks at the same time: HDF5 gives their

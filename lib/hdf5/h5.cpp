@@ -183,6 +183,8 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
     if (shape.level > 0) {
       H5Pset_shuffle(properties.get());
       H5Pset_deflate(properties.get(), static_cast<unsigned>(shape.level));
+    } else {
+      H5Pset_fletcher32(properties.get());
     }
   }
   if (shape.nan_fill) {

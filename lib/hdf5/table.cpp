@@ -34,9 +34,9 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
   std::memcpy(to, from.data(), from.size_bytes());
 }
 
-/// The deflate level of a dataset with chunks in TableWriter's form: 0 without compression.
+/// The deflate level of a dataset with chunks in a form of TableWriter: 0 without compression.
 std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chunks) {
-  if (!chunks.format.filtered) return 0;
+  if (chunks.format.filters != ChunkFilters::shuffle_deflate) return 0;
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   unsigned level = 0;
   unsigned flags = 0;
@@ -52,7 +52,8 @@ bool stored_alike(hid_t a, hid_t b) {
   constexpr std::array<hsize_t, 1> kChunk = {kTableChunkRows};
   const std::optional<DecodableChunks> in_a = decodable_chunks(a, kChunk);
   const std::optional<DecodableChunks> in_b = decodable_chunks(b, kChunk);
-  return in_a && in_b && in_a->type == in_b->type && deflate_level(a, *in_a) == deflate_level(b, *in_b);
+  return in_a && in_b && in_a->type == in_b->type && in_a->format.filters == in_b->format.filters &&
+         deflate_level(a, *in_a) == deflate_level(b, *in_b);
 }
 
 void write_chunk(hid_t dataset, std::size_t begin, std::size_t end, std::span<const std::byte> bytes,

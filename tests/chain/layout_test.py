@@ -226,6 +226,28 @@ class Readers(ChainTest):
             word = {FLOAT64: "double", FLOAT32: "float", INT32: "int"}[kind]
             self.assertTrue(re.search(rf"{word} {layer}\(y, x\)", text), layer)
 
+    def test_uncompressed_files_open_too(self):
+        """Their chunks carry a checksum, which is a filter of HDF5."""
+        path = self.path("plain.h5")
+        self.succeed("regrid", *self.chain.inputs("regrid"), "--compression", "0", "-o", path)
+        command = ["gdallocationinfo", "-valonly", "-geoloc", f'NETCDF:"{path}":z_est', "0.5", "0.5"]
+        with h5py.File(path) as file, h5py.File(self.chain.dem) as dem:
+            self.assertTrue(all(file[layer].fletcher32 and not file[layer].compression for layer in DEM))
+            values = {layer: dem[layer][()] for layer in DEM}
+            for layer, expected in values.items():
+                np.testing.assert_array_equal(file[layer][()], expected)
+        self.assertAlmostEqual(float(self.output_of(*command)), values["z_est"][50 + 5, 50 + 5], places=6)
+        points = self.output_of("gmt", "grd2xyz", f"{path}?z_est", "-s").split()
+        np.testing.assert_allclose([float(z) for z in points[2::3]], values["z_est"][::-1][np.isfinite(values["z_est"][::-1])])
+        self.assertIn("z_est =", self.output_of("ncdump", "-v", "z_est", path))
+        try:
+            import xarray  # pylint: disable=import-outside-toplevel
+        except ImportError:
+            self.skipTest("xarray is not installed")
+        with xarray.open_dataset(path, engine="netcdf4") as file:
+            for layer, expected in values.items():
+                np.testing.assert_array_equal(file[layer].values.astype(expected.dtype), expected)
+
 
 if __name__ == "__main__":
     unittest.main()

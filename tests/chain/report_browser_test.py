@@ -278,7 +278,7 @@ class ReportTest(ToolTest):
         self.assertAlmostEqual(float(shown["rel_z"].split()[0]) / 100, rel_z[57, 40], delta=1e-3)
         self.assertEqual(shown["count"], str(count[57, 40]))
         self.assertEqual(shown["fail"], self.window.run("return failText(arguments[0])", int(self.layers("fail")[0][57, 40])))
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_a_dragged_line_gives_the_profile_of_the_file(self):
         self.report()
@@ -305,7 +305,7 @@ class ReportTest(ToolTest):
         self.assertEqual(self.window.run("return [pointing.line.from.x_m, pointing.line.from.y_m, pointing.line.to.x_m, pointing.line.to.y_m]"),
                          [-1, -2, 3, 1])
         self.assertTrue(self.text("#profile .note").startswith("5.00 m; error: largest "), self.text("#profile .note"))
-        self.check_quiet()
+        self.check_log_and_requests()
         self.check_layout()
 
     def test_a_click_draws_no_line(self):
@@ -329,7 +329,7 @@ class ReportTest(ToolTest):
         scales = self.window.run("return ['z_est', 'z_true'].map((name) => panels.find("
                                  "(p) => p.raster.layer.name === name && p.options.region).scale).map(({low, high}) => [low, high])")
         self.assertEqual(*scales)
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def theme(self, name):
         self.window.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": name}]})
@@ -348,7 +348,7 @@ class ReportTest(ToolTest):
         self.window.run("document.getElementById('theme').click()")
         self.assertEqual((self.window.run(paper), self.text("#theme")), ("rgb(255, 255, 255)", "dark mode"))
         self.assertGreater(min(self.window.run(CONTRAST, texts)), 4.5)
-        self.check_quiet()
+        self.check_log_and_requests()
 
     def test_buttons_name_what_they_enlarge(self):
         self.report()

@@ -7,6 +7,7 @@ The file that must not be opened is a pipe, because opening it would block.
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import unittest
@@ -15,9 +16,17 @@ import zlib
 import h5py
 import numpy as np
 
-from harness import SCAN, ChainTest, with_values
+from harness import SCAN, TOOLS, ChainTest, read_bytes, with_values
 
 GIB = 1 << 30
+
+
+def stored_chunks(item):
+    """Address and size of each chunk of a dataset whose statistics landfall-info shows."""
+    if not isinstance(item, h5py.Dataset) or not item.chunks or item.name.startswith(("/features", "/holes")):
+        return []
+    chunks = [item.id.get_chunk_info(i) for i in range(item.id.get_num_chunks())]
+    return [(chunk.byte_offset, chunk.size) for chunk in chunks]
 
 
 def external_link(file, name, target):
@@ -196,6 +205,24 @@ class ForeignHdf5(ChainTest):
                                  ("landfall-export", dem, "-o", self.path("out.tif"))]:
             with self.subTest([name, *arguments]):
                 self.refuse(1, name, *arguments, words=["is damaged"], output=out[1])
+
+    def test_a_flipped_bit_in_a_value_is_noticed(self):
+        """Without compression, 40 bits of each file; compressed chunks have the checksum of zlib."""
+        for name in TOOLS:
+            path = self.path(name + ".h5")
+            self.succeed(name, *self.chain.inputs(name), "--compression", "0", "-o", path)
+            places, values = [], random.Random(name)
+            with h5py.File(path) as file:
+                file.visititems(lambda _, item: places.extend(stored_chunks(item)))
+            for number in range(40):
+                start, size = values.choice(places)
+                at = start + values.randrange(size)
+                content = bytearray(read_bytes(path))
+                content[at] ^= 1 << values.randrange(8)
+                with open(self.path("damaged.h5"), "wb") as file:
+                    file.write(content)
+                with self.subTest(name=name, number=number, at=at):
+                    self.refuse(1, "landfall-info", self.path("damaged.h5"), words=["is corrupt"])
 
     def test_unusual_but_valid_files_are_read(self):
         """A hard link, a group that contains itself, and a layer of fill values only."""

@@ -48,7 +48,7 @@ TEST(ByteShuffle, AnyPartComesBack) {
 
 class ChunkDecoder : public testing::Test {
  protected:
-  const ChunkFormat format_{8, 1000, true};
+  const ChunkFormat format_{8, 1000, ChunkFilters::shuffle_deflate};
   const std::vector<std::byte> elements_ = some_bytes(8000);
   const std::vector<std::byte> stored_ = encode_chunk(elements_, 8, 1);
 };
@@ -72,16 +72,33 @@ TEST_F(ChunkDecoder, HonoursTheFilterMask) {
   EXPECT_EQ(out, elements_);
   ASSERT_TRUE(decode_chunk(elements_, 3, format_, 0, out));
   EXPECT_EQ(out, elements_);
-  ASSERT_TRUE(decode_chunk(elements_, 0, {8, 1000, false}, 0, out));
+  ASSERT_TRUE(decode_chunk(elements_, 0, {8, 1000, ChunkFilters::none}, 0, out));
   EXPECT_EQ(out, elements_);
+}
+
+TEST_F(ChunkDecoder, ChecksTheBytesOfLevelZero) {
+  constexpr ChunkFormat kChecked{8, 1000, ChunkFilters::fletcher32};
+  std::vector<std::byte> stored = encode_chunk(elements_, 8, 0);
+  std::vector<std::byte> out(8000);
+  ASSERT_TRUE(decode_chunk(stored, 0, kChecked, 0, out));
+  EXPECT_EQ(out, elements_);
+  ASSERT_TRUE(decode_chunk(elements_, 1, kChecked, 0, out))
+      << "a chunk without its checksum, by the filter mask";
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    stored[i] ^= std::byte{0x40};
+    EXPECT_FALSE(decode_chunk(stored, 0, kChecked, 0, out)) << "byte " << i;
+    stored[i] ^= std::byte{0x40};
+  }
+  EXPECT_FALSE(decode_chunk(std::span(stored).first(3), 0, kChecked, 0, out));
+  EXPECT_FALSE(decode_chunk(elements_, 0, kChecked, 0, out));
 }
 
 TEST_F(ChunkDecoder, RefusesWhatIsCorruptOrOfAnotherSize) {
   std::vector<std::byte> out(8);
-  EXPECT_FALSE(decode_chunk(stored_, 0, {8, 999, true}, 0, out));
-  EXPECT_FALSE(decode_chunk(stored_, 0, {8, 1001, true}, 0, out));
-  EXPECT_FALSE(decode_chunk(elements_, 3, {8, 999, true}, 0, out));
-  EXPECT_FALSE(decode_chunk(elements_, 0, {8, 1001, false}, 0, out));
+  EXPECT_FALSE(decode_chunk(stored_, 0, {8, 999, ChunkFilters::shuffle_deflate}, 0, out));
+  EXPECT_FALSE(decode_chunk(stored_, 0, {8, 1001, ChunkFilters::shuffle_deflate}, 0, out));
+  EXPECT_FALSE(decode_chunk(elements_, 3, {8, 999, ChunkFilters::shuffle_deflate}, 0, out));
+  EXPECT_FALSE(decode_chunk(elements_, 0, {8, 1001, ChunkFilters::none}, 0, out));
   EXPECT_FALSE(decode_chunk({}, 0, format_, 0, out));
   EXPECT_FALSE(decode_chunk(std::span(stored_).first(stored_.size() - 1), 0, format_, 0, out));
   for (std::size_t i = 0; i < stored_.size(); i += 97) {
