@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/number_text.h"
@@ -85,6 +86,11 @@ std::string extent(const Json& d) {
     text += line("extent", "x " + range(g["x_m"], "m") + ", y " + range(g["y_m"], "m") +
                                (nodes ? "" : " (centres of the bins)"));
   }
+  if (d.contains("opens_as"))  // never cut, to be copied
+    for (const auto& [program, name] : {std::pair("GDAL, QGIS", "gdal"), std::pair("GMT", "gmt")}) {
+      const std::string text_to_copy = d["opens_as"][name].get<std::string>();
+      text += print("  %-11s ", program) + cut(text_to_copy, text_to_copy.size()) + "\n";
+    }
   if (d.contains("mesh")) {
     const Json& m = d["mesh"];
     text += line("mesh",

@@ -19,11 +19,11 @@ enum class Format { landfall, geotiff, mesh };
 
 Format format_of(const std::filesystem::path& output) {
   const std::string extension = file_extension(output);
-  if (extension == ".h5") return Format::landfall;
+  if (extension == ".h5" || extension == ".nc") return Format::landfall;
   if (extension == ".tif" || extension == ".tiff") return Format::geotiff;
   if (extension == ".obj" || extension == ".ply") return Format::mesh;
   throw UsageError("output " + output.string() + ": extension '" + extension +
-                   "' is not one of .h5 (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
+                   "' is not one of .h5 and .nc (terrain), .tif and .tiff (GeoTIFF), .obj and .ply (mesh)");
 }
 
 /// The origin of an exported terrain.
@@ -57,6 +57,9 @@ void write_own(const TerrainOutput& output, const Write& write) {
 }
 
 TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
+  if (file_extension(output.file.path) == ".nc")
+    throw UsageError("output " + output.file.path.string() +
+                     ": .nc is for grids; a mesh is written as .h5, .obj or .ply");
   TerrainContent content;
   const IndexedTriangles& mesh = content.mesh.emplace().mesh;
   output.phase("mesh", [&](const ProgressCallback& progress) {

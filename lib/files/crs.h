@@ -7,9 +7,16 @@
 
 namespace landfall {
 
-/// The CF grid mapping /crs: a scalar whose attribute crs_wkt is the site frame. An empty `wkt` writes the
-/// local frame of a site without a CRS.
-void write_crs(hid_t root, const std::string& wkt);
+/// What CF-1.8 can say about a site frame.
+enum class CfFrame {
+  local,         ///< not tied to a body: no grid mapping exists, and none is needed
+  mapped,        ///< described by a grid mapping
+  inexpressible  ///< a map projection that CF lacks, or an unknown text
+};
+
+/// Writes /crs: a scalar whose attribute crs_wkt is the site frame, with the attributes of a CF grid mapping
+/// where CF has one. An empty `wkt` writes the local frame of a site without a CRS.
+CfFrame write_crs(hid_t root, const std::string& wkt);
 
 /// The site frame; the local frame if the file gives none.
 [[nodiscard]] std::string read_crs(hid_t root);

@@ -139,6 +139,22 @@ std::vector<Layer> all_layers(TruthAt truth_at) {
                 uncertainty_missing)};
 }
 
+/// The layers that qualify a layer's values: how many returns, how they scatter, how uncertain the result is.
+std::vector<std::string> qualifiers_of(const std::string& layer) {
+  if (layer == "z_est") return {"count", "weight_sum", "z_spread", "z_sigma_abs", "z_sigma_rel"};
+  if (layer == "z_corrected") return {"count", "z_corrected_sigma_abs", "z_corrected_sigma_rel"};
+  return {};
+}
+
+/// Those that are in the file, in the form of CF's ancillary_variables.
+std::string ancillary_variables(const std::string& layer, const std::vector<Layer>& written) {
+  std::string names;
+  for (const std::string& name : qualifiers_of(layer))
+    if (std::ranges::find(written, name, &Layer::name) != written.end())
+      names += (names.empty() ? "" : " ") + name;
+  return names;
+}
+
 bool wanted(const DemRequest& request, const Layer& layer) {
   if (request.layers.empty()) return layer.missing(request).empty();
   return std::find(request.layers.begin(), request.layers.end(), layer.name) != request.layers.end();
@@ -178,7 +194,10 @@ std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, cons
   std::erase_if(layers, [&](const Layer& layer) { return !wanted(request, layer); });
   std::vector<GridLayerWriter::TiledLayer> tiled;
   tiled.reserve(layers.size());
-  for (const Layer& layer : layers) tiled.push_back({layer.name, layer.type, layer.text});
+  for (const Layer& layer : layers) {
+    tiled.push_back({layer.name, layer.type, layer.text});
+    tiled.back().text.ancillary_variables = ancillary_variables(layer.name, layers);
+  }
   std::atomic<std::int64_t> empty_bins = 0;
   const auto fill = [&](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
     std::vector<BinValues> row(static_cast<std::size_t>(tile.cols));

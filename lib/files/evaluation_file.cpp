@@ -194,9 +194,12 @@ void EvaluationWriter::take(const CoverageLayers& layers) {
 void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
   const std::string name = name_of(axis);
   grid().write("e_" + name, layers.error, {"m", "true minus estimated " + name});
-  grid().write("abs_" + name, layers.absolute, {"m", "mean of e_" + name + " over the footprint"});
-  grid().write("rel_" + name, layers.relative,
-               {"m", "quantile of the deviation of e_" + name + " from its mean over the footprint"});
+  GridLayerWriter::LayerText absolute{"m", "mean of e_" + name + " over the footprint"};
+  GridLayerWriter::LayerText relative{
+      "m", "quantile of the deviation of e_" + name + " from its mean over the footprint"};
+  absolute.ancillary_variables = relative.ancillary_variables = "fail";  // always follows, as the last layer
+  grid().write("abs_" + name, layers.absolute, absolute);
+  grid().write("rel_" + name, layers.relative, relative);
 }
 
 void EvaluationWriter::take(const Grid<std::int8_t>& fail) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/file_description.h"
 
+#include <hdf5_hl.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -56,6 +58,15 @@ Json head(const std::filesystem::path& path, const LandfallFileReader& file) {
   return json;
 }
 
+/// The names by which GDAL and GMT open the most important layer of a grid.
+Json opens_as(const std::filesystem::path& path, const std::vector<DatasetEntry>& layers) {
+  std::string layer = layers.front().name;
+  for (const char* const elevation : {"z_est", "z", "e_z"})
+    for (const DatasetEntry& entry : layers)
+      if (entry.name == elevation) layer = elevation;
+  return {{"gdal", "NETCDF:\"" + path.string() + "\":" + layer}, {"gmt", path.string() + "?" + layer}};
+}
+
 Json grid_json(const GridSpec& spec) {
   return {{"resolution_m", spec.resolution_m},
           {"rows", spec.rows},
@@ -107,7 +118,7 @@ struct Group {
 std::vector<Group> groups_of(const LandfallFileReader& file) {
   std::vector<Group> groups;
   std::vector<DatasetEntry> layers = list_datasets(file.root());
-  std::erase_if(layers, [](const DatasetEntry& e) { return e.name == "x" || e.name == "y"; });
+  std::erase_if(layers, [](const DatasetEntry& e) { return H5DSis_scale(e.dataset.get()) > 0; });
   if (!layers.empty()) groups.push_back({kLayers, std::move(layers)});
   for (const std::string& name : list_groups(file.root())) {
     if (name == "provenance") continue;
@@ -278,6 +289,8 @@ Json describe_file(const std::filesystem::path& path, const DescriptionOptions& 
   if (h5::exists(file.root(), "x") && h5::exists(file.root(), "y"))
     json["grid"] = grid_json(GridLayerReader(file).spec());
   const std::vector<Group> groups = groups_of(file);
+  if (json.contains("grid") && !groups.empty() && groups.front().name == kLayers)
+    json["opens_as"] = opens_as(path, groups.front().entries);
   const Json datasets = datasets_json(file, groups, options.statistics, progress);
   report(progress, 1);
   if (json["kind"] == "scan") json["scan"] = scan_json(file, datasets, Json(file.config()));

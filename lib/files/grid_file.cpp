@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
-#include "files/crs.h"
 #include "hdf5/chunk_codec.h"
 #include "hdf5/grid_tiles.h"
 
@@ -44,6 +43,23 @@ h5::Handle write_axis(hid_t root, const char* name, const std::vector<double>& v
   h5::write_attribute(dataset.get(), "standard_name", "projection_" + axis + "_coordinate");
   h5::write_attribute(dataset.get(), "axis", std::string(axis == "x" ? "X" : "Y"));
   return dataset;
+}
+
+void write_actual_range(hid_t dataset, h5::Type type, const ValueRange& range) {
+  if (const auto pair = range.pair()) h5::write_attribute(dataset, "actual_range", type, *pair);
+}
+
+/// The range of a tile's values; the padding at the grid's border does not count.
+ValueRange range_of(const GridLayerWriter::Tile& tile, const GridLayerWriter::TileValues& values) {
+  ValueRange range;
+  std::visit(
+      [&]<class T>(const std::vector<T>& v) {
+        for (std::int64_t r = 0; r < tile.rows; ++r)
+          range.add(std::span<const T>(v).subspan(static_cast<std::size_t>(r * tile.stride),
+                                                  static_cast<std::size_t>(tile.cols)));
+      },
+      values);
+  return range;
 }
 
 /// _FillValue as netCDF writes it: one element of the layer's own type.
@@ -114,8 +130,8 @@ GridSpec read_spec(const LandfallFileReader& file) {
 
 }  // namespace
 
-GridLayerWriter::GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec,
-                                 const std::string& crs_wkt, const std::string& located_at)
+GridLayerWriter::GridLayerWriter(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
+                                 const std::string& located_at)
     : root_(file.root()), compression_(file.compression()), spec_(spec) {
   std::vector<double> x(static_cast<std::size_t>(spec.cols));
   std::vector<double> y(static_cast<std::size_t>(spec.rows));
@@ -124,7 +140,8 @@ GridLayerWriter::GridLayerWriter(const LandfallFileWriter& file, const GridSpec&
   h5::write_attribute(root_, "resolution_m", spec.resolution_m);
   x_ = write_axis(root_, "x", x, located_at);
   y_ = write_axis(root_, "y", y, located_at);
-  write_crs(root_, crs_wkt);
+  frame_ = write_crs(root_, crs_wkt);
+  if (frame_ == CfFrame::inexpressible) file.withdraw_cf_claim();
 }
 
 void GridLayerWriter::attach_scales(hid_t dataset) const {
@@ -145,10 +162,11 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
   if (is_real) write_fill_value(dataset.get(), type);
   h5::write_attribute(dataset.get(), "units", text.units);
   h5::write_attribute(dataset.get(), "long_name", text.long_name);
-  h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
+  if (frame_ != CfFrame::local) h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
+  if (!text.ancillary_variables.empty())
+    h5::write_attribute(dataset.get(), "ancillary_variables", text.ancillary_variables);
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
-  if (text.actual_range) h5::write_attribute(dataset.get(), "actual_range", *text.actual_range);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
   return dataset;
 }
@@ -164,8 +182,11 @@ void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinInde
 
 template <class T>
 void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
-  const h5::Handle dataset = create(name, h5::TypeOf<T>::value, text);
+  const h5::Handle dataset = begin<T>(name, text);
   write_tiles(dataset.get(), layer, {tile_of(spec_), {}}, compression_, name);
+  ValueRange range;
+  range.add(layer.values());
+  write_range<T>(dataset, range);
 }
 
 template <class T>
@@ -180,12 +201,14 @@ void GridLayerWriter::write_rows(const h5::Handle& layer, const std::string& nam
               name);
 }
 
-void GridLayerWriter::write_range(const h5::Handle& layer, const std::array<double, 2>& range) {
-  h5::write_attribute(layer.get(), "actual_range", range);
+template <class T>
+void GridLayerWriter::write_range(const h5::Handle& layer, const ValueRange& range) {
+  write_actual_range(layer.get(), h5::TypeOf<T>::value, range);
 }
 
 template h5::Handle GridLayerWriter::begin<double>(const std::string&, const LayerText&) const;
 template void GridLayerWriter::write_rows(const h5::Handle&, const std::string&, const Grid<double>&) const;
+template void GridLayerWriter::write_range<double>(const h5::Handle&, const ValueRange&);
 template void GridLayerWriter::write(const std::string&, const Grid<double>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<float>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<std::int32_t>&, const LayerText&);
@@ -210,30 +233,38 @@ void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const F
     std::vector<TileValues> values;
     std::vector<ChunkEncoder> encoders;  ///< one per layer, reused for all tiles
     std::vector<std::span<const std::byte>> encoded;
+    std::vector<ValueRange> ranges;
   };
   std::vector<Slot> slots(thread_count() + 2);
   const std::vector<Tile> todo = tiles();
   const auto compute = [&](std::size_t i, std::size_t slot) {
-    auto& [values, encoders, encoded] = slots[slot];
+    auto& [values, encoders, encoded, ranges] = slots[slot];
     values.resize(layers.size());
     encoded.resize(layers.size());
+    ranges.resize(layers.size());
     if (encoders.empty())
       for (const TiledLayer& layer : layers) encoders.emplace_back(h5::size_of(layer.type), compression_);
     for (std::size_t l = 0; l < layers.size(); ++l)
       prepare(values[l], layers[l].type, static_cast<std::size_t>(tile_of(spec_).row * tile_of(spec_).col));
     fill(todo[i], values);
     for (std::size_t l = 0; l < layers.size(); ++l) {
+      ranges[l] = range_of(todo[i], values[l]);
       ChunkEncoder& encoder = encoders[l];  // clang 14 captures no structured binding
       encoded[l] =
           std::visit([&](const auto& v) { return encoder.encode(std::as_bytes(std::span(v))); }, values[l]);
     }
   };
+  std::vector<ValueRange> ranges(layers.size());
   const auto write_out = [&](std::size_t i, std::size_t slot) {
-    for (std::size_t l = 0; l < layers.size(); ++l)
+    for (std::size_t l = 0; l < layers.size(); ++l) {
       write_tile(datasets[l].get(), layers[l].name, todo[i].first, slots[slot].encoded[l]);
+      ranges[l].add(slots[slot].ranges[l]);
+    }
     report(progress, static_cast<double>(i + 1) / static_cast<double>(todo.size()));
   };
   produce_in_parallel(todo.size(), slots.size(), compute, write_out);
+  for (std::size_t l = 0; l < layers.size(); ++l)
+    write_actual_range(datasets[l].get(), layers[l].type, ranges[l]);
 }
 
 GridLayerReader::GridLayerReader(const LandfallFileReader& file)

@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "files/crs.h"
 #include "files/landfall_file.h"
 #include "raster/grid.h"
+#include "raster/value_range.h"
 
 namespace landfall {
 
@@ -21,7 +23,8 @@ namespace landfall {
 class GridLayerWriter {
  public:
   /// Writes /x, /y and /crs. `crs_wkt` is the site frame; `located_at` says what the coordinates refer to.
-  GridLayerWriter(const LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
+  /// The file makes no claim to CF if that cannot describe the frame.
+  GridLayerWriter(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
                   const std::string& located_at = "bin centre");
 
   struct LayerText {
@@ -29,8 +32,8 @@ class GridLayerWriter {
     std::string long_name;
     std::vector<std::int8_t> flag_values = {};
     std::string flag_meanings = {};
-    std::vector<std::int8_t> flag_masks = {};                ///< bits that may be set together
-    std::optional<std::array<double, 2>> actual_range = {};  ///< see write_range()
+    std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
+    std::string ancillary_variables = {};      ///< layers that qualify this one's values, in CF's form
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>
@@ -43,8 +46,10 @@ class GridLayerWriter {
   /// must the end unless it is the grid's. Throws IoError.
   template <class T>
   void write_rows(const h5::Handle& layer, const std::string& name, const Grid<T>& rows) const;
-  /// Writes the least and the greatest value of a layer as the CF attribute actual_range.
-  static void write_range(const h5::Handle& layer, const std::array<double, 2>& range);
+  /// Writes the least and the greatest value of a layer that begin() created, as write() and write_tiled()
+  /// do: the CF attribute actual_range, in the layer's type. A layer without values gets none.
+  template <class T>
+  static void write_range(const h5::Handle& layer, const ValueRange& range);
 
   /// One of several layers that are computed tile by tile.
   struct TiledLayer {
@@ -80,6 +85,7 @@ class GridLayerWriter {
   GridSpec spec_;
   h5::Handle x_;
   h5::Handle y_;
+  CfFrame frame_;
 };
 
 /// Reads the grid of a file that GridLayerWriter wrote.

@@ -2,6 +2,7 @@
 #include "files/landfall_file.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
@@ -51,6 +52,26 @@ Json json_of(const std::string& file, hid_t provenance, const std::string& name)
   return stored_json<Json>(text);
 }
 
+/// One line per step, oldest first, without a time, so that equal runs write equal files. An attribute holds
+/// less than 64 KiB; the chain in /provenance is complete.
+std::string history_of(const Provenance& provenance) {
+  constexpr std::size_t kMaxSteps = 200;
+  std::vector<Json> steps(provenance.chain.begin(), provenance.chain.end());
+  steps.push_back(provenance.as_step());
+  std::string text;
+  if (steps.size() > kMaxSteps) {
+    text = std::to_string(steps.size() - kMaxSteps) + " earlier steps: /provenance/chain_json\n";
+    steps.erase(steps.begin(), steps.end() - static_cast<std::ptrdiff_t>(kMaxSteps));
+  }
+  for (const Json& step : steps) {
+    const std::string version = step.value("version", "");
+    text += "landfall " + shown_word(step.at("tool").get<std::string>()) + (version.empty() ? "" : " ") +
+            shown_word(version) + ", file_id " + shown_word(step.at("file_id").get<std::string>()) + "\n";
+  }
+  text.pop_back();
+  return text;
+}
+
 /// A foreign file's history is used only if all of it is understood.
 bool is_history(const Json& chain) {
   const auto is_step = [](const Json& step) {
@@ -68,9 +89,9 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
     : output_(options.path, options.overwrite),
       compression_(options.compression),
       file_(create_quietly(output_.temporary())) {
-  h5::write_attribute(root(), "Conventions", std::string("CF-1.8"));
   h5::write_attribute(root(), "title", title_of(kind));
   h5::write_attribute(root(), "source", source_line(provenance.tool));
+  h5::write_attribute(root(), "history", history_of(provenance));
   h5::write_attribute(root(), "format_name", "landfall." + kind);
   h5::write_attribute(root(), "format_version", std::string(kFormatVersion));
   h5::write_attribute(root(), "file_id", provenance.file_id());
@@ -90,6 +111,7 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
 }
 
 void LandfallFileWriter::commit() {
+  if (follows_cf_) h5::write_attribute(root(), "Conventions", std::string("CF-1.8"));
   h5::write_attribute(root(), "complete", std::int64_t{1});
   if (const std::optional<std::string> failure = h5::close_file(file_))
     throw IoError("output " + output_.path().string() + ": closing failed: " + *failure);

@@ -22,6 +22,8 @@ class LandfallFileWriter {
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] int compression() const { return compression_; }
+  /// The file will not have the attribute Conventions, because CF cannot express something in it.
+  void withdraw_cf_claim() { follows_cf_ = false; }
   /// Marks the file complete, flushes and renames it. Throws IoError when writing fails.
   void commit();
 
@@ -29,6 +31,7 @@ class LandfallFileWriter {
   // The file is declared last: it closes before the temporary name is removed.
   OutputPath output_;
   int compression_;
+  bool follows_cf_ = true;
   h5::Handle file_;
 };
 

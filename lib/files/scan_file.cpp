@@ -163,6 +163,9 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   for (const PointStatusInfo& info : kPointStatuses)
     if (info.is_counted()) h5::write_attribute(points_.group(), info.count_name, count(info.status));
   write_detector(file_, detector, dead_map);
+  name_rows(file_.root(), "points", "point");
+  name_rows(file_.root(), "pulses", "pulse");
+  name_rows(file_.root(), "detector", "pixel");
   file_.commit();
 }
 

@@ -25,30 +25,11 @@ TerrainIdentity identity_of(const LandfallFileReader& file) {
 
 GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
 
-/// The range of the finite values; low > high if there are none.
-struct ElevationRange {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void add(double z) {  // NaN changes neither
-    if (z < low) low = z;
-    if (z > high) high = z;
-  }
-  [[nodiscard]] std::optional<std::array<double, 2>> pair() const {
-    if (low > high) return std::nullopt;
-    return std::array{low, high};
-  }
-};
-
 }  // namespace
 
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
-  ElevationRange range;
-  for (const double z : terrain.nodes.values()) range.add(z);
-  auto text = elevation_text();
-  text.actual_range = range.pair();
-  layers.write("z", terrain.nodes, text);
+  layers.write("z", terrain.nodes, elevation_text());
   write_features(file, terrain.features);
   file.commit();
 }
@@ -62,16 +43,16 @@ NodeCounts count_nodes(const Grid<double>& grid) {
 NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const ProgressCallback& progress) {
   const GridLayerWriter layers(file, strips.spec(), strips.crs_wkt(), "grid node");
   const h5::Handle z_layer = layers.begin<double>("z", elevation_text());
-  ElevationRange range;
+  ValueRange range;
   NodeCounts written;
   const auto write = [&](const Grid<double>& strip) {
-    for (const double z : strip.values()) range.add(z);
+    range.add(strip.values());
     const NodeCounts part = count_nodes(strip);
     written = {written.nodes + part.nodes, written.holes + part.holes};
     layers.write_rows(z_layer, "z", strip);
   };
   strips.make(write, progress);
-  if (const auto pair = range.pair()) GridLayerWriter::write_range(z_layer, *pair);
+  GridLayerWriter::write_range<double>(z_layer, range);
   write_features(file, strips.features());
   file.commit();
   return written;

@@ -56,6 +56,15 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
   return keep_system_reason(depth, record, target);
 }
 
+/// netCDF then lists a group's members as they were created, not by name: the first grid of GMT and of GDAL's
+/// netCDF driver is the first layer that was written. Links stay in the group's header: a heap for more than
+/// eight of them would take more space, and a damaged one would be another structure that HDF5 must survive.
+void keep_creation_order(hid_t group_properties) {
+  constexpr unsigned kMostLinks = 65535;
+  H5Pset_link_creation_order(group_properties, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+  H5Pset_link_phase_change(group_properties, kMostLinks, 0);
+}
+
 std::mutex close_lock;
 std::string close_failure;  // NOLINT(*-avoid-non-const-global-variables)
 
@@ -145,7 +154,10 @@ Handle create_file(const std::filesystem::path& path) {
   // delay the closing, report success, and write the rest after the file has been renamed.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
-  return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose, path.string());
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  keep_creation_order(creation.get());
+  return checked(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose,
+                 path.string());
 }
 
 std::optional<int> descriptor(hid_t object) {
@@ -169,6 +181,7 @@ void start_writeback([[maybe_unused]] int descriptor) {
 Handle create_group(hid_t parent, const std::string& name) {
   const Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
+  keep_creation_order(properties.get());
   return checked(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose,
                  name);
 }
@@ -227,12 +240,11 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<st
   require(H5Awrite(attribute.get(), H5T_STD_I8LE, values.data()) >= 0, name);
 }
 
-void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values) {
+void write_attribute(hid_t object, const std::string& name, Type type, const std::array<double, 2>& values) {
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Handle attribute =
-      checked(H5Acreate2(object, name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
-              H5Aclose, name);
+  const Handle attribute = checked(
+      H5Acreate2(object, name.c_str(), native(type), space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, name);
   require(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0, name);
 }
 

@@ -120,7 +120,8 @@ void write_attribute(hid_t object, const std::string& name, const std::string& t
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
-void write_attribute(hid_t object, const std::string& name, const std::array<double, 2>& values);
+/// Two numbers of `type`, which must be able to hold them.
+void write_attribute(hid_t object, const std::string& name, Type type, const std::array<double, 2>& values);
 /// A scalar variable-length UTF-8 dataset with units and `long_name`. Used for JSON, because attributes are
 /// limited to 64 KiB.
 struct TextDataset {

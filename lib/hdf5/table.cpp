@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hdf5/table.h"
 
+#include <hdf5_hl.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -11,6 +14,7 @@
 #include "base/parallel.h"
 #include "hdf5/chunk_source.h"
 #include "hdf5/column_reader.h"
+#include "hdf5/dataset_list.h"
 
 namespace landfall {
 namespace {
@@ -218,6 +222,25 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
   TableWriter table(parent, group, std::move(columns), compression);
   table.append(rows);
   table.finish();
+}
+
+void name_rows(hid_t root, const std::string& group, const std::string& dimension) {
+  constexpr hsize_t kMostRows = hsize_t{1} << 28U;
+  const h5::Handle columns = h5::open_group(root, group);
+  const std::vector<DatasetEntry> entries = list_datasets(columns.get());
+  const hsize_t rows = entries.at(0).shape.at(0);
+  if (rows > kMostRows) return;
+  const h5::Handle scale = h5::create_dataset(root, dimension, h5::Type::int8, {.size = {rows}, .chunk = {}});
+  h5::write_attribute(scale.get(), "units", std::string("1"));
+  h5::write_attribute(scale.get(), "long_name", "rows of /" + group);
+  // netCDF knows a dimension without a variable by this name; the number fills the width that it writes.
+  std::array<char, 80> name{};
+  std::snprintf(name.data(), name.size(), "This is a netCDF dimension but not a netCDF variable.%10llu",
+                static_cast<unsigned long long>(rows));
+  bool attached = H5DSset_scale(scale.get(), name.data()) >= 0;
+  for (const DatasetEntry& entry : entries)
+    attached = attached && H5DSattach_scale(entry.dataset.get(), scale.get(), 0) >= 0;
+  if (!attached) throw IoError("attaching the dimension " + dimension + " failed: " + h5::failure_reason());
 }
 
 TableReader::TableReader(hid_t parent, const std::string& group, std::string file)

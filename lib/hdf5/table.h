@@ -113,6 +113,11 @@ class TableWriter {
 void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec> columns,
                  std::span<const ColumnRows> rows, int compression);
 
+/// Names the dimension of a table's rows: the columns of `group` share the dimension scale `dimension` of
+/// `root`, which holds no values (in netCDF: a dimension without a variable). Does nothing for more than 2^28
+/// rows, because screen_file() (file_screening.h) refuses so large a dataset without values.
+void name_rows(hid_t root, const std::string& group, const std::string& dimension);
+
 /// Reads 1-D columns of equal length, in pieces of rows.
 class TableReader {
  public:

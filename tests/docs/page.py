@@ -6,7 +6,7 @@ A comment on its own line annotates the next block:
     <!-- setup: COMMANDS -->      shell commands, on one or more lines, that run here and are not shown to readers
     <!-- long: REASON -->         the next block runs only with LANDFALL_TEST_LONG=1; otherwise it is listed as skipped
     <!-- long setup: COMMANDS --> setup commands for such blocks, run only together with them
-    <!-- bare: NAME -->           scripts/test-deb runs the next block in a bare Debian 12 (bare_block.py)
+    <!-- bare: NAME -->           scripts/test-deb or test-container runs the next block in a bare Debian 12 (bare_block.py)
     <!-- all tests -->            the next block runs all tests, including this one; .ci/run runs it
     <!-- file: NAME -->           the next block is the content of the file NAME
     <!-- check: TOOL -->          the next block is a configuration that TOOL --check must accept

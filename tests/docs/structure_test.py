@@ -59,11 +59,14 @@ class Structure(unittest.TestCase):
         return [(page, block) for page in self.pages.values() for block in page.blocks if note in block.notes]
 
     def test_every_command_is_run(self):
-        """By run_docs_test.py, always or on request, by scripts/test-deb, or by CI (the block that runs all tests)."""
+        """By run_docs_test.py, always or on request, by scripts/test-deb or scripts/test-container, or by CI (the block that runs all
+        tests)."""
         for page, block in self.blocks_with("long"):
             self.assertNotEqual(block.notes["long"], "", f"{page.name}:{block.line}: without a reason")
-        with open(os.path.join(ROOT, "scripts", "test-deb"), encoding="utf-8") as file:
-            run_in_bare = re.findall(r'^page \w+ "(.*)"$', file.read(), re.MULTILINE)
+        run_in_bare = []
+        for script in ("test-deb", "test-container"):
+            with open(os.path.join(ROOT, "scripts", script), encoding="utf-8") as file:
+                run_in_bare += re.findall(r'^ *page (?:\w+ )?"(.*)"$', file.read(), re.MULTILINE)
         self.assertEqual(sorted(block.notes["bare"] for _, block in self.blocks_with("bare")), sorted(run_in_bare))
         self.assertEqual({page.name for page, _ in self.blocks_with("bare")}, {"docs/user/install.md"})
 

@@ -4,6 +4,7 @@
 import glob
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -109,13 +110,26 @@ print(landfall.__file__, terrain.z.shape, terrain.z.attrs["units"], terrain.crs.
 
     @unittest.skipUnless(os.environ.get("LANDFALL_TEST_CHROOT"), "takes minutes: LANDFALL_TEST_CHROOT=1 runs it")
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("debootstrap"), "needs root and debootstrap")
-    def test_packages_work_in_a_minimal_debian(self):
+    def test_packages_work_in_a_minimal_debian_and_in_containers(self):
         if not mirror_answers():
             self.skipTest(f"no Debian mirror at {MIRROR}")
-        result = subprocess.run([os.path.join(ROOT, "scripts", "test-deb"), os.path.join(self.folder, "first")],
-                                capture_output=True, text=True, check=False)
-        print(result.stdout)
-        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        for script in ("test-deb", "test-container"):
+            with self.subTest(script):
+                result = subprocess.run([os.path.join(ROOT, "scripts", script), os.path.join(self.folder, "first")],
+                                        capture_output=True, text=True, check=False)
+                print(result.stdout)
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+    def test_the_recipes_of_both_containers_install_the_same(self):
+        """Up to the folder of the package."""
+        def commands(name):
+            with open(os.path.join(ROOT, "packaging", name), encoding="utf-8") as file:
+                text = file.read().replace("\\\n", " ").replace("&&", "\n")
+            found = re.findall(r"^[ \w=]*apt-get .*|^ *rm .*", text.replace("RUN ", "\n"), re.MULTILINE)
+            return [" ".join(line.split()).replace("/opt/", "/tmp/") for line in found]
+
+        self.assertEqual(len(commands("Containerfile")), 3)
+        self.assertEqual(commands("Containerfile"), commands("landfall.def"))
 
 
 if __name__ == "__main__":

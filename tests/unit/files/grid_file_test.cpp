@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
 #include "files/terrain_file.h"
@@ -96,6 +98,74 @@ TEST(GridFile, RoundTrip) {
     }
   }
   EXPECT_EQ(layers.read<std::int32_t>("count").values()[5], 3);
+}
+
+/// The attribute actual_range of a layer and its type.
+std::optional<std::array<double, 2>> stored_range(const LandfallFileReader& file, const std::string& layer,
+                                                  h5::Type type) {
+  const h5::Handle dataset = h5::open_dataset(file.root(), layer);
+  if (H5Aexists(dataset.get(), "actual_range") <= 0) return std::nullopt;
+  const h5::Handle attribute(H5Aopen(dataset.get(), "actual_range", H5P_DEFAULT), H5Aclose);
+  const h5::Handle stored(H5Aget_type(attribute.get()), H5Tclose);
+  EXPECT_GT(H5Tequal(stored.get(), h5::native(type)), 0) << layer;
+  return h5::read_pair_attribute(dataset.get(), "actual_range");
+}
+
+// 300 x 20: two tiles, both padded to 256 columns with NaN or 0.
+TEST(GridFile, EveryLayerHasItsRangeInItsOwnType) {
+  const TemporaryFolder folder;
+  const GridSpec spec{0.05, -10, 5, 300, 20};
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  {
+    LandfallFileWriter file({folder / "a.h5", true, 1}, "dem", provenance());
+    GridLayerWriter layers(file, spec, "");
+    layers.write("z", waves(spec), {"m", "z"});
+    Grid<std::int8_t> flags(spec, 5);
+    flags.at({299, 19}) = -7;
+    layers.write("flags", flags, {"1", "flags"});
+    layers.write("none", Grid<float>(spec, kNan), {"m", "none"});
+    const auto fill = [](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
+      for (std::int64_t r = 0; r < tile.rows; ++r)
+        for (std::int64_t c = 0; c < tile.cols; ++c) {
+          const auto at = static_cast<std::size_t>(r * tile.stride + c);
+          const auto row = static_cast<int>(tile.first.row + r);
+          std::get<std::vector<std::int32_t>>(values[0])[at] = 10 + row;
+          std::get<std::vector<float>>(values[1])[at] = c == 3 ? kNan : 0.1F * static_cast<float>(row);
+        }
+    };
+    layers.write_tiled({{"count", h5::Type::int32, {"1", "count"}},
+                        {"t", h5::Type::float32, {"s", "t"}},
+                        {"empty", h5::Type::float64, {"m", "empty"}}},
+                       fill);
+    file.commit();
+  }
+  const LandfallFileReader file(folder / "a.h5", {"dem"});
+  const Grid<double> z = waves(spec);
+  double low = 1;
+  double high = -1;
+  for (const double value : z.values()) {
+    low = std::fmin(low, value);
+    high = std::fmax(high, value);
+  }
+  EXPECT_EQ(stored_range(file, "z", h5::Type::float64), (std::array{low, high}));
+  EXPECT_EQ(stored_range(file, "flags", h5::Type::int8), (std::array{-7.0, 5.0}));
+  EXPECT_EQ(stored_range(file, "none", h5::Type::float32), std::nullopt);
+  EXPECT_EQ(stored_range(file, "count", h5::Type::int32), (std::array{10.0, 309.0}));
+  EXPECT_EQ(stored_range(file, "t", h5::Type::float32), (std::array{0.0, double{0.1F * 299.0F}}));
+  EXPECT_EQ(stored_range(file, "empty", h5::Type::float64), std::nullopt);
+}
+
+TEST(GridFile, ListsLayersInTheOrderOfTheirCreation) {
+  const TemporaryFolder folder;
+  write(folder / "a.h5", GridSpec::centered(3, 0.25), provenance());
+  const LandfallFileReader file(folder / "a.h5", {"dem"});
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
+    static_cast<std::vector<std::string>*>(list)->emplace_back(name);
+    return 0;
+  };
+  ASSERT_GE(H5Literate(file.root(), H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, add, &names), 0);
+  EXPECT_THAT(names, testing::ElementsAre("provenance", "x", "y", "crs", "z", "count"));
 }
 
 TEST(GridFile, EqualRunsGiveEqualBytes) {

@@ -57,6 +57,39 @@ TEST(LandfallFile, AHistoryThatIsNotUnderstoodIsLeftOut) {
   EXPECT_EQ(steps("[" + step + R"(, "inputs": [{"role": 1, "file_id": "f"}]}])"), 1U);
 }
 
+// An attribute holds less than 64 KiB.
+TEST(LandfallFile, HistoryHasALinePerStepUpToALimit) {
+  const TemporaryFolder folder;
+  const auto history = [&](std::size_t upstream) {
+    Provenance made{.tool = "regrid"};
+    for (std::size_t i = 0; i < upstream; ++i)
+      made.chain.push_back({{"tool", "scan-sim"}, {"version", "0.1"}, {"file_id", "id" + std::to_string(i)}});
+    LandfallFileWriter(OutputOptions{folder / "a.h5", true}, "dem", made).commit();
+    return *h5::read_text_attribute(LandfallFileReader(folder / "a.h5", {"dem"}).root(), "history");
+  };
+  const std::string last =
+      "landfall regrid " + program_version() + ", file_id " + Provenance{.tool = "regrid"}.file_id();
+  EXPECT_EQ(history(0), last);
+  EXPECT_EQ(history(1), "landfall scan-sim 0.1, file_id id0\n" + last);
+  const std::string many = history(1000);
+  EXPECT_TRUE(
+      many.starts_with("801 earlier steps: /provenance/chain_json\nlandfall scan-sim 0.1, file_id id801\n"));
+  EXPECT_TRUE(many.ends_with(last));
+  EXPECT_LT(many.size(), 65536U);
+}
+
+TEST(LandfallFile, ClaimsCfUnlessThatIsWithdrawn) {
+  const TemporaryFolder folder;
+  for (const bool follows : {true, false}) {
+    LandfallFileWriter file({folder / "a.h5", true}, "dem", {.tool = "test"});
+    if (!follows) file.withdraw_cf_claim();
+    file.commit();
+    const LandfallFileReader read(folder / "a.h5", {"dem"});
+    EXPECT_EQ(h5::read_text_attribute(read.root(), "Conventions").value_or("none"),
+              follows ? "CF-1.8" : "none");
+  }
+}
+
 // What walks JSON calls itself: 10^5 levels would end the program.
 TEST(StoredJson, DeepTextsAreNone) {
   const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };

@@ -2,6 +2,7 @@
 #include "hdf5/table.h"
 
 #include <gtest/gtest.h>
+#include <hdf5_hl.h>
 
 #include <numeric>
 #include <utility>
@@ -133,6 +134,31 @@ TEST(Table, CopiedColumnsGiveTheSameFile) {
   EXPECT_EQ(read_file(folder / "a.h5"), read_file(folder / "b.h5"));
   EXPECT_FALSE(copy(folder / "c.h5", source, rows, 2));
   EXPECT_THROW(copy(folder / "c.h5", source, make_rows(3 * kTableChunkRows), 1), FormatError);
+}
+
+TEST(Table, ItsRowsHaveANamedDimensionWithoutValues) {
+  const TemporaryFolder folder;
+  for (const std::size_t count : {std::size_t{0}, std::size_t{3}}) {
+    {
+      LandfallFileWriter file({folder / "a.h5", true, 1}, "scan", {.tool = "test"});
+      const Rows rows = make_rows(count);
+      const std::array<ColumnRows, 4> all = {std::span<const double>(rows.x), std::span<const double>(rows.x),
+                                             std::span<const std::int32_t>(rows.n),
+                                             std::span<const std::int8_t>(rows.f)};
+      write_table(file.root(), "points", columns(), all, 1);
+      name_rows(file.root(), "points", "point");
+      file.commit();
+    }
+    const LandfallFileReader file(folder / "a.h5", {"scan"});
+    const h5::Handle scale = h5::open_dataset(file.root(), "point");
+    EXPECT_GT(H5DSis_scale(scale.get()), 0);
+    EXPECT_EQ(h5::stored_bytes(scale.get()), 0U);
+    const TableReader points(file.root(), "points", file.name());
+    for (const ColumnSpec& column : columns()) {
+      EXPECT_GT(H5DSis_attached(points.open(column.name).get(), scale.get(), 0), 0) << column.name;
+      EXPECT_EQ(points.row_count(column.name), count);
+    }
+  }
 }
 
 TEST(Table, NamesWhatIsMissing) {
