@@ -17,7 +17,11 @@ void require(bool done) {
 
 }  // namespace
 
-MemoryFile::MemoryFile() {
+MemoryFile::MemoryFile() { create(); }
+
+MemoryFile::~MemoryFile() { remove(); }
+
+void MemoryFile::create() {
   const std::filesystem::path in_memory = "/dev/shm";
   const bool has_memory = std::filesystem::is_directory(in_memory);
   std::string name =
@@ -27,13 +31,14 @@ MemoryFile::MemoryFile() {
   path_ = name;
 }
 
-MemoryFile::~MemoryFile() {
+void MemoryFile::remove() {
   ::close(descriptor_);
   ::unlink(path_.c_str());
 }
 
 void MemoryFile::fill(std::span<const std::byte> bytes) {
-  require(::ftruncate(descriptor_, 0) == 0);
+  remove();
+  create();
   while (!bytes.empty()) {
     const ssize_t count =
         ::pwrite(descriptor_, bytes.data(), bytes.size(), ::lseek(descriptor_, 0, SEEK_END));

@@ -17,10 +17,13 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Replaces the content.
+  /// Replaces the file by a new one with this content: a file that libhdf5 failed to close, because the harness
+  /// damaged it while it was open, cannot be opened again.
   void fill(std::span<const std::byte> bytes);
 
  private:
+  void create();
+  void remove();
   int descriptor_ = -1;
   std::filesystem::path path_;
 };
