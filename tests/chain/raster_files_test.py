@@ -18,7 +18,7 @@ import netCDF4
 import numpy as np
 
 import raster_readers as readers
-from harness import SANITIZED, ToolTest, read_bytes, tool
+from harness import SANITIZED, ToolTest, read_bytes, tool, without_warnings
 from raster_readers import Cells, Degrees, Rotated
 
 ROOT = os.environ["LANDFALL_ROOT"]
@@ -265,7 +265,7 @@ class Run:
         start = time.perf_counter()
         with subprocess.Popen([tool("terrain-gen"), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               text=True) as process:
-            self.stderr = process.stderr.read()
+            self.stderr = without_warnings("terrain-gen", process.stderr.read())
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = self.code = os.waitstatus_to_exitcode(status)
         self.seconds = time.perf_counter() - start

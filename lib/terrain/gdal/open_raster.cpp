@@ -183,6 +183,11 @@ Georeference georeference(const OpenRaster& raster) {
     result.transform = GeoTransform(coefficients);
   const OGRSpatialReference* crs = raster.dataset->GetSpatialRef();
   if (crs != nullptr && !crs->IsEmpty()) result.crs = crs;
+  const auto declares_metres = [&](const char* item) {
+    const char* const unit = raster.dataset->GetMetadataItem(item);
+    return unit != nullptr && std::string_view(unit) == "m";
+  };
+  result.in_metres = declares_metres("x#units") && declares_metres("y#units");
   result.size = raster.size;
   return result;
 }

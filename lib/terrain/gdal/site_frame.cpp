@@ -128,7 +128,8 @@ SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform&
   return {SiteMapping(transform, center, frame, radians), orthographic_wkt(crs, wrapped), posting_m};
 }
 
-double unreferenced_scale(const DemBase& dem) {
+double unreferenced_scale(const Georeference& georeference, const DemBase& dem) {
+  if (!dem.horizontal_scale_m && georeference.in_metres) return 1;
   if (!dem.horizontal_scale_m)
     throw UsageError(
         dem.path +
@@ -148,7 +149,7 @@ SiteFrame site_frame(const Georeference& georeference, const DemBase& dem) {
   const OGRSpatialReference* crs = georeference.crs;
   const double shorter_edge = std::ranges::min(transform.edges());
   if (crs == nullptr) {
-    const double scale_m = unreferenced_scale(dem);
+    const double scale_m = unreferenced_scale(georeference, dem);
     return {SiteMapping(transform, center, scale_m), kLocalSiteCrsWkt, shorter_edge * scale_m};
   }
   if (dem.horizontal_scale_m) {

@@ -18,6 +18,7 @@ struct Georeference {
   const OGRSpatialReference* crs =
       nullptr;  ///< axes in longitude-latitude or easting-northing order; may be null
   RasterSize size;
+  bool in_metres = false;  ///< without a CRS: the coordinates declare metres (netCDF: x:units, y:units)
 };
 
 /// The frame of a site in a raster.
