@@ -21,7 +21,7 @@
 #include "base/random.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/evaluate.h"
-#include "evaluation/region.h"
+#include "raster/region.h"
 #include "evaluation/window_quantile.h"
 #include "files/evaluation_file.h"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "evaluation/distance_transform.h"
+#include "raster/distance_transform.h"
 
 namespace landfall {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "evaluation/holes.h"
+#include "raster/holes.h"
 #include "evaluation/metrics.h"
 
 namespace landfall {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "evaluation/region.h"
+#include "raster/region.h"
 #include "raster/grid.h"
 
 namespace landfall {

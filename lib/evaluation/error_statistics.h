@@ -2,7 +2,7 @@
 #pragma once
 
 #include "evaluation/metrics.h"
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 namespace landfall {
 

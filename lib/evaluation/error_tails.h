@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "evaluation/bucket_sort.h"
-#include "evaluation/footprint.h"
+#include "raster/footprint.h"
 #include "raster/grid.h"
 
 namespace landfall {

@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/coverage.h"
-#include "evaluation/distance_transform.h"
+#include "raster/distance_transform.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/piecewise.h"
 

@@ -6,7 +6,7 @@
 
 #include "base/progress.h"
 #include "evaluation/accuracy.h"
-#include "evaluation/holes.h"
+#include "raster/holes.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
 

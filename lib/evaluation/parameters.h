@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "base/fields.h"
-#include "evaluation/footprint.h"
+#include "raster/footprint.h"
 
 namespace landfall {
 

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "evaluation/footprint.h"
+#include "raster/footprint.h"
 #include "evaluation/metrics.h"
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 namespace landfall {
 

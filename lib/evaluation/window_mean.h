@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "evaluation/footprint.h"
+#include "raster/footprint.h"
 #include "raster/grid.h"
 
 namespace landfall {

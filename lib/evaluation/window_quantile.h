@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "base/progress.h"
-#include "evaluation/footprint.h"
-#include "evaluation/region.h"
+#include "raster/footprint.h"
+#include "raster/region.h"
 #include "evaluation/window_mean.h"
 
 namespace landfall {

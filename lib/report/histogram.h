@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/fields.h"
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 namespace landfall::html_report {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "masks.h"
+#include "raster/masks.h"
 
 namespace landfall {
 namespace {

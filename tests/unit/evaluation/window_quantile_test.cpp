@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "evaluation/window_mean.h"
 #include "evaluation/window_quantile.h"
-#include "masks.h"
+#include "raster/masks.h"
 
 namespace landfall {
 namespace {

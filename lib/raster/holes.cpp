@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/holes.h"
+#include "raster/holes.h"
 
 #include <algorithm>
 #include <utility>

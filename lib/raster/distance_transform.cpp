@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/distance_transform.h"
+#include "raster/distance_transform.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 namespace landfall {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/distance_transform.h"
+#include "raster/distance_transform.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "masks.h"
+#include "raster/masks.h"
 
 namespace landfall {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/holes.h"
+#include "raster/holes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "masks.h"
+#include "raster/masks.h"
 
 namespace landfall {
 namespace {

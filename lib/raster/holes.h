@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 namespace landfall {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 #include <gtest/gtest.h>
 

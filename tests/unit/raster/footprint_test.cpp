@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/footprint.h"
+#include "raster/footprint.h"
 
 #include <gtest/gtest.h>
 

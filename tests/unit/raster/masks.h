@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "base/random.h"
-#include "evaluation/region.h"
+#include "raster/region.h"
 
 namespace landfall::testing_masks {
 
