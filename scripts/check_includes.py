@@ -14,7 +14,7 @@ LEVELS = {
     "geometry": 1, "raster": 1, "output": 1, "returns": 1,
     "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
-    "simulation": 4, "gridding": 4, "evaluation": 4,
+    "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
     "config": 5, "files": 5,
     "scene": 6, "exports": 6, "host": 6, "report": 6,
     "cli": 7,

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hazards/lander.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/error.h"
+#include "base/number_text.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kTolerance = 1e-9;  // bins, and metres
+
+/// The nearest integer, halves away from zero.
+std::int64_t nearest(double bins) {
+  const double whole = std::floor(std::abs(bins) + 0.5 + kTolerance);
+  return static_cast<std::int64_t>(bins < 0 ? -whole : whole);
+}
+
+Footprint disc(double radius_m, double resolution_m) {
+  const double bins = (radius_m + kTolerance) / resolution_m;
+  return Footprint::disc(static_cast<std::int64_t>(std::floor(bins * bins)));
+}
+
+void require_positive(const std::string& key, double value) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw UsageError("/lander/" + key + ": " + number_text(value) + " is not > 0");
+}
+
+const Lander& checked(const Lander& lander, double resolution_m) {
+  if (lander.legs != 3 && lander.legs != 4)
+    throw UsageError("/lander/legs: " + std::to_string(lander.legs) + " is not 3 or 4");
+  require_positive("leg_radius_m", lander.leg_radius_m);
+  require_positive("pad_diameter_m", lander.pad_diameter_m);
+  require_positive("body_radius_m", lander.body_radius_m);
+  if (lander.leg_radius_m < 2 * resolution_m - kTolerance)
+    throw UsageError("/lander/leg_radius_m: " + number_text(lander.leg_radius_m) +
+                     " is less than 2 bins of " + number_text(resolution_m) + " m");
+  return lander;
+}
+
+PadOffsets pads(const Lander& lander, double resolution_m, double yaw_rad) {
+  const double radius = lander.leg_radius_m / resolution_m;
+  PadOffsets found{};
+  for (int leg = 0; leg < lander.legs; ++leg) {
+    BinOffset& pad = found[static_cast<std::size_t>(leg)];
+    if (leg > 0 && lander.legs == 4) {
+      const BinOffset& last = found[static_cast<std::size_t>(leg - 1)];
+      pad = {last.cols, -last.rows};
+      continue;
+    }
+    const double angle = yaw_rad + 2 * std::numbers::pi * leg / lander.legs;
+    pad = {nearest(radius * std::sin(angle)), nearest(radius * std::cos(angle))};
+  }
+  return found;
+}
+
+}  // namespace
+
+LanderStencil::LanderStencil(const Lander& lander, double resolution)
+    : legs(checked(lander, resolution).legs),
+      resolution_m(resolution),
+      pad_height(lander.pad_height),
+      pad(disc(lander.pad_diameter_m / 2, resolution)),
+      body(disc(lander.body_radius_m, resolution)) {
+  const double sector = 2 * std::numbers::pi / legs;
+  const double count = std::ceil(sector * lander.leg_radius_m / resolution - kTolerance);
+  for (int m = 0; m < static_cast<int>(count); ++m)
+    yaws.push_back(pads(lander, resolution, m * sector / count));
+}
+
+}  // namespace landfall
