@@ -65,7 +65,7 @@ class ContactLanes {
           Roughness(row, static_cast<std::int64_t>(col), static_cast<std::int64_t>(at));
       for (std::size_t c = col; c < end; ++c)
         if (wanted[c] != 0) {
-          result.slope_rad.row(row)[c] = std::atan(std::sqrt(slope[c - col]) / in_.lander.resolution_m);
+          result.slope_deg.row(row)[c] = slope_deg(std::sqrt(slope[c - col]) / in_.lander.resolution_m);
           result.roughness_m.row(row)[c] = roughness[c - col];
         }
     }

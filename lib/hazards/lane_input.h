@@ -15,7 +15,8 @@ struct ContactInput {
   const BinMask& places;  ///< each known
 };
 
-/// What the lanes of measure_plane() need. Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 = sum dr^2.
+/// What the lanes of measure_plane() need. Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 = sum
+/// dr^2.
 struct PlaneInput {
   const PaddedMap& z;
   const Footprint& body;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "base/progress.h"
 #include "hazards/lander.h"
 #include "raster/grid.h"
@@ -8,9 +11,14 @@
 
 namespace landfall {
 
+/// The angle of a plane to the horizontal, from its gradient.
+[[nodiscard]] inline double slope_deg(double gradient) {
+  return std::atan(gradient) * (180 / std::numbers::pi);
+}
+
 /// What a lander meets at each place of a map. A place is the bin under the lander's centre.
 struct PlaceMeasures {
-  Grid<double> slope_rad;    ///< the largest angle of a plane to the horizontal
+  Grid<double> slope_deg;    ///< the largest angle of a plane to the horizontal
   Grid<double> roughness_m;  ///< the largest height above a plane, along its normal; may be negative
 };
 

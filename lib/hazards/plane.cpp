@@ -66,7 +66,7 @@ void MeasurePlaneRows(const PlaneInput& in, std::int64_t begin, std::int64_t end
       MeasureGroup(in, row, static_cast<std::int64_t>(col), slope, roughness);
       for (std::size_t i = 0; i < group.size(); ++i)
         if (group[i] != 0) {
-          result.slope_rad.row(row)[col + i] = std::atan(std::sqrt(slope[i]));
+          result.slope_deg.row(row)[col + i] = slope_deg(std::sqrt(slope[i]));
           result.roughness_m.row(row)[col + i] = roughness[i];
         }
     }

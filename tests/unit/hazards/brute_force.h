@@ -23,7 +23,7 @@ struct BruteForce {
   const Lander& lander;
 
   struct Measures {
-    double slope_rad = -1;
+    double slope_deg = -1;
     double roughness_m = -std::numeric_limits<double>::infinity();
   };
   struct Bin {
@@ -104,7 +104,7 @@ struct BruteForce {
   }
 
   [[nodiscard]] double slope_of(const Plane& plane) const {
-    return std::atan(std::hypot(plane.east, plane.north) / z.spec().resolution_m);
+    return std::atan(std::hypot(plane.east, plane.north) / z.spec().resolution_m) * 180 / std::numbers::pi;
   }
 
   /// None: unknown.
@@ -120,7 +120,7 @@ struct BruteForce {
       }
       for (const Plane& plane : planes(pads, heights)) {
         const double slope = slope_of(plane);
-        most.slope_rad = std::max(most.slope_rad, slope);
+        most.slope_deg = std::max(most.slope_deg, slope);
         for (std::int64_t y = -n; y <= n; ++y)
           for (std::int64_t x = -n; x <= n; ++x) {
             if (!covers(lander.body_radius_m, {x, y})) continue;
@@ -128,7 +128,8 @@ struct BruteForce {
             if (!height) return {};
             const double ground =
                 plane.height + plane.east * static_cast<double>(x) + plane.north * static_cast<double>(y);
-            most.roughness_m = std::max(most.roughness_m, (*height - ground) * std::cos(slope));
+            most.roughness_m =
+                std::max(most.roughness_m, (*height - ground) * std::cos(slope * std::numbers::pi / 180));
           }
       }
     }

@@ -32,7 +32,7 @@ AtOrigin at_origin(const Lander& lander, const std::function<double(double, doub
     for (std::int64_t col = 0; col < spec.cols; ++col) map.at({row, col}) = z(spec.x(col), spec.y(row));
   const PlaceMeasures found = measure_contact(map, LanderStencil(lander, 0.05), everywhere(spec));
   const BinIndex origin = spec.bin_of(0, 0);
-  return {found.slope_rad.at(origin) / kDegree, found.roughness_m.at(origin)};
+  return {found.slope_deg.at(origin), found.roughness_m.at(origin)};
 }
 
 TEST(Contact, ATiltedPlaneIsItsOwnSlope) {
@@ -102,10 +102,10 @@ void expect_as_brute_force(const Grid<double>& z, const Lander& lander, double t
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const BinIndex place{row, col};
       const auto expected = slow.contact(place);
-      ASSERT_EQ(std::isnan(found.slope_rad.at(place)), !expected) << row << ' ' << col;
+      ASSERT_EQ(std::isnan(found.slope_deg.at(place)), !expected) << row << ' ' << col;
       ASSERT_EQ(std::isnan(found.roughness_m.at(place)), !expected) << row << ' ' << col;
       if (!expected) continue;
-      ASSERT_NEAR(found.slope_rad.at(place), expected->slope_rad, tolerance) << row << ' ' << col;
+      ASSERT_NEAR(found.slope_deg.at(place), expected->slope_deg, tolerance) << row << ' ' << col;
       ASSERT_NEAR(found.roughness_m.at(place), expected->roughness_m, tolerance) << row << ' ' << col;
     }
 }
@@ -162,7 +162,7 @@ TEST(Contact, OnlyThePlacesAskedFor) {
   lander.body_radius_m = 0.3;
   const PlaceMeasures found = measure_contact(z, LanderStencil(lander, 0.1), places);
   for (std::size_t i = 0; i < z.spec().size(); ++i)
-    EXPECT_EQ(std::isnan(found.slope_rad.values()[i]), places.values()[i] == 0);
+    EXPECT_EQ(std::isnan(found.slope_deg.values()[i]), places.values()[i] == 0);
 }
 
 TEST(Contact, TheSameAtAnyNumberOfThreads) {
@@ -175,8 +175,8 @@ TEST(Contact, TheSameAtAnyNumberOfThreads) {
   const PlaceMeasures one = run(1);
   const PlaceMeasures three = run(3);
   for (std::size_t i = 0; i < z.spec().size(); ++i) {
-    if (std::isnan(one.slope_rad.values()[i])) continue;
-    EXPECT_EQ(one.slope_rad.values()[i], three.slope_rad.values()[i]);
+    if (std::isnan(one.slope_deg.values()[i])) continue;
+    EXPECT_EQ(one.slope_deg.values()[i], three.slope_deg.values()[i]);
     EXPECT_EQ(one.roughness_m.values()[i], three.roughness_m.values()[i]);
   }
 }

@@ -33,7 +33,8 @@ std::optional<BruteForce::Measures> fitted(const Grid<double>& z, const Lander& 
   const Eigen::Map<const Eigen::VectorXd> right(heights.data(), static_cast<Eigen::Index>(heights.size()));
   const Eigen::Vector3d plane = design.colPivHouseholderQr().solve(right);
   const double slope = slow.slope_of({plane[1], plane[2], plane[0]});
-  return BruteForce::Measures{slope, (right - design * plane).cwiseAbs().maxCoeff() * std::cos(slope)};
+  return BruteForce::Measures{
+      slope, (right - design * plane).cwiseAbs().maxCoeff() * std::cos(slope * std::numbers::pi / 180)};
 }
 
 TEST(Plane, EqualsALeastSquaresFit) {
@@ -49,9 +50,9 @@ TEST(Plane, EqualsALeastSquaresFit) {
     for (std::int64_t row = 0; row < z.spec().rows; ++row)
       for (std::int64_t col = 0; col < z.spec().cols; ++col) {
         const auto expected = fitted(z, lander, {row, col});
-        ASSERT_EQ(std::isnan(found.slope_rad.at({row, col})), !expected);
+        ASSERT_EQ(std::isnan(found.slope_deg.at({row, col})), !expected);
         if (!expected) continue;
-        ASSERT_NEAR(found.slope_rad.at({row, col}), expected->slope_rad, 1e-9);
+        ASSERT_NEAR(found.slope_deg.at({row, col}), expected->slope_deg, 1e-7);
         ASSERT_NEAR(found.roughness_m.at({row, col}), expected->roughness_m, 1e-9);
       }
   }

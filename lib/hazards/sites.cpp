@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hazards/sites.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "base/parallel.h"
+#include "raster/distance_transform.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kRowsPerPiece = 16;
+constexpr double kTolerance_m = 1e-9;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// Weights of offsets 0, 1, ..; their sum over both sides is 1.
+std::vector<double> kernel(double sigma_m, double resolution_m) {
+  std::vector<double> weights;
+  double sum = 0;
+  for (std::int64_t k = 0; static_cast<double>(k) * resolution_m <= 3 * sigma_m + kTolerance_m; ++k) {
+    const double x = static_cast<double>(k) * resolution_m / sigma_m;
+    weights.push_back(k == 0 ? 1 : std::exp(-x * x / 2));
+    sum += k == 0 ? weights.back() : 2 * weights.back();
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+void by_rows(const GridSpec& spec, const std::function<void(std::int64_t)>& work) {
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) work(static_cast<std::int64_t>(row));
+  });
+}
+
+/// Adds weight times what lies `offset` bins before and behind each value.
+void add_neighbours(std::span<const double> values, std::int64_t offset, double weight,
+                    std::span<double> sums) {
+  const auto count = static_cast<std::int64_t>(values.size());
+  for (std::int64_t i = offset; i < count; ++i)
+    sums[static_cast<std::size_t>(i)] += weight * values[static_cast<std::size_t>(i - offset)];
+  if (offset == 0) return;
+  for (std::int64_t i = 0; i + offset < count; ++i)
+    sums[static_cast<std::size_t>(i)] += weight * values[static_cast<std::size_t>(i + offset)];
+}
+
+double distance_to_origin(const GridSpec& spec, BinIndex bin) {
+  return std::hypot(spec.x(bin.col), spec.y(bin.row));
+}
+
+std::int64_t squared_bins(const GridSpec& spec, BinIndex bin) {
+  const std::int64_t x = spec.first_col + bin.col;
+  const std::int64_t y = spec.first_row + bin.row;
+  return x * x + y * y;
+}
+
+}  // namespace
+
+Grid<float> touchdown_probability(const Grid<float>& p, double sigma_m, const BinMask& region) {
+  const GridSpec& spec = p.spec();
+  const std::vector<double> weights =
+      sigma_m > 0 ? kernel(sigma_m, spec.resolution_m) : std::vector<double>{1};
+  Grid<double> along_x(spec);
+  by_rows(spec, [&](std::int64_t row) {
+    std::vector<double> values;
+    for (const float value : p.row(row)) values.push_back(std::isnan(value) ? 0 : static_cast<double>(value));
+    for (std::size_t k = 0; k < weights.size(); ++k)
+      add_neighbours(values, static_cast<std::int64_t>(k), weights[k], along_x.row(row));
+  });
+  Grid<float> result(spec, kNan);
+  by_rows(spec, [&](std::int64_t row) {
+    std::vector<double> sums(static_cast<std::size_t>(spec.cols));
+    const auto add = [&](std::int64_t from, double weight) {
+      if (from < 0 || from >= spec.rows) return;
+      const std::span<const double> values = std::as_const(along_x).row(from);
+      for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += weight * values[c];
+    };
+    add(row, weights[0]);
+    for (std::size_t k = 1; k < weights.size(); ++k) {
+      add(row - static_cast<std::int64_t>(k), weights[k]);
+      add(row + static_cast<std::int64_t>(k), weights[k]);
+    }
+    for (std::size_t c = 0; c < sums.size(); ++c)
+      if (region.row(row)[c] != 0) result.row(row)[c] = static_cast<float>(sums[c]);
+  });
+  return result;
+}
+
+Grid<float> landing_cost(const Grid<float>& p_touchdown, const SiteParameters& parameters) {
+  const GridSpec& spec = p_touchdown.spec();
+  Grid<float> cost(spec, kNan);
+  by_rows(spec, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const double distance = distance_to_origin(spec, {row, col});
+      if (distance > parameters.divert_radius_m + kTolerance_m) continue;
+      const double p = p_touchdown.at({row, col});
+      cost.at({row, col}) =
+          static_cast<float>(1 - p + parameters.divert_weight * distance / parameters.divert_radius_m);
+    }
+  });
+  return cost;
+}
+
+Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& region) {
+  const GridSpec& spec = safe.spec();
+  BinMask hazards(spec);
+  for (std::size_t i = 0; i < spec.size(); ++i)
+    hazards.values()[i] =
+        region.values()[i] != 0 && safe.values()[i] != static_cast<std::int8_t>(Safety::safe) ? 1 : 0;
+  const Grid<std::int64_t> squared = squared_distance(hazards);
+  Grid<float> distance(spec, kNan);
+  for (std::size_t i = 0; i < spec.size(); ++i)
+    if (region.values()[i] != 0 && squared.values()[i] != kNoValidBin)
+      distance.values()[i] = static_cast<float>(distance_bins(squared.values()[i]) * spec.resolution_m);
+  return distance;
+}
+
+std::vector<BinIndex> choose_sites(const Grid<float>& cost, const Grid<std::int8_t>& safe,
+                                   const SiteParameters& parameters) {
+  const GridSpec& spec = cost.spec();
+  const auto is_apart = [&](BinIndex a, BinIndex b) {
+    return std::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
+           parameters.separation_m - kTolerance_m;
+  };
+  std::vector<BinIndex> sites;
+  while (static_cast<std::int64_t>(sites.size()) < parameters.count) {
+    std::optional<BinIndex> best;
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const BinIndex bin{row, col};
+        const float here = cost.at(bin);
+        if (std::isnan(here) || safe.at(bin) != static_cast<std::int8_t>(Safety::safe)) continue;
+        if (best) {
+          const float least = cost.at(*best);
+          if (here > least || (here == least && squared_bins(spec, bin) >= squared_bins(spec, *best)))
+            continue;
+        }
+        bool fits = true;
+        for (const BinIndex& site : sites) fits = fits && is_apart(bin, site);
+        if (fits) best = bin;
+      }
+    if (!best) break;
+    sites.push_back(*best);
+  }
+  return sites;
+}
+
+}  // namespace landfall
