@@ -49,7 +49,8 @@ class ContactLanes {
         planes_(plane_count_),
         rough_planes_((plane_count_ + kPlanesAtOnce - 1) / kPlanesAtOnce * kPlanesAtOnce),
         rough_(rough_planes_.size()),
-        patch_pitch_(static_cast<std::size_t>(2 * body_.half_bins()) + kPlaces),
+        rises_(static_cast<std::size_t>(2 * body_.half_bins() + 1) * kPlanesAtOnce),
+        patch_pitch_((static_cast<std::size_t>(2 * body_.half_bins()) / kPlaces + 2) * kPlaces),
         patch_(patch_pitch_ * static_cast<std::size_t>(2 * body_.half_bins() + 1)) {}
 
   void MeasureRow(std::int64_t row, PlaceMeasures& result) {
@@ -165,17 +166,22 @@ class ContactLanes {
 
   /// The elevations under the bodies, less base, in float. Returns the largest magnitude.
   float FillPatch(std::int64_t row, std::int64_t col, double base) {
+    const F f;
+    const hn::Rebind<float, D> half;
     const std::int64_t reach = body_.half_bins();
-    float most = 0;
+    VF most = hn::Zero(f);
     for (std::int64_t r = -reach; r <= reach; ++r) {
       const double* const from = in_.z.at(row + r, col - reach);
       float* const to = &patch_[static_cast<std::size_t>(r + reach) * patch_pitch_];
-      for (std::size_t c = 0; c < patch_pitch_; ++c) {
-        to[c] = static_cast<float>(from[c] - base);
-        most = std::max(most, std::abs(to[c]));  // NaN: as it was
+      for (std::size_t c = 0; c < patch_pitch_; c += kPlaces) {
+        for (std::size_t i = 0; i < kPlaces; i += hn::MaxLanes(D()))
+          hn::StoreU(hn::DemoteTo(half, hn::Sub(hn::LoadU(D(), from + c + i), constant(base))), half,
+                     to + c + i);
+        const VF magnitude = hn::Abs(hn::LoadU(f, to + c));
+        most = hn::IfThenElse(hn::Gt(magnitude, most), magnitude, most);  // NaN: as it was
       }
     }
-    return most;
+    return hn::GetLane(hn::MaxOfLanes(f, most));
   }
 
   void MakeRoughPlanes(double base) {
@@ -197,25 +203,28 @@ class ContactLanes {
     const std::int64_t reach = body_.half_bins();
     const VF lowest = hn::Set(f, -std::numeric_limits<float>::infinity());
     const RoughPlane* const p = &rough_planes_[plane];
-    const VF e0 = hn::Load(f, p[0].east.data()), e1 = hn::Load(f, p[1].east.data()),
-             e2 = hn::Load(f, p[2].east.data());
-    const VF e3 = hn::Load(f, p[3].east.data()), e4 = hn::Load(f, p[4].east.data()),
-             e5 = hn::Load(f, p[5].east.data());
+    // On many processors an addition and a maximum run side by side, a multiplication and a maximum do not.
+    const std::size_t width = 2 * static_cast<std::size_t>(reach) + 1;
+    for (std::size_t i = 0; i < kPlanesAtOnce; ++i)
+      for (std::size_t c = 0; c < width; ++c)
+        hn::Store(hn::Mul(hn::Load(f, p[i].east.data()),
+                          hn::Set(f, static_cast<float>(c) - static_cast<float>(reach))),
+                  f, rises_[c * kPlanesAtOnce + i].data());
     VF all0 = lowest, all1 = lowest, all2 = lowest, all3 = lowest, all4 = lowest, all5 = lowest;
     for (std::int64_t r = -reach; r <= reach; ++r) {
       VF m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
       const std::int64_t half_width = body_.half_width(r);
-      const float* z = &patch_[static_cast<std::size_t>(r + reach) * patch_pitch_ +
-                               static_cast<std::size_t>(reach - half_width)];
-      for (std::int64_t c = -half_width; c <= half_width; ++c, ++z) {
+      const auto first = static_cast<std::size_t>(reach - half_width);
+      const float* z = &patch_[static_cast<std::size_t>(r + reach) * patch_pitch_ + first];
+      const Rough* rise = &rises_[first * kPlanesAtOnce];
+      for (const float* const end = z + 2 * half_width + 1; z != end; ++z, rise += kPlanesAtOnce) {
         const VF here = hn::LoadU(f, z);
-        const VF east = hn::Set(f, static_cast<float>(c));
-        m0 = hn::Max(m0, hn::NegMulAdd(e0, east, here));
-        m1 = hn::Max(m1, hn::NegMulAdd(e1, east, here));
-        m2 = hn::Max(m2, hn::NegMulAdd(e2, east, here));
-        m3 = hn::Max(m3, hn::NegMulAdd(e3, east, here));
-        m4 = hn::Max(m4, hn::NegMulAdd(e4, east, here));
-        m5 = hn::Max(m5, hn::NegMulAdd(e5, east, here));
+        m0 = hn::Max(m0, hn::Sub(here, hn::Load(f, rise[0].data())));
+        m1 = hn::Max(m1, hn::Sub(here, hn::Load(f, rise[1].data())));
+        m2 = hn::Max(m2, hn::Sub(here, hn::Load(f, rise[2].data())));
+        m3 = hn::Max(m3, hn::Sub(here, hn::Load(f, rise[3].data())));
+        m4 = hn::Max(m4, hn::Sub(here, hn::Load(f, rise[4].data())));
+        m5 = hn::Max(m5, hn::Sub(here, hn::Load(f, rise[5].data())));
       }
       const VF north = hn::Set(f, static_cast<float>(r));
       all0 = hn::Max(all0, hn::NegMulAdd(hn::Load(f, p[0].north.data()), north, m0));
@@ -238,8 +247,8 @@ class ContactLanes {
   }
 
   /// The least roughness in float of a plane that may have the largest in double. With u = 2^-24 and
-  /// magnitudes Z of the elevations and G of a plane at the body's edge, seven roundings of at most u (Z + G)
-  /// part the two; 10 leaves room for the rounding of the bound itself.
+  /// magnitudes Z of the elevations and G of a plane at the body's edge, eight roundings of at most u (Z + G)
+  /// part the two; 12 leaves room for the rounding of the bound itself.
   AtPlaces<float> LeastOfCandidates(float most_z) const {
     const auto reach = static_cast<float>(body_.half_bins());
     AtPlaces<float> largest;
@@ -253,7 +262,7 @@ class ContactLanes {
             std::max(plane[k], (std::abs(p.east[k]) + std::abs(p.north[k])) * reach + std::abs(p.height[k]));
       }
     }
-    for (std::size_t k = 0; k < kPlaces; ++k) largest[k] -= 2 * 10 * 0x1p-24F * (most_z + plane[k]);
+    for (std::size_t k = 0; k < kPlaces; ++k) largest[k] -= 2 * 12 * 0x1p-24F * (most_z + plane[k]);
     return largest;
   }
 
@@ -318,6 +327,7 @@ class ContactLanes {
   std::vector<RoughPlane> rough_planes_;  ///< the last one repeated up to whole blocks
   struct alignas(64) Rough : AtPlaces<float> {};
   std::vector<Rough> rough_;  ///< of rough_planes_
+  std::vector<Rough> rises_;  ///< of kPlanesAtOnce planes, eastwards, by column under the body
   std::size_t patch_pitch_;
   std::vector<float> patch_;
 };

@@ -13,7 +13,7 @@ namespace landfall {
 /// A map with a margin of NaN around it, so that stencils and SIMD lanes may reach over its border.
 class PaddedMap {
  public:
-  /// Lanes that may be read beyond the last column and the margin.
+  /// Groups of places have at most as many; twice as many bins may be read beyond the margin.
   static constexpr std::int64_t kLanes = 16;
 
   /// NaN everywhere; margin >= 0 bins on each side.
@@ -21,7 +21,7 @@ class PaddedMap {
       : rows_(spec.rows),
         cols_(spec.cols),
         margin_(margin),
-        pitch_(spec.cols + 2 * margin + kLanes),
+        pitch_(spec.cols + 2 * margin + 2 * kLanes),
         values_(static_cast<std::size_t>((spec.rows + 2 * margin) * pitch_),
                 std::numeric_limits<double>::quiet_NaN()) {}
   PaddedMap(const Grid<double>& map, std::int64_t margin);
