@@ -29,6 +29,7 @@ enum class RandomStream : std::uint64_t {
   ice_block_population = 22,
   crater_population = 23,
   line_population = 24,
+  map_noise = 30,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key
