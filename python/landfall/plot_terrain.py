@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.patches import Patch
 
-from landfall import colors, command, files, maps, plots, reduction
+from landfall import colors, command, files, maps, plots, reduction, scales
 from landfall.errors import DataError
 
 CELLS = 900  # blocks along a panel's edge
@@ -200,10 +200,10 @@ def draw_hillshade(ax, grid, image, size):
 
 
 def draw_slope(ax, grid, relief):
-    steepest = np.nanmax(relief.slope_deg) if np.isfinite(relief.slope_deg).any() else 1
-    image = draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0,
-                       vmax=max(float(steepest), 1e-3))
-    maps.draw_color_bar(ax, image, "deg")
+    scale = scales.count_scale(relief.slope_deg, relief.slope_deg, "magnitude", "deg", 1e-3)
+    draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0, vmax=scale.high)
+    maps.draw_color_bar(ax, scale, "slope")
+    maps.note(ax, *scale.notes())
 
 
 def draw_zoom(ax, grid, layer, objects, options, relief):

@@ -13,7 +13,7 @@ from matplotlib.image import imread
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, Chain, ToolTest, browser
-from landfall import colors
+from landfall import colors, reduction, relief, scales
 
 WIDTHS = (1400, 800)
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
@@ -397,6 +397,17 @@ class ReportTest(ToolTest):
         self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
         self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
         self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
+        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MOST_MARKED]"),
+                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MOST_MARKED])
+        with h5py.File(self.path("eval.h5")) as file:
+            values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
+        for name, value in values.items():
+            limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
+            make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale
+            expected, found = make(value, value, limit_m), self.window.run(SCALES)[name]
+            step = self.window.run("return layerNamed(arguments[0]).step", name)
+            self.assertAlmostEqual(found["low"], expected.low, delta=step)
+            self.assertAlmostEqual(found["high"], expected.high, delta=step)
 
     def test_elevations_are_shaded_as_in_view(self):
         self.report()
@@ -408,6 +419,11 @@ class ReportTest(ToolTest):
             const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
             return [...reliefColors(alone, b, scaleOf(alone))]; })""")
         self.assertLess(np.abs(np.reshape(drawn, (101, 101, 3)) - view).max(), 4)
+        with h5py.File(self.chain.dem) as file:
+            z = file["z_est"][()]
+        scale, step_m = scales.elevation_scale([z], [z]), 0.1
+        figure = 255 * relief.image(z, step_m, scale, relief.factor(z, step_m), np.isnan(z).astype(float))
+        self.assertLess(np.abs(figure - view).max(), 4)
 
     def test_view_fills_its_canvas(self):
         self.report()

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_dem.py and plot_eval.py on small files that the tests make."""
+"""Tests of plot_dem.py, plot_eval.py and plot_plan.py on small files that the tests make."""
 import json
 import os
 import shutil
@@ -16,7 +16,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import files, maps, plots, reduction
+from landfall import colors, files, maps, plot_dem, plot_eval, plot_plan, plots, reduction, relief, scales
 import matplotlib.pyplot as plt
 
 BINS = 41
@@ -316,14 +316,44 @@ class ReductionTest(unittest.TestCase):
             self.assertEqual(reduced[0, 0], expected)
             self.assertTrue(np.isnan(reduced[0, 1]) and np.isnan(reduced[1, 1]))
 
-    def test_a_single_flag_stays_visible_anywhere(self):
-        for row, col in ((0, 0), (1000, 1001), (2000, 2000)):
+    def test_a_single_flag_is_enlarged_anywhere(self):
+        for row, col, blocks in ((0, 0, 4), (1000, 1001, 9), (2000, 2000, 4)):
             flags = np.zeros((2001, 2001), bool)
             flags[row, col] = True
-            marks, size = reduction.shrink_marks(flags, 400)
+            size = reduction.block_size(flags.shape, 400)
+            marks = reduction.enlarged_marks(flags, size, flags.size)
+            self.assertEqual(marks.shape, (334, 334))
             self.assertTrue(marks[row // size, col // size])
-            self.assertLessEqual(max(marks.shape), 400)
-            self.assertGreaterEqual(marks.sum(), 9)
+            self.assertEqual(marks.sum(), blocks)
+
+    def test_only_marks_with_at_most_one_neighbour_are_enlarged(self):
+        flags = np.zeros((300, 300), bool)
+        flags[10:30, 10:30] = True
+        flags[100, 100:102] = True
+        marks = reduction.enlarged_marks(flags, 1, flags.size)
+        self.assertEqual(marks.sum(), 400 + 3 * 4)
+
+    def test_marks_of_1_percent_of_the_region_or_more_are_not_enlarged(self):
+        flags = np.zeros((1000, 1000), bool)
+        flags[0, :100] = True
+        self.assertIsNotNone(reduction.enlarged_marks(flags, 2, 10001))
+        self.assertIsNone(reduction.enlarged_marks(flags, 2, 10000))
+
+    def test_enlarged_marks_cover_less_than_1_percent_of_the_map(self):
+        for spacing, enlarged in ((32, True), (28, False)):  # 9 of 1024 blocks, 9 of 784
+            flags = np.zeros((896, 896), bool)
+            flags[1::spacing, 1::spacing] = True
+            self.assertEqual(reduction.enlarged_marks(flags, 1, flags.size) is not None, enlarged)
+
+    def test_bins_that_are_seen_are_not_enlarged(self):
+        flags = np.zeros((200, 200), bool)
+        flags[5, 5] = True
+        np.testing.assert_array_equal(reduction.enlarged_marks(flags, 1, flags.size), flags)
+
+    def test_the_share_of_a_block_ignores_what_lies_outside_the_map(self):
+        flags = np.zeros((3, 3), bool)
+        flags[0, 0] = flags[2, 2] = True
+        np.testing.assert_array_equal(reduction.shrink_share(flags, 2), [[0.25, 0], [0, 1]])
 
     def test_enlarge_makes_squares(self):
         flags = np.zeros((9, 9), bool)
@@ -334,14 +364,78 @@ class ReductionTest(unittest.TestCase):
         np.testing.assert_array_equal(reduction.enlarge(flags, 0), flags)
 
 
+def spread_values(n=1001):
+    """From 0 to 1 in equal steps, shuffled, so that each quantile is known."""
+    return np.random.default_rng(1).permutation(np.linspace(0, 1, n))
+
+
 class ScaleTest(unittest.TestCase):
-    def test_signed_scales_are_symmetric(self):
-        scale = maps.signed_scale(np.array([[-0.03, 0.1], [np.nan, 0]]))
-        self.assertEqual((scale.low_m, scale.high_m, scale.unit[0]), (-0.1, 0.1, "cm"))
+    def test_errors_end_at_the_quantile_of_their_magnitudes(self):
+        values = spread_values() * np.tile([1, -1], 501)[:1001]
+        scale = scales.error_scale(values, values, 0.05)
+        self.assertEqual((scale.low, scale.high), (-0.995, 0.995))
+        self.assertEqual(scale.clipping_text(), "colours end at ±0.995 m (99.5 % quantile)")
+        self.assertIn(scale.extend, ("min", "max", "both"))
+        self.assertEqual(scale.limits(), [0.05, -0.05])
+
+    def test_the_limit_is_inside_the_scale(self):
+        for make, low, limits in ((scales.error_scale, -0.055, [0.05, -0.05]), (scales.magnitude_scale, 0.0, [0.05])):
+            values = spread_values() / 1000
+            scale = make(values, values, 0.05)
+            self.assertAlmostEqual(scale.low, low)
+            self.assertAlmostEqual(scale.high, 0.055)
+            self.assertEqual(scale.limits(), limits)
+            self.assertEqual(scale.clipping_text(), "")
+
+    def test_values_beyond_a_scale_that_the_limit_sets(self):
+        values = np.append(np.zeros(1000), 0.07)
+        scale = scales.magnitude_scale(values, values, 0.05)
+        self.assertEqual(scale.clipping_text(), "colours end at 5.5 cm (1.1 x limit)")
+        self.assertEqual(scale.extend, "max")
+        self.assertEqual(scale.limit_text(" of rel_z"), "▸ limit 5 cm of rel_z")
+
+    def test_data_only_ignores_the_limit(self):
+        values = spread_values() / 100
+        scale = scales.error_scale(values, values, 0.05, data_only=True)
+        self.assertAlmostEqual(scale.high, 0.00995)
+        self.assertEqual(scale.limits(), [])
+        self.assertEqual(scale.limit_text(), "▸ limit ±5 cm")
 
     def test_rounding_noise_gets_no_colour(self):
-        scale = maps.signed_scale(np.array([[1e-13, -1e-13]]))
-        self.assertEqual(scale.high_m, 1e-3)
+        values = np.array([[1e-13, -1e-13]])
+        scale = scales.error_scale(values, values)
+        self.assertEqual((scale.low, scale.high, scale.unit[0]), (-1e-3, 1e-3, "mm"))
+        self.assertEqual(scale.range_text(), "0 to 0 mm")
+
+    def test_elevations_are_clipped_only_if_outliers_need_half_of_the_scale(self):
+        values = spread_values()
+        scale = scales.elevation_scale([values], [values])
+        self.assertEqual((scale.low, scale.high, scale.clipping_text()), (0, 1, ""))
+        values[:3] = 5
+        scale = scales.elevation_scale([values], [values])
+        self.assertAlmostEqual(scale.high, 0.997, delta=0.003)
+        self.assertEqual(scale.clipped, (True, True))
+        self.assertRegex(scale.clipping_text(), r"^colours end at 5[.0-9]* mm and 0.99\d m \(0.5 and 99.5 % quantiles\)$")
+
+    def test_counts_begin_at_0(self):
+        values = np.full(1000, 3.0)
+        scale = scales.count_scale(values, values)
+        self.assertEqual((scale.low, scale.high, scale.colors, scale.clipping_text()), (0, 3, "count", ""))
+        values[0] = 50
+        scale = scales.count_scale(values, values)
+        self.assertEqual((scale.high, scale.clipping_text()), (3, "colours end at 3 (99.5 % quantile)"))
+        self.assertEqual(scale.range_text(), "3 to 50")
+
+    def test_no_value_anywhere(self):
+        nothing = np.full((3, 3), np.nan)
+        for scale in (scales.error_scale(nothing, nothing, 0.05), scales.elevation_scale([nothing], [nothing]),
+                      scales.count_scale(nothing, nothing)):
+            self.assertEqual(scale.notes()[:2], ["no value anywhere", ""])
+            self.assertLess(scale.low, scale.high)
+
+    def test_two_lengths_in_one_unit(self):
+        self.assertEqual(plots.metre_range(-0.145, 0.0134), "-14.5 to 1.34 cm")
+        self.assertEqual(plots.metre_range(4e-14, 2.5), "0 to 2.5 m")
 
     def test_scale_bar_lengths(self):
         for span, length in ((20.0, 20.0), (19.9, 10.0), (0.7, 0.5), (4.9, 2.0)):
@@ -351,6 +445,189 @@ class ScaleTest(unittest.TestCase):
         for value, text in ((1.381, "1.38 m"), (0.0831, "8.31 cm"), (-0.0026, "-2.6 mm"), (0.0, "0 mm"),
                             (1e-13, "< 1 µm"), (None, "–")):
             self.assertEqual(plots.metres(value), text)
+
+
+class ReliefTest(unittest.TestCase):
+    """Closed forms of lib/picture/hillshade.h."""
+
+    def test_level_ground_has_the_colours_of_the_map(self):
+        scale = scales.Scale("elevation", 0, 1, (0, 1), (0, 1), "")
+        image = relief.image(np.full((4, 4), 0.5), 1.0, scale, 1, np.zeros((4, 4)))
+        np.testing.assert_allclose(image[2, 1] * 255, colors.table("elevation")[128])
+
+    def test_a_slope_is_lit_from_the_north_west(self):
+        x, y = np.meshgrid(np.arange(5.0), np.arange(5.0))
+        towards, away = 0.1 * (x - y), 0.1 * (y - x)  # rises to the south-east, and so faces the light
+        expected = (0.2 + np.sqrt(2)) / np.sqrt(1.02) / np.sqrt(2)
+        np.testing.assert_allclose(relief.light(towards, 1.0, 1), 0.25 + 0.75 * expected)
+        expected = (-0.2 + np.sqrt(2)) / np.sqrt(1.02) / np.sqrt(2)
+        np.testing.assert_allclose(relief.light(away, 1.0, 1), 0.25 + 0.75 * expected)
+
+    def test_heights_are_scaled_to_an_rms_slope_of_two_fifths(self):
+        x = np.tile(np.arange(9.0), (9, 1))
+        for slope, factor in ((0.1, 4), (0.4, 1), (0.01, 5), (10, 0.25)):
+            self.assertAlmostEqual(relief.factor(slope * x, 1.0), factor)
+        self.assertEqual(relief.factor(0 * x, 1.0), 1)
+
+    def test_missing_neighbours_are_ignored_and_missing_bins_are_grey(self):
+        z = np.tile(np.arange(4.0), (3, 1))
+        z[1, 1] = np.nan
+        np.testing.assert_allclose(relief.slopes(z, 2.0)[0][1], [0, 0, 0.5, 0.5])
+        scale = scales.Scale("elevation", 0, 3, (0, 3), (0, 3), "")
+        missing = np.isnan(z).astype(float)
+        missing[0, 0] = 0.5
+        image = relief.image(z, 2.0, scale, 1, missing) * 255
+        np.testing.assert_allclose(image[1, 1], colors.NO_VALUE)
+        whole = relief.image(z, 2.0, scale, 1, np.isnan(z).astype(float)) * 255
+        np.testing.assert_allclose(image[0, 0], (whole[0, 0] + colors.NO_VALUE) / 2)
+
+
+def notes_of(ax):
+    return next(text.get_text() for text in ax.texts if text.get_gid() == "note").replace("\n", "; ")
+
+
+def bar_of(ax):
+    """The axes of a map's colour bar."""
+    return next(child for child in ax.child_axes)
+
+
+def limits_of(ax):
+    """Where the limit's triangles are on the colour bar, in its unit."""
+    return sorted(float(line.get_ydata()[0]) for line in bar_of(ax).lines if line.get_gid() == "limit")
+
+
+def marks_of(ax):
+    """The opacity of the marks on a map."""
+    return next(image.get_array()[..., 3] for image in ax.images if image.get_gid() == "marks")
+
+
+def map_named(figure, title):
+    return next(ax for ax in figure.axes if ax.get_title().startswith(title))
+
+
+class FigureTest(ScriptTest):
+    """What the figures show, as numbers and words."""
+
+    def tearDown(self):
+        plt.close("all")
+
+    def dem_figure(self, *arguments, **style):
+        make_dem(self.path("dem.h5"), **style)
+        options = plot_dem.parse([self.path("dem.h5"), *arguments])
+        return plot_dem.draw(*plot_dem.read(options.dem), options)
+
+    def eval_figure(self, draw, limits=True, data_only=False, **style):
+        make_evaluation(self.path("eval.h5"), **style)
+        if limits:
+            with h5py.File(self.path("eval.h5"), "r+") as file:
+                file["provenance/config_json"] = json.dumps({"limits": {
+                    "relative_elevation_m": 0.05, "relative_horizontal_m": 0.008, "absolute_horizontal_m": 1}})
+        return draw(plot_eval.Evaluation(self.path("eval.h5"), data_only))
+
+    def test_the_error_of_a_dem(self):
+        error = map_named(self.dem_figure(), "error e_z = true - estimated")
+        self.assertEqual(limits_of(error), [-5, 5])
+        self.assertEqual(bar_of(error).get_ylabel(), "true - estimated (cm)")
+        np.testing.assert_allclose(bar_of(error).get_ylim(), [-5.5, 5.5])
+        np.testing.assert_allclose(error.images[0].get_clim(), [-0.055, 0.055])
+        self.assertEqual(notes_of(error), "-9.92 to 9.92 mm; ▸ limit ±5 cm of rel_z; magenta: bins without a return")
+
+    def test_the_limit_of_a_dem_is_an_option(self):
+        error = map_named(self.dem_figure("--limit-m", "0.008"), "error")
+        self.assertEqual(limits_of(error), [-8, 8])
+        error = map_named(self.dem_figure("--data-only"), "error")
+        self.assertEqual((limits_of(error), bar_of(error).get_ylabel()), ([], "true - estimated (mm)"))
+
+    def test_true_and_estimated_elevation_share_their_colours(self):
+        figure = self.dem_figure()
+        bars = [bar_of(map_named(figure, name)) for name in ("true elevation", "estimated elevation")]
+        self.assertEqual(bars[0].get_ylim(), bars[1].get_ylim())
+        self.assertEqual(bars[0].get_ylabel(), "elevation (m)")
+        image = map_named(figure, "estimated elevation").images[0].get_array()
+        self.assertEqual(image.shape, (BINS, BINS, 3))  # shaded colours, not values
+        east, west = image[20, 26].sum(), image[20, 14].sum()
+        self.assertGreater(west, 1.2 * east)  # the hill's western flank faces the light
+
+    def test_many_empty_bins_are_grey_and_few_are_marked(self):
+        figure = self.dem_figure(empty_bins=[(row, 5) for row in range(3, 19)])
+        self.assertEqual(marks_of(map_named(figure, "error")).sum(), 16)
+        figure = self.dem_figure(empty_bins=[(row, 5) for row in range(3, 20)])
+        for name in ("error", "estimated"):
+            ax = map_named(figure, name)
+            self.assertEqual([image.get_gid() for image in ax.images], [None])
+            self.assertNotIn("magenta", notes_of(ax))
+        np.testing.assert_allclose(map_named(figure, "estimated").images[0].get_array()[4, 5] * 255, colors.NO_VALUE)
+
+    def test_each_map_of_the_accuracy_has_its_limit(self):
+        figure = self.eval_figure(plot_eval.draw_accuracy)
+        for name, limits, label in (("absolute x", [-1, 1], "mean of true - estimated (m)"),
+                                    ("absolute z", [], "mean of true - estimated (mm)"),
+                                    ("relative x", [8], "|e - mean|, 95 % quantile (mm)"),
+                                    ("relative z", [5], "|e - mean|, 95 % quantile (cm)")):
+            ax = map_named(figure, name)
+            np.testing.assert_allclose(limits_of(ax), limits)
+            self.assertEqual(bar_of(ax).get_ylabel(), label)
+        self.assertIn("▸ limit ±1 m of the horizontal error", notes_of(map_named(figure, "absolute y")))
+        self.assertEqual(map_named(figure, "absolute x").images[0].cmap.name, "error")
+        self.assertEqual(map_named(figure, "relative x").images[0].cmap.name, "magnitude")
+
+    def test_an_evaluation_without_its_configuration_has_no_limits(self):
+        figure = self.eval_figure(plot_eval.draw_accuracy, limits=False)
+        self.assertEqual(limits_of(map_named(figure, "relative z")), [])
+        self.assertNotIn("limit", notes_of(map_named(figure, "relative z")))
+
+    def test_data_only(self):
+        figure = self.eval_figure(plot_eval.draw_accuracy, data_only=True)
+        self.assertEqual(bar_of(map_named(figure, "absolute x")).get_ylabel(), "mean of true - estimated (mm)")
+
+    def test_the_histogram_of_errors_shows_the_limits(self):
+        ax = map_named(self.eval_figure(plot_eval.draw_error), "1,00")
+        self.assertEqual(ax.get_xlabel(), "e_z = true - estimated (cm)")
+        self.assertEqual(sorted(line.get_xdata()[0] for line in ax.lines), [-5, 5])
+
+    def test_lines_are_drawn_only_around_few_groups(self):
+        ax = plt.figure().add_subplot()
+        centers = np.arange(100.0)
+        grid = files.MapGrid(centers, centers, 1.0)
+        flags = np.zeros((100, 100), bool)
+        flags[20:40, 20:40] = True
+        self.assertTrue(maps.outline_flags(ax, grid, flags, "white", 400))
+        flags[::3, ::3] = True
+        self.assertFalse(maps.outline_flags(ax, grid, flags, "white", 400))
+
+    def marks(self, flags, region_bins):
+        """(what the legend says, opacity) of marks on a map."""
+        ax = plt.figure().add_subplot()
+        grid = files.MapGrid(np.arange(flags.shape[1]) * 1.0, np.arange(flags.shape[0]) * 1.0, 1.0)
+        return maps.draw_marks(ax, grid, flags, maps.MARK, 400, region_bins), marks_of(ax)
+
+    def test_marks_of_a_tenth_of_the_map_cover_a_tenth_of_it(self):
+        flags = np.random.default_rng(3).random((1200, 1200)) < 0.1
+        how, opacity = self.marks(flags, flags.size)
+        self.assertEqual(how, "share of each pixel")
+        self.assertAlmostEqual(opacity.mean(), flags.mean())
+
+    def test_few_marks_are_enlarged_and_the_legend_says_so(self):
+        flags = np.zeros((1200, 1200), bool)
+        flags[600, 600] = True
+        how, opacity = self.marks(flags, flags.size)
+        self.assertEqual((how, opacity.sum()), ("single ones enlarged", 9))
+        self.assertEqual(self.marks(flags[590:690, 590:690], 10000)[0], "")
+
+    def test_a_plan_marks_what_is_uncovered(self):
+        centers = (np.arange(601) - 300) * 0.1
+        count = np.full((601, 601), 2)
+        count[::4, ::4] = 0
+        inside = np.ones((601, 601), np.int8)
+        seen = np.where(count > 0, 1.5, np.nan)
+        grid = files.MapGrid(centers, centers, 0.1)
+        ax = plt.figure().add_subplot()
+        how = plot_plan.draw_map(ax, grid, np.where(count > 0, count, np.nan), ("returns per bin", "returns", {}),
+                                 {"count": count, "in_region": inside, "first_seen": seen}, 20)
+        self.assertEqual(how, "")  # each bin has a pixel, and is not enlarged
+        self.assertEqual(marks_of(ax).sum(), 151 ** 2)
+        self.assertEqual(notes_of(ax), "2 to 2")
+        np.testing.assert_allclose(ax.images[0].get_clim(), [0, 2])
 
 
 class ZoomTest(unittest.TestCase):
