@@ -26,8 +26,8 @@ plt.rcParams.update({"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figur
 # Panels
 
 
-def new_figure(rows_cols, size_in, title):
-    figure, axes = plt.subplots(*rows_cols, figsize=size_in, layout="constrained", squeeze=False)
+def new_figure(rows_cols, size_in, title, **ratios):
+    figure, axes = plt.subplots(*rows_cols, figsize=size_in, layout="constrained", squeeze=False, **ratios)
     figure.suptitle(title)
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     return figure, axes

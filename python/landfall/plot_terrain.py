@@ -24,7 +24,7 @@ def parse(arguments):
     parser.add_argument("--sun-azimuth-deg", type=finite, default=315, help="clockwise from +y, default 315")
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
     parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")
-    parser.add_argument("--zoom-at", type=place, metavar="X,Y", help="default: the steepest place")
+    parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.terrain)[0] + "-figure.png"
@@ -44,11 +44,6 @@ def sun_elevation(text):
     if not 0 < value <= 90:
         raise ValueError(text)
     return value
-
-
-def place(text):
-    x, y = (finite(part) for part in text.split(","))
-    return x, y
 
 
 # Shape of the surface, at cells between four nodes

@@ -37,6 +37,15 @@ def positive_metres(text):
     return value
 
 
+def place(text):
+    """(x, y) of X,Y in metres."""
+    with contextlib.suppress(ValueError):
+        x, y = (float(part) for part in text.split(","))
+        if math.isfinite(x) and math.isfinite(y):
+            return x, y
+    raise argparse.ArgumentTypeError(f"'{text}' is not X,Y in metres")
+
+
 # Text
 
 

@@ -13,7 +13,7 @@ from matplotlib.image import imread
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, Chain, ToolTest, browser
-from landfall import colors, reduction, relief, scales
+from landfall import colors, files, plot_profile, reduction, relief, scales
 
 WIDTHS = (1400, 800)
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
@@ -390,6 +390,18 @@ class ReportTest(ToolTest):
         expected = max(1.1 * 0.05, magnitudes[round(0.995 * (len(magnitudes) - 1))])
         self.assertAlmostEqual(scale["high"], expected, delta=self.window.run("return layerNamed('e_z').step"))
         self.assertIn("colours end at \u00b1", scale["note"])
+
+    def test_profiles_are_those_of_plot_profile(self):
+        self.report()
+        with h5py.File(self.chain.dem) as file:
+            grid, z = files.read_grid(file), file["z_est"][()]
+        step = self.window.run("return layerNamed('z_est').step")
+        for start, end in (((-3.31, -2.2), (4.9, 3.87)), ((2.2, 4.7), (2.2, -1.1)), ((-5, -5), (5, 5))):
+            found = self.window.run("""const [from, to] = [...arguments].map(([x_m, y_m]) => ({x_m, y_m}));
+                return rasterOf(layerNamed("z_est"), report.grid).then((r) => profileOf(r, {from, to}));""", start, end)
+            bins = plot_profile.bins_under(grid, start, end)
+            np.testing.assert_allclose([at for at, _ in found], bins.at_m, atol=1e-9)
+            np.testing.assert_allclose([np.nan if value is None else value for _, value in found], bins.of(z), atol=0.501 * step)
 
     def test_colours_are_those_of_the_figures(self):
         self.report()
