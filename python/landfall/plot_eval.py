@@ -261,17 +261,25 @@ def quantity_of(evaluation, name):
     return "|e - mean|" + ("" if quantile is None else f", {100 * quantile:g} % quantile")
 
 
+def mark_violations(ax, evaluation, name):
+    """Marks footprints over the limit by a line or, where lines would hide the map, by a colour. Returns what it draws."""
+    failing = evaluation.failing(name)
+    if not failing.any():
+        return ""
+    if maps.outline_flags(ax, evaluation.grid, failing, "white", CELLS):
+        return "white line: over the limit"
+    return maps.marks_text("over the limit", maps.draw_marks(ax, evaluation.grid, failing, maps.VERMILION, CELLS, 0), "vermilion")
+
+
 def draw_footprint_map(ax, evaluation, name, title):
     values = evaluation.layers[name]
     scale = scale_of(evaluation, name, values)
     maps.frame_map(ax, evaluation.grid, title)
     maps.draw_values(ax, evaluation.grid, values, scale, CELLS, quantity_of(evaluation, name))
     missing = mark_missing(ax, evaluation, values) if evaluation.has("in_region") else ""
-    outlined = ""
-    if name.startswith("rel") and maps.outline_flags(ax, evaluation.grid, evaluation.failing(name), "white", CELLS):
-        outlined = "white line: over the limit"
+    violations = mark_violations(ax, evaluation, name) if name.startswith("rel") else ""
     finish_map(ax, evaluation)
-    maps.note(ax, *scale.notes(limit_of(name)), outlined, missing)
+    maps.note(ax, *scale.notes(limit_of(name)), violations, missing)
 
 
 # Verdict

@@ -576,6 +576,23 @@ class FigureTest(ScriptTest):
         self.assertEqual(limits_of(map_named(figure, "relative z")), [])
         self.assertNotIn("limit", notes_of(map_named(figure, "relative z")))
 
+    def test_violations_are_outlined_or_coloured(self):
+        def draw(evaluation):
+            evaluation.layers["fail"] = np.where(failing, plot_eval.FAIL_BIT["rel_z"], 0).astype(np.int8)
+            return plot_eval.draw_accuracy(evaluation)
+
+        failing = np.zeros((BINS, BINS), bool)
+        failing[20:23, 20:23] = True
+        ax = map_named(self.eval_figure(draw), "relative z")
+        self.assertIn("white line: over the limit", notes_of(ax))
+        failing[5:36:2, 5:36:2] = True
+        figure = self.eval_figure(draw)
+        ax = map_named(figure, "relative z")
+        self.assertIn("vermilion: over the limit", notes_of(ax))
+        marks = [image.get_array()[..., 3] for image in ax.images if image.get_gid() == "marks"]  # missing values, violations
+        np.testing.assert_array_equal(marks[-1], failing)
+        self.assertNotIn("over the limit", notes_of(map_named(figure, "relative x")))
+
     def test_data_only(self):
         figure = self.eval_figure(plot_eval.draw_accuracy, data_only=True)
         self.assertEqual(bar_of(map_named(figure, "absolute x")).get_ylabel(), "mean of true - estimated (mm)")
