@@ -13,6 +13,8 @@ from matplotlib.ticker import MaxNLocator
 from landfall import colors, reduction, relief
 
 FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
+MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least
+ABOVE_FRAME = 2.6     # a frame has 2.5 and would hide marks on the border of a map
 MOST_OUTLINED = 0.03  # of the blocks of a map: more lines would hide it
 NO_VALUE, MARK = colors.css(colors.NO_VALUE), colors.css(colors.MARK)
 OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
@@ -31,6 +33,17 @@ def new_figure(rows_cols, size_in, title, **ratios):
     figure.suptitle(title)
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     return figure, axes
+
+
+def use_dpi(dpi):
+    """The resolution of the figures to come: a map has no more blocks than pixels, because blocks that are skipped would hide defects."""
+    plt.rcParams["figure.dpi"] = dpi
+
+
+def block_size(ax, shape):
+    """The edge, in bins, of the blocks in which a panel shows a map of this shape."""
+    columns = ax.get_subplotspec().get_gridspec().ncols
+    return reduction.block_size(shape, int(MAP_SHARE * ax.figure.get_figwidth() * ax.figure.dpi / columns))
 
 
 def map_extent(grid, size, cells_shape):
@@ -66,32 +79,32 @@ def note(ax, *texts):
                 fontsize=NOTE_PT, linespacing=1.2, gid="note").set_in_layout(False)
 
 
-def blocks_note(shape, cells, rule="largest"):
-    size = reduction.block_size(shape, cells)
+def blocks_note(ax, shape, rule="largest"):
+    size = block_size(ax, shape)
     return "" if size == 1 else f"{rule} of each {size} x {size} bins"
 
 
-def draw_values(ax, grid, values, scale, cells, quantity="", shrink=reduction.shrink_extreme):
+def draw_values(ax, grid, values, scale, quantity="", shrink=reduction.shrink_extreme):
     """A map of values with its colour bar; `shrink` reduces a block of bins to one value."""
-    size = reduction.block_size(values.shape, cells)
+    size = block_size(ax, values.shape)
     draw_image(ax, grid, shrink(values, size), size, cmap=colors.color_map(scale.colors), vmin=scale.low, vmax=scale.high)
     draw_color_bar(ax, scale, quantity)
 
 
-def reduced(values, cells, shrink=reduction.shrink_extreme):
+def reduced(ax, values, shrink=reduction.shrink_extreme):
     """The values that a panel shows."""
-    return shrink(values, reduction.block_size(values.shape, cells))
+    return shrink(values, block_size(ax, values.shape))
 
 
-def relief_heights(values, grid, cells):
+def relief_heights(ax, values, grid):
     """The factor of heights of a shaded map; see relief.factor."""
-    size = reduction.block_size(values.shape, cells)
+    size = block_size(ax, values.shape)
     return relief.factor(reduction.shrink_mean(values, size), size * grid.resolution_m)
 
 
-def draw_elevations(ax, grid, values, scale, cells, heights=None):
+def draw_elevations(ax, grid, values, scale, heights=None):
     """A shaded map of elevations with its colour bar, greyer the fewer bins of a block have a value."""
-    size = reduction.block_size(values.shape, cells)
+    size = block_size(ax, values.shape)
     step_m = size * grid.resolution_m
     mean, missing = reduction.shrink_mean(values, size), reduction.shrink_share(np.isnan(values), size)
     heights = relief.factor(mean, step_m) if heights is None else heights
@@ -114,26 +127,26 @@ def draw_color_bar(ax, scale, quantity=""):
                     transform=bar.ax.get_yaxis_transform(), gid="limit")
 
 
-def draw_marks(ax, grid, flags, color, cells, region_bins=None):
+def draw_marks(ax, grid, flags, color, region_bins=None):
     """Marks set bins, nothing elsewhere: single ones enlarged while they are few, otherwise the opacity is their share of a block.
 
     Returns what the legend says about it, empty if bins are drawn as they are.
     """
-    size = reduction.block_size(flags.shape, cells)
+    size = block_size(ax, flags.shape)
     marks = reduction.enlarged_marks(flags, size, flags.size if region_bins is None else region_bins)
     opacity = reduction.shrink_share(flags, size) if marks is None else marks
     image = np.empty((*opacity.shape, 4))
     image[...] = to_rgba(color)
     image[..., 3] = opacity
-    draw_image(ax, grid, image, size, zorder=2, gid="marks")
+    draw_image(ax, grid, image, size, zorder=ABOVE_FRAME, gid="marks")
     if not flags.any() or max(opacity.shape) <= reduction.WIDE_BLOCKS:
         return ""
     return "share of each pixel" if marks is None and size > 1 else "" if marks is None else "single ones enlarged"
 
 
-def draw_outside(ax, grid, inside, cells):
+def draw_outside(ax, grid, inside):
     """Bins outside the region, in the colour of missing values."""
-    size = reduction.block_size(inside.shape, cells)
+    size = block_size(ax, inside.shape)
     outside = ~reduction.shrink_any(inside, size)
     draw_image(ax, grid, np.ma.masked_equal(outside, False), size, cmap=ListedColormap([NO_VALUE]))
 
@@ -143,10 +156,10 @@ def marks_text(name, how, color="magenta"):
     return f"{color}: {name}" + (f", {how}" if how else "")
 
 
-def outline_flags(ax, grid, flags, color, cells):
+def outline_flags(ax, grid, flags, color):
     """A line around blocks with set bins, so that what lies below stays visible. Draws nothing and returns False where lines would
     hide the map."""
-    size = reduction.block_size(flags.shape, cells)
+    size = block_size(ax, flags.shape)
     marks = reduction.shrink_any(flags, size)
     if not marks.any() or np.count_nonzero(marks & ~inner(marks)) > MOST_OUTLINED * marks.size:
         return False

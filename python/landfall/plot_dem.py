@@ -7,7 +7,6 @@ import numpy as np
 from landfall import command, files, maps, plots, reduction, scales
 from landfall.errors import DataError
 
-CELLS = 620  # blocks along a panel's edge; a panel has more pixels than that at the default dpi
 ZOOM_WIDTH_M = 8.0
 SIGN = "true - estimated"
 LIMIT_OF = " of rel_z"
@@ -48,7 +47,7 @@ def draw_elevations(ax, grid, layer, scale, options):
     """`layer`: title, elevations, and the factor of heights of the shading."""
     title, values, heights = layer
     maps.frame_map(ax, grid, title)
-    maps.draw_elevations(ax, grid, values, scale, CELLS, heights)
+    maps.draw_elevations(ax, grid, values, scale, heights)
     marked = mark_empty(ax, grid, values)
     finish_map(ax, grid, options)
     low, high = scales.extremes(values)
@@ -60,7 +59,7 @@ def mark_empty(ax, grid, values):
     empty = np.isnan(values)
     if not 0 < np.count_nonzero(empty) < reduction.MOST_MARKED * values.size:
         return ""
-    return maps.marks_text("bins without a return", maps.draw_marks(ax, grid, empty, maps.MARK, CELLS))
+    return maps.marks_text("bins without a return", maps.draw_marks(ax, grid, empty, maps.MARK))
 
 
 def zoom(ax, grid, center, options):
@@ -73,8 +72,8 @@ def zoom(ax, grid, center, options):
 
 def draw_with_truth(axes, grid, layers, options):
     true, estimated = layers["z_true"], layers["z_est"]
-    scale = scales.elevation_scale([true, estimated], [maps.reduced(z, CELLS, reduction.shrink_mean) for z in (true, estimated)])
-    heights = maps.relief_heights(true, grid, CELLS)
+    scale = scales.elevation_scale([true, estimated], [maps.reduced(axes[0, 0], z, reduction.shrink_mean) for z in (true, estimated)])
+    heights = maps.relief_heights(axes[0, 0], true, grid)
     draw_elevations(axes[0, 0], grid, ("true elevation", true, heights), scale, options)
     draw_elevations(axes[0, 1], grid, ("estimated elevation", estimated, heights), scale, options)
     draw_error(axes[1], grid, true - estimated, options)
@@ -82,25 +81,25 @@ def draw_with_truth(axes, grid, layers, options):
 
 def draw_error(axes, grid, error, options):
     """The whole map of e_z, and every bin about the largest error."""
-    scale = scales.error_scale(error, maps.reduced(error, CELLS), options.limit_m, options.data_only)
+    scale = scales.error_scale(error, maps.reduced(axes[0], error), options.limit_m, options.data_only)
     maps.frame_map(axes[0], grid, "error e_z = true - estimated")
-    maps.draw_values(axes[0], grid, error, scale, CELLS, SIGN)
+    maps.draw_values(axes[0], grid, error, scale, SIGN)
     marked = mark_empty(axes[0], grid, error)
     finish_map(axes[0], grid, options)
-    maps.note(axes[0], *scale.notes(LIMIT_OF), maps.blocks_note(error.shape, CELLS), marked)
+    maps.note(axes[0], *scale.notes(LIMIT_OF), maps.blocks_note(axes[0], error.shape), marked)
     window, bins = zoom(axes[1], grid, maps.largest_bin(grid, error), options)
-    maps.draw_values(axes[1], window, error[bins], scale, CELLS, SIGN)
+    maps.draw_values(axes[1], window, error[bins], scale, SIGN)
     maps.draw_scale_marks(axes[1])
     maps.draw_zoom_frame(axes[0], window)
 
 
 def draw_without_truth(axes, grid, layers, options):
     estimated = layers["z_est"]
-    scale = scales.elevation_scale([estimated], [maps.reduced(estimated, CELLS, reduction.shrink_mean)])
+    scale = scales.elevation_scale([estimated], [maps.reduced(axes[0, 0], estimated, reduction.shrink_mean)])
     title = "estimated elevation (this DEM has no truth layer)"
     draw_elevations(axes[0, 0], grid, (title, estimated, None), scale, options)
     window, bins = zoom(axes[0, 1], grid, maps.largest_bin(grid, estimated - scale.low), options)
-    maps.draw_elevations(axes[0, 1], window, estimated[bins], scale, CELLS)
+    maps.draw_elevations(axes[0, 1], window, estimated[bins], scale)
     maps.draw_scale_marks(axes[0, 1])
     maps.draw_zoom_frame(axes[0, 0], window)
 
@@ -117,6 +116,7 @@ def draw(grid, layers, options):
 
 def main(arguments):
     options = parse(arguments)
+    maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
     grid, layers = read(options.dem)
     plots.save({options.output: draw(grid, layers, options)}, options.dpi)

@@ -13,7 +13,6 @@ from landfall import command, files, maps, plot_dem, plots, reduction, scales, s
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
 FAIL_BIT = {"rel_x": 1, "rel_y": 2, "rel_z": 4, "hole_size": 16, "distance": 32}
-WIDE_CELLS, CELLS = 620, 400  # blocks along a panel's edge, two and three panels beside each other
 ZOOM_WIDTH_M = 6.0
 
 
@@ -91,10 +90,10 @@ def finish_map(ax, evaluation):
 SIGN = "true - estimated"
 
 
-def scale_of(evaluation, name, values):
-    """The scale of an error layer."""
+def scale_of(ax, evaluation, name, values):
+    """The scale of an error layer in a panel."""
     make = scales.magnitude_scale if name.startswith("rel_") else scales.error_scale
-    return make(values, maps.reduced(values, CELLS), evaluation.limit_m(name), evaluation.data_only)
+    return make(values, maps.reduced(ax, values), evaluation.limit_m(name), evaluation.data_only)
 
 
 def limit_of(name):
@@ -106,12 +105,12 @@ def draw_error(evaluation):
     inside = evaluation.inside()
     within = np.where(inside, error, np.nan)
     figure, axes = maps.new_figure((1, 3), (15, 5.5), f"{evaluation.name}: elevation error e_z = {SIGN}")
-    scale = scale_of(evaluation, "e_z", within)
+    scale = scale_of(axes[0, 0], evaluation, "e_z", within)
     maps.frame_map(axes[0, 0], grid, "e_z")
-    maps.draw_values(axes[0, 0], grid, error, scale, CELLS, SIGN)
+    maps.draw_values(axes[0, 0], grid, error, scale, SIGN)
     marked = mark_missing(axes[0, 0], evaluation, error)
     finish_map(axes[0, 0], evaluation)
-    maps.note(axes[0, 0], f"in the region {scale.range_text()}", *scale.notes(limit_of("e_z"))[1:], maps.blocks_note(error.shape, CELLS),
+    maps.note(axes[0, 0], f"in the region {scale.range_text()}", *scale.notes(limit_of("e_z"))[1:], maps.blocks_note(axes[0, 0], error.shape),
               marked)
     window = draw_error_zoom(axes[0, 1], evaluation, within)
     maps.draw_zoom_frame(axes[0, 0], window)
@@ -125,7 +124,7 @@ def mark_missing(ax, evaluation, values):
     missing = np.isnan(values) & inside
     if not 0 < np.count_nonzero(missing) < reduction.MOST_MARKED * np.count_nonzero(inside):
         return ""
-    how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, CELLS, np.count_nonzero(inside))
+    how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, np.count_nonzero(inside))
     return maps.marks_text("no value", how)
 
 
@@ -136,8 +135,8 @@ def draw_error_zoom(ax, evaluation, within):
     window, rows, cols = maps.zoom_window(grid, center, ZOOM_WIDTH_M)
     deviation = within[rows, cols] - float(mean[maps.bin_at(grid, center)])
     maps.frame_map(ax, window, "e_z - mean of the worst footprint")
-    scale = scale_of(evaluation, "e_z", deviation)
-    maps.draw_values(ax, window, deviation, scale, CELLS, "e_z - mean")
+    scale = scale_of(ax, evaluation, "e_z", deviation)
+    maps.draw_values(ax, window, deviation, scale, "e_z - mean")
     maps.note(ax, *scale.notes(limit_of("e_z")))
     if evaluation.footprint_m is not None:
         maps.draw_footprint(ax, center, evaluation.footprint_m)
@@ -183,13 +182,12 @@ def draw_mask(ax, evaluation, title, flags):
     maps.frame_map(ax, evaluation.grid, title)
     ax.set_facecolor("white")
     inside = evaluation.inside()
-    maps.draw_outside(ax, evaluation.grid, inside, CELLS)
-    entries = {}
-    for name, (bins, color) in flags.items():
-        how = maps.draw_marks(ax, evaluation.grid, bins, color, CELLS, np.count_nonzero(inside))
-        entries[f"{name} ({how})" if how else name] = color
-    maps.legend(ax, entries)
+    maps.draw_outside(ax, evaluation.grid, inside)
+    how = {name: maps.draw_marks(ax, evaluation.grid, bins, color, np.count_nonzero(inside))
+           for name, (bins, color) in flags.items() if bins.any()}
+    maps.legend(ax, {name: color for name, (_, color) in flags.items()})
     finish_map(ax, evaluation)
+    maps.note(ax, *dict.fromkeys(how.values()))
 
 
 def invalid_text(metrics):
@@ -266,16 +264,16 @@ def mark_violations(ax, evaluation, name):
     failing = evaluation.failing(name)
     if not failing.any():
         return ""
-    if maps.outline_flags(ax, evaluation.grid, failing, "white", CELLS):
+    if maps.outline_flags(ax, evaluation.grid, failing, "white"):
         return "white line: over the limit"
-    return maps.marks_text("over the limit", maps.draw_marks(ax, evaluation.grid, failing, maps.VERMILION, CELLS, 0), "vermilion")
+    return maps.marks_text("over the limit", maps.draw_marks(ax, evaluation.grid, failing, maps.VERMILION, 0), "vermilion")
 
 
 def draw_footprint_map(ax, evaluation, name, title):
     values = evaluation.layers[name]
-    scale = scale_of(evaluation, name, values)
+    scale = scale_of(ax, evaluation, name, values)
     maps.frame_map(ax, evaluation.grid, title)
-    maps.draw_values(ax, evaluation.grid, values, scale, CELLS, quantity_of(evaluation, name))
+    maps.draw_values(ax, evaluation.grid, values, scale, quantity_of(evaluation, name))
     missing = mark_missing(ax, evaluation, values) if evaluation.has("in_region") else ""
     violations = mark_violations(ax, evaluation, name) if name.startswith("rel") else ""
     finish_map(ax, evaluation)
@@ -348,6 +346,7 @@ def figures_of(evaluation):
 
 def main(arguments):
     options = parse(arguments)
+    maps.use_dpi(options.dpi)
     evaluation = Evaluation(options.evaluation, options.data_only)
     chosen = figures_of(evaluation)
     dem_figure = [options.output + "dem.png"] if options.dem else []

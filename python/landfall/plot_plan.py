@@ -8,7 +8,6 @@ import numpy as np
 from landfall import command, files, maps, plots, reduction, scales
 from landfall.errors import DataError
 
-CELLS = 620  # blocks along a panel's edge
 BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),
           ("off_region", "outside the region", "#e69f00"),
@@ -44,12 +43,12 @@ def draw_map(ax, grid, values, style, layers, radius_m):
     """
     title, quantity, scale_style = style
     maps.frame_map(ax, grid, title)
-    scale = scales.count_scale(values, maps.reduced(values, CELLS, reduction.shrink_mean), **scale_style)
-    maps.draw_values(ax, grid, values, scale, CELLS, quantity, reduction.shrink_mean)
+    scale = scales.count_scale(values, maps.reduced(ax, values, reduction.shrink_mean), **scale_style)
+    maps.draw_values(ax, grid, values, scale, quantity, reduction.shrink_mean)
     inside = layers["in_region"] != 0
-    how = maps.draw_marks(ax, grid, (layers["count"] == 0) & inside, UNCOVERED, CELLS, np.count_nonzero(inside))
+    how = maps.draw_marks(ax, grid, (layers["count"] == 0) & inside, UNCOVERED, np.count_nonzero(inside))
     maps.draw_region(ax, radius_m)
-    maps.note(ax, *scale.notes(), maps.blocks_note(values.shape, CELLS, "mean"))
+    maps.note(ax, *scale.notes(), maps.blocks_note(ax, values.shape, "mean"))
     return how
 
 
@@ -103,6 +102,7 @@ def draw(grid, layers, plan, options):
 
 def main(arguments):
     options = parse(arguments)
+    maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
     grid, layers, plan = read(options.plan)
     plots.save({options.output: draw(grid, layers, plan, options)}, options.dpi)

@@ -13,7 +13,6 @@ import numpy as np
 from landfall import command, files, maps, plot_dem, plots, reduction, scales
 from landfall.errors import UsageError
 
-CELLS = 400  # blocks along the map's edge
 TRUE, ESTIMATED, LIMIT = maps.SKY_BLUE, maps.VERMILION, "#a3478f"  # as in the report
 
 
@@ -129,9 +128,9 @@ def error_text(known, limit_m):
 
 def draw_map(ax, grid, estimated, options):
     """The estimated elevation with the line on it."""
-    scale = scales.elevation_scale([estimated], [maps.reduced(estimated, CELLS, reduction.shrink_mean)])
+    scale = scales.elevation_scale([estimated], [maps.reduced(ax, estimated, reduction.shrink_mean)])
     maps.frame_map(ax, grid, "estimated elevation")
-    maps.draw_elevations(ax, grid, estimated, scale, CELLS)
+    maps.draw_elevations(ax, grid, estimated, scale)
     maps.note(ax, scale.range_text(), scale.clipping_text())
     x, y = zip(options.start, options.end)
     for color, width in (("white", 3.6), ("black", 1.6)):
@@ -159,6 +158,7 @@ def draw(grid, layers, options):
 
 def main(arguments):
     options = parse(arguments)
+    maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
     grid, layers = plot_dem.read(options.dem)
     require_inside(options, grid)

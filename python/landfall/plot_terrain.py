@@ -187,7 +187,7 @@ def draw_cells(ax, grid, image, size, **style):
     rows, cols = image.shape
     extent = (grid.x[0], grid.x[0] + cols * step, grid.y[0], grid.y[0] + rows * step)
     ax.set_facecolor(maps.NO_VALUE)
-    return ax.imshow(np.ma.masked_invalid(image), extent=extent, **style)
+    return ax.imshow(np.ma.masked_invalid(image), extent=extent, interpolation="antialiased", **style)
 
 
 def draw_hillshade(ax, grid, image, size):

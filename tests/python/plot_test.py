@@ -608,15 +608,32 @@ class FigureTest(ScriptTest):
         grid = files.MapGrid(centers, centers, 1.0)
         flags = np.zeros((100, 100), bool)
         flags[20:40, 20:40] = True
-        self.assertTrue(maps.outline_flags(ax, grid, flags, "white", 400))
+        self.assertTrue(maps.outline_flags(ax, grid, flags, "white"))
         flags[::3, ::3] = True
-        self.assertFalse(maps.outline_flags(ax, grid, flags, "white", 400))
+        self.assertFalse(maps.outline_flags(ax, grid, flags, "white"))
+
+    def test_a_map_has_no_more_blocks_than_pixels(self):
+        self.addCleanup(maps.use_dpi, 100)
+        values = np.zeros((2001, 2001))
+        values[1000, 1777] = 0.07
+        grid = files.MapGrid(np.arange(2001) * 0.05, np.arange(2001) * 0.05, 0.05)
+        for dpi, size in ((50, 10), (150, 4), (600, 1)):
+            maps.use_dpi(dpi)
+            figure, axes = maps.new_figure((2, 2), (14, 13), "")
+            ax = axes[0, 0]
+            self.assertEqual(maps.block_size(ax, values.shape), size)
+            maps.frame_map(ax, grid, "")
+            maps.draw_values(ax, grid, values, scales.error_scale(values, maps.reduced(ax, values)), "error")
+            figure.draw_without_rendering()
+            self.assertLessEqual(ax.images[0].get_array().shape[1], ax.get_window_extent().width)
+            self.assertEqual(ax.images[0].get_array().max(), 0.07)
+            plt.close(figure)
 
     def marks(self, flags, region_bins):
         """(what the legend says, opacity) of marks on a map."""
         ax = plt.figure().add_subplot()
         grid = files.MapGrid(np.arange(flags.shape[1]) * 1.0, np.arange(flags.shape[0]) * 1.0, 1.0)
-        return maps.draw_marks(ax, grid, flags, maps.MARK, 400, region_bins), marks_of(ax)
+        return maps.draw_marks(ax, grid, flags, maps.MARK, region_bins), marks_of(ax)
 
     def test_marks_of_a_tenth_of_the_map_cover_a_tenth_of_it(self):
         flags = np.random.default_rng(3).random((1200, 1200)) < 0.1
@@ -638,7 +655,7 @@ class FigureTest(ScriptTest):
         inside = np.ones((601, 601), np.int8)
         seen = np.where(count > 0, 1.5, np.nan)
         grid = files.MapGrid(centers, centers, 0.1)
-        ax = plt.figure().add_subplot()
+        ax = plt.figure(figsize=(12, 12)).add_subplot()
         how = plot_plan.draw_map(ax, grid, np.where(count > 0, count, np.nan), ("returns per bin", "returns", {}),
                                  {"count": count, "in_region": inside, "first_seen": seen}, 20)
         self.assertEqual(how, "")  # each bin has a pixel, and is not enlarged
