@@ -139,9 +139,9 @@ def draw_marks(ax, grid, flags, color, region_bins=None):
     image[...] = to_rgba(color)
     image[..., 3] = opacity
     draw_image(ax, grid, image, size, zorder=ABOVE_FRAME, gid="marks")
-    if not flags.any() or max(opacity.shape) <= reduction.WIDE_BLOCKS:
-        return ""
-    return "share of each pixel" if marks is None and size > 1 else "" if marks is None else "single ones enlarged"
+    if marks is None:
+        return "share of each pixel" if size > 1 else ""
+    return "single ones enlarged" if flags.any() and max(marks.shape) > reduction.WIDE_BLOCKS else ""
 
 
 def draw_outside(ax, grid, inside):

@@ -640,6 +640,7 @@ class FigureTest(ScriptTest):
         how, opacity = self.marks(flags, flags.size)
         self.assertEqual(how, "share of each pixel")
         self.assertAlmostEqual(opacity.mean(), flags.mean())
+        self.assertEqual(self.marks(flags[:100, :100], 10000)[0], "")  # each bin has a pixel
 
     def test_few_marks_are_enlarged_and_the_legend_says_so(self):
         flags = np.zeros((1200, 1200), bool)
