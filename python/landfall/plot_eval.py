@@ -119,11 +119,13 @@ def draw_error(evaluation):
 
 
 def mark_missing(ax, evaluation, values):
-    """Marks bins of the region without a value where they are few; many of them are grey. Returns what it marks."""
+    """Marks bins of the region without a value where they are few; many of them are grey. Returns what shows them."""
     inside = evaluation.inside()
     missing = np.isnan(values) & inside
-    if not 0 < np.count_nonzero(missing) < reduction.MOST_MARKED * np.count_nonzero(inside):
+    if not missing.any():
         return ""
+    if np.count_nonzero(missing) >= reduction.MOST_MARKED * np.count_nonzero(inside):
+        return maps.marks_text("no value", "", "grey")
     how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, np.count_nonzero(inside))
     return maps.marks_text("no value", how)
 

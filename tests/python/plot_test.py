@@ -555,7 +555,7 @@ class FigureTest(ScriptTest):
         for name in ("error", "estimated"):
             ax = map_named(figure, name)
             self.assertEqual([image.get_gid() for image in ax.images], [None])
-            self.assertNotIn("magenta", notes_of(ax))
+            self.assertIn("grey: bins without a return", notes_of(ax))
         np.testing.assert_allclose(map_named(figure, "estimated").images[0].get_array()[4, 5] * 255, colors.NO_VALUE)
 
     def test_each_map_of_the_accuracy_has_its_limit(self):
