@@ -82,7 +82,9 @@ ExitCode report_evaluation(Session& session, const std::string& dem, const Evalu
   if (!is_empty && static_cast<double>(beyond) > kNotable * static_cast<double>(width))
     session.warn(dem + ": the judged region reaches " +
                  short_number(static_cast<double>(beyond) * evaluation.region.spec().resolution_m) +
-                 " m beyond the scanned area; reduce it (region_radius_m), or scan more");
+                 " m beyond the scanned area; reduce it (region_radius_m, or region.half_width_m of a "
+                 "square), or scan "
+                 "more");
   const Metrics& metrics = evaluation.metrics;
   const std::string missed = missed_requirements(metrics);
   const bool refused = require_pass && !metrics.pass.value_or(false);
