@@ -110,8 +110,8 @@ def draw_error(evaluation):
     maps.draw_values(axes[0, 0], grid, error, scale, SIGN)
     marked = mark_missing(axes[0, 0], evaluation, error)
     finish_map(axes[0, 0], evaluation)
-    maps.note(axes[0, 0], f"in the region {scale.range_text()}", *scale.notes(limit_of("e_z"))[1:], maps.blocks_note(axes[0, 0], error.shape),
-              marked)
+    maps.note(axes[0, 0], f"in the region {scale.range_text()}", *scale.notes(limit_of("e_z"))[1:],
+              maps.blocks_note(axes[0, 0], error.shape), marked)
     window = draw_error_zoom(axes[0, 1], evaluation, within)
     maps.draw_zoom_frame(axes[0, 0], window)
     draw_error_histogram(axes[0, 2], within, scale)
