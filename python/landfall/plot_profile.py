@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from landfall import command, files, maps, plot_dem, plots, reduction, scales
+from landfall import command, maps, plot_dem, plots, reduction, scales
 from landfall.errors import UsageError
 
 TRUE, ESTIMATED, LIMIT = maps.SKY_BLUE, maps.VERMILION, "#a3478f"  # as in the report
