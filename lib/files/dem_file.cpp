@@ -198,6 +198,7 @@ std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, cons
   for (const Layer& layer : layers) {
     tiled.push_back({layer.name, layer.type, layer.text});
     tiled.back().text.ancillary_variables = ancillary_variables(layer.name, layers);
+    if (layer.is_sigma) tiled.back().text.comment = request.left_out;
   }
   const bool has_sigmas = std::ranges::any_of(layers, &Layer::is_sigma);
   std::atomic<std::int64_t> empty_bins = 0;
