@@ -134,7 +134,7 @@ void write_text(hid_t parent, const TextDataset& dataset, const std::string& tex
 /// screen_file() (file_screening.h), for example because of links to other files.
 Handle open_file(const std::filesystem::path& path);
 /// Opens a file without screening it, only to read the attributes of its root; an empty handle if it is not
-/// an HDF5 file. Throws FormatError if the system refuses access.
+/// an HDF5 file. Throws FormatError if the system refuses access or the file is damaged.
 [[nodiscard]] Handle open_for_its_kind(const std::filesystem::path& path);
 
 /// The functions below return "nothing" only if no object has that name, or if it is of another kind (a
