@@ -4,9 +4,14 @@
 import json
 import os
 import subprocess
+import sys
 import unittest
 
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+# pylint: disable=wrong-import-position
 from harness import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
+from landfall.errors import UsageError
+from landfall.schema import read_json
 
 # A key of each tool's configuration, a valid value of it and one out of range.
 KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),
@@ -111,6 +116,28 @@ class Config(ToolTest):
         for name in TOOLS:
             self.refuse(2, name, "-c", self.path("none.json"), "--check", words=["none.json"])
             self.refuse(2, name, "-c", self.folder, "--check", words=[self.folder])
+
+    def test_a_byte_order_mark_is_skipped_and_a_nul_byte_refused(self):
+        """With the same words as in a study's JSON. The JSON parser takes a NUL byte for the end of the text."""
+        path = self.path("config.json")
+        for content, at in ((b"\xef\xbb\xbf{}", None), (b"{}\0", (1, 3)), (b"{}\0garbage", (1, 3)), (b"\0", (1, 1)),
+                            (b'\xef\xbb\xbf{"seed": 1\0}', (1, 11)), (b'{\n"seed": 1}\n\0', (3, 1))):
+            with open(path, "wb") as file:
+                file.write(content)
+            if at is None:
+                self.succeed("terrain-gen", "-c", path, "--check")
+                self.assertEqual(read_json(path), {})
+                continue
+            place = f"a NUL byte at line {at[0]}, column {at[1]}"
+            self.refuse(2, "terrain-gen", "-c", path, "--check", words=[path, f"not valid JSON: {place}"])
+            with self.assertRaisesRegex(UsageError, f"not JSON: {place}$"):
+                read_json(path)
+
+    def test_a_number_of_many_digits_is_abbreviated(self):
+        for text in ("9" * 100000, "-" + "9" * 100000):
+            result = self.refuse(2, "terrain-gen", "-c", self.config('{"seed": %s}' % text), "--check",
+                                 words=["number overflow parsing '" + text[:20], "...'"])
+            self.assertLess(len(result.stderr), 300)
 
     def test_deep_nesting_is_refused(self):
         for name in TOOLS:
