@@ -18,11 +18,12 @@
 namespace landfall::h5 {
 namespace {
 
-// The seal: for each range of chunks its begin and end; then the number of ranges, the size of the file
-// before the seal, the hash and the signature. Numbers are little-endian.
+// The seal: the signature; for each range of chunks its begin and end; then the number of ranges, the size of
+// the file before the seal, the hash and the signature again. Numbers are little-endian.
 constexpr std::string_view kSignature = "landfall seal 1\n";
 constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kFooterBytes = 16 + kHashDigits + kSignature.size();
+constexpr std::size_t kSealBytes = kSignature.size() + kFooterBytes;  ///< without ranges
 constexpr std::size_t kRangeBytes = 16;
 
 void put_number(std::vector<std::byte>& bytes, std::uint64_t value) {
@@ -64,6 +65,7 @@ std::vector<ByteRange> chunks_in(const RawFile& file, const std::vector<haddr_t>
 
 std::vector<std::byte> seal_for(const RawFile& file, const std::vector<ByteRange>& ranges) {
   std::vector<std::byte> seal;
+  put_text(seal, kSignature);
   for (const ByteRange& range : ranges) {
     put_number(seal, range.begin);
     put_number(seal, range.end);
@@ -73,6 +75,14 @@ std::vector<std::byte> seal_for(const RawFile& file, const std::vector<ByteRange
   put_text(seal, hash_of(file, ranges, file.size()));
   put_text(seal, kSignature);
   return seal;
+}
+
+/// Whether a seal, or as much of one as the file has, begins there.
+bool begins_seal(const RawFile& file, std::uint64_t at) {
+  if (at >= file.size()) return false;
+  const std::vector<std::byte> bytes =
+      file.read(at, std::min<std::uint64_t>(kSignature.size(), file.size() - at));
+  return kSignature.starts_with({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 void append(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
@@ -113,20 +123,21 @@ void seal_file(const std::filesystem::path& path, const std::vector<haddr_t>& ob
   }
 }
 
-Seal seal_of(const RawFile& file) {
-  if (file.size() < kFooterBytes) return Seal::none;
+Seal seal_of(const RawFile& file, std::uint64_t end) {
+  const Seal without = begins_seal(file, end) ? Seal::broken : Seal::none;  // it may be truncated
+  if (file.size() < kSealBytes) return without;
   const std::vector<std::byte> footer = file.read(file.size() - kFooterBytes, kFooterBytes);
   const std::string text(reinterpret_cast<const char*>(footer.data()), footer.size());
   ByteCursor cursor(footer);
   const std::uint64_t count = cursor.number(8);
   const std::uint64_t size = cursor.number(8);
   const bool fits =
-      count <= file.size() / kRangeBytes && size + count * kRangeBytes + kFooterBytes == file.size();
+      count <= file.size() / kRangeBytes && size + count * kRangeBytes + kSealBytes == file.size();
   const bool is_signed = text.ends_with(kSignature);
-  if (!fits && !is_signed) return Seal::none;
-  if (!fits || !is_signed) return Seal::broken;
+  if (!fits && !is_signed) return without;
+  if (!fits || !is_signed || !begins_seal(file, size)) return Seal::broken;
   try {
-    const std::vector<std::byte> stored = file.read(size, count * kRangeBytes);
+    const std::vector<std::byte> stored = file.read(size + kSignature.size(), count * kRangeBytes);
     ByteCursor numbers(stored);
     std::vector<ByteRange> ranges(count);
     for (ByteRange& range : ranges) {

@@ -22,6 +22,7 @@ namespace landfall::h5 {
 void seal_file(const std::filesystem::path& path, const std::vector<haddr_t>& objects);
 
 enum class Seal { none, intact, broken };
-[[nodiscard]] Seal seal_of(const RawFile& file);
+/// `end` is where HDF5's contents end. A truncated seal is broken.
+[[nodiscard]] Seal seal_of(const RawFile& file, std::uint64_t end);
 
 }  // namespace landfall::h5

@@ -253,7 +253,8 @@ void check_link(std::span<const std::byte> body, std::uint64_t file_size) {
   const std::uint64_t flags = cursor.number(1);
   const std::uint64_t kind = (flags & 8U) != 0 ? cursor.number(1) : 0;
   if ((flags & 4U) != 0) cursor.skip(8);
-  if ((flags & 16U) != 0) cursor.skip(1);
+  const std::uint64_t character_set = (flags & 16U) != 0 ? cursor.number(1) : 0;
+  require_sound(flags <= 0x1f && (kind <= 1 || kind >= 64) && character_set <= 1);
   const std::uint64_t name = cursor.number(std::size_t{1} << (flags & 3U));
   require_sound(name > 0);
   cursor.skip(name);

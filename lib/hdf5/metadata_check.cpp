@@ -54,7 +54,8 @@ std::optional<std::uint64_t> MetadataCheck::read_superblock() {
     if (cursor.number(1) != 8 || cursor.number(1) != 8) return std::nullopt;
     cursor.skip(1);
     if (cursor.number(8) != 0) return std::nullopt;
-    cursor.skip(16);
+    cursor.skip(8);
+    end_ = cursor.number(8);
     return cursor.number(8);
   }
   require_sound(version <= 1);
@@ -71,10 +72,11 @@ std::optional<std::uint64_t> MetadataCheck::read_superblock() {
   require_sound(leaf_k_ > 0 && group_k_ > 0 && chunk_k_ > 0 &&
                 std::max({leaf_k_, group_k_, chunk_k_}) <= kMaxK);
   if (cursor.number(8) != 0) return std::nullopt;
-  for (int i = 0; i < 3; ++i) {  // free space, end of the file, driver
-    const std::uint64_t address = cursor.number(8);
+  const std::uint64_t free_space = cursor.number(8);
+  end_ = cursor.number(8);
+  const std::uint64_t driver = cursor.number(8);
+  for (const std::uint64_t address : {free_space, end_, driver})
     require_sound(address == kNoAddress || address <= file_.size());
-  }
   cursor.skip(8);
   const std::uint64_t root = cursor.number(8);
   const std::uint64_t cache = cursor.number(4);
@@ -142,16 +144,18 @@ void MetadataCheck::check_dataset(const Dataset& dataset) {
   const StoredLayout& layout = *dataset.layout;
   require_sound(dataset.fill_size.value_or(0) == 0 || *dataset.fill_size == dataset.type->size);
   const std::uint64_t count = dataset.space ? checked_product(*dataset.space) : 0;
+  const std::uint64_t size = checked_product({count, dataset.type->size});
   if (layout.kind == StoredLayout::Kind::chunked) {
     require_sound(dataset.space && layout.chunk.size() == dataset.space->size() + 1);
     require_sound(layout.chunk.back() == dataset.type->size && checked_product(layout.chunk) > 0);
     if (layout.address != kNoAddress) check_chunk_node(layout.address, dataset, -1);
     return;
   }
-  if (layout.kind == StoredLayout::Kind::compact && dataset.type->in_heap)
+  if (layout.kind == StoredLayout::Kind::compact) {
+    require_sound(layout.values.size() >= size);
     check_values(layout.values, count, *dataset.type);
+  }
   if (layout.kind != StoredLayout::Kind::contiguous || layout.address == kNoAddress) return;
-  const std::uint64_t size = checked_product({count, dataset.type->size});
   require_sound(file_.holds(layout.address, layout.size) && layout.size >= size);
   if (dataset.type->in_heap) check_values(file_.read(layout.address, size), count, *dataset.type);
 }

@@ -34,6 +34,8 @@ class MetadataCheck {
 
   /// False for a file whose addresses are not offsets in 64 bits: it is not checked at all.
   [[nodiscard]] bool applies() const { return root_.has_value(); }
+  /// Where HDF5's contents end; behind it, other programs may have appended something.
+  [[nodiscard]] std::uint64_t end() const { return end_; }
   /// Address of the root group's header. Throws Damaged if it is not in the file.
   [[nodiscard]] std::uint64_t root() const { return *root_; }
   /// Checks the object whose header is at `address`, once.
@@ -60,6 +62,7 @@ class MetadataCheck {
   std::uint64_t leaf_k_ = 4;    ///< half the entries of a symbol node
   std::uint64_t group_k_ = 16;  ///< half the children of a node of groups
   std::uint64_t chunk_k_ = 32;
+  std::uint64_t end_ = file_.size();
   std::optional<std::uint64_t> root_;
   std::set<std::uint64_t> objects_;
   std::set<std::uint64_t> nodes_;

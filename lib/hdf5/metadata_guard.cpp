@@ -22,8 +22,8 @@ bool is_hdf5(const RawFile& file) {
 MetadataGuard::MetadataGuard(const std::filesystem::path& path) : name_(path.string()), file_(path) {
   try {
     if (!is_hdf5(file_)) return;
-    require_sound(seal_of(file_) != Seal::broken);
     check_.emplace(file_);
+    require_sound(seal_of(file_, check_->end()) != Seal::broken);
     if (check_->applies())
       check_->check_object(check_->root());
     else

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Flips one random bit of each metadata byte of a small valid file of every kind, one at a time, and lets
 // every reader of that kind read the damaged file. Metadata are all bytes that are not chunks of a dataset.
-//   hdf5_bits [--sealed] [--every N] [--seed N] [--kind NAME] [--keep FOLDER]
+//   hdf5_bits [--sealed] [--every N] [--first I] [--seed N] [--kind NAME] [--keep FOLDER]
 // With --sealed the files are as landfall writes them, and every reader must refuse each damaged one.
 // A finding is a signal, an exception that is not landfall::Error, more than 10 s or more than 500 MB. Each
 // one is printed with its place, and the exit code is 1; --keep saves its file. Readers run in a process of
@@ -41,6 +41,7 @@ constexpr rlim_t kMaxMemory_bytes = 500'000'000;
 struct Options {
   bool sealed = false;
   std::size_t every = 1;
+  std::size_t first = 0;
   std::uint64_t seed = 1;
   std::string kind;  ///< empty: all
   std::string keep;  ///< empty: findings are not kept
@@ -101,7 +102,7 @@ class Campaign {
         readers_(readers_of(original.kind)) {
     file_.fill(bytes_);
     const std::vector<std::size_t> all = metadata_of(file_);
-    for (std::size_t i = 0; i < all.size(); i += options.every) places_.push_back(all[i]);
+    for (std::size_t i = options.first; i < all.size(); i += options.every) places_.push_back(all[i]);
     void* const shared =
         ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) throw std::bad_alloc();
@@ -196,6 +197,7 @@ Options options_of(int argc, char** argv) {
     }
     if (i + 1 == argc) throw std::invalid_argument("no value of " + std::string(name));
     if (name == "--every") options.every = std::stoull(argv[i + 1]);
+    if (name == "--first") options.first = std::stoull(argv[i + 1]);
     if (name == "--seed") options.seed = std::stoull(argv[i + 1]);
     if (name == "--kind") options.kind = argv[i + 1];
     if (name == "--keep") options.keep = argv[i + 1];

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "files/landfall_file.h"
+#include "hdf5/metadata_guard.h"
 #include "hdf5/table.h"
 #include "temporary_folder.h"
 
@@ -27,9 +28,9 @@ class FileSeal : public testing::Test {
   }
 
   void write(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
-  [[nodiscard]] h5::Seal seal() const { return h5::seal_of(h5::RawFile(path_)); }
+  [[nodiscard]] h5::Seal seal() const { return h5::seal_of(h5::RawFile(path_), unsealed().size()); }
   /// The file without its seal, which lies behind one range of chunks.
-  [[nodiscard]] std::string unsealed() const { return bytes_.substr(0, bytes_.size() - 16 - 64); }
+  [[nodiscard]] std::string unsealed() const { return bytes_.substr(0, bytes_.size() - 16 - 80); }
 
   const TemporaryFolder folder_;
   const std::filesystem::path path_ = folder_ / "a.h5";
@@ -60,6 +61,20 @@ TEST_F(FileSeal, IsNotNeeded) {
   EXPECT_NO_THROW(LandfallFileReader(path_, {"scan"}));
 }
 
+TEST_F(FileSeal, IsNotTruncated) {
+  for (std::size_t size = unsealed().size() + 1; size < bytes_.size(); ++size) {
+    write(bytes_.substr(0, size));
+    ASSERT_EQ(seal(), h5::Seal::broken) << size;
+    ASSERT_THROW(LandfallFileReader(path_, {"scan"}), FormatError) << size;
+  }
+}
+
+TEST_F(FileSeal, OtherBytesMayFollow) {
+  write(unsealed() + "other bytes");
+  EXPECT_EQ(seal(), h5::Seal::none);
+  EXPECT_NO_THROW(LandfallFileReader(path_, {"scan"}));
+}
+
 TEST_F(FileSeal, IsRemovedByHdf5) {
   h5::Handle file(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   h5::write_attribute(file.get(), "remark", std::string("mine"));
@@ -68,13 +83,20 @@ TEST_F(FileSeal, IsRemovedByHdf5) {
   EXPECT_NO_THROW(LandfallFileReader(path_, {"scan"}));
 }
 
-TEST_F(FileSeal, WithoutItTheHeapsAreChecked) {
-  std::string damaged = unsealed();
-  const std::size_t at = damaged.find("GCOL");
-  ASSERT_NE(at, std::string::npos);
-  damaged[at] = 'X';
-  write(damaged);
-  EXPECT_THROW(LandfallFileReader(path_, {"scan"}), FormatError);
+TEST_F(FileSeal, WithoutItEachObjectIsChecked) {
+  std::vector<haddr_t> objects;
+  {
+    const LandfallFileReader file(path_, {"scan"});
+    objects = h5::object_addresses(file.root());
+  }
+  ASSERT_GT(objects.size(), 5U);
+  for (const haddr_t address : objects) {
+    std::string damaged = unsealed();
+    damaged[address] = 9;  // version of the object's header
+    write(damaged);
+    const auto check = [&] { h5::MetadataGuard(path_).check(address, "/object"); };
+    EXPECT_THROW(check(), FormatError) << address;
+  }
 }
 
 }  // namespace
