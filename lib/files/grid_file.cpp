@@ -184,8 +184,7 @@ void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinInde
 template <class T>
 void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
   const h5::Handle dataset = begin<T>(name, text);
-  if constexpr (std::is_same_v<T, double>)  // float32: a distance to no valid bin is infinite
-    require_no_infinity(std::as_bytes(std::span(layer.values())), h5::Type::float64, "layer " + name);
+  require_no_infinity(std::as_bytes(std::span(layer.values())), h5::TypeOf<T>::value, "layer " + name);
   write_tiles(dataset.get(), layer, {tile_of(spec_), {}}, compression_, name);
   ValueRange range;
   range.add(layer.values());

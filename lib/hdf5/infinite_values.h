@@ -13,6 +13,11 @@
 
 namespace landfall {
 
+template <class T>
+[[nodiscard]] bool is_infinite(T value) {
+  return std::abs(value) > std::numeric_limits<T>::max();
+}
+
 /// Whether one of the values, of type T, is infinite.
 template <class T>
 [[nodiscard]] bool holds_infinity(std::span<const std::byte> values) {
@@ -20,7 +25,7 @@ template <class T>
   for (std::size_t i = 0; i + sizeof(T) <= values.size(); i += sizeof(T)) {
     T value;
     std::memcpy(&value, values.data() + i, sizeof value);
-    found |= std::abs(value) > std::numeric_limits<T>::max();
+    found |= is_infinite(value);
   }
   return found;
 }
