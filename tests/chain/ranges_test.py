@@ -6,7 +6,7 @@ import unittest
 
 import h5py
 
-from harness import ChainTest, columns, read_bytes
+from harness import ChainTest, columns, read_bytes, set_text
 
 
 class RangesFrom(ChainTest):
@@ -106,7 +106,7 @@ class RangesFrom(ChainTest):
             self.scan("source.h5", *self.NO_LOSSES)
             with h5py.File(self.path("source.h5"), "r+") as file:
                 config = json.loads(file["provenance/config_json"].asstr()[()])
-                file["provenance/config_json"][()] = json.dumps(config | {key: value})
+                set_text(file, "provenance/config_json", json.dumps(config | {key: value}))
             self.refuse(2, *self.replay_arguments("source.h5", "out.h5", *self.NO_LOSSES), words=["source.h5"],
                         output=self.path("out.h5"))
 

@@ -19,7 +19,7 @@ import zlib
 import h5py
 import numpy as np
 
-from harness import SANITIZED, SCAN, TOOLS, Chain, ChainTest, read_bytes, tool, with_values
+from harness import SANITIZED, SCAN, TOOLS, Chain, ChainTest, read_bytes, set_text, tool, with_values
 
 GIB = 1 << 30
 
@@ -166,8 +166,8 @@ class ForeignHdf5(ChainTest):
             with h5py.File(path, "a") as file:
                 texts = file["provenance"]
                 for name in ("inputs_json", "chain_json"):
-                    texts[name][()] = json.dumps(with_paths(json.loads(texts[name].asstr()[()]), self.target))
-                texts["config_json"][()] = json.dumps({**json.loads(texts["config_json"].asstr()[()]), **keys})
+                    set_text(texts, name, json.dumps(with_paths(json.loads(texts[name].asstr()[()]), self.target)))
+                set_text(texts, "config_json", json.dumps({**json.loads(texts["config_json"].asstr()[()]), **keys}))
             return path
         terrain = poisoned(self.chain.terrain, base=[{"type": "dem", "path": self.target}])
         scan = poisoned(self.chain.scan, trajectory={"type": "table", "path": self.target})
@@ -297,7 +297,7 @@ class ForeignHdf5(ChainTest):
         path = self.copy(self.chain.terrain, "heap.h5")
         with h5py.File(path, "a") as file:
             for name in ("title", "source", "format_name", "file_id"):
-                text = str(file.attrs[name])
+                text = file.attrs[name].decode()
                 del file.attrs[name]
                 file.attrs[name] = text
         content, values = read_bytes(path), random.Random(1)
