@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Configurations of the four tools: from files, standard input, --set and --seed, and which ones are refused."""
 import json
+import math
 import os
 import subprocess
 import sys
@@ -243,6 +244,50 @@ class Assignments(ToolTest):
             self.assertEqual(self.resolved(name, "--seed", 2**53 - 1)["seed"], 2**53 - 1)
             for bad in ["-1", "x", "1.5", str(2**53)]:
                 self.refuse(2, name, "--check", "--seed", bad, words=["--seed"])
+
+
+def numbers(schema, path=""):
+    """(path, schema) of every number within a JSON schema."""
+    if isinstance(schema, list):
+        for index, item in enumerate(schema):
+            yield from numbers(item, f"{path}/{index}")
+    elif isinstance(schema, dict):
+        types = schema.get("type")
+        types = types if isinstance(types, list) else [types]
+        if "number" in types or "integer" in types:
+            yield path, schema
+        for key, item in schema.items():
+            yield from numbers(item, f"{path}/{key}")
+
+
+def is_bounded(schema):
+    return "enum" in schema or all(any(math.isfinite(schema.get(word, math.inf)) for word in words)
+                                   for words in (("minimum", "exclusiveMinimum"), ("maximum", "exclusiveMaximum")))
+
+
+class Bounds(ToolTest):
+    """No value may be so large that a result overflows."""
+
+    # They are values of keys, or factors of them, and the tools check the product.
+    OF_KEYS = ("/definitions/spaced/items", "/definitions/axis/properties/scale", "/definitions/draw/properties/normal",
+               "/definitions/draw/properties/uniform/items")
+
+    def test_every_number_of_every_schema_is_bounded(self):
+        for name in TOOLS:
+            schema = json.loads(self.succeed(name, "--print-schema").stdout)
+            found = dict(numbers(schema))
+            self.assertGreaterEqual(len(found), 4)
+            self.assertEqual([path for path, item in found.items() if not is_bounded(item)], [], name)
+        with open(os.path.join(os.environ["LANDFALL_ROOT"], "schemas", "study.schema.json"), encoding="utf-8") as file:
+            unbounded = [path for path, item in numbers(json.load(file)) if not is_bounded(item)]
+        self.assertEqual([path for path in unbounded if not path.startswith(self.OF_KEYS)], [])
+
+    def test_values_that_no_lidar_has_are_refused(self):
+        for name, key, value in (("scan-sim", "noise.range_sigma_m", 1e308), ("scan-sim", "noise.range_bias_m", -1e200),
+                                 ("scan-sim", "trajectory.position_m", [0, 0, 1e200]), ("scan-sim", "detector.distortion.k3", 1e300),
+                                 ("regrid", "uncertainty.range_sigma_m", 1e200), ("dem-eval", "footprint_m", 1e300),
+                                 ("terrain-gen", "base.slope_x", 1e308), ("terrain-gen", "base.elevation_m", -1e308)):
+            self.refuse(2, name, "--set", f"{key}={json.dumps(value)}", "--check", words=["/" + key.replace(".", "/"), " is not in "])
 
 
 if __name__ == "__main__":
