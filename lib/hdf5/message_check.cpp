@@ -197,7 +197,12 @@ std::optional<std::vector<std::uint64_t>> check_dataspace(std::span<const std::b
   return sizes;
 }
 
-void check_filters(std::span<const std::byte> body) {
+std::uint64_t check_filters(std::span<const std::byte> body) {
+  constexpr std::uint64_t kDeflate = 1;
+  constexpr std::uint64_t kShuffle = 2;
+  constexpr std::uint64_t kFletcher32 = 3;
+  constexpr std::uint64_t kDeflateRatio = 1040;
+  std::uint64_t ratio = 1;
   ByteCursor cursor(body);
   const std::uint64_t version = cursor.number(1);
   const std::uint64_t count = cursor.number(1);
@@ -214,7 +219,12 @@ void check_filters(std::span<const std::byte> body) {
     require_sound(name == 0 || std::ranges::count(text, std::byte{0}) > 0);
     cursor.skip(4 * values);
     if (version == 1 && values % 2 == 1) cursor.skip(4);
+    if (id == kDeflate)
+      ratio = ratio == 1 ? kDeflateRatio : 0;
+    else if (id != kShuffle && id != kFletcher32)
+      ratio = 0;
   }
+  return ratio;
 }
 
 std::uint64_t check_fill_value(std::span<const std::byte> body) {

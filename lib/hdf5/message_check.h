@@ -20,7 +20,9 @@ struct StoredType {
 [[nodiscard]] StoredType check_datatype(std::span<const std::byte> body);
 /// The number of values per dimension; nothing for a space without values (null).
 [[nodiscard]] std::optional<std::vector<std::uint64_t>> check_dataspace(std::span<const std::byte> body);
-void check_filters(std::span<const std::byte> body);
+/// How many bytes of a chunk one stored byte can hold at most: 1 without compression, about 1,032 by deflate;
+/// 0 if other filters leave it open.
+[[nodiscard]] std::uint64_t check_filters(std::span<const std::byte> body);
 /// The size of the fill value; 0 if there is none.
 [[nodiscard]] std::uint64_t check_fill_value(std::span<const std::byte> body);
 /// Where a group keeps its links (index: 8 bytes) or an object its attributes (2 bytes) outside its header.

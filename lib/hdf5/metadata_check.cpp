@@ -40,6 +40,7 @@ struct MetadataCheck::Dataset {
   std::optional<std::vector<std::uint64_t>> space;
   std::optional<StoredLayout> layout;
   std::optional<std::uint64_t> fill_size;
+  std::uint64_t ratio = 1;  ///< check_filters()
 };
 
 MetadataCheck::MetadataCheck(const RawFile& file) : file_(file), root_(read_superblock()) {}
@@ -125,7 +126,7 @@ void MetadataCheck::check_message(const HeaderMessage& message, Dataset& dataset
       dataset.layout = check_layout(body);
       break;
     case MessageType::filters:
-      check_filters(body);
+      dataset.ratio = check_filters(body);
       break;
     case MessageType::attribute:
       if (const auto attribute = check_attribute(body))
@@ -163,7 +164,8 @@ void MetadataCheck::check_dataset(const Dataset& dataset) {
 void MetadataCheck::check_chunk_node(std::uint64_t address, const Dataset& dataset, int level) {
   const std::vector<std::uint64_t>& chunk = dataset.layout->chunk;
   const std::uint64_t key_size = 8 + 8 * chunk.size();
-  const std::uint64_t most = kMaxExpansion * checked_product(chunk) + kFilterBytes;
+  const std::uint64_t chunk_bytes = checked_product(chunk);
+  const std::uint64_t most = kMaxExpansion * chunk_bytes + kFilterBytes;
   require_sound(nodes_.insert(address).second);
   const auto bytes = file_.read(address, kNodeHead + (2 * chunk_k_ + 1) * key_size + 2 * chunk_k_ * 8);
   ByteCursor cursor(bytes);
@@ -184,6 +186,7 @@ void MetadataCheck::check_chunk_node(std::uint64_t address, const Dataset& datas
       check_chunk_node(child, dataset, head.level - 1);
     } else {
       require_sound(size > 0 && size <= most && file_.holds(child, size));
+      require_sound(dataset.ratio == 0 || chunk_bytes / dataset.ratio <= size);
       chunks_.push_back({child, child + size});
     }
   }

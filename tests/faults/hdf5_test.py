@@ -10,6 +10,7 @@ import pathlib
 import random
 import re
 import shutil
+import struct
 import subprocess
 import tempfile
 import threading
@@ -328,6 +329,20 @@ class ForeignHdf5(ChainTest):
             code, message, peak_kb = measured(name, *arguments)
             self.assertEqual((code, message), (1, f"{name}: {path}: /z cannot be read: it is damaged\n"))
             self.assertLess(peak_kb, 100_000)
+
+    def test_the_shape_of_a_chunk_costs_nothing(self):
+        """A chunk of 121 x 121 values says that it has 200 MB: more than deflate can hold in what is stored."""
+        path = self.path("shape.h5")
+        with h5py.File(self.chain.terrain) as file:
+            rows, columns = file["z"].chunks
+        content = bytearray(read_bytes(self.chain.terrain)[:seal_begin(read_bytes(self.chain.terrain))])
+        at = content.index(struct.pack("<III", rows, columns, 8))
+        content[at:at + 4] = struct.pack("<I", 200_000_000 // (8 * columns))
+        with open(path, "wb") as file:
+            file.write(content)
+        code, message, peak_kb = measured("landfall-info", path)
+        self.assertEqual((code, message), (1, f"landfall-info: {path}: /z cannot be read: it is damaged\n"))
+        self.assertLess(peak_kb, 100_000)
 
     def test_a_file_that_another_program_changed_is_read(self):
         """It has no seal any more."""
