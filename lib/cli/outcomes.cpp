@@ -68,6 +68,7 @@ void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& 
   session.conclude(grouped(returns.inside_count) + " returns in the map, " + grouped(returns.outside_count) +
                    " outside it; " + grouped(returns.empty_bins) + " of " +
                    grouped(static_cast<std::int64_t>(grid.size())) + " bins are empty");
+  for (const std::string& warning : returns.warnings) session.warn(warning);
 }
 
 ExitCode report_evaluation(Session& session, const std::string& dem, const Evaluation& evaluation,

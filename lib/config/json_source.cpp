@@ -76,12 +76,16 @@ class StrictnessCheck final : public JsonLevels {
 };
 
 /// The parser's message without its prefix and in plain ASCII: it quotes the bytes that it could not read, of
-/// which the last ones are the most useful.
+/// which the last ones are the most useful, or a number that is too large, of which the first ones are.
 std::string plain_message(const std::string& message) {
   constexpr std::string_view kQuote = "last read: '";
+  constexpr std::string_view kNumber = "number overflow parsing '";
   constexpr std::size_t kMax = 60;
   const std::size_t prefix = message.find("] ");
   std::string text = plain_ascii(prefix == std::string::npos ? message : message.substr(prefix + 2));
+  if (text.starts_with(kNumber))
+    return std::string(kNumber) + abbreviated(text.substr(kNumber.size(), text.size() - kNumber.size() - 1)) +
+           "'";
   const std::size_t quote = text.find(kQuote);
   if (quote == std::string::npos) return text;
   const std::size_t begin = quote + kQuote.size();
@@ -90,7 +94,22 @@ std::string plain_message(const std::string& message) {
   return text;
 }
 
+/// The parser takes a NUL byte for the end of the text. Columns are bytes, from 1; a byte order mark has
+/// none.
+void reject_nul(std::string_view text, const std::string& name) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::size_t nul = text.find('\0');
+  if (nul == std::string_view::npos) return;
+  const std::string_view before = text.substr(0, nul);
+  const auto line = 1 + std::ranges::count(before, '\n');
+  const std::size_t column = nul - (before.rfind('\n') + 1);  // npos + 1 is 0
+  throw UsageError(name + ": not valid JSON: a NUL byte at line " + std::to_string(line) + ", column " +
+                   std::to_string(column + 1));
+}
+
 Json parse(const std::string& text, const std::string& name) {
+  reject_nul(text, name);
   try {
     StrictnessCheck check(name);
     Json::sax_parse(text, &check, nlohmann::detail::input_format_t::json, true, true);

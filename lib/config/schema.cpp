@@ -17,6 +17,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "config/embedded_schemas.h"
+#include "config/schema_keys.h"
 
 namespace landfall {
 namespace {
@@ -193,8 +194,8 @@ class Resolver {
     const bool below = schema.contains("exclusiveMaximum");
     const bool has_least = above || schema.contains("minimum");
     const bool has_most = below || schema.contains("maximum");
-    const std::string least = has_least ? schema[above ? "exclusiveMinimum" : "minimum"].dump() : "";
-    const std::string most = has_most ? schema[below ? "exclusiveMaximum" : "maximum"].dump() : "";
+    const std::string least = has_least ? number_text(schema[above ? "exclusiveMinimum" : "minimum"]) : "";
+    const std::string most = has_most ? number_text(schema[below ? "exclusiveMaximum" : "maximum"]) : "";
     if (!has_most) return (above ? "> " : ">= ") + least;
     if (!has_least) return (below ? "< " : "<= ") + most;
     return std::string("in ") + (above ? "(" : "[") + least + ", " + most + (below ? ")" : "]");

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -37,11 +39,7 @@ std::string unit_of(const std::string& path) {
   return path.ends_with("_nm") ? "N m" : "";
 }
 
-/// 1e6 in its usual form instead of 1000000.0.
-std::string shown(const Json& value) {
-  const std::string text = value.dump();
-  return value.is_number() && text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
-}
+std::string shown(const Json& value) { return value.is_number() ? number_text(value) : value.dump(); }
 
 std::string bounds_of(const Json& schema) {
   std::string text;
@@ -181,5 +179,19 @@ class Walk {
 }  // namespace
 
 std::vector<SchemaKey> schema_keys(const Json& schema) { return Walk(schema).keys(); }
+
+std::string number_text(const Json& number) {
+  constexpr double kLong = 1e6;
+  const double value = number.get<double>();
+  std::string text = number.dump();
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.begin(), digits.end(), value, std::chars_format::scientific).ptr;
+  const std::string scientific(digits.begin(), end);  // 1e+06
+  if (std::abs(value) >= kLong && scientific.find('.') == std::string::npos) {
+    const std::size_t plus = scientific.find('+');
+    text = scientific.substr(0, plus) + scientific.substr(scientific.find_first_not_of("+0", plus));
+  }
+  return text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
+}
 
 }  // namespace landfall

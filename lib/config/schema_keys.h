@@ -28,4 +28,7 @@ struct SchemaKey {
 /// features.N".
 [[nodiscard]] std::vector<SchemaKey> schema_keys(const nlohmann::json& schema);
 
+/// A number of a schema as people write it: 64, 0.5, 1e9.
+[[nodiscard]] std::string number_text(const nlohmann::json& number);
+
 }  // namespace landfall

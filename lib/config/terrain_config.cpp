@@ -57,18 +57,13 @@ TerrainModel model_of(const Json& json) {
   return model;
 }
 
-MeshImport mesh_import(const Json& json, const std::string& name) {
+MeshImport mesh_import(const Json& json) {
   MeshImport mesh;
   mesh.path = json.at("path").get<std::string>();
   mesh.placement.scale_m = json.at("scale_m").get<double>();
   mesh.placement.rotate = roll_pitch_yaw(json.at("rotate_rpy_deg"), kRadiansPerDegree);
   const auto translate = json.at("translate_m").get<std::array<double, 3>>();
   mesh.placement.translate_m = Eigen::Vector3d(translate[0], translate[1], translate[2]);
-  const auto require_bounded = [&](const char* key, double value) {
-    require(std::abs(value) <= kLargestCoordinate_m, {name + ": /mesh", key}, value, "in [-1e12, 1e12]");
-  };
-  require_bounded("scale_m", mesh.placement.scale_m);
-  for (const double value : translate) require_bounded("translate_m", value);
   return mesh;
 }
 
@@ -102,7 +97,7 @@ Json resolve_terrain_config(const JsonSource& source) {
 TerrainConfig terrain_config(const Json& resolved, const std::string& name) {
   TerrainConfig config;
   if (resolved.contains("mesh")) {
-    config.mesh = mesh_import(resolved.at("mesh"), name);
+    config.mesh = mesh_import(resolved.at("mesh"));
     return config;
   }
   const Json& grid = resolved.at("grid");

@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "files/metrics_json.h"
+#include "hdf5/infinite_values.h"
 #include "hdf5/table.h"
 
 namespace landfall {
@@ -35,7 +37,8 @@ void write_holes(const LandfallFileWriter& file, const GridSpec& spec, const std
   const auto first_y = column(holes, [&](const Hole& hole) { return spec.y(hole.first.row); });
   const auto x = column(holes, &Hole::centroid_x_m);
   const auto y = column(holes, &Hole::centroid_y_m);
-  const auto distance = column(holes, &Hole::largest_distance_bins);
+  auto distance = column(holes, &Hole::largest_distance_bins);
+  std::ranges::replace_if(distance, is_infinite<double>, std::numeric_limits<double>::quiet_NaN());
   const std::array<ColumnRows, 9> rows = {std::span(id),  std::span(size),    std::span(row),
                                           std::span(col), std::span(first_x), std::span(first_y),
                                           std::span(x),   std::span(y),       std::span(distance)};
@@ -187,8 +190,14 @@ void EvaluationWriter::take(const CoverageLayers& layers) {
   grid().write("invalid", layers.invalid,
                {"1", "bin of the region without an elevation", {0, 1}, "valid invalid"});
   grid().write("hole_id", layers.hole_id, {"1", "number of the 8-connected hole, 0 for none"});
-  grid().write("distance_to_valid", layers.distance_to_valid,
-               {"1", "distance to the nearest valid bin, in bins"});
+  const GridLayerWriter::LayerText distance{"1", "distance to the nearest valid bin, in bins"};
+  if (std::ranges::none_of(layers.distance_to_valid.values(), is_infinite<float>)) {
+    grid().write("distance_to_valid", layers.distance_to_valid, distance);
+    return;
+  }
+  Grid<float> none = layers.distance_to_valid;  // the DEM has no valid bin
+  std::ranges::fill(none.values(), std::numeric_limits<float>::quiet_NaN());
+  grid().write("distance_to_valid", none, distance);
 }
 
 void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/file_description.h"
 
-#include <hdf5_hl.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -118,7 +116,9 @@ struct Group {
 std::vector<Group> groups_of(const LandfallFileReader& file) {
   std::vector<Group> groups;
   std::vector<DatasetEntry> layers = list_datasets(file.root());
-  std::erase_if(layers, [](const DatasetEntry& e) { return H5DSis_scale(e.dataset.get()) > 0; });
+  std::erase_if(layers, [](const DatasetEntry& e) {  // H5DSis_scale() frees a damaged class twice
+    return h5::read_text_attribute(e.dataset.get(), "CLASS") == "DIMENSION_SCALE";
+  });
   if (!layers.empty()) groups.push_back({kLayers, std::move(layers)});
   for (const std::string& name : list_groups(file.root())) {
     if (name == "provenance") continue;

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "hdf5/chunk_codec.h"
 #include "hdf5/grid_tiles.h"
+#include "hdf5/infinite_values.h"
 
 namespace landfall {
 namespace {
@@ -165,6 +166,7 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
   if (frame_ != CfFrame::local) h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
   if (!text.ancillary_variables.empty())
     h5::write_attribute(dataset.get(), "ancillary_variables", text.ancillary_variables);
+  if (!text.comment.empty()) h5::write_attribute(dataset.get(), "comment", text.comment);
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);
@@ -183,6 +185,7 @@ void GridLayerWriter::write_tile(hid_t dataset, const std::string& name, BinInde
 template <class T>
 void GridLayerWriter::write(const std::string& name, const Grid<T>& layer, const LayerText& text) {
   const h5::Handle dataset = begin<T>(name, text);
+  require_no_infinity(std::as_bytes(std::span(layer.values())), h5::TypeOf<T>::value, "layer " + name);
   write_tiles(dataset.get(), layer, {tile_of(spec_), {}}, compression_, name);
   ValueRange range;
   range.add(layer.values());
@@ -197,6 +200,7 @@ h5::Handle GridLayerWriter::begin(const std::string& name, const LayerText& text
 template <class T>
 void GridLayerWriter::write_rows(const h5::Handle& layer, const std::string& name,
                                  const Grid<T>& rows) const {
+  require_no_infinity(std::as_bytes(std::span(rows.values())), h5::TypeOf<T>::value, "layer " + name);
   write_tiles(layer.get(), rows, {tile_of(spec_), {rows.spec().first_row - spec_.first_row, 0}}, compression_,
               name);
 }
@@ -249,9 +253,9 @@ void GridLayerWriter::write_tiled(const std::vector<TiledLayer>& layers, const F
     fill(todo[i], values);
     for (std::size_t l = 0; l < layers.size(); ++l) {
       ranges[l] = range_of(todo[i], values[l]);
-      ChunkEncoder& encoder = encoders[l];  // clang 14 captures no structured binding
-      encoded[l] =
-          std::visit([&](const auto& v) { return encoder.encode(std::as_bytes(std::span(v))); }, values[l]);
+      const auto bytes = std::visit([](const auto& v) { return std::as_bytes(std::span(v)); }, values[l]);
+      require_no_infinity(bytes, layers[l].type, "layer " + layers[l].name);
+      encoded[l] = encoders[l].encode(bytes);
     }
   };
   std::vector<ValueRange> ranges(layers.size());

@@ -7,6 +7,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "files/stored_json.h"
+#include "hdf5/file_seal.h"
 #include "hdf5/h5_close.h"
 
 namespace landfall {
@@ -113,8 +114,14 @@ LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::
 void LandfallFileWriter::commit() {
   if (follows_cf_) h5::write_attribute(root(), "Conventions", std::string("CF-1.8"));
   h5::write_attribute(root(), "complete", std::int64_t{1});
+  const std::vector<haddr_t> objects = h5::object_addresses(root());
   if (const std::optional<std::string> failure = h5::close_file(file_))
     throw IoError("output " + output_.path().string() + ": closing failed: " + *failure);
+  try {
+    h5::seal_file(output_.temporary(), objects);
+  } catch (const IoError& error) {
+    throw IoError("output " + output_.path().string() + ": " + error.what());
+  }
   output_.commit();
 }
 

@@ -2,6 +2,7 @@
 #include "files/range_file.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"
@@ -186,6 +187,10 @@ std::vector<double> RangeFile::ranges_m(PulseSpan pulses, std::size_t pixel_coun
   std::vector<std::int32_t> pixel(range.size());
   const std::array<ColumnTarget, 2> targets = {std::span(range), std::span(pixel)};
   range_and_pixel_.read(static_cast<std::size_t>(rows.begin.front()), targets);
+  for (std::size_t i = 0; i < range.size(); ++i)
+    if (std::isinf(range[i]) || range[i] < 0)  // NaN is a miss
+      file_.fail("/points/range_true[" + std::to_string(rows.begin.front() + static_cast<std::int64_t>(i)) +
+                 "] is not a finite range >= 0");
   if (rows.hold_every_pixel(pixel, pixel_count)) return range;
   return by_pixel(rows, range, pixel, pixel_count);
 }

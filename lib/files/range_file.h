@@ -38,7 +38,7 @@ class RangeFile {
   [[nodiscard]] TerrainIdentity terrain() const;
 
   /// The true ranges, one per pixel and pulse, NaN for a miss; fastest if read in order. Throws FormatError
-  /// if the file's rows are inconsistent.
+  /// if the file's rows are inconsistent, or a range is infinite or negative.
   [[nodiscard]] std::vector<double> ranges_m(PulseSpan pulses, std::size_t pixel_count);
 
  private:

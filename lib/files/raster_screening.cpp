@@ -15,7 +15,8 @@ void screen_raster(const DemBase& dem, RasterLinks links) {
   for (const std::string& name : named_dem_files(dem, links)) {
     std::error_code unreachable;
     if (!std::filesystem::is_regular_file(name, unreachable)) continue;
-    if (const h5::Handle file = h5::open_for_its_kind(name)) h5::screen_file(file.get(), name);
+    h5::MetadataGuard guard(name);
+    if (const h5::Handle file = h5::open_for_its_kind(name)) h5::screen_file(file.get(), name, guard);
   }
 }
 

@@ -39,6 +39,13 @@ std::optional<ChunkFilters> our_filters(hid_t properties) {
   return std::nullopt;
 }
 
+/// Whether the file can hold so many bytes: a damaged size must not cost memory.
+bool is_stored(hid_t dataset, hsize_t size) {
+  const h5::Handle file(H5Iget_file_id(dataset), H5Fclose);
+  hsize_t file_size = 0;
+  return H5Fget_filesize(file.get(), &file_size) >= 0 && size <= file_size;
+}
+
 bool read_fully(int descriptor, std::uint64_t offset, std::span<std::byte> out) {
   while (!out.empty()) {
     const ssize_t count = ::pread(descriptor, out.data(), out.size(), static_cast<off_t>(offset));
@@ -64,7 +71,8 @@ std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const h
 
 bool load_chunk(hid_t dataset, std::span<const hsize_t> offset, StoredChunk& chunk) {
   hsize_t size = 0;
-  if (H5Dget_chunk_storage_size(dataset, offset.data(), &size) < 0 || size == 0) return false;
+  if (H5Dget_chunk_storage_size(dataset, offset.data(), &size) < 0 || size == 0 || !is_stored(dataset, size))
+    return false;
   chunk.bytes.resize(size);
   return H5Dread_chunk(dataset, H5P_DEFAULT, offset.data(), &chunk.filter_mask, chunk.bytes.data()) >= 0;
 }
@@ -76,7 +84,7 @@ bool ChunkFile::load(hid_t dataset, std::span<const hsize_t> offset, StoredChunk
     const std::lock_guard lock(h5::library_lock());
     if (!descriptor_) return load_chunk(dataset, offset, chunk);
     if (H5Dget_chunk_info_by_coord(dataset, offset.data(), &chunk.filter_mask, &address, &size) < 0 ||
-        address == HADDR_UNDEF || size == 0)
+        address == HADDR_UNDEF || size == 0 || !is_stored(dataset, size))
       return false;
   }
   chunk.bytes.resize(size);

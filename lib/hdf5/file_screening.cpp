@@ -35,10 +35,11 @@ constexpr const char* kAdvice =
 struct Link {
   std::string name;
   H5L_type_t type;
+  haddr_t address;  ///< of a hard link's object
 };
 
 herr_t add_link(hid_t /*group*/, const char* name, const H5L_info_t* info, void* links) {
-  static_cast<std::vector<Link>*>(links)->push_back({name, info->type});
+  static_cast<std::vector<Link>*>(links)->push_back({name, info->type, info->u.address});
   return 0;
 }
 
@@ -125,7 +126,7 @@ double chunk_count(const Extent& size, const Extent& chunk) {
 
 class Screening {
  public:
-  explicit Screening(const std::string& name) : name_(name) {}
+  Screening(const std::string& name, MetadataGuard& guard) : name_(name), guard_(guard) {}
 
   void screen(hid_t file) {
     H5O_info_t root;
@@ -161,6 +162,7 @@ class Screening {
       if (!is_utf8(link.name))
         fail(where.path + " holds an object whose name, '" + shown_word(link.name) + "', is not UTF-8");
       if (link.type != H5L_TYPE_HARD) refuse_link(group.get(), link, path);
+      guard_.check(link.address, path);
       screen_object(group.get(), link.name, path);
     }
   }
@@ -220,12 +222,15 @@ class Screening {
   }
 
   const std::string& name_;
+  MetadataGuard& guard_;
   std::vector<Group> groups_;  ///< not yet visited
   std::set<haddr_t> seen_;
 };
 
 }  // namespace
 
-void screen_file(hid_t file, const std::string& name) { Screening(name).screen(file); }
+void screen_file(hid_t file, const std::string& name, MetadataGuard& guard) {
+  Screening(name, guard).screen(file);
+}
 
 }  // namespace landfall::h5

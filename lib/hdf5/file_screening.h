@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "hdf5/metadata_guard.h"
+
 namespace landfall::h5 {
 
 /// Checks an HDF5 file before a reader opens its objects: all data must be in the named file, readable by
@@ -18,7 +20,7 @@ namespace landfall::h5 {
 /// - chunks of more than 256 MiB;
 /// - more than 256 MiB of values, if more than deflate could hold in the stored bytes;
 /// - more than 2^20 objects, or a group that cannot be listed.
-/// An object that cannot be opened because it is damaged is left to its reader.
-void screen_file(hid_t file, const std::string& name);
+/// `guard`, which was made before the file was opened, checks each object before HDF5 reads it.
+void screen_file(hid_t file, const std::string& name, MetadataGuard& guard);
 
 }  // namespace landfall::h5

@@ -24,10 +24,14 @@ void require(bool ok, const std::string& object) {
   if (!ok) checked(H5I_INVALID_HID, nullptr, object);
 }
 
-Handle variable_text_type() {
+/// A text of `size` bytes. Octave reads those that are declared as ASCII only.
+Handle text_type(const std::string& text, std::size_t size, H5T_str_t padding) {
+  const bool is_ascii =
+      std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) > 127; });
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), H5T_VARIABLE);
-  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  H5Tset_size(type.get(), size);
+  H5Tset_strpad(type.get(), padding);
+  H5Tset_cset(type.get(), is_ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
   return type;
 }
 
@@ -220,8 +224,8 @@ bool write_chunk(hid_t dataset, std::span<const hsize_t> offset, std::span<const
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::string& text) {
-  const char* const data = text.c_str();
-  write_scalar_attribute(object, name, variable_text_type().get(), static_cast<const void*>(&data));
+  const std::size_t size = std::max<std::size_t>(text.size(), 1);  // HDF5 has no text of size 0
+  write_scalar_attribute(object, name, text_type(text, size, H5T_STR_NULLPAD).get(), text.c_str());
 }
 
 void write_attribute(hid_t object, const std::string& name, double value) {
@@ -250,17 +254,14 @@ void write_attribute(hid_t object, const std::string& name, Type type, const std
 
 void write_text(hid_t parent, const TextDataset& what, const std::string& text) {
   const std::string& name = what.name;
-  const Handle type = variable_text_type();
+  const Handle type = text_type(text, text.size() + 1, H5T_STR_NULLTERM);  // netCDF reads up to the zero
   const Handle space = scalar_space();
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);
   const Handle dataset = checked(
       H5Dcreate2(parent, name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
       close_written, name);
-  const char* const data = text.c_str();
-  require(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                   static_cast<const void*>(&data)) >= 0,
-          name);
+  require(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0, name);
   write_attribute(dataset.get(), "units", std::string("1"));
   write_attribute(dataset.get(), "long_name", what.long_name);
 }

@@ -116,14 +116,15 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
 [[nodiscard]] bool write_chunk(hid_t dataset, std::span<const hsize_t> offset,
                                std::span<const std::byte> bytes);
 
+/// Texts have a fixed length: HDF5 keeps those of variable length in heaps, which have no checksum. An
+/// attribute is limited to 64 KiB.
 void write_attribute(hid_t object, const std::string& name, const std::string& text);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::vector<std::int8_t>& values);
 /// Two numbers of `type`, which must be able to hold them.
 void write_attribute(hid_t object, const std::string& name, Type type, const std::array<double, 2>& values);
-/// A scalar variable-length UTF-8 dataset with units and `long_name`. Used for JSON, because attributes are
-/// limited to 64 KiB.
+/// A scalar UTF-8 dataset with units and `long_name`. Used for JSON, which may be larger than an attribute.
 struct TextDataset {
   std::string name;
   std::string long_name;
@@ -134,7 +135,7 @@ void write_text(hid_t parent, const TextDataset& dataset, const std::string& tex
 /// screen_file() (file_screening.h), for example because of links to other files.
 Handle open_file(const std::filesystem::path& path);
 /// Opens a file without screening it, only to read the attributes of its root; an empty handle if it is not
-/// an HDF5 file. Throws FormatError if the system refuses access.
+/// an HDF5 file. Throws FormatError if the system refuses access or the file is damaged.
 [[nodiscard]] Handle open_for_its_kind(const std::filesystem::path& path);
 
 /// The functions below return "nothing" only if no object has that name, or if it is of another kind (a

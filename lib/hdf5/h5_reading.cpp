@@ -97,10 +97,11 @@ std::optional<std::string> read_string(hid_t file_type, hid_t space, const Read&
 Handle open_file(const std::filesystem::path& path) {
   require_regular_file(path);
   require_headroom(kHeadroom);
+  MetadataGuard guard(path);
   const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id >= 0) {
     Handle file(id, H5Fclose);
-    screen_file(id, path.string());
+    screen_file(id, path.string(), guard);
     return file;
   }
   const std::string reason = system_reason();
@@ -111,6 +112,7 @@ Handle open_file(const std::filesystem::path& path) {
 
 Handle open_for_its_kind(const std::filesystem::path& path) {
   require_headroom(kHeadroom);
+  const MetadataGuard guard(path);
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file) return file;
   const std::string reason = system_reason();

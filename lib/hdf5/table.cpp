@@ -15,6 +15,7 @@
 #include "hdf5/chunk_source.h"
 #include "hdf5/column_reader.h"
 #include "hdf5/dataset_list.h"
+#include "hdf5/infinite_values.h"
 
 namespace landfall {
 namespace {
@@ -163,6 +164,7 @@ void TableWriter::encode(TableChunk& chunk) const {
       load_copy(columns_[c], chunk, part.copy);
       part.stored = part.copy.bytes;
     } else {
+      require_no_infinity(part.rows, columns_[c].spec.type, "column " + columns_[c].spec.name);
       part.stored = part.encoder.encode(part.rows);
     }
   });

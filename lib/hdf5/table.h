@@ -72,7 +72,8 @@ class TableWriter {
   /// Adds rows; `rows` in the order of the columns, all of one length. Returns the chunks that became full,
   /// to be encoded and written.
   [[nodiscard]] std::vector<ChunkPtr> take(std::span<const ColumnRows> rows);
-  /// Compresses on all threads. Throws FormatError if a column to copy cannot be read.
+  /// Compresses on all threads. Throws FormatError if a column to copy cannot be read, or a value is
+  /// infinite.
   void encode(TableChunk& chunk) const;
   /// Throws IoError when writing fails.
   void write(ChunkPtr chunk);

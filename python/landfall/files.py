@@ -99,7 +99,7 @@ def _plain(value):
 def read(dataset, key):
     """The values at a key. Errors of HDF5 become a DataError that names the file and the dataset."""
     try:
-        return dataset.asstr()[key] if dataset.dtype.kind == "O" else dataset[key]
+        return dataset.asstr()[key] if h5py.check_string_dtype(dataset.dtype) else dataset[key]
     except (OSError, RuntimeError) as error:
         raise DataError(f"{dataset.file.filename}: {dataset.name}: {' '.join(str(error).split())}") from error
 

@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ToolTest, columns, read_bytes, run
+from harness import ToolTest, attributes, columns, read_bytes, run
 
 PAGES = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "terrain")
 PENITENTE_STREAM = 20
@@ -172,8 +172,9 @@ class Features(ToolTest):
             self.assertAlmostEqual(listed[name][0], value, delta=1e-12)
         with h5py.File(path) as file:
             kind = file["features/kind"]
-            self.assertEqual(kind.attrs["flag_meanings"].split()[kind[0]], feature["type"])
-            self.assertEqual(list(kind.attrs["flag_values"]), list(range(len(kind.attrs["flag_meanings"].split()))))
+            meanings = attributes(kind)["flag_meanings"].split()
+            self.assertEqual(meanings[kind[0]], feature["type"])
+            self.assertEqual(list(kind.attrs["flag_values"]), list(range(len(meanings))))
             for column in file["features"].values():
                 self.assertIn("units", column.attrs)
                 self.assertIn("long_name", column.attrs)

@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import TOOLS, ChainTest
+from harness import TOOLS, ChainTest, attributes
 
 FLOAT64, FLOAT32, INT64, INT32, INT8 = "<f8", "<f4", "<i8", "<i4", "|i1"
 POINTS = dict.fromkeys(["x_est", "y_est", "z_est", "x_true", "y_true", "z_true", "range_true", "range_measured"],
@@ -41,16 +41,16 @@ class Layout(ChainTest):
         ids = set()
         for name, kind in KINDS.items():
             with h5py.File(self.chain.output(name)) as file:
-                attributes = dict(file.attrs)
-                self.assertEqual(attributes["Conventions"], "CF-1.8")
-                self.assertEqual(attributes["format_name"], f"landfall.{kind}")
-                self.assertRegex(attributes["format_version"], r"^1\.\d+$")
-                self.assertRegex(attributes["file_id"], r"^[0-9a-f]{32}$")
-                self.assertEqual(attributes["complete"], 1)
-                self.assertRegex(attributes["source"], rf"^landfall {name} \d+\.\d+\.\d+ \(git .+\)$")
-                self.assertTrue(attributes["title"])
-                self.assertEqual(len(attributes["history"].splitlines()), len(CHAINS[name]) + 1)
-                ids.add(attributes["file_id"])
+                found = attributes(file)
+                self.assertEqual(found["Conventions"], "CF-1.8")
+                self.assertEqual(found["format_name"], f"landfall.{kind}")
+                self.assertRegex(found["format_version"], r"^1\.\d+$")
+                self.assertRegex(found["file_id"], r"^[0-9a-f]{32}$")
+                self.assertEqual(found["complete"], 1)
+                self.assertRegex(found["source"], rf"^landfall {name} \d+\.\d+\.\d+ \(git .+\)$")
+                self.assertTrue(found["title"])
+                self.assertEqual(len(found["history"].splitlines()), len(CHAINS[name]) + 1)
+                ids.add(found["file_id"])
         self.assertEqual(len(ids), 4)
 
     def test_provenance(self):
@@ -114,7 +114,7 @@ class Layout(ChainTest):
                     self.assertEqual(file[axis].dtype.str, FLOAT64)
                     np.testing.assert_allclose(file[axis], np.arange(-half, half + 1) * 0.1, rtol=0, atol=1e-15)
                 self.assertEqual(file["crs"].shape, ())
-                self.assertRegex(file["crs"].attrs["crs_wkt"], r"^[A-Z_]+\[")
+                self.assertRegex(attributes(file["crs"])["crs_wkt"], r"^[A-Z_]+\[")
 
     def test_large_grids_have_chunks_of_256_x_256(self):
         self.succeed("terrain-gen", "-o", self.path("t.h5"), "--set", "grid.half_width_m=20", "--set",
@@ -145,9 +145,9 @@ class Layout(ChainTest):
         listed = {name: (kind, unit) for names, kind, unit, _ in rows for name in re.findall("`/(.*?)`", names)}
         statuses = next(meaning for names, _, _, meaning in rows if names == "`/points/status`")
         with h5py.File(self.chain.scan) as file:
-            held = {name: (item.dtype.name, item.attrs["units"]) for name, item in items(file).items()
+            held = {name: (item.dtype.name, attributes(item)["units"]) for name, item in items(file).items()
                     if isinstance(item, h5py.Dataset) and item.shape}
-            flags = dict(file["points/status"].attrs)
+            flags = attributes(file["points/status"])
         self.assertEqual(listed, held)
         self.assertEqual(statuses, ", ".join(f"{value} {meaning.replace('_', ' ')}" for value, meaning in
                                              zip(flags["flag_values"], flags["flag_meanings"].split())))

@@ -7,7 +7,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, SCAN, ToolTest, read_bytes, with_values
+from harness import EVAL, REGRID, SCAN, ToolTest, attributes, read_bytes, with_values
 from raster_readers import obj_facets
 
 DATA = os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data"))
@@ -150,8 +150,8 @@ class MeshTest(ToolTest):
             np.testing.assert_allclose(file["mesh/vertices"][:], placed(vertices), atol=1e-15)
             self.assertEqual(file["mesh/triangles"].shape, (3212, 3))
             self.assertEqual(file["mesh/triangles"].dtype, np.int32)
-            self.assertEqual(file["mesh/vertices"].attrs["units"], "m")
-            self.assertIn("DEM frame", file["mesh/vertices"].attrs["long_name"])
+            self.assertEqual(attributes(file["mesh/vertices"])["units"], "m")
+            self.assertIn("DEM frame", attributes(file["mesh/vertices"])["long_name"])
         quiet = with_values(SCAN, noise={}, navigation_error={})
         for name, config in [("scan", quiet), ("noisy", SCAN)]:
             self.scan(terrain, config, name + ".h5", "--keep-misses").close()

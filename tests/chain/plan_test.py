@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import CONFIGS, ChainTest, columns, read_bytes, with_values
+from harness import CONFIGS, ChainTest, attributes, columns, read_bytes, with_values
 
 # The scan reaches 6 m from the origin, and the region 5 m, so that some returns lie outside the region.
 SCAN = with_values(CONFIGS["scan-sim"], scanner__pattern__half_width_m=6)
@@ -46,7 +46,7 @@ class Plan(ChainTest):
     def check_numbers(self, layers, count, frames, pulse, row, col):
         with h5py.File(self.path("plan.h5")) as file:
             plan = json.loads(file["plan_json"].asstr()[()])
-            self.assertEqual((file.attrs["format_name"], file.attrs["complete"]), ("landfall.plan", 1))
+            self.assertEqual((attributes(file)["format_name"], file.attrs["complete"]), ("landfall.plan", 1))
         y, x = np.mgrid[-50:51, -50:51]
         region = x ** 2 + y ** 2 < 50 ** 2
         np.testing.assert_array_equal(layers["in_region"], region)

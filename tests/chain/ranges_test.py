@@ -6,7 +6,7 @@ import unittest
 
 import h5py
 
-from harness import ChainTest, columns, read_bytes
+from harness import ChainTest, columns, read_bytes, set_text
 
 
 class RangesFrom(ChainTest):
@@ -64,6 +64,14 @@ class RangesFrom(ChainTest):
                         words=["source.h5", "/points/x_true", f"{length} rows where {rows}"],
                         output=self.path("out.h5"))
 
+    def test_ranges_that_no_ray_has_are_refused(self):
+        for value in (-1, float("inf"), float("-inf")):
+            self.scan("source.h5", *self.NO_LOSSES)
+            with h5py.File(self.path("source.h5"), "a") as file:
+                file["points/range_true"][1000] = value
+            self.refuse(1, *self.replay_arguments("source.h5", "replayed.h5"), output=self.path("replayed.h5"),
+                        words=[self.path("source.h5"), "/points/range_true[1000] is not a finite range >= 0"])
+
     def test_a_mismatch_names_the_key(self):
         self.scan("source.h5", *self.NO_LOSSES)
         for key, value in [("detector.subpixels", 2), ("detector.fill_factor", 0.5), ("detector.estimator", '"first"'),
@@ -98,7 +106,7 @@ class RangesFrom(ChainTest):
             self.scan("source.h5", *self.NO_LOSSES)
             with h5py.File(self.path("source.h5"), "r+") as file:
                 config = json.loads(file["provenance/config_json"].asstr()[()])
-                file["provenance/config_json"][()] = json.dumps(config | {key: value})
+                set_text(file, "provenance/config_json", json.dumps(config | {key: value}))
             self.refuse(2, *self.replay_arguments("source.h5", "out.h5", *self.NO_LOSSES), words=["source.h5"],
                         output=self.path("out.h5"))
 

@@ -2,11 +2,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Configurations of the four tools: from files, standard input, --set and --seed, and which ones are refused."""
 import json
+import math
 import os
 import subprocess
+import sys
 import unittest
 
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+# pylint: disable=wrong-import-position
 from harness import CONFIGS, INPUTS, TOOLS, ToolTest, tool, with_values
+from landfall.errors import UsageError
+from landfall.schema import read_json
 
 # A key of each tool's configuration, a valid value of it and one out of range.
 KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),
@@ -112,6 +118,28 @@ class Config(ToolTest):
             self.refuse(2, name, "-c", self.path("none.json"), "--check", words=["none.json"])
             self.refuse(2, name, "-c", self.folder, "--check", words=[self.folder])
 
+    def test_a_byte_order_mark_is_skipped_and_a_nul_byte_refused(self):
+        """With the same words as in a study's JSON. The JSON parser takes a NUL byte for the end of the text."""
+        path = self.path("config.json")
+        for content, at in ((b"\xef\xbb\xbf{}", None), (b"{}\0", (1, 3)), (b"{}\0garbage", (1, 3)), (b"\0", (1, 1)),
+                            (b'\xef\xbb\xbf{"seed": 1\0}', (1, 11)), (b'{\n"seed": 1}\n\0', (3, 1))):
+            with open(path, "wb") as file:
+                file.write(content)
+            if at is None:
+                self.succeed("terrain-gen", "-c", path, "--check")
+                self.assertEqual(read_json(path), {})
+                continue
+            place = f"a NUL byte at line {at[0]}, column {at[1]}"
+            self.refuse(2, "terrain-gen", "-c", path, "--check", words=[path, f"not valid JSON: {place}"])
+            with self.assertRaisesRegex(UsageError, f"not JSON: {place}$"):
+                read_json(path)
+
+    def test_a_number_of_many_digits_is_abbreviated(self):
+        for text in ("9" * 100000, "-" + "9" * 100000):
+            result = self.refuse(2, "terrain-gen", "-c", self.config('{"seed": %s}' % text), "--check",
+                                 words=["number overflow parsing '" + text[:20], "...'"])
+            self.assertLess(len(result.stderr), 300)
+
     def test_deep_nesting_is_refused(self):
         for name in TOOLS:
             self.refuse_config(name, '{"a":' * 50000 + "1" + "}" * 50000, ["config.json"])
@@ -216,6 +244,50 @@ class Assignments(ToolTest):
             self.assertEqual(self.resolved(name, "--seed", 2**53 - 1)["seed"], 2**53 - 1)
             for bad in ["-1", "x", "1.5", str(2**53)]:
                 self.refuse(2, name, "--check", "--seed", bad, words=["--seed"])
+
+
+def numbers(schema, path=""):
+    """(path, schema) of every number within a JSON schema."""
+    if isinstance(schema, list):
+        for index, item in enumerate(schema):
+            yield from numbers(item, f"{path}/{index}")
+    elif isinstance(schema, dict):
+        types = schema.get("type")
+        types = types if isinstance(types, list) else [types]
+        if "number" in types or "integer" in types:
+            yield path, schema
+        for key, item in schema.items():
+            yield from numbers(item, f"{path}/{key}")
+
+
+def is_bounded(schema):
+    return "enum" in schema or all(any(math.isfinite(schema.get(word, math.inf)) for word in words)
+                                   for words in (("minimum", "exclusiveMinimum"), ("maximum", "exclusiveMaximum")))
+
+
+class Bounds(ToolTest):
+    """No value may be so large that a result overflows."""
+
+    # They are values of keys, or factors of them, and the tools check the product.
+    OF_KEYS = ("/definitions/spaced/items", "/definitions/axis/properties/scale", "/definitions/draw/properties/normal",
+               "/definitions/draw/properties/uniform/items")
+
+    def test_every_number_of_every_schema_is_bounded(self):
+        for name in TOOLS:
+            schema = json.loads(self.succeed(name, "--print-schema").stdout)
+            found = dict(numbers(schema))
+            self.assertGreaterEqual(len(found), 4)
+            self.assertEqual([path for path, item in found.items() if not is_bounded(item)], [], name)
+        with open(os.path.join(os.environ["LANDFALL_ROOT"], "schemas", "study.schema.json"), encoding="utf-8") as file:
+            unbounded = [path for path, item in numbers(json.load(file)) if not is_bounded(item)]
+        self.assertEqual([path for path in unbounded if not path.startswith(self.OF_KEYS)], [])
+
+    def test_values_that_no_lidar_has_are_refused(self):
+        for name, key, value in (("scan-sim", "noise.range_sigma_m", 1e308), ("scan-sim", "noise.range_bias_m", -1e200),
+                                 ("scan-sim", "trajectory.position_m", [0, 0, 1e200]), ("scan-sim", "detector.distortion.k3", 1e300),
+                                 ("regrid", "uncertainty.range_sigma_m", 1e200), ("dem-eval", "footprint_m", 1e300),
+                                 ("terrain-gen", "base.slope_x", 1e308), ("terrain-gen", "base.elevation_m", -1e308)):
+            self.refuse(2, name, "--set", f"{key}={json.dumps(value)}", "--check", words=["/" + key.replace(".", "/"), " is not in "])
 
 
 if __name__ == "__main__":

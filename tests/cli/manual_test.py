@@ -164,9 +164,9 @@ class ManPage(ToolTest):
     @unittest.skipUnless(shutil.which("groff"), "groff-base is not installed")
     def test_a_key_has_type_unit_bounds_default_and_meaning(self):
         text = re.sub(r"\s+", " ", self.rendered("scan-sim"))
-        self.assertIn("laser.scan_time_s (number, s, above 0, at most 1000000; default 2)", text)
+        self.assertIn("laser.scan_time_s (number, s, above 0, at most 1e6; default 2)", text)
         self.assertIn('detector.estimator (one of "mean", "first", "median", "strongest"; default "mean")', text)
-        self.assertIn("mount.rpy_deg (array of 3 numbers, degrees; default [180,0,0])", text)
+        self.assertIn("mount.rpy_deg (array of 3 numbers, degrees, at least -1e9, at most 1e9; default [180,0,0])", text)
         self.assertIn('scanner.max_deflection_deg (number, degrees, above 0, at most 180; default 30)', text)
         self.assertIn("detector.subpixels (integer, at least 1, at most 64; default 1) Sub-rays per pixel along each axis: m gives m x m rays.", text)
 

@@ -9,7 +9,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ChainTest, read_bytes, run
+from harness import ChainTest, read_bytes, run, set_text
 
 
 class TerrainGen(ChainTest):
@@ -258,7 +258,7 @@ class Regrid(ChainTest):
     def test_an_invalid_history_is_ignored(self):
         for text in ("[1, 2]", '{"tool": 1}', '[{"tool": 1, "file_id": "a"}]', "no JSON"):
             def change(file, text=text):
-                file["provenance/chain_json"][()] = text
+                set_text(file, "provenance/chain_json", text)
             self.succeed("regrid", self.changed_scan(change), "--terrain", self.chain.terrain, "-O", "-o",
                          self.path("d.h5"), "-c", self.chain.config("regrid"))
 

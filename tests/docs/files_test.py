@@ -12,6 +12,7 @@ import unittest
 
 import h5py
 import page as pages
+from harness import attributes
 
 BIN = os.environ["LANDFALL_BIN"]
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
@@ -71,8 +72,8 @@ def datasets(path):
     with h5py.File(path) as file:
         def visit(name, item):
             if isinstance(item, h5py.Dataset):
-                kind = "text" if item.dtype == object else item.dtype.name
-                found["/" + name] = (kind, item.attrs["units"])
+                kind = "text" if item.dtype.kind in "OS" else item.dtype.name
+                found["/" + name] = (kind, attributes(item)["units"])
         file.visititems(visit)
     return found
 
@@ -108,13 +109,13 @@ class Files(unittest.TestCase):
             if page:
                 with h5py.File(self.path(name)) as file:
                     self.assertEqual([key for key in file.attrs if f"`{key}`" not in text], [])
-                    self.assertIn(f"`{file.attrs['format_name'].removeprefix('landfall')}`", text.replace("`landfall.", "`."))
+                    self.assertIn(f"`{attributes(file)['format_name'].removeprefix('landfall')}`", text.replace("`landfall.", "`."))
 
     def test_attributes_of_points(self):
         text = "\n".join(pages.Page("docs/user/files/scan.md").prose.values())
         with h5py.File(self.path("scan.h5")) as file:
             self.assertEqual([key for key in file["points"].attrs if f"`{key}`" not in text], [])
-            for value, meaning in enumerate(file["points/status"].attrs["flag_meanings"].split()):
+            for value, meaning in enumerate(attributes(file["points/status"])["flag_meanings"].split()):
                 self.assertIn(f"{value} {meaning.replace('_', ' ')}", text)
 
     def test_metrics(self):

@@ -10,23 +10,56 @@ import pathlib
 import random
 import re
 import shutil
+import struct
+import subprocess
+import tempfile
+import threading
 import unittest
 import zlib
 
 import h5py
 import numpy as np
 
-from harness import SCAN, TOOLS, ChainTest, read_bytes, with_values
+from harness import SANITIZED, SCAN, TOOLS, Chain, ChainTest, read_bytes, set_text, tool, with_values
 
 GIB = 1 << 30
 
 
-def stored_chunks(item):
-    """Address and size of each chunk of a dataset whose statistics landfall-info shows."""
-    if not isinstance(item, h5py.Dataset) or not item.chunks or item.name.startswith(("/features", "/holes")):
+def stored_chunks(item, unread=("/features", "/holes")):
+    """Address and size of each chunk of a dataset, by default of those whose statistics landfall-info shows."""
+    if not isinstance(item, h5py.Dataset) or not item.chunks or item.name.startswith(unread):
         return []
     chunks = [item.id.get_chunk_info(i) for i in range(item.id.get_num_chunks())]
     return [(chunk.byte_offset, chunk.size) for chunk in chunks]
+
+
+def seal_begin(content):
+    """The size of a file before its seal (lib/hdf5/file_seal.h)."""
+    return int.from_bytes(content[-56:-48], "little") if content.endswith(b"landfall seal 1\n") else len(content)
+
+
+def metadata_places(path):
+    """Offsets of all bytes before the seal that are not chunks."""
+    chunks = []
+    with h5py.File(path) as file:
+        file.visititems(lambda _, item: chunks.extend(stored_chunks(item, ())))
+    is_chunk = np.zeros(seal_begin(read_bytes(path)), bool)
+    for begin, count in chunks:
+        is_chunk[begin:begin + count] = True
+    return np.flatnonzero(~is_chunk).tolist()
+
+
+def measured(name, *arguments):
+    """Runs a tool: exit code, stderr and peak memory in kB. Kills it after 10 s."""
+    with tempfile.TemporaryFile("w+") as stderr:
+        with subprocess.Popen([tool(name), *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=stderr) as process:
+            timer = threading.Timer(10 if not SANITIZED else 300, process.kill)
+            timer.start()
+            _, status, usage = os.wait4(process.pid, 0)
+            timer.cancel()
+            process.returncode = os.waitstatus_to_exitcode(status)
+        stderr.seek(0)
+        return process.returncode, stderr.read(), usage.ru_maxrss
 
 
 def external_link(file, name, target):
@@ -134,8 +167,8 @@ class ForeignHdf5(ChainTest):
             with h5py.File(path, "a") as file:
                 texts = file["provenance"]
                 for name in ("inputs_json", "chain_json"):
-                    texts[name][()] = json.dumps(with_paths(json.loads(texts[name].asstr()[()]), self.target))
-                texts["config_json"][()] = json.dumps({**json.loads(texts["config_json"].asstr()[()]), **keys})
+                    set_text(texts, name, json.dumps(with_paths(json.loads(texts[name].asstr()[()]), self.target)))
+                set_text(texts, "config_json", json.dumps({**json.loads(texts["config_json"].asstr()[()]), **keys}))
             return path
         terrain = poisoned(self.chain.terrain, base=[{"type": "dem", "path": self.target}])
         scan = poisoned(self.chain.scan, trajectory={"type": "table", "path": self.target})
@@ -223,6 +256,102 @@ class ForeignHdf5(ChainTest):
                     file.write(content)
                 with self.subTest(name=name, number=number, at=at):
                     self.refuse(1, "landfall-info", self.path("damaged.h5"), words=["is corrupt"])
+
+    def test_damaged_metadata_end_in_one_message(self):
+        """One flipped bit, with and without the seal that shows it, through every tool that reads the kind."""
+        runs = 5000 if os.environ.get("LANDFALL_TEST_LONG") else 120
+        out = self.path("out")
+        self.succeed("scan-sim", "--plan", "-c", self.chain.config("scan-sim"), "-o", self.path("plan.h5"))
+        mesh = self.config("v 0 0 0\nv 9 0 0\nv 0 9 1\nf 1 2 3\n", "m.obj")
+        self.succeed("terrain-gen", "--from", mesh, "-o", self.path("mesh.h5"))
+        ranges = Chain(noise__dead_pixel_frac=0, noise__dropout_frac=0)
+        self.addCleanup(ranges.remove)
+        scan, regrid, judge = (["-c", self.chain.config(name), "-o", out, "-O"] for name in ("scan-sim", "regrid", "dem-eval"))
+        readers = {self.chain.terrain: [["scan-sim", *scan, "--terrain"]],
+                   self.path("mesh.h5"): [["scan-sim", *scan, "--terrain"]],
+                   ranges.scan: [["regrid", *regrid], ["scan-sim", "--terrain", ranges.terrain, "-c", ranges.config("scan-sim"),
+                                                       "-o", out, "-O", "--ranges-from"]],
+                   self.chain.dem: [["dem-eval", *judge]], self.chain.eval: [], self.path("plan.h5"): []}
+        contents = {source: read_bytes(source) for source in readers}
+        places = {source: metadata_places(source) for source in readers}
+        choose, damaged, largest_kb = random.Random(runs), self.path("damaged.h5"), 0
+        for number in range(runs):
+            source = list(readers)[number % len(readers)]
+            is_sealed = choose.random() < 0.25
+            content = bytearray(contents[source][:None if is_sealed else seal_begin(contents[source])])
+            at, bit = choose.choice(places[source]), choose.randrange(8)
+            content[at] ^= 1 << bit
+            with open(damaged, "wb") as file:
+                file.write(content)
+            name, *arguments = choose.choice([*readers[source], ["landfall-info"], ["landfall-export", "-o", out + ".csv", "-O"]])
+            with self.subTest(source=os.path.basename(source), name=name, at=at, bit=bit, is_sealed=is_sealed):
+                code, message, peak_kb = measured(name, *arguments, damaged)
+                self.assertIn(code, (1,) if is_sealed else (0, 1, 2), message)
+                if code:
+                    self.assertIn(f"\n{name}: ", "\n" + message)
+                largest_kb = max(largest_kb, peak_kb)
+        self.assertLess(largest_kb, 500_000)
+        self.assertEqual([entry for entry in self.entries() if entry.endswith(".part")], [])
+
+    def test_a_damaged_heap_is_refused(self):
+        """Texts of variable length lie in heaps; HDF5 1.10 crashes on the index of an object that a heap does not hold."""
+        path = self.copy(self.chain.terrain, "heap.h5")
+        with h5py.File(path, "a") as file:
+            for name in ("title", "source", "format_name", "file_id"):
+                text = file.attrs[name].decode()
+                del file.attrs[name]
+                file.attrs[name] = text
+        content, values = read_bytes(path), random.Random(1)
+        first = content.index(b"GCOL")
+        for at in range(first, first + 195, 3):
+            damaged = bytearray(content)
+            damaged[at] ^= 1 << values.randrange(8)
+            with open(self.path("damaged.h5"), "wb") as file:
+                file.write(damaged)
+            with self.subTest(at=at - first):
+                code, message, _ = measured("landfall-info", self.path("damaged.h5"))
+                self.assertIn(code, (0, 1), message)
+
+    def test_the_size_of_a_chunk_costs_nothing(self):
+        """The index of the chunks says 4 GB."""
+        path = self.copy(self.chain.terrain, "size.h5")
+        with h5py.File(path, "a") as file:
+            file.attrs["remark"] = "without a seal"
+            size = file["z"].id.get_chunk_info(0).size
+        content = bytearray(read_bytes(path))
+        at = content.index(b"TREE\x01\x00")
+        while int.from_bytes(content[at + 24:at + 28], "little") != size:
+            at = content.index(b"TREE\x01\x00", at + 1)
+        content[at + 27] = 0xfa
+        with open(path, "wb") as file:
+            file.write(content)
+        for name, *arguments in [("landfall-info", path), ("scan-sim", "-o", self.path("out.h5"), "--terrain", path)]:
+            code, message, peak_kb = measured(name, *arguments)
+            self.assertEqual((code, message), (1, f"{name}: {path}: /z cannot be read: it is damaged\n"))
+            self.assertLess(peak_kb, 100_000)
+
+    def test_the_shape_of_a_chunk_costs_nothing(self):
+        """A chunk of 121 x 121 values says that it has 200 MB: more than deflate can hold in what is stored."""
+        path = self.path("shape.h5")
+        with h5py.File(self.chain.terrain) as file:
+            rows, columns = file["z"].chunks
+        content = bytearray(read_bytes(self.chain.terrain)[:seal_begin(read_bytes(self.chain.terrain))])
+        at = content.index(struct.pack("<III", rows, columns, 8))
+        content[at:at + 4] = struct.pack("<I", 200_000_000 // (8 * columns))
+        with open(path, "wb") as file:
+            file.write(content)
+        code, message, peak_kb = measured("landfall-info", path)
+        self.assertEqual((code, message), (1, f"landfall-info: {path}: /z cannot be read: it is damaged\n"))
+        self.assertLess(peak_kb, 100_000)
+
+    def test_a_file_that_another_program_changed_is_read(self):
+        """It has no seal any more."""
+        path = self.copy(self.chain.dem, "changed.h5")
+        self.assertLess(seal_begin(read_bytes(path)), os.path.getsize(path))
+        with h5py.File(path, "a") as file:
+            file.attrs["remark"] = "mine"
+        self.assertEqual(seal_begin(read_bytes(path)), os.path.getsize(path))
+        self.succeed("landfall-info", path)
 
     def test_unusual_but_valid_files_are_read(self):
         """A hard link, a group that contains itself, and a layer of fill values only."""

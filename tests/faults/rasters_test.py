@@ -5,6 +5,7 @@
 The file that must not be opened is a pipe, because opening it would block.
 """
 import os
+import struct
 import unittest
 
 import h5py
@@ -167,7 +168,27 @@ class Rasters(ToolTest):
     def test_only_formats_of_rasters_are_opened(self):
         for name, text in {"service.xml": "<GDAL_WMS><Service name='TMS'><ServerUrl>http://127.0.0.1:9/</ServerUrl></Service></GDAL_WMS>",
                            "index.gti": "<GDALTileIndexDataset><IndexDataset>secret.img</IndexDataset></GDALTileIndexDataset>"}.items():
-            self.assert_refused(self.write(name, text), name + ": is not in a supported raster format")
+            self.assert_refused(self.write(name, text), name + ": is ", "raster format" if name == "index.gti" else "in the format WMS (")
+
+    def test_formats_that_gdal_knows_and_terrain_gen_does_not_read_are_named(self):
+        cards = ["SIMPLE  =                    T", "BITPIX  =                   16", "NAXIS   =                    2",
+                 "NAXIS1  =                    2", "NAXIS2  =                    2", "END"]
+        pixels = bytes(16)
+        for name, format_name, content in (
+                ("a.fits", "FITS (Flexible Image Transport System)", "".join(card.ljust(80) for card in cards).ljust(2880).encode() + bytes(2880)),
+                ("a.pgm", "PNM (Portable Pixmap Format (netpbm))", b"P5\n4 4\n255\n" + pixels),
+                ("a.gif", "GIF (Graphics Interchange Format (.gif))", b"GIF89a" + struct.pack("<HHBBB", 4, 4, 0, 0, 0) + pixels),
+                ("a.bmp", "BMP (MS Windows Device Independent Bitmap)",
+                 b"BM" + struct.pack("<IIIIiiHHIIiiII", 118, 0, 54, 40, 4, 4, 1, 8, 0, 0, 0, 0, 0, 0) + pixels)):
+            self.assert_refused(self.write(name, content), f"{name}: is in the format {format_name}, which terrain-gen does not read; convert it")
+
+    def test_a_usgs_dem_that_lacks_columns_is_truncated(self):
+        corners = (-241200, 176400, -241200, 180000, -237600, 180000, -237600, 176400)
+        head = (" " * 144 + "     1     1     0     0").ljust(528) + "     3     2     4" + "".join(f"{value:24.12e}" for value in corners)
+        head = (head + f"{0:24.12e}{1127:24.12e}{0:24.12e}     0{3:12.6e}{3:12.6e}{1:12.6e}     1     1").ljust(1024)
+        profile = f"     1     1  1201     1{-241200:24.12e}{176400:24.12e}{0:24.12e}{0:24.12e}{127:24.12e}".ljust(144) + "     1" * 146
+        self.assert_refused(self.write("cut.dem", head + profile.ljust(1024)),
+                            "cut.dem: holds 1 of about 1201 columns between the corners of a USGS DEM: it is truncated or damaged")
 
     def test_references_of_an_hdf5_raster_are_refused(self):
         target, path = self.pipe(), self.path("data/layers.h5")

@@ -95,6 +95,17 @@ def returns_of(path):
     return {name: values[keep] for name, values in points.items()}
 
 
+def attributes(item):
+    """The attributes of an h5py object; texts of fixed length as str."""
+    return {name: value.decode() if isinstance(value, bytes) else value for name, value in item.attrs.items()}
+
+
+def set_text(file, name, text):
+    """Replaces a text, whose length is fixed, by another one."""
+    del file[name]
+    file[name] = text
+
+
 class ToolTest(unittest.TestCase):
     """A test with its own empty folder, and checks of exit codes, outputs and messages."""
 

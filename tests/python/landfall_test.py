@@ -21,7 +21,7 @@ sys.dont_write_bytecode = True
 
 # pylint: disable=wrong-import-position
 import landfall
-from landfall import tools
+from landfall import files, tools
 from landfall.study import results
 
 GRID = {"grid": {"half_width_m": 4, "resolution_m": 0.1}, "features": [{"type": "cone", "x_m": 1, "radius_m": 1, "height_m": 0.5}]}
@@ -79,13 +79,13 @@ class Grids(Chain):
             layers = [name for name in file if name not in ("x", "y", "crs") and isinstance(file[name], h5py.Dataset)]
             self.assertEqual(sorted(dem.data_vars), sorted(layers))
             for name in (*layers, "x", "y"):
-                self.assertEqual(dem[name].attrs["units"], file[name].attrs["units"])
-                self.assertEqual(dem[name].attrs["long_name"], file[name].attrs["long_name"])
+                self.assertEqual(dem[name].attrs["units"], file[name].attrs["units"].decode())
+                self.assertEqual(dem[name].attrs["long_name"], file[name].attrs["long_name"].decode())
                 self.assertEqual(dem[name].dtype, file[name].dtype)
             self.assertEqual(dem["z_est"].dims, ("y", "x"))
             self.assertNotIn("grid_mapping", dem["z_est"].attrs)  # a local frame
-            self.assertEqual(dem["z_est"].crs.attrs["crs_wkt"], file["crs"].attrs["crs_wkt"])
-            self.assertEqual(dem.attrs, dict(file.attrs))
+            self.assertEqual(dem["z_est"].crs.attrs["crs_wkt"], file["crs"].attrs["crs_wkt"].decode())
+            self.assertEqual(dem.attrs, files.attributes(file))
             self.assertTrue(np.isnan(dem["z_est"].encoding["_FillValue"]))
             np.testing.assert_array_equal(dem["z_est"], file["z_est"][()])
 

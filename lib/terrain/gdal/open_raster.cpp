@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -18,6 +19,7 @@
 #include "base/regular_file.h"
 #include "terrain/gdal/classic_netcdf.h"
 #include "terrain/gdal/raster_files.h"
+#include "terrain/gdal/registry.h"
 #include "terrain/mesh/mesh_name.h"
 
 namespace landfall {
@@ -68,6 +70,10 @@ std::string promised_format(const std::string& path) {
   if (is_mesh_name(dem.path))
     throw FormatError(
         dem.path + R"(: is a mesh by its extension; configure it as "mesh": {"path": ..}, not as a raster)");
+  if (const std::string unread = unread_format(dem.path); !unread.empty())
+    throw FormatError(
+        dem.path + ": is in the format " + unread +
+        ", which terrain-gen does not read; convert it, for example with gdal_translate FILE out.tif");
   const std::string format = promised_format(dem.path);
   if (!format.empty())
     throw FormatError(dem.path + ": begins as a " + format +
@@ -113,6 +119,34 @@ void require_whole_dted(const OpenRaster& raster, const DemBase& dem) {
                       " columns of a complete DTED cell: it is truncated; get or export it again");
 }
 
+/// The header of a USGS DEM gives its corners, from which its columns follow; GDAL reads fewer if they are
+/// not there.
+void require_whole_usgs_dem(const OpenRaster& raster, const DemBase& dem) {
+  if (std::string_view(GDALGetDriverShortName(raster.dataset->GetDriver())) != "USGSDEM") return;
+  constexpr std::size_t kCorners = 546;
+  constexpr std::size_t kSpacing = 816;
+  constexpr std::size_t kDigits = 24;
+  std::array<char, 1024> head{};
+  VSILFILE* const file = VSIFOpenL(dem.path.c_str(), "rb");
+  if (file == nullptr) return;
+  VSIFReadL(head.data(), 1, head.size(), file);
+  VSIFCloseL(file);
+  const auto number = [&](std::size_t begin, std::size_t size) {
+    std::string text(head.data() + begin, size);
+    std::ranges::replace(text, 'D', 'e');
+    return CPLAtof(text.c_str());
+  };
+  const auto corner_x = [&](std::size_t corner) { return number(kCorners + 2 * kDigits * corner, kDigits); };
+  const double west = std::min(corner_x(0), corner_x(1));
+  const double east = std::max(corner_x(2), corner_x(3));
+  const double columns = std::round((east - west) / number(kSpacing, 12)) + 1;
+  if (static_cast<double>(raster.size.cols) < columns / 2 && columns < 1e6)  // corners are not exact
+    throw FormatError(
+        dem.path + ": holds " + std::to_string(raster.size.cols) + " of about " +
+        std::to_string(static_cast<std::int64_t>(columns)) +
+        " columns between the corners of a USGS DEM: it is truncated or damaged; get or export it again");
+}
+
 /// A header beside an image of another format (FILE.hdr beside FILE.pgm) makes the drivers of raw rasters
 /// read the image's own header and samples as elevations.
 void require_own_data(const OpenRaster& raster, const DemBase& dem) {
@@ -128,6 +162,7 @@ void require_own_data(const OpenRaster& raster, const DemBase& dem) {
 
 void require_usable(const OpenRaster& raster, const DemBase& dem) {
   const auto [rows, cols] = raster.size;
+  require_whole_usgs_dem(raster, dem);
   if (rows < 2 || cols < 2)
     throw FormatError(dem.path + ": " + std::to_string(cols) + " x " + std::to_string(rows) +
                       " pixels are fewer than 2 x 2, which a surface needs; is it a cut or truncated file?");

@@ -52,6 +52,19 @@ class Drivers {
     }
   }
 
+  [[nodiscard]] std::string unread_format(const std::string& path) const {
+    GDALOpenInfo info(path.c_str(), GA_ReadOnly);
+    for (GDALDriver* const driver : all_) {
+      const bool is_unread = driver->GetMetadataItem(GDAL_DCAP_RASTER) != nullptr &&
+                             !contains(kRasterDrivers, driver->GetDescription());
+      if (is_unread && driver->pfnIdentify != nullptr && driver->pfnIdentify(&info) == TRUE) {
+        const char* const name = driver->GetMetadataItem(GDAL_DMD_LONGNAME);
+        return driver->GetDescription() + (name != nullptr ? " (" + std::string(name) + ")" : "");
+      }
+    }
+    return "";
+  }
+
  private:
   GDALDriverManager& manager_ = *GetGDALDriverManager();
   std::vector<GDALDriver*> all_;
@@ -86,6 +99,11 @@ void prepare_gdal_to_read(const std::string& path, Unguarded unguarded) {
 void prepare_gdal_to_write() {
   const std::lock_guard guard(registry_lock());
   drivers().offer([](const char*) { return true; });
+}
+
+std::string unread_format(const std::string& path) {
+  const std::lock_guard guard(registry_lock());
+  return drivers().unread_format(path);
 }
 
 const char* const* raster_drivers() { return kRasterDrivers; }

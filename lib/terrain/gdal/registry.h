@@ -21,4 +21,8 @@ void prepare_gdal_to_write();
 /// null.
 [[nodiscard]] const char* const* raster_drivers();
 
+/// The raster format, among those that are not in raster_drivers(), that GDAL recognises in the first bytes
+/// of a local file: "FITS (Flexible Image Transport System)". Empty if it recognises none.
+[[nodiscard]] std::string unread_format(const std::string& path);
+
 }  // namespace landfall

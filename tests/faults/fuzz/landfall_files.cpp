@@ -126,7 +126,7 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   const PoseTrack poses({read_scan_poses(scans.front()->file())});
   gridded.uncertainty = std::make_unique<UncertaintyMap>(*gridded.nearest, *gridded.moments, gridded.slopes,
                                                          poses, UncertaintyParameters{.range_sigma_m = 0.02});
-  const DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true};
+  const DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true, "nothing"};
   LandfallFileWriter file({path}, "dem", provenance);
   write_dem(file, gridded, request, scans.front()->crs_wkt());
 }
@@ -218,7 +218,7 @@ std::vector<std::byte> bytes_of(const fs::path& path) {
 }
 
 LandfallFile load(const char* kind, const fs::path& path) {
-  LandfallFile result{kind, {}, {}, {}};
+  LandfallFile result{kind, {}, bytes_of(path), {}, {}};
   h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   H5Ovisit2(file.get(), H5_INDEX_NAME, H5_ITER_INC, add_object, &result, H5O_INFO_BASIC);
   unchunk_tables(file.get(), result.objects);

@@ -12,9 +12,10 @@ namespace landfall::fuzz {
 
 /// A small valid file, as our own tools write it.
 struct LandfallFile {
-  std::string kind;  ///< terrain, mesh, scan, dem, evaluation, plan or table
-  std::vector<std::byte> bytes;
-  std::vector<std::string> objects;                             ///< paths of groups and datasets, "/" first
+  std::string kind;                  ///< terrain, mesh, scan, dem, evaluation, plan or table
+  std::vector<std::byte> bytes;      ///< unsealed, with few chunks
+  std::vector<std::byte> sealed;     ///< as it was written
+  std::vector<std::string> objects;  ///< paths of groups and datasets, "/" first
   std::vector<std::pair<std::string, std::string>> attributes;  ///< object and name
 };
 

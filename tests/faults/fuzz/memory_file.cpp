@@ -47,4 +47,8 @@ void MemoryFile::fill(std::span<const std::byte> bytes) {
   }
 }
 
+void MemoryFile::put(std::size_t offset, std::byte value) {
+  require(::pwrite(descriptor_, &value, 1, static_cast<off_t>(offset)) == 1);
+}
+
 }  // namespace landfall::fuzz

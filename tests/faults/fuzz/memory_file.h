@@ -17,9 +17,11 @@ class MemoryFile {
   MemoryFile& operator=(const MemoryFile&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Replaces the file by a new one with this content: a file that libhdf5 failed to close, because the harness
-  /// damaged it while it was open, cannot be opened again.
+  /// Replaces the file by a new one with this content: a file that libhdf5 failed to close, because the
+  /// harness damaged it while it was open, cannot be opened again.
   void fill(std::span<const std::byte> bytes);
+  /// Replaces one byte.
+  void put(std::size_t offset, std::byte value);
 
  private:
   void create();

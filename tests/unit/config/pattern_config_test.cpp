@@ -132,7 +132,7 @@ TEST(PatternConfig, RefusalsNameFileKeyValueAndBound) {
   refuses(R"({"type": "step_stare", "pulses_per_step": 0})", "/pulses_per_step", "0", "1");
   refuses(R"({"type": "step_stare", "at_end": "hold"})", "/at_end", "hold", "wrap");
   refuses(R"({"type": "line_search", "ramped": 1})", "/ramped", "1", "boolean");
-  refuses(R"({"type": "line_search", "half_width_m": 0})", "/half_width_m", "0", "is not > 0");
+  refuses(R"({"type": "line_search", "half_width_m": 0})", "/half_width_m", "0", "is not in (0, 1e9]");
   for (const char* const key : {"rows", "columns"})
     for (const char* const type : {"line_search", "step_stare"}) {
       const std::string pattern = R"({"type": ")" + std::string(type) + R"(", ")" + key + "\": ";

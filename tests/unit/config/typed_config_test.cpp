@@ -65,13 +65,8 @@ TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
               "c.json: /" + key + ": is mutually exclusive with /mesh; remove one");
   EXPECT_THAT(refused(R"({"mesh": {}})"), HasSubstr("/mesh: needs the key \"path\""));
   EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 0}})"), HasSubstr("/mesh/scale_m"));
-  EXPECT_THAT(
-      refusal([] {
-        static_cast<void>(terrain_config(
-            resolve_terrain_config({"c.json", Json::parse(R"({"mesh": {"path": "m", "scale_m": 1e13}})")}),
-            "c.json"));
-      }),
-      HasSubstr("c.json: /mesh/scale_m: 1e+13 is not in [-1e12, 1e12]"));
+  EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 1e13}})"),
+              HasSubstr("/mesh/scale_m: 10000000000000.0 is not in (0, 1e12]"));
 }
 
 TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {
@@ -195,7 +190,7 @@ TEST(ScanModel, EveryEstimatorHasAName) {
 
 TEST(ScanModel, ATableOfPixelsIsReadByTheLoader) {
   const std::string config =
-      R"({"detector": {"rows": 1, "columns": 2, "distribution": {"path": "p.csv"}, "distortion": {"k1": -1e9}}})";
+      R"({"detector": {"rows": 1, "columns": 2, "distribution": {"path": "p.csv"}, "distortion": {"k1": -1e5}}})";
   const auto load = [](double k1) {
     const auto table = [](const std::string& path, const std::string& role, const TableColumns&) {
       EXPECT_EQ(path + " as " + role, "p.csv as pixels");

@@ -55,18 +55,44 @@ struct SmallScan {
   }
 };
 
-ScanPoints read_all(const SmallScan& scan) {
-  const TemporaryFolder folder;
-  scan.write(folder / "scan.h5");
-  ScanReader reader(folder / "scan.h5");
+ScanPoints read_all(const std::filesystem::path& path) {
+  ScanReader reader(path);
   ScanPoints points;
   reader.read(0, reader.row_count(), points);
   return points;
 }
 
+ScanPoints read_all(const SmallScan& scan) {
+  const TemporaryFolder folder;
+  scan.write(folder / "scan.h5");
+  return read_all(folder / "scan.h5");
+}
+
 std::string failure(const SmallScan& scan) {
   try {
     static_cast<void>(read_all(scan));
+  } catch (const FormatError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// How reading fails after another program has set one value of the file.
+std::string failure_with(const std::string& column, hsize_t row, double value) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "scan.h5";
+  SmallScan{.options = {.keep_misses = true}}.write(path);
+  h5::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+  h5::Handle dataset = h5::open_dataset(file.get(), column);
+  h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  EXPECT_GE(H5Sselect_elements(space.get(), H5S_SELECT_SET, 1, &row), 0);
+  const h5::Handle memory(H5Screate(H5S_SCALAR), H5Sclose);
+  EXPECT_GE(H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), H5P_DEFAULT, &value), 0);
+  space.reset();
+  dataset.reset();
+  file.reset();
+  try {
+    static_cast<void>(read_all(path));
   } catch (const FormatError& error) {
     return error.what();
   }
@@ -87,10 +113,10 @@ TEST(ScanReader, ReadsTheReturnsWithTheirTimes) {
 // Row 4 is the third return: rows are those of the file, also where misses before it are left out.
 TEST(ScanReader, NamesTheRowAndColumnOfTheFileThatIsNotFinite) {
   for (const auto member : kCoordinates)
-    for (const double value : {kNan, kInfinity, -kInfinity})
-      EXPECT_THAT(failure({.options = {.keep_misses = true},
-                           .change = [&](PulseBatch& b) { (b.points.*member)[4] = value; }}),
-                  EndsWith("/points/" + std::string(name_of(member)) + "[4] of a return is not finite"));
+    for (const double value : {kNan, kInfinity, -kInfinity}) {
+      const std::string column = "/points/" + std::string(name_of(member));
+      EXPECT_THAT(failure_with(column, 4, value), EndsWith(column + "[4] of a return is not finite"));
+    }
 }
 
 TEST(ScanReader, NamesTheFirstRowThatIsNotFinite) {
@@ -105,9 +131,15 @@ TEST(ScanReader, NamesTheFirstRowThatIsNotFinite) {
 
 TEST(ScanReader, NamesThePulseWhoseTimeIsNotFinite) {
   for (const double value : {kNan, kInfinity})
-    EXPECT_THAT(
-        failure({.options = {.keep_misses = true}, .change = [&](PulseBatch& b) { b.pulses.t[1] = value; }}),
-        EndsWith("/pulses/t[1] is not finite"));
+    EXPECT_THAT(failure_with("/pulses/t", 1, value), EndsWith("/pulses/t[1] is not finite"));
+}
+
+TEST(ScanWriter, RefusesInfiniteValues) {
+  for (const auto member : kCoordinates)
+    for (const double value : {kInfinity, -kInfinity})
+      EXPECT_EQ(failure(SmallScan{.change = [&](PulseBatch& b) { (b.points.*member)[4] = value; }}),
+                "column " + std::string(name_of(member)) +
+                    " would hold infinite values: a value of the configuration or of an input is too large");
 }
 
 TEST(ScanReader, NamesTheRowOfAPulseThatIsNotThere) {

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Flips one random bit of each metadata byte of a small valid file of every kind, one at a time, and lets
+// every reader of that kind read the damaged file. Metadata are all bytes that are not chunks of a dataset.
+//   hdf5_bits [--sealed] [--every N] [--first I] [--seed N] [--kind NAME] [--keep FOLDER]
+// With --sealed the files are as landfall writes them, and every reader must refuse each damaged one.
+// A finding is a signal, an exception that is not landfall::Error, more than 10 s or more than 500 MB. Each
+// one is printed with its place, and the exit code is 1; --keep saves its file. Readers run in a process of
+// their own, which is replaced after a finding.
+#include <hdf5.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "fuzz_target.h"
+#include "hdf5/h5.h"
+#include "hdf5_readers.h"
+#include "landfall_files.h"
+#include "memory_file.h"
+
+namespace landfall::fuzz {
+namespace {
+
+constexpr unsigned kLongest_s = 10;
+constexpr rlim_t kMaxMemory_bytes = 500'000'000;
+
+struct Options {
+  bool sealed = false;
+  std::size_t every = 1;
+  std::size_t first = 0;
+  std::uint64_t seed = 1;
+  std::string kind;  ///< empty: all
+  std::string keep;  ///< empty: findings are not kept
+};
+
+/// Where a reading process is, in memory that it shares with its parent.
+struct Progress {
+  std::size_t next = 0;  ///< index of the place
+  std::size_t refusals = 0;
+  std::size_t reader = 0;
+  std::array<char, 200> text{};  ///< what a foreign exception says
+};
+
+/// Marks the bytes of chunks.
+struct ChunkMarks {
+  std::vector<bool>& marks;
+};
+
+herr_t mark_chunks(hid_t root, const char* name, const H5O_info_t* info, void* data) {
+  if (info->type != H5O_TYPE_DATASET) return 0;
+  std::vector<bool>& marks = static_cast<ChunkMarks*>(data)->marks;
+  const h5::Handle dataset(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
+  const h5::Handle properties(H5Dget_create_plist(dataset.get()), H5Pclose);
+  const h5::Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  hsize_t count = 0;
+  if (H5Pget_layout(properties.get()) != H5D_CHUNKED ||
+      H5Dget_num_chunks(dataset.get(), space.get(), &count) < 0)
+    return 0;
+  for (hsize_t i = 0; i < count; ++i) {
+    haddr_t address = 0;
+    hsize_t size = 0;
+    std::array<hsize_t, H5S_MAX_RANK> offset{};
+    unsigned mask = 0;
+    H5Dget_chunk_info(dataset.get(), space.get(), i, offset.data(), &mask, &address, &size);
+    std::fill_n(marks.begin() + static_cast<std::ptrdiff_t>(address), size, true);
+  }
+  return 0;
+}
+
+/// The offsets of all metadata bytes.
+std::vector<std::size_t> metadata_of(const MemoryFile& file) {
+  std::vector<bool> marks(std::filesystem::file_size(file.path()));
+  const h5::Handle opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  ChunkMarks chunks{marks};
+  H5Ovisit2(opened.get(), H5_INDEX_NAME, H5_ITER_INC, mark_chunks, &chunks, H5O_INFO_BASIC);
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (!marks[i]) places.push_back(i);
+  return places;
+}
+
+class Campaign {
+ public:
+  Campaign(const LandfallFile& original, const Options& options)
+      : kind_(original.kind),
+        bytes_(options.sealed ? original.sealed : original.bytes),
+        options_(options),
+        readers_(readers_of(original.kind)) {
+    file_.fill(bytes_);
+    const std::vector<std::size_t> all = metadata_of(file_);
+    for (std::size_t i = options.first; i < all.size(); i += options.every) places_.push_back(all[i]);
+    void* const shared =
+        ::mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared == MAP_FAILED) throw std::bad_alloc();
+    progress_ = new (shared) Progress;
+  }
+
+  /// The number of findings.
+  std::size_t run() {
+    std::size_t findings = 0;
+    while (progress_->next < places_.size()) {
+      const pid_t reader = ::fork();
+      if (reader < 0) throw std::runtime_error("no process");
+      if (reader == 0) read_all();
+      int status = 0;
+      ::waitpid(reader, &status, 0);
+      if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+      ++findings;
+      print_finding(status);
+      restore();
+      ++progress_->next;
+    }
+    std::cout << kind_ << ": " << places_.size() << " bits, " << readers_.size() << " readers, "
+              << progress_->refusals << " of " << places_.size() * readers_.size() << " refused, " << findings
+              << " findings" << std::endl;
+    return findings;
+  }
+
+ private:
+  [[nodiscard]] std::size_t place() const { return places_[progress_->next]; }
+
+  [[nodiscard]] unsigned bit() const {
+    return static_cast<unsigned>(8 * RandomField(options_.seed, RandomStream::dropout).uniform(place()));
+  }
+
+  [[noreturn]] void read_all() {
+    const rlimit limit{kMaxMemory_bytes, kMaxMemory_bytes};
+    ::setrlimit(RLIMIT_DATA, &limit);
+    const rlimit no_core{0, 0};
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    try {
+      for (; progress_->next < places_.size(); ++progress_->next) read_one();
+    } catch (const std::exception& error) {
+      std::strncpy(progress_->text.data(), error.what(), progress_->text.size() - 1);
+      ::_exit(1);
+    }
+    ::_exit(0);
+  }
+
+  void read_one() {
+    file_.put(place(), bytes_[place()] ^ std::byte{1} << bit());
+    for (progress_->reader = 0; progress_->reader < readers_.size(); ++progress_->reader) {
+      ::alarm(kLongest_s);
+      const bool accepted = accepts("", [&] { readers_[progress_->reader](file_.path()); });
+      if (accepted && options_.sealed) throw BrokenPromise("the damage was not noticed");
+      if (!accepted) ++progress_->refusals;
+    }
+    restore();
+  }
+
+  void restore() { file_.put(place(), bytes_[place()]); }
+
+  void print_finding(int status) {
+    std::cout << "finding: " << kind_ << ", bit " << bit() << " of byte " << place() << ", reader "
+              << progress_->reader << ": ";
+    if (WIFSIGNALED(status))
+      std::cout << (WTERMSIG(status) == SIGALRM ? "more than 10 s" : ::strsignal(WTERMSIG(status)));
+    else
+      std::cout << progress_->text.data();
+    std::cout << std::endl;
+    if (options_.keep.empty()) return;
+    std::filesystem::copy_file(
+        file_.path(), std::filesystem::path(options_.keep) / (kind_ + "-" + std::to_string(place()) + ".h5"),
+        std::filesystem::copy_options::overwrite_existing);
+  }
+
+  std::string kind_;
+  const std::vector<std::byte>& bytes_;
+  const Options& options_;
+  std::vector<Hdf5Reader> readers_;
+  MemoryFile file_;
+  std::vector<std::size_t> places_;
+  Progress* progress_ = nullptr;
+};
+
+Options options_of(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view name = argv[i];
+    if (name == "--sealed") {
+      options.sealed = true;
+      continue;
+    }
+    if (i + 1 == argc) throw std::invalid_argument("no value of " + std::string(name));
+    if (name == "--every") options.every = std::stoull(argv[i + 1]);
+    if (name == "--first") options.first = std::stoull(argv[i + 1]);
+    if (name == "--seed") options.seed = std::stoull(argv[i + 1]);
+    if (name == "--kind") options.kind = argv[i + 1];
+    if (name == "--keep") options.keep = argv[i + 1];
+    ++i;
+  }
+  return options;
+}
+
+}  // namespace
+}  // namespace landfall::fuzz
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  const ThreadLimit one_thread(1);
+  const fuzz::Options options = fuzz::options_of(argc, argv);
+  std::size_t findings = 0;
+  for (const fuzz::LandfallFile& file : fuzz::landfall_files())
+    if ((options.kind.empty() || options.kind == file.kind) && !(options.sealed && file.kind == "table"))
+      findings += fuzz::Campaign(file, options).run();
+  return findings == 0 ? 0 : 1;
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hdf5_readers.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "cli/description_text.h"
+#include "config/uncertainty_config.h"
+#include "evaluation/evaluate.h"
+#include "exports/csv.h"
+#include "exports/las.h"
+#include "exports/quick_look.h"
+#include "files/evaluation_file.h"
+#include "files/file_description.h"
+#include "files/number_table.h"
+#include "files/range_file.h"
+#include "files/scan_file.h"
+#include "files/scan_poses.h"
+#include "files/terrain_file.h"
+#include "landfall_files.h"
+#include "trajectory/trajectory_columns.h"
+
+namespace landfall::fuzz {
+namespace {
+
+using Path = std::filesystem::path;
+
+/// Counts what it is given.
+class NoSink final : public ByteSink {
+ public:
+  void write(std::string_view bytes) override { size_ += bytes.size(); }
+  void finish() override {}
+
+ private:
+  std::size_t size_ = 0;
+};
+
+void describe(const Path& path) {
+  for (const bool statistics : {false, true}) {
+    const nlohmann::ordered_json description = describe_file(path, {.statistics = statistics});
+    static_cast<void>(description.dump(2));
+    for (const bool whole_config : {false, true})
+      static_cast<void>(cli::description_text(description, whole_config));
+  }
+}
+
+void read_terrain_file(const Path& path) {
+  const TerrainInput terrain = read_terrain(path);
+  static_cast<void>(terrain.surface->elevation(0.25, 0.5));
+  static_cast<void>(terrain.chain.dump());
+}
+
+void read_large_terrain(const Path& path) {
+  const std::optional<LargeTerrainInput> large = open_large_terrain(path, 4);
+  if (large) static_cast<void>(large->terrain.load(large->terrain.spec));
+}
+
+void read_scan(const Path& path) {
+  ScanReader scan(path);
+  ScanPoints points;
+  for (std::size_t begin = 0; begin < scan.row_count(); begin += kTableChunkRows)
+    scan.read(begin, std::min(kTableChunkRows, scan.row_count() - begin), points);
+  static_cast<void>(PoseTrack({read_scan_poses(scan.file())}));
+}
+
+void read_ranges(const Path& path) {
+  RangeFile ranges(path);
+  static_cast<void>(ranges.terrain());
+  ranges.require_match(scan_provenance());
+  static_cast<void>(ranges.has_rows_of(scan_provenance().config, false));
+  static_cast<void>(ranges.ranges_m({0, 3}, 4));
+}
+
+/// What regrid --uncertainty takes from a scan's history.
+void read_origin(const Path& path) {
+  const LandfallFileReader file(path, {"scan"});
+  const nlohmann::json none = nlohmann::json::object();
+  static_cast<void>(uncertainty_parameters(none, "regrid.json", {{file.name(), file.config()}}));
+}
+
+void export_points(const Path& path) {
+  const PointReader points(path);
+  NoSink sink;
+  std::vector<std::string> names;
+  for (const ContentInfo& column : points.columns()) names.push_back(column.name);
+  write_points_csv(points, {names, {false, 2}}, sink);
+  write_points_las(points, "est", 1, "fuzz", sink);
+}
+
+void judge_dem(const Path& path) {
+  DemInput dem = read_dem(path);
+  const GridSpec spec = dem.layers.z_est.spec();
+  const DemWindowReader windows(path);
+  static_cast<void>(windows.read(spec));
+  static_cast<void>(windows.count());
+  static_cast<void>(read_uncertainty(path));
+  static_cast<void>(read_region_mask(path, "z_est", spec));
+}
+
+void export_grid(const Path& path) {
+  const GridSource grid(path);
+  NoSink sink;
+  write_layers_csv(grid.read(grid.choose({"all"})), 1, sink);
+}
+
+void draw(const Path& path) { static_cast<void>(quick_look(path, "")); }
+
+void read_table(const Path& path) {
+  static_cast<void>(trajectory_samples(read_number_table(path, trajectory_columns())));
+}
+
+}  // namespace
+
+std::vector<Hdf5Reader> readers_of(const std::string& kind) {
+  if (kind == "terrain" || kind == "mesh")
+    return {describe, read_terrain_file, read_large_terrain, export_grid, draw};
+  if (kind == "scan") return {describe, read_scan, read_ranges, read_origin, export_points, draw};
+  if (kind == "table") return {read_table};
+  if (kind == "dem") return {describe, judge_dem, export_grid, draw};
+  return {describe, export_grid, draw};
+}
+
+}  // namespace landfall::fuzz
