@@ -229,8 +229,11 @@ std::string dataset_lines(const std::string& group, const Json& entries) {
 
 /// The schema of a tool's configuration; empty for other tools.
 std::string schema_of(const std::string& tool) {
-  static const std::map<std::string, std::string> kSchemas = {
-      {"terrain-gen", "terrain"}, {"scan-sim", "scan"}, {"regrid", "regrid"}, {"dem-eval", "eval"}};
+  static const std::map<std::string, std::string> kSchemas = {{"terrain-gen", "terrain"},
+                                                              {"scan-sim", "scan"},
+                                                              {"regrid", "regrid"},
+                                                              {"dem-eval", "eval"},
+                                                              {"hazard-map", "hazard"}};
   const auto found = kSchemas.find(tool);
   return found == kSchemas.end() ? "" : found->second;
 }

@@ -14,8 +14,8 @@
 namespace landfall::cli {
 namespace {
 
-constexpr std::array kTools = {"dem-eval", "landfall-export", "landfall-info",
-                               "regrid",   "scan-sim",        "terrain-gen"};
+constexpr std::array kTools = {"dem-eval", "hazard-map", "landfall-export", "landfall-info",
+                               "regrid",   "scan-sim",   "terrain-gen"};
 
 /// Escapes text so that roff prints it unchanged, and so that it can be copied into a shell.
 std::string roff(const std::string& text) {
@@ -160,6 +160,8 @@ std::string exit_section(const Tool& tool) {
       "exists.\n";
   if (tool.name == "dem-eval")
     text += ".TP\n.B 3\nWith " + bold("--require-pass") + ": a requirement is missed or cannot be judged.\n";
+  if (tool.name == "hazard-map")
+    text += ".TP\n.B 3\nWith " + bold("--require-safe") + ": no site is safe enough.\n";
   return text;
 }
 

@@ -4,8 +4,10 @@
 #include <algorithm>
 
 #include "base/number_text.h"
+#include "cli/hazard_table.h"
 #include "cli/verdict_table.h"
 #include "evaluation/verdict_text.h"
+#include "files/hazard_file.h"
 
 namespace landfall::cli {
 namespace {
@@ -93,6 +95,25 @@ ExitCode report_evaluation(Session& session, const std::string& dem, const Evalu
       refused ? dem + ": missed or not judged: " + missed
               : dem + ": " + overall_verdict(metrics.requirements) + (missed.empty() ? "" : ": " + missed),
       refused);
+  return refused ? ExitCode::requirement_missed : ExitCode::done;
+}
+
+ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
+                        std::optional<double> min_p) {
+  const PlaceCounts counts = count_places(map.safe, map.region);
+  session.count("places", {{"safe", counts.safe}, {"hazard", counts.hazard}, {"unknown", counts.unknown}});
+  session.count("sites", sites_json(map)["sites"]);
+  if (map.truth) session.count("score", score_json(map.truth->score));
+  if (map.truth && map.truth->score.counts.unknown == counts.all())
+    session.warn(name +
+                 ": no place is compared with the truth, because each is unknown in the map or on the "
+                 "true ground");
+  const auto is_enough = [&](const LandingSite& site) { return site.p_touchdown >= *min_p; };
+  const bool refused = min_p && std::ranges::none_of(map.sites, is_enough);
+  session.conclude(name + ": " +
+                       (refused ? "no site has a p_touchdown of " + number_text(*min_p) + ": " : "") +
+                       hazard_summary(map),
+                   refused);
   return refused ? ExitCode::requirement_missed : ExitCode::done;
 }
 

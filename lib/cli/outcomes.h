@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "cli/tool.h"
 #include "evaluation/evaluate.h"
 #include "exports/terrain_output.h"
 #include "files/scan_file.h"
+#include "hazards/hazard_map.h"
 #include "scene/dem_output.h"
 #include "simulation/simulation.h"
 
@@ -27,5 +30,11 @@ void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& 
 [[nodiscard]] ExitCode report_evaluation(Session& session, const std::string& dem,
                                          const Evaluation& evaluation, const BinBox& scanned,
                                          bool require_pass);
+
+/// Also passes on the numbers of places, sites and score. Warns if every place is unknown on the true ground.
+/// With `min_p`, a site of that p_touchdown is required: returns requirement_missed, and always says why,
+/// without one. `name` begins the messages.
+[[nodiscard]] ExitCode report_hazards(Session& session, const std::string& name, const HazardMap& map,
+                                      std::optional<double> min_p);
 
 }  // namespace landfall::cli

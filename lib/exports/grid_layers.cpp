@@ -22,6 +22,7 @@ std::vector<const char*> main_layers(const std::string& kind) {
   if (kind == "terrain") return {"z"};
   if (kind == "dem") return {"z_est"};
   if (kind == "plan") return {"count"};
+  if (kind == "hazards") return {"safe"};
   return {"rel_z", "distance_to_valid"};
 }
 
@@ -34,7 +35,7 @@ std::string listed(const std::vector<ContentInfo>& contents) {
 }
 
 GridSource::GridSource(const std::filesystem::path& path)
-    : file_(require_grid(LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan"}))),
+    : file_(require_grid(LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan", "hazards"}))),
       kind_(kind_of(file_)),
       reader_(file_),
       layers_(layers_of(file_, reader_.spec())) {

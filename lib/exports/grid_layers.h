@@ -22,7 +22,7 @@ struct NamedLayer {
   AnyGrid values;
 };
 
-/// The layers of a terrain, DEM, evaluation or plan, for display or export.
+/// The layers of a terrain, DEM, evaluation, plan or hazard map, for display or export.
 class GridSource {
  public:
   /// Throws FormatError unless the file is of one of these kinds and has a grid with a layer: a terrain may
@@ -38,7 +38,7 @@ class GridSource {
   [[nodiscard]] const std::vector<ContentInfo>& layers() const { return layers_; }
 
   /// The main layer of a file of this kind: z of a terrain, z_est of a DEM, rel_z of an evaluation (without
-  /// truth: distance_to_valid), count of a plan; else the first.
+  /// truth: distance_to_valid), count of a plan, safe of a hazard map; else the first.
   [[nodiscard]] const ContentInfo& main_layer() const;
   /// The layers of these names, in their order; without names: the main layer; for the one name `all`: every
   /// layer. Throws UsageError, listing the existing ones, for an unknown name or one that is given twice.

@@ -22,7 +22,10 @@ constexpr std::array kLayerOrder = {
     "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel", "xy_sigma",
     // evaluation and plan
     "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "frames", "first_seen",
-    "in_region", "invalid", "hole_id", "distance_to_valid", "fail"};
+    "in_region", "invalid", "hole_id", "distance_to_valid", "fail",
+    // hazard map
+    "slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope_true",
+    "roughness_true", "safe_true", "outcome"};
 
 constexpr auto kColumnOrder =
     std::apply([](const auto&... column) { return std::array{column.name...}; }, kPointColumns);

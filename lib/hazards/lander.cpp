@@ -26,17 +26,17 @@ Footprint disc(double radius_m, double resolution_m) {
 
 void require_positive(const std::string& key, double value) {
   if (!(value > 0 && std::isfinite(value)))
-    throw UsageError("/lander/" + key + ": " + number_text(value) + " is not > 0");
+    throw UsageError("lander/" + key + ": " + number_text(value) + " is not > 0");
 }
 
 const Lander& checked(const Lander& lander, double resolution_m) {
   if (lander.legs != 3 && lander.legs != 4)
-    throw UsageError("/lander/legs: " + std::to_string(lander.legs) + " is not 3 or 4");
+    throw UsageError("lander/legs: " + std::to_string(lander.legs) + " is not 3 or 4");
   require_positive("leg_radius_m", lander.leg_radius_m);
   require_positive("pad_diameter_m", lander.pad_diameter_m);
   require_positive("body_radius_m", lander.body_radius_m);
   if (lander.leg_radius_m < 2 * resolution_m - kTolerance)
-    throw UsageError("/lander/leg_radius_m: " + number_text(lander.leg_radius_m) +
+    throw UsageError("lander/leg_radius_m: " + number_text(lander.leg_radius_m) +
                      " is less than 2 bins of " + number_text(resolution_m) + " m");
   return lander;
 }

@@ -123,8 +123,8 @@ std::vector<BinIndex> choose_sites(const Grid<float>& cost, const Grid<std::int8
                                    const SiteParameters& parameters) {
   const GridSpec& spec = cost.spec();
   const auto is_apart = [&](BinIndex a, BinIndex b) {
-    return std::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
-           parameters.separation_m - kTolerance_m;
+    return a != b && std::hypot(spec.x(a.col) - spec.x(b.col), spec.y(a.row) - spec.y(b.row)) >=
+                         parameters.separation_m - kTolerance_m;
   };
   std::vector<BinIndex> sites;
   while (static_cast<std::int64_t>(sites.size()) < parameters.count) {

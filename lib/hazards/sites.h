@@ -29,8 +29,8 @@ struct SiteParameters {
 /// outside the region.
 [[nodiscard]] Grid<float> distance_to_hazard(const Grid<std::int8_t>& safe, const BinMask& region);
 
-/// The safe places of least cost: each is the best of those at least separation_m - 1e-9 from all before. Of
-/// equal costs the one nearer to the origin is better, then the lower row, then the lower column.
+/// The safe places of least cost: each is the best of the others at least separation_m - 1e-9 from all
+/// before. Of equal costs the one nearer to the origin is better, then the lower row, then the lower column.
 [[nodiscard]] std::vector<BinIndex> choose_sites(const Grid<float>& cost, const Grid<std::int8_t>& safe,
                                                  const SiteParameters& parameters);
 

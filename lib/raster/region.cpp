@@ -37,6 +37,30 @@ std::int64_t margin_bins(const GridSpec& dem) {
   throw UsageError(message.str());
 }
 
+/// The squares of this many bins can be added exactly.
+constexpr double kMostRadiusBins = 0x1p30;
+
+/// radius_bins is at most kMostRadiusBins.
+BinMask circle(const GridSpec& dem, double radius_bins) {
+  const bool whole = radius_bins == std::floor(radius_bins);
+  const auto whole_radius = static_cast<std::int64_t>(radius_bins);
+  const auto inside = [&](std::int64_t squared) {
+    return whole ? squared < whole_radius * whole_radius
+                 : static_cast<double>(squared) < radius_bins * radius_bins;
+  };
+  BinMask region(dem);
+  const auto is_near = [&](std::int64_t bins) { return std::abs(bins) <= whole_radius; };
+  for (std::int64_t row = 0; row < dem.rows; ++row) {
+    const std::int64_t i = dem.first_row + row;
+    if (!is_near(i)) continue;
+    for (std::int64_t col = 0; col < dem.cols; ++col) {
+      const std::int64_t j = dem.first_col + col;
+      region.at({row, col}) = is_near(j) && inside(i * i + j * j) ? 1 : 0;
+    }
+  }
+  return region;
+}
+
 template <class T, class Predicate>
 BinBox box_of(const Grid<T>& grid, const Predicate& holds) {
   const GridSpec& spec = grid.spec();
@@ -68,21 +92,11 @@ BinMask circular_region(const GridSpec& dem, double radius_m) {
   // |i| = margin + 1, the first bin outside, is in the region only when radius_bins > margin + 1.
   if (!(radius_bins > 0) || margin < 0 || radius_bins > static_cast<double>(margin + 1))
     refuse(dem, "region_radius_m", radius_m, 1);
-  const bool whole = radius_bins == std::floor(radius_bins);
-  const std::int64_t whole_radius = static_cast<std::int64_t>(radius_bins);
-  const auto inside = [&](std::int64_t squared) {
-    return whole ? squared < whole_radius * whole_radius
-                 : static_cast<double>(squared) < radius_bins * radius_bins;
-  };
-  auto region = BinMask::unset(dem);
-  for (std::int64_t row = 0; row < dem.rows; ++row) {
-    const std::int64_t i = dem.first_row + row;
-    for (std::int64_t col = 0; col < dem.cols; ++col) {
-      const std::int64_t j = dem.first_col + col;
-      region.at({row, col}) = inside(i * i + j * j) ? 1 : 0;
-    }
-  }
-  return region;
+  return circle(dem, radius_bins);
+}
+
+BinMask clipped_circle(const GridSpec& dem, double radius_m) {
+  return circle(dem, std::min(ratio_of(radius_m, dem.resolution_m), kMostRadiusBins));
 }
 
 BinMask square_region(const GridSpec& dem, double half_width_m) {

@@ -18,6 +18,10 @@ using BinMask = Grid<std::int8_t>;
 /// that fits.
 [[nodiscard]] BinMask circular_region(const GridSpec& dem, double radius_m);
 
+/// The same bins, as far as they lie in the DEM: none is too far, and there may be none at all. A radius of
+/// more than 2^30 bins counts as one of 2^30 bins.
+[[nodiscard]] BinMask clipped_circle(const GridSpec& dem, double radius_m);
+
 /// The bins at most half_width_m / resolution_m + 1e-9 bins from the origin along both axes. The conditions
 /// and errors are those of circular_region().
 [[nodiscard]] BinMask square_region(const GridSpec& dem, double half_width_m);

@@ -16,9 +16,10 @@ __all__ = ["DataError", "Error", "ToolError", "UsageError", "open", "run"]
 def open(path, group=None):  # pylint: disable=redefined-builtin
     """Opens a file that landfall made. Values are read on access.
 
-    A terrain, DEM, evaluation or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
-    reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json is a dict. With
-    `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an evaluation.
+    A terrain, DEM, evaluation, hazard map or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
+    reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json, sites.json and score.json are dicts. With
+    `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an
+    evaluation, "sites" of a hazard map.
 
     Throws DataError, naming the file, if it is missing, damaged, unfinished, not landfall's, or refers to other files. Closing
     the result, or leaving a `with` block of it, closes the file.

@@ -8,7 +8,9 @@ from landfall import files, schema
 from landfall.errors import DataError, UsageError
 from landfall.table import open_table
 
-GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan")
+GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan", "landfall.hazards")
+# The JSON files of the tools.
+TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score")
 # Where the columns of the other files are.
 TABLES = {"landfall.scan": "points", "landfall.results": "/"}
 
@@ -17,7 +19,7 @@ def open_file(path, group=None):
     """See landfall.open."""
     path = os.fspath(path)
     if group is None and os.path.isfile(path) and not h5py.is_hdf5(path):
-        return read_metrics(path)
+        return read_tree(path)
     file = files.open_screened(path, (*GRIDS, *TABLES))
     try:
         group = group or TABLES.get(files.text(file.attrs["format_name"]))
@@ -32,12 +34,12 @@ def open_file(path, group=None):
         raise
 
 
-def read_metrics(path):
-    """metrics.json as a dict."""
+def read_tree(path):
+    """metrics.json, sites.json or score.json as a dict."""
     try:
         tree = schema.read_json(path)
     except UsageError as error:
         raise DataError(f"{path}: neither an HDF5 file nor JSON of landfall") from error
-    if not isinstance(tree, dict) or tree.get("format") != "landfall.metrics":
-        raise DataError(f"{path}: \"format\" is not \"landfall.metrics\"")
+    if not isinstance(tree, dict) or tree.get("format") not in TREES:
+        raise DataError(f"{path}: \"format\" is not one of {', '.join(TREES)}")
     return tree

@@ -24,10 +24,13 @@ DEM = dict.fromkeys(["z_est", "x_true", "y_true", "z_true", "weight_sum"], FLOAT
 EVAL = dict.fromkeys(["e_x", "e_y", "e_z"], FLOAT64) | \
     dict.fromkeys(["abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "distance_to_valid"], FLOAT32) | \
     {"invalid": INT8, "in_region": INT8, "hole_id": INT32, "fail": INT8}
-LAYERS = {"terrain-gen": {"z": FLOAT64}, "regrid": DEM, "dem-eval": EVAL}
-KINDS = dict(zip(TOOLS, ["terrain", "scan", "dem", "evaluation"]))
+HAZARDS = dict.fromkeys(["slope", "roughness", "p_touchdown", "cost", "distance_to_hazard", "slope_true", "roughness_true"], FLOAT32) | \
+    dict.fromkeys(["safe", "safe_true", "outcome"], INT8)
+LAYERS = {"terrain-gen": {"z": FLOAT64}, "regrid": DEM, "dem-eval": EVAL, "hazard-map": HAZARDS}
+KINDS = dict(zip(TOOLS, ["terrain", "scan", "dem", "evaluation", "hazards"]))
 CHAINS = {"terrain-gen": [], "scan-sim": ["terrain-gen"], "regrid": ["terrain-gen", "scan-sim"],
-          "dem-eval": ["terrain-gen", "scan-sim", "regrid"]}
+          "dem-eval": ["terrain-gen", "scan-sim", "regrid"],
+          "hazard-map": ["terrain-gen", "scan-sim", "regrid"]}
 
 
 def items(file):
@@ -51,7 +54,7 @@ class Layout(ChainTest):
                 self.assertTrue(found["title"])
                 self.assertEqual(len(found["history"].splitlines()), len(CHAINS[name]) + 1)
                 ids.add(found["file_id"])
-        self.assertEqual(len(ids), 4)
+        self.assertEqual(len(ids), 5)
 
     def test_provenance(self):
         for name, steps in CHAINS.items():

@@ -79,6 +79,11 @@ class Information(ToolTest):
             "limits": {"invalid_frac": 0.01, "hole_bins": 10, "distance_bins": 1, "relative_elevation_m": 0.05,
                        "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1,
                        "absolute_horizontal_frac": 0.95}})
+        self.assertEqual(resolved("hazard-map"), {
+            "lander": {"legs": 4, "leg_radius_m": 0.85, "pad_diameter_m": 0.2, "pad_height": "max", "body_radius_m": 0.85},
+            "method": "contact", "region_radius_m": 50, "limits": {"slope_deg": 10, "roughness_m": 0.3},
+            "hole_fill_bins": 10, "z_sigma_m": None, "touchdown_sigma_m": 1,
+            "sites": {"count": 5, "separation_m": 5, "divert_radius_m": 40, "divert_weight": 0.1, "min_p": 0.99}})
         terrain = resolved("terrain-gen")
         self.assertEqual((terrain["grid"], terrain["features"], terrain["patterns"], terrain["seed"]),
                          ({"half_width_m": 60, "resolution_m": 0.05}, [], [], 1))
@@ -144,7 +149,8 @@ class Usage(ToolTest):
 
     def test_an_empty_value_is_not_an_absent_option(self):
         files = {"terrain-gen": ["--from", "-c", "-o"], "scan-sim": ["--terrain", "--ranges-from"],
-                 "regrid": ["--terrain"], "dem-eval": ["--metrics"]}
+                 "regrid": ["--terrain"], "dem-eval": ["--metrics"],
+                 "hazard-map": ["--terrain", "--sites", "--score"]}
         long_names = {"-c": "--config", "-o": "--output"}
         for name, options in files.items():
             for option in options:
@@ -153,7 +159,7 @@ class Usage(ToolTest):
                     inputs = [] if option in INPUTS[name] else INPUTS[name]
                     result = self.refuse(2, name, *inputs, *arguments)
                     self.assertEqual(result.stderr.replace(" (see --help)", ""), wanted)
-        for name, argument in [("regrid", "scans"), ("dem-eval", "dem")]:
+        for name, argument in [("regrid", "scans"), ("dem-eval", "dem"), ("hazard-map", "map")]:
             self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} needs a file\n")
         result = self.refuse(2, "terrain-gen", "--from", "a.tif", "--center", "")
         self.assertEqual(result.stderr, "terrain-gen: --center needs X,Y\n")
@@ -309,12 +315,12 @@ class Inputs(ChainTest):
     def arguments(self, name, data):
         """The tool's arguments with its main input replaced."""
         return {"scan-sim": ["--terrain", data], "regrid": [data],
-                "dem-eval": [data]}[name] + ["-c", self.chain.config(name), "-o", self.path("out.h5")]
+                "dem-eval": [data], "hazard-map": [data]}[name] + ["-c", self.chain.config(name), "-o", self.path("out.h5")]
 
     def refuse_input(self, name, data, words=()):
         self.refuse(1, name, *self.arguments(name, data), words=[data, *words], output=self.path("out.h5"))
 
-    READERS = {"scan-sim": "terrain", "regrid": "scan", "dem-eval": "dem"}
+    READERS = {"scan-sim": "terrain", "regrid": "scan", "dem-eval": "dem", "hazard-map": "dem terrain"}
 
     def test_missing_file_folder_or_text(self):
         with open(self.path("text.h5"), "w", encoding="utf-8") as file:
@@ -331,11 +337,11 @@ class Inputs(ChainTest):
 
     def test_another_kind_of_file(self):
         for name, wanted in self.READERS.items():
-            for kind in ["terrain", "scan", "dem", "eval"]:
-                if kind == wanted:
+            for kind in ["terrain", "scan", "dem", "eval", "hazards"]:
+                if kind in wanted.split():
                     continue
                 found = "evaluation" if kind == "eval" else kind
-                self.refuse_input(name, getattr(self.chain, kind), [f"landfall.{found}", f"landfall.{wanted}"])
+                self.refuse_input(name, getattr(self.chain, kind), [f"landfall.{found}", *(f"landfall.{kind}" for kind in wanted.split())])
         with h5py.File(self.path("foreign.h5"), "w") as file:
             file["z"] = [1.0]
         for name in self.READERS:
@@ -417,7 +423,8 @@ class Inputs(ChainTest):
         for name, kind, key in [("scan-sim", "terrain", "z"), ("scan-sim", "terrain", "x"),
                                 ("regrid", "scan", "points/x_est"), ("regrid", "scan", "points/status"),
                                 ("regrid", "scan", "pulses/t"), ("regrid", "scan", "points"),
-                                ("dem-eval", "dem", "z_est"), ("dem-eval", "dem", "y")]:
+                                ("dem-eval", "dem", "z_est"), ("dem-eval", "dem", "y"), ("hazard-map", "dem", "z_est"),
+                                ("hazard-map", "terrain", "z")]:
             shutil.copy(getattr(self.chain, kind), data)
             with h5py.File(data, "r+") as file:
                 del file[key]
@@ -428,9 +435,10 @@ class Summary(ChainTest):
     """--json prints one JSON object on stdout and does not change the file."""
 
     PHASES = {"terrain-gen": ["terrain", "write"], "scan-sim": ["trace"], "regrid": ["grid", "write"],
-              "dem-eval": ["evaluate", "write"]}
+              "dem-eval": ["evaluate", "write"], "hazard-map": ["judge", "judge the truth", "sites"]}
     COUNTS = {"terrain-gen": ["node_count"], "scan-sim": ["pulse_count", "ray_count", "rays_per_s", "real_time_factor", "return_count"],
-              "regrid": ["inside_count", "outside_count"], "dem-eval": ["metrics"]}
+              "regrid": ["inside_count", "outside_count"], "dem-eval": ["metrics"],
+              "hazard-map": ["places", "sites", "score"]}
 
     def test_keys(self):
         for name in TOOLS:

@@ -16,9 +16,11 @@ from landfall.schema import read_json
 
 # A key of each tool's configuration, a valid value of it and one out of range.
 KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),
-        "regrid": ("resolution_m", 0.2, 0), "dem-eval": ("limits.invalid_frac", 0.5, 1.5)}
+        "regrid": ("resolution_m", 0.2, 0), "dem-eval": ("limits.invalid_frac", 0.5, 1.5),
+        "hazard-map": ("limits.slope_deg", 12, 0)}
 MISSPELT = {"terrain-gen": ("feature", "features"), "scan-sim": ("trajektory", "trajectory"),
-            "regrid": ("resolution", "resolution_m"), "dem-eval": ("region_radius", "region_radius_m")}
+            "regrid": ("resolution", "resolution_m"), "dem-eval": ("region_radius", "region_radius_m"),
+            "hazard-map": ("touchdown_sigma", "touchdown_sigma_m")}
 
 
 class Check(ToolTest):
@@ -34,7 +36,7 @@ class Check(ToolTest):
                   "scan-sim": ["--terrain", "/nowhere/terrain.h5", "--set",
                                'trajectory={"type":"table","path":"/nowhere/table.csv"}'],
                   "regrid": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"],
-                  "dem-eval": ["/nowhere/dem.h5"]}
+                  "dem-eval": ["/nowhere/dem.h5"], "hazard-map": ["/nowhere/dem.h5", "--terrain", "/nowhere/terrain.h5"]}
         for name in TOOLS:
             self.succeed(name, "--check", *inputs[name])
 

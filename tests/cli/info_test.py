@@ -189,8 +189,9 @@ class Contents(InfoTest):
 
     def test_the_chain_in_text(self):
         text = self.info(self.chain.eval, "--no-statistics")
-        ids = [self.describe(self.chain.output(name), "--no-statistics")["file_id"][:12] for name in TOOLS]
-        for name, file_id in zip(TOOLS, ids):
+        steps = TOOLS[:4]
+        ids = [self.describe(self.chain.output(name), "--no-statistics")["file_id"][:12] for name in steps]
+        for name, file_id in zip(steps, ids):
             self.assertRegex(text, rf"\n  {name} +\S+ +{file_id}")
         self.assertIn(f"from scan {ids[1]}, terrain {ids[0]}\n", text)
 

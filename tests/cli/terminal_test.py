@@ -44,7 +44,7 @@ class Terminal(ChainTest):
         self.assertEqual(read_bytes(self.path("out.h5")), read_bytes(self.chain.output(name)))
         return text
 
-    PHASE = {"terrain-gen": "terrain", "scan-sim": "trace", "regrid": "grid", "dem-eval": "evaluate"}
+    PHASE = {"terrain-gen": "terrain", "scan-sim": "trace", "regrid": "grid", "dem-eval": "evaluate", "hazard-map": "judge"}
 
     def test_progress_appears_on_a_terminal(self):
         for name in TOOLS:
@@ -59,7 +59,7 @@ class Terminal(ChainTest):
     def test_the_result_is_the_last_line(self):
         for name in TOOLS:
             text = self.on_terminal(name, streams=["stderr"])
-            self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL)")
+            self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL|best site)")
 
     def test_metrics_only_prints_the_table(self):
         ours, theirs = open_terminal()

@@ -28,6 +28,7 @@ RUNS = {
     "plan.h5": ("plan.md", ["scan-sim", "--plan", "--plan-radius", "5", *SCAN]),
     "dem.h5": ("dem.md", ["regrid", "scan.h5", "--terrain", "terrain.h5", "--uncertainty", "--corrected", *MAP]),
     "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3"]),
+    "hazards.h5": ("hazards.md", ["hazard-map", "dem.h5", "--sites", "sites.json", "--score", "score.json", "--set", "region_radius_m=3"]),
     "unjudged.h5": ("evaluation.md", ["dem-eval", "blind.h5", "--metrics", "unjudged.json", "--set", "region_radius_m=3"]),
 }
 BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}

@@ -13,7 +13,7 @@ import numpy as np
 BIN = os.environ["LANDFALL_BIN"]
 SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # sanitized builds take many times the time and memory
 LONGEST_S = 1200 if SANITIZED else 120
-TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval"]
+TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map"]
 
 # 400 pulses of 8 x 8 pixels from 50 m: 25,600 rays on a 12 m square of relief.
 TERRAIN = {
@@ -40,11 +40,13 @@ REGRID = {"resolution_m": 0.1, "half_width_m": 5}
 EVAL = {"region_radius_m": 4, "footprint_m": 0.7, "quantile": 0.95,
         "limits": {"invalid_frac": 0.01, "hole_bins": 10, "distance_bins": 1, "relative_elevation_m": 0.05,
                    "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1, "absolute_horizontal_frac": 0.95}}
-CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL}
+HAZARD = {"lander": {"leg_radius_m": 0.4, "body_radius_m": 0.5}, "region_radius_m": 4, "limits": {"slope_deg": 14, "roughness_m": 0.08},
+          "touchdown_sigma_m": 0.25, "sites": {"separation_m": 1, "divert_radius_m": 3}}
+CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL, "hazard-map": HAZARD}
 
 # These inputs need not exist, because a wrong option or configuration is refused before any input is opened.
 INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
-          "dem-eval": ["/nowhere/dem.h5"]}
+          "dem-eval": ["/nowhere/dem.h5"], "hazard-map": ["/nowhere/dem.h5"]}
 
 
 def tool(name):
@@ -152,12 +154,12 @@ class ToolTest(unittest.TestCase):
 
 
 class Chain:
-    """The four files of the small case, made once per test module in a folder that remove() deletes."""
+    """The files of the small case, made once per test module in a folder that remove() deletes."""
 
     def __init__(self, **scan_values):
         self.folder = tempfile.mkdtemp(prefix="landfall-chain-")
-        self.terrain, self.scan, self.dem, self.eval, self.metrics = map(
-            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "metrics.json"])
+        self.terrain, self.scan, self.dem, self.eval, self.hazards, self.metrics = map(
+            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "metrics.json"])
         for name, config in CONFIGS.items():
             with open(self.config(name), "w", encoding="utf-8") as file:
                 json.dump(with_values(config, **(scan_values if name == "scan-sim" else {})), file)
@@ -173,13 +175,13 @@ class Chain:
         return self.path(name + ".json")
 
     def output(self, name):
-        return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval]))[name]
+        return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval, self.hazards]))[name]
 
     def inputs(self, name):
         """Arguments of a tool, except its output."""
         return {"terrain-gen": [], "scan-sim": ["--terrain", self.terrain],
                 "regrid": [self.scan, "--terrain", self.terrain],
-                "dem-eval": [self.dem]}[name] + ["-c", self.config(name)]
+                "dem-eval": [self.dem], "hazard-map": [self.dem]}[name] + ["-c", self.config(name)]
 
     def arguments(self, name):
         extra = ["--metrics", self.metrics] if name == "dem-eval" else []

@@ -34,7 +34,8 @@ std::string refusal(const std::vector<std::string>& names, const std::string& sc
 TEST(Presets, EachHasADescriptionAndIsAValidConfiguration) {
   EXPECT_GE(presets("scan").size(), 5U);
   EXPECT_GE(presets("terrain").size(), 1U);
-  for (const char* schema : {"scan", "terrain"})
+  EXPECT_GE(presets("hazard").size(), 2U);
+  for (const char* schema : {"scan", "terrain", "hazard"})
     for (const Preset& preset : presets(schema)) {
       EXPECT_FALSE(preset.description.empty()) << preset.name;
       EXPECT_LE(preset.description.size(), 80U - 21U) << preset.name;  // one line of --list-presets

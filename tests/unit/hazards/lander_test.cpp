@@ -50,12 +50,12 @@ TEST(LanderStencil, ThreeLegsStandAtEqualAngles) {
 
 TEST(LanderStencil, RefusesWhatCannotStand) {
   const auto refusal = [](const Lander& lander) { return [=] { LanderStencil(lander, 0.05); }; };
-  EXPECT_THAT(refusal({.legs = 5}), ThrowsMessage<UsageError>(HasSubstr("/lander/legs: 5 is not 3 or 4")));
+  EXPECT_THAT(refusal({.legs = 5}), ThrowsMessage<UsageError>(HasSubstr("lander/legs: 5 is not 3 or 4")));
   EXPECT_THAT(refusal({.leg_radius_m = 0.09}),
-              ThrowsMessage<UsageError>(HasSubstr("/lander/leg_radius_m: 0.09 is less than 2 bins")));
+              ThrowsMessage<UsageError>(HasSubstr("lander/leg_radius_m: 0.09 is less than 2 bins")));
   EXPECT_THAT(refusal({.pad_diameter_m = 0}),
-              ThrowsMessage<UsageError>(HasSubstr("/lander/pad_diameter_m: 0 is not > 0")));
-  EXPECT_THAT(refusal({.body_radius_m = NAN}), ThrowsMessage<UsageError>(HasSubstr("/lander/body_radius_m")));
+              ThrowsMessage<UsageError>(HasSubstr("lander/pad_diameter_m: 0 is not > 0")));
+  EXPECT_THAT(refusal({.body_radius_m = NAN}), ThrowsMessage<UsageError>(HasSubstr("lander/body_radius_m")));
   EXPECT_NO_THROW(refusal({.leg_radius_m = 0.1})());
 }
 

@@ -101,5 +101,14 @@ TEST(Sites, AreTheBestThatLieApart) {
   EXPECT_TRUE(choose_sites(cost, Grid<std::int8_t>(spec), parameters).empty());
 }
 
+TEST(ChooseSites, NoBinIsChosenTwice) {
+  const GridSpec spec = GridSpec::centered(1, 1);
+  const std::vector<BinIndex> sites =
+      choose_sites(Grid<float>(spec), Grid<std::int8_t>(spec, 1), {.count = 20, .separation_m = 0});
+  ASSERT_EQ(sites.size(), 9U);
+  EXPECT_EQ(sites[0], (BinIndex{1, 1}));
+  EXPECT_EQ(sites[1], (BinIndex{0, 1}));
+}
+
 }  // namespace
 }  // namespace landfall

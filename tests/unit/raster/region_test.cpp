@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -147,6 +149,34 @@ TEST(BinBox, HoldsTheBins) {
   const BinBox circle = set_box(circular_region(dem, 3));
   EXPECT_EQ(circle.first, (BinIndex{3, 3}));  // the circle itself is not part of the region
   EXPECT_EQ(circle.last, (BinIndex{7, 7}));
+}
+
+TEST(ClippedCircle, IsTheRegionWhereTheRegionFits) {
+  for (const double radius_m : {0.5, 2.0, 2.3, 2 + 1e-10, 2 + 1e-8}) {
+    const BinMask whole = circular_region(GridSpec::centered(3, 1), radius_m);
+    const BinMask clipped = clipped_circle(GridSpec::centered(3, 1), radius_m);
+    EXPECT_TRUE(std::ranges::equal(whole.values(), clipped.values())) << radius_m;
+  }
+}
+
+TEST(ClippedCircle, HasTheBinsOfAnyCircleThatLieInTheMap) {
+  EXPECT_EQ(count_set(clipped_circle(GridSpec::centered(3, 1), 4.2)),
+            45);  // 7 x 7 without the corners, at 18
+  EXPECT_EQ(count_set(clipped_circle(GridSpec::centered(3, 1), 4.3)), 49);  // 18 < 18.49
+  EXPECT_EQ(count_set(clipped_circle(GridSpec::centered(3, 1), 1e300)), 49);
+  // Rows 1 .. 3 and columns -1 .. 1 of the circle of radius 2.5: (3, any) are out, so are none of the others.
+  const BinMask beside =
+      clipped_circle({.resolution_m = 1, .first_row = 1, .first_col = -1, .rows = 3, .cols = 3}, 2.5);
+  EXPECT_EQ(count_set(beside), 6);
+  EXPECT_EQ(beside.at({1, 0}), 1);
+  EXPECT_EQ(beside.at({2, 1}), 0);
+}
+
+TEST(ClippedCircle, IsEmptyWhereTheMapIsElsewhere) {
+  const GridSpec far{
+      .resolution_m = 1, .first_row = std::int64_t{1} << 40, .first_col = 0, .rows = 2, .cols = 2};
+  EXPECT_EQ(count_set(clipped_circle(far, 50)), 0);
+  EXPECT_EQ(count_set(clipped_circle(far, 1e300)), 0);  // counts as 2^30 bins
 }
 
 }  // namespace

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/hazard_table.h"
+
+#include <optional>
+
+#include "base/number_text.h"
+#include "cli/print.h"
+
+namespace landfall::cli {
+namespace {
+
+double share(std::int64_t part, std::int64_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string place_line(const char* name, std::int64_t count, std::int64_t all) {
+  return print("%-8s %13s %9.3f %%\n", name, grouped(count).c_str(), 100 * share(count, all));
+}
+
+const char* truth_text(Safety truth) {
+  return truth == Safety::safe ? "safe" : truth == Safety::hazard ? "hazard" : "unknown";
+}
+
+std::string site_lines(const HazardMap& map) {
+  if (map.sites.empty()) return "\nno site: no safe place within the divert radius\n";
+  std::string text =
+      "\nsite     x, m     y, m     cost  p_touchdown  slope, deg  roughness, m  to hazard, m" +
+      std::string(map.truth ? "  truth\n" : "\n");
+  int rank = 0;
+  for (const LandingSite& site : map.sites) {
+    text += print("%4d %8.2f %8.2f %8.4f %12.4f %11.2f %13.3f", ++rank, site.x_m, site.y_m,
+                  static_cast<double>(site.cost), static_cast<double>(site.p_touchdown), site.slope_deg,
+                  site.roughness_m);
+    text += site.distance_to_hazard_m ? print(" %13.2f", static_cast<double>(*site.distance_to_hazard_m))
+                                      : print(" %13s", "-");
+    text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
+  }
+  return text;
+}
+
+std::string rate_line(const char* name, const std::optional<double>& rate, std::int64_t part,
+                      std::int64_t whole, const char* of) {
+  return print("%-16s", name) + (rate ? print("%8.3f %%", 100 * *rate) : std::string("         -")) + "   " +
+         grouped(part) + " of " + grouped(whole) + " " + of + "\n";
+}
+
+std::string score_lines(const HazardScore& score) {
+  const HazardScore::Counts& n = score.counts;
+  return "\n" +
+         rate_line("missed hazards", score.rates.missed_hazard_frac, n.safe_hazard,
+                   n.safe_hazard + n.hazard_hazard, "true hazards are judged safe") +
+         rate_line("false alarms", score.rates.false_alarm_frac, n.hazard_safe, n.hazard_safe + n.safe_safe,
+                   "truly safe places are judged hazards") +
+         print("%-16s%10s   ", "not compared", "") + grouped(n.unknown) +
+         " places are unknown in the map or in the truth\n";
+}
+
+}  // namespace
+
+std::string hazard_table(const HazardMap& map) {
+  const PlaceCounts counts = count_places(map.safe, map.region);
+  std::string text = print("%-8s %13s %11s\n", "place", "bins", "share") +
+                     place_line("safe", counts.safe, counts.all()) +
+                     place_line("hazard", counts.hazard, counts.all()) +
+                     place_line("unknown", counts.unknown, counts.all()) + site_lines(map);
+  if (map.truth) text += score_lines(map.truth->score);
+  return text;
+}
+
+std::string hazard_summary(const HazardMap& map) {
+  const PlaceCounts counts = count_places(map.safe, map.region);
+  const std::string text = percent_text(share(counts.safe, counts.all())) + " safe, " +
+                           percent_text(share(counts.hazard, counts.all())) + " hazard, " +
+                           percent_text(share(counts.unknown, counts.all())) + " unknown; ";
+  if (map.sites.empty()) return text + "no safe place within the divert radius";
+  const LandingSite& best = map.sites.front();
+  return text + "best site (" + short_number(best.x_m) + ", " + short_number(best.y_m) + ") m, p_touchdown " +
+         print("%.4f", static_cast<double>(best.p_touchdown));
+}
+
+}  // namespace landfall::cli

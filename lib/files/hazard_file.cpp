@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/hazard_file.h"
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "files/contents.h"
+#include "files/grid_file.h"
+#include "hdf5/table.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::vector<std::int8_t> kSafetyValues = {0, 1, 2};
+constexpr const char* kSafetyMeanings = "hazard safe unknown";
+
+template <class T>
+Json number(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json true_safe(Safety truth) {
+  return truth == Safety::unknown ? Json(nullptr) : Json(truth == Safety::safe);
+}
+
+void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, const std::string& suffix,
+                    const std::string& ground) {
+  const auto write = [&](const std::string& name, const Grid<double>& values,
+                         const GridLayerWriter::LayerText& text) {
+    auto rounded = Grid<float>::unset(values.spec());
+    for (std::size_t i = 0; i < values.spec().size(); ++i)
+      rounded.values()[i] = static_cast<float>(values.values()[i]);
+    layers.write(name + suffix, rounded, text);
+  };
+  write("slope", measures.slope_deg,
+        {"degree", "largest slope of a lander that stands here" + ground, {}, {}, {}, "safe" + suffix});
+  write("roughness", measures.roughness_m,
+        {"m",
+         "largest height of the ground above the plane of the lander" + ground,
+         {},
+         {},
+         {},
+         "safe" + suffix});
+}
+
+/// The value of(site) for each site; NaN for none.
+template <class Of>
+auto column(const std::vector<LandingSite>& sites, const Of& of) {
+  std::vector<std::decay_t<std::invoke_result_t<Of, const LandingSite&>>> values;
+  for (const LandingSite& site : sites) values.push_back(of(site));
+  return values;
+}
+
+float or_nan(const std::optional<float>& value) {
+  return value.value_or(std::numeric_limits<float>::quiet_NaN());
+}
+
+void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
+  const std::vector<LandingSite>& sites = map.sites;
+  std::vector<std::int32_t> rank;
+  while (rank.size() < sites.size()) rank.push_back(static_cast<std::int32_t>(rank.size() + 1));
+  const auto x = column(sites, [](const LandingSite& s) { return s.x_m; });
+  const auto y = column(sites, [](const LandingSite& s) { return s.y_m; });
+  const auto z = column(sites, [](const LandingSite& s) { return s.z_m; });
+  const auto cost = column(sites, [](const LandingSite& s) { return s.cost; });
+  const auto p_touchdown = column(sites, [](const LandingSite& s) { return s.p_touchdown; });
+  const auto p_safe = column(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
+  const auto slope = column(sites, [](const LandingSite& s) { return s.slope_deg; });
+  const auto roughness = column(sites, [](const LandingSite& s) { return s.roughness_m; });
+  const auto distance = column(sites, [](const LandingSite& s) { return or_nan(s.distance_to_hazard_m); });
+  const auto truth = column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
+  using enum h5::Type;
+  std::vector<ColumnSpec> columns = {
+      {"rank", int32, "1", "rank of the site, 1 is the best"},
+      {"x", float64, "m", "x of the bin's centre"},
+      {"y", float64, "m", "y of the bin's centre"},
+      {"z", float64, "m", "elevation of the bin"},
+      {"cost", float32, "1", "cost of landing here"},
+      {"p_touchdown", float32, "1", "probability that a touchdown aimed here is safe"},
+      {"slope", float64, "degree", "largest slope of a lander that stands here"},
+      {"roughness", float64, "m", "largest height of the ground above the plane of the lander"},
+      {"distance_to_hazard", float32, "m", "distance to the nearest place of the region that is not safe"}};
+  std::vector<ColumnRows> rows = {std::span(std::as_const(rank)),
+                                  std::span(x),
+                                  std::span(y),
+                                  std::span(z),
+                                  std::span(cost),
+                                  std::span(p_touchdown),
+                                  std::span(slope),
+                                  std::span(roughness),
+                                  std::span(distance)};
+  if (map.p_safe) {
+    columns.push_back({"p_safe", float32, "1", "probability that the place is safe"});
+    rows.emplace_back(std::span(p_safe));
+  }
+  if (map.truth) {
+    columns.push_back({"true_safe", int8, "1", "whether the place is safe on the true ground", kSafetyValues,
+                       kSafetyMeanings});
+    rows.emplace_back(std::span(truth));
+  }
+  write_table(file.root(), "sites", std::move(columns), rows, file.compression());
+}
+
+}  // namespace
+
+HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth) {
+  const LandfallFileReader file(path, {"dem", "terrain"});
+  const std::string kind = kind_of(file);
+  if (kind == "terrain" && !has_grid(file))
+    file.fail("is a mesh terrain; hazard-map judges a DEM or a gridded terrain");
+  const GridLayerReader layers(file);
+  HazardSource source{kind,
+                      layers.read<double>(kind == "dem" ? "z_est" : "z"),
+                      std::nullopt,
+                      std::nullopt,
+                      layers.crs_wkt(),
+                      file.file_id(),
+                      file.chain()};
+  if (kind == "dem" && layers.has("z_sigma_rel")) source.z_sigma = layers.read<double>("z_sigma_rel");
+  if (with_truth && kind == "dem" && layers.has("z_true")) source.z_true = layers.read<double>("z_true");
+  return source;
+}
+
+TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"dem"});
+  const GridLayerReader layers(file);
+  return {layers.read<double>("x_true"), layers.read<double>("y_true")};
+}
+
+void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt) {
+  GridLayerWriter layers(file, map.safe.spec(), crs_wkt);
+  write_measures(layers, map.measures, "", "");
+  layers.write("safe", map.safe,
+               {"1", "whether a lander can stand here within its limits", kSafetyValues, kSafetyMeanings});
+  if (map.p_safe) layers.write("p_safe", *map.p_safe, {"1", "probability that the place is safe"});
+  layers.write("p_touchdown", map.p_touchdown, {"1", "probability that a touchdown aimed here is safe"});
+  layers.write("cost", map.cost, {"1", "cost of landing here"});
+  layers.write("distance_to_hazard", map.distance_to_hazard,
+               {"m", "distance to the nearest place of the region that is not safe"});
+  if (map.truth) {
+    write_measures(layers, map.truth->measures, "_true", ", on the true ground");
+    layers.write("safe_true", map.truth->safe,
+                 {"1", "whether a lander can stand here within its limits, on the true ground", kSafetyValues,
+                  kSafetyMeanings});
+    layers.write("outcome", map.truth->outcome,
+                 {"1",
+                  "the judgement compared with the true ground",
+                  {0, 1, 2, 3, 4},
+                  "hazard_found safe_found missed_hazard false_alarm unknown"});
+    h5::write_text(file.root(), {"score_json", "the comparison with the true ground in numbers"},
+                   score_json(map.truth->score).dump(2));
+  }
+  write_sites(file, map);
+  file.commit();
+}
+
+Json sites_json(const HazardMap& map) {
+  Json sites = Json::array();
+  for (const LandingSite& site : map.sites)
+    sites.push_back({{"rank", sites.size() + 1},
+                     {"x_m", site.x_m},
+                     {"y_m", site.y_m},
+                     {"z_m", site.z_m},
+                     {"cost", site.cost},
+                     {"p_touchdown", site.p_touchdown},
+                     {"p_safe", number(site.p_safe)},
+                     {"slope_deg", site.slope_deg},
+                     {"roughness_m", site.roughness_m},
+                     {"distance_to_hazard_m", number(site.distance_to_hazard_m)},
+                     {"true_safe", true_safe(site.truth)}});
+  return {{"format", "landfall.sites"}, {"version", 1}, {"sites", std::move(sites)}};
+}
+
+Json score_json(const HazardScore& score) {
+  Json roc = {{"roughness_limit_m", Json::array()},
+              {"missed_hazard_frac", Json::array()},
+              {"false_alarm_frac", Json::array()}};
+  for (const HazardScore::RocPoint& point : score.roc) {
+    roc["roughness_limit_m"].push_back(point.roughness_limit_m);
+    roc["missed_hazard_frac"].push_back(number(point.rates.missed_hazard_frac));
+    roc["false_alarm_frac"].push_back(number(point.rates.false_alarm_frac));
+  }
+  Json reliability = {{"p_low", Json::array()},
+                      {"p_high", Json::array()},
+                      {"count", Json::array()},
+                      {"safe_frac", Json::array()}};
+  for (const HazardScore::ReliabilityBin& bin : score.reliability) {
+    reliability["p_low"].push_back(bin.p_low);
+    reliability["p_high"].push_back(bin.p_high);
+    reliability["count"].push_back(bin.count);
+    reliability["safe_frac"].push_back(number(bin.safe_frac));
+  }
+  const HazardScore::Counts& counts = score.counts;
+  return {{"format", "landfall.hazard_score"},
+          {"version", 1},
+          {"counts",
+           {{"safe_safe", counts.safe_safe},
+            {"safe_hazard", counts.safe_hazard},
+            {"hazard_safe", counts.hazard_safe},
+            {"hazard_hazard", counts.hazard_hazard},
+            {"unknown", counts.unknown}}},
+          {"filled_truth_bins", score.filled_truth_bins},
+          {"missed_hazard_frac", number(score.rates.missed_hazard_frac)},
+          {"false_alarm_frac", number(score.rates.false_alarm_frac)},
+          {"roc", std::move(roc)},
+          {"brier", number(score.brier)},
+          {"reliability", std::move(reliability)}};
+}
+
+}  // namespace landfall

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "files/landfall_file.h"
+#include "hazards/hazard_map.h"
+
+namespace landfall {
+
+/// The map that hazard-map judges: z_est of a DEM or z of a gridded terrain.
+struct HazardSource {
+  std::string kind;  ///< "dem" or "terrain"
+  Grid<double> z;
+  std::optional<Grid<double>> z_true;   ///< of a DEM that has it
+  std::optional<Grid<double>> z_sigma;  ///< z_sigma_rel of a DEM that has it
+  std::string crs_wkt;
+  std::string file_id;
+  nlohmann::json chain;
+};
+
+/// Reads z_true only if requested. Throws FormatError.
+[[nodiscard]] HazardSource read_hazard_source(const std::filesystem::path& path, bool with_truth);
+
+/// x_true and y_true of a DEM: where its true elevations were taken. Throws FormatError.
+struct TruthCentroids {
+  Grid<double> x, y;
+};
+[[nodiscard]] TruthCentroids read_truth_centroids(const std::filesystem::path& path);
+
+/// Writes hazards.h5 (docs/user/files/hazards.md) and commits it.
+void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt);
+
+/// sites.json and score.json (docs/user/files/hazards.md). Unknown numbers are null.
+[[nodiscard]] nlohmann::ordered_json sites_json(const HazardMap& map);
+[[nodiscard]] nlohmann::ordered_json score_json(const HazardScore& score);
+
+}  // namespace landfall

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hazards/hazard_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "base/number_text.h"
+#include "hazards/safe_probability.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kTolerance = 1e-9;  // bins, and metres
+
+struct Width {
+  const char* key;
+  double bins;  ///< from the lander's centre to its outermost bin
+};
+
+/// The part of the lander that reaches furthest.
+Width widest(const Lander& lander, HazardMethod method, double resolution_m) {
+  const Width body = {"body_radius_m", std::floor((lander.body_radius_m + kTolerance) / resolution_m)};
+  if (method == HazardMethod::plane) return body;
+  const Width legs = {"leg_radius_m",
+                      std::floor(lander.leg_radius_m / resolution_m + 0.5 + kTolerance) +
+                          std::floor((lander.pad_diameter_m / 2 + kTolerance) / resolution_m)};
+  return legs.bins > body.bins ? legs : body;
+}
+
+/// A stencil of more bins than the map would take any amount of memory, so that this is checked first.
+void require_fits(const Lander& lander, HazardMethod method, const GridSpec& spec) {
+  const Width width = widest(lander, method, spec.resolution_m);
+  if (2 * width.bins + 1 <= static_cast<double>(std::min(spec.rows, spec.cols))) return;
+  throw UsageError(std::string("lander/") + width.key + ": a lander of " + short_number(2 * width.bins + 1) +
+                   " bins across is larger than the map of " + std::to_string(spec.cols) + " x " +
+                   std::to_string(spec.rows) + " bins of " + number_text(spec.resolution_m) + " m");
+}
+
+/// The least-squares plane needs bins on both sides of the centre, and no legs.
+Lander lander_for(const HazardParameters& parameters, double resolution_m) {
+  Lander lander = parameters.lander;
+  if (parameters.method == HazardMethod::contact) return lander;
+  if (lander.body_radius_m < resolution_m - kTolerance)
+    throw UsageError("lander/body_radius_m: " + number_text(lander.body_radius_m) +
+                     " is less than 1 bin of " + number_text(resolution_m) + " m, and the method is plane");
+  lander.leg_radius_m = std::max(lander.leg_radius_m, 2 * resolution_m);
+  return lander;
+}
+
+PlaceMeasures measure(const Grid<double>& z, const LanderStencil& lander, HazardMethod method,
+                      const BinMask& region, const ProgressCallback& progress) {
+  return method == HazardMethod::contact ? measure_contact(z, lander, region, progress)
+                                         : measure_plane(z, lander, region, progress);
+}
+
+[[noreturn]] void refuse_unknown(const Grid<double>& z, const BinMask& region,
+                                 const HazardParameters& parameters) {
+  const std::string where = " within " + number_text(parameters.region_radius_m) + " m of the origin";
+  if (count_set(region) == 0) throw FormatError("nothing to judge: no bin of the map lies" + where);
+  std::int64_t known = 0;
+  for (std::size_t i = 0; i < z.spec().size(); ++i)
+    if (region.values()[i] != 0 && std::isfinite(z.values()[i])) ++known;
+  if (known == 0) throw FormatError("nothing to judge: no bin" + where + " has an elevation");
+  throw FormatError("nothing to judge: at each place" + where +
+                    " a part of the lander lies on a bin without an elevation or beyond the map's border; " +
+                    "scan more, or fill larger holes (hole_fill_bins)");
+}
+
+/// The length over which a lander's plane turns the noise of a bin into a gradient: the legs' radius, or the
+/// root of the sum of dx^2 over the body.
+double slope_base_m(const LanderStencil& lander, const HazardParameters& parameters) {
+  if (parameters.method == HazardMethod::contact) return parameters.lander.leg_radius_m;
+  double square = 0;
+  for (std::int64_t row = -lander.body.half_bins(); row <= lander.body.half_bins(); ++row)
+    square += static_cast<double>(row * row * (2 * lander.body.half_width(row) + 1));
+  return std::sqrt(square) * lander.resolution_m;
+}
+
+/// 1 at safe places, 0 at others, unknown ones included.
+Grid<float> certainty(const Grid<std::int8_t>& safe) {
+  auto p = Grid<float>::unset(safe.spec());
+  std::ranges::transform(safe.values(), p.values().begin(), [](std::int8_t value) {
+    return value == static_cast<std::int8_t>(Safety::safe) ? 1.0F : 0.0F;
+  });
+  return p;
+}
+
+std::vector<LandingSite> describe(const std::vector<BinIndex>& bins, const HazardMap& map,
+                                  const Grid<double>& z) {
+  std::vector<LandingSite> sites;
+  for (const BinIndex bin : bins) {
+    LandingSite site;
+    site.bin = bin;
+    site.x_m = z.spec().x(bin.col);
+    site.y_m = z.spec().y(bin.row);
+    site.z_m = z.at(bin);
+    site.cost = map.cost.at(bin);
+    site.p_touchdown = map.p_touchdown.at(bin);
+    if (map.p_safe) site.p_safe = map.p_safe->at(bin);
+    site.slope_deg = map.measures.slope_deg.at(bin);
+    site.roughness_m = map.measures.roughness_m.at(bin);
+    const float distance = map.distance_to_hazard.at(bin);
+    if (!std::isnan(distance)) site.distance_to_hazard_m = distance;
+    if (map.truth) site.truth = static_cast<Safety>(map.truth->safe.at(bin));
+    sites.push_back(site);
+  }
+  return sites;
+}
+
+}  // namespace
+
+std::vector<TruthPosition> truth_positions(const Grid<double>& z_true, const Grid<double>& x_true,
+                                           const Grid<double>& y_true,
+                                           const std::vector<FillableBin>& holes) {
+  const GridSpec& spec = z_true.spec();
+  auto dx = Grid<double>::unset(spec);
+  auto dy = Grid<double>::unset(spec);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      dx.at({row, col}) = x_true.at({row, col}) - spec.x(col);
+      dy.at({row, col}) = y_true.at({row, col}) - spec.y(row);
+    }
+  std::vector<TruthPosition> positions;
+  for (const FillableBin& hole : holes)
+    if (!std::isfinite(z_true.at(hole.bin)))
+      positions.push_back(
+          {hole.bin, spec.x(hole.bin.col) + ring_mean(dx, hole), spec.y(hole.bin.row) + ring_mean(dy, hole)});
+  return positions;
+}
+
+BinMask fill_truth(Grid<double>& z_true, const std::vector<FillableBin>& holes) {
+  std::vector<FillableBin> missing;
+  std::ranges::copy_if(holes, std::back_inserter(missing),
+                       [&](const FillableBin& hole) { return !std::isfinite(z_true.at(hole.bin)); });
+  fill_holes(z_true, missing);
+  BinMask filled(z_true.spec());
+  for (const FillableBin& hole : missing) filled.at(hole.bin) = std::isfinite(z_true.at(hole.bin)) ? 1 : 0;
+  return filled;
+}
+
+PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
+  PlaceCounts counts;
+  for (std::size_t i = 0; i < safe.spec().size(); ++i) {
+    if (region.values()[i] == 0) continue;
+    const auto safety = static_cast<Safety>(safe.values()[i]);
+    ++(safety == Safety::safe ? counts.safe : safety == Safety::hazard ? counts.hazard : counts.unknown);
+  }
+  return counts;
+}
+
+HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
+                      const PhaseRunner& phase) {
+  const GridSpec& spec = input.z.spec();
+  require_fits(parameters.lander, parameters.method, spec);
+  const LanderStencil lander(lander_for(parameters, spec.resolution_m), spec.resolution_m);
+  HazardMap map;
+  map.region = clipped_circle(spec, parameters.region_radius_m);
+  phase("judge", [&](const ProgressCallback& progress) {
+    map.measures = measure(input.z, lander, parameters.method, map.region, progress);
+  });
+  map.safe = judge_places(map.measures, parameters.limits);
+  const PlaceCounts counts = count_places(map.safe, map.region);
+  if (counts.unknown == counts.all()) refuse_unknown(input.z, map.region, parameters);
+  if (input.z_sigma)
+    phase("probability", [&](const ProgressCallback&) {
+      map.p_safe = safe_probability(input.z, *input.z_sigma, lander, parameters.limits,
+                                    slope_base_m(lander, parameters), map.measures,
+                                    [&](const Grid<double>& z, const BinMask& places) {
+                                      return measure(z, lander, parameters.method, places, {});
+                                    });
+    });
+  if (input.z_true)
+    phase("judge the truth", [&](const ProgressCallback& progress) {
+      HazardMap::Truth& truth = map.truth.emplace();
+      truth.measures = measure(*input.z_true, lander, parameters.method, map.region, progress);
+      truth.safe = judge_places(truth.measures, parameters.limits);
+      truth.outcome = outcomes(map.safe, truth.safe);
+      truth.score = score_hazards(map.measures, truth.measures, parameters.limits, map.region,
+                                  map.p_safe ? &*map.p_safe : nullptr);
+      for (std::size_t i = 0; i < spec.size(); ++i)
+        truth.score.filled_truth_bins += map.region.values()[i] & input.filled_truth.values()[i];
+    });
+  phase("sites", [&](const ProgressCallback&) {
+    map.p_touchdown = touchdown_probability(map.p_safe ? *map.p_safe : certainty(map.safe),
+                                            parameters.touchdown_sigma_m, map.region);
+    map.cost = landing_cost(map.p_touchdown, parameters.sites);
+    map.distance_to_hazard = distance_to_hazard(map.safe, map.region);
+    map.sites = describe(choose_sites(map.cost, map.safe, parameters.sites), map, input.z);
+  });
+  return map;
+}
+
+}  // namespace landfall

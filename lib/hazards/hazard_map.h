@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/progress.h"
+#include "hazards/hole_filling.h"
+#include "hazards/safety.h"
+#include "hazards/sites.h"
+
+namespace landfall {
+
+/// The plane of the lander at a place: measure_contact() or measure_plane().
+enum class HazardMethod { contact, plane };
+
+struct HazardParameters {
+  Lander lander;
+  HazardMethod method = HazardMethod::contact;
+  double region_radius_m = 50;  ///< > 0
+  HazardLimits limits;
+  std::int64_t hole_fill_bins = 10;  ///< >= 0
+  std::optional<double> z_sigma_m;   ///< of maps without a sigma of their own
+  double touchdown_sigma_m = 1;      ///< >= 0
+  SiteParameters sites;
+};
+
+/// A map with its small holes filled, and the true ground of its bins.
+struct HazardInput {
+  Grid<double> z;
+  std::optional<Grid<double>> z_true;
+  BinMask filled_truth;  ///< bins whose truth is a mean of their surroundings; only with z_true
+  std::optional<Grid<double>> z_sigma;  ///< 1 sigma of each bin of z; with it the map has p_safe
+};
+
+/// A bin of a filled hole that has no true elevation, and the position at which it is taken from the terrain.
+struct TruthPosition {
+  BinIndex bin;
+  double x_m = 0, y_m = 0;
+};
+
+/// Of the bins of small holes without a true elevation: the bin's centre, moved by the mean (x_true - X,
+/// y_true - Y) of the bins in its ring.
+[[nodiscard]] std::vector<TruthPosition> truth_positions(const Grid<double>& z_true,
+                                                         const Grid<double>& x_true,
+                                                         const Grid<double>& y_true,
+                                                         const std::vector<FillableBin>& holes);
+
+/// Gives each bin of `holes` without a true elevation the mean of its ring in z_true. Returns those that got
+/// one.
+[[nodiscard]] BinMask fill_truth(Grid<double>& z_true, const std::vector<FillableBin>& holes);
+
+/// A place to land; SiteParameters tells how it is chosen.
+struct LandingSite {
+  BinIndex bin;
+  double x_m = 0, y_m = 0, z_m = 0;
+  float cost = 0;
+  float p_touchdown = 0;
+  std::optional<float> p_safe;
+  double slope_deg = 0, roughness_m = 0;
+  std::optional<float> distance_to_hazard_m;  ///< none without a place that is not safe
+  Safety truth = Safety::unknown;
+};
+
+struct HazardMap {
+  BinMask region;
+  PlaceMeasures measures;
+  Grid<std::int8_t> safe;
+  std::optional<Grid<float>> p_safe;  ///< safe_probability(); none without z_sigma
+  Grid<float> p_touchdown;
+  Grid<float> cost;
+  Grid<float> distance_to_hazard;
+
+  struct Truth {
+    PlaceMeasures measures;
+    Grid<std::int8_t> safe;
+    Grid<std::int8_t> outcome;
+    HazardScore score;
+  };
+  std::optional<Truth> truth;
+  std::vector<LandingSite> sites;  ///< best first
+};
+
+/// The places of the region by their safety.
+struct PlaceCounts {
+  std::int64_t hazard = 0, safe = 0, unknown = 0;
+  [[nodiscard]] std::int64_t all() const { return hazard + safe + unknown; }
+};
+[[nodiscard]] PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region);
+
+/// Judges every place of the map within region_radius_m of the origin (clipped_circle()).
+///
+/// Throws UsageError "lander/KEY: ..." for a lander that the map cannot hold or resolve, FormatError that
+/// says why if every place is unknown.
+[[nodiscard]] HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
+                                    const PhaseRunner& phase);
+
+}  // namespace landfall

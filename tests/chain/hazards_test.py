@@ -1,0 +1,274 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""hazard-map against an independent implementation of its definitions (tests/oracle/hazards.py), its refusals, and JPL's sites."""
+import json
+import os
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import ChainTest, ToolTest, columns, read_bytes, run, with_values
+from oracle import hazards as oracle
+from oracle.evaluate import region_of
+
+DATA = os.path.join(os.environ.get("LANDFALL_DATA", os.path.join(os.environ["LANDFALL_ROOT"], "..", "shared", "data")), "hazards")
+CONFIG = {
+    "lander": {"legs": 4, "leg_radius_m": 0.4, "pad_diameter_m": 0.2, "pad_height": "max", "body_radius_m": 0.5},
+    "method": "contact", "region_radius_m": 3.5, "limits": {"slope_deg": 14, "roughness_m": 0.08}, "hole_fill_bins": 4,
+    "touchdown_sigma_m": 0.25,
+    "sites": {"count": 4, "separation_m": 0.8, "divert_radius_m": 3, "divert_weight": 0.2, "min_p": 0.5},
+}
+CASES = {
+    "default": {}, "three legs": {"lander__legs": 3}, "mean pads": {"lander__pad_height": "mean", "lander__pad_diameter_m": 0.32},
+    "small body": {"lander__body_radius_m": 0.19, "lander__leg_radius_m": 0.73}, "plane": {"method": "plane"},
+    "nothing filled": {"hole_fill_bins": 0}, "all filled": {"hole_fill_bins": 100000}, "no dispersion": {"touchdown_sigma_m": 0},
+    "whole map": {"region_radius_m": 50, "sites__divert_radius_m": 20, "sites__count": 40, "sites__separation_m": 0},
+}
+SINGLE = {"rtol": 1e-7, "atol": 2e-9}  # the rounding to float32
+
+
+class Maps(ChainTest):
+    def hazards(self, source, config, *arguments):
+        out = [self.path(name) for name in ("h.h5", "sites.json", "score.json")]
+        options = ["-o", out[0], "--sites", out[1], "-O"] + ([] if "--no-truth" in arguments else ["--score", out[2]])
+        self.succeed("hazard-map", source, "-c", self.config(config), *options, *arguments)
+        return [columns(out[0])] + [json.loads(read_bytes(path)) for path in out[1:] if os.path.exists(path)]
+
+    def compare(self, layers, z, config, suffix=""):
+        """Slope, roughness and safe of the region; returns the oracle's slope and roughness there."""
+        s = 0.1
+        region = np.asarray(region_of({**config, "region": {"shape": "circle"}}, None, z.shape[0] // 2, s))
+        self.assertEqual(region.shape, z.shape)
+        slope, rough = (np.where(region, values, np.nan) for values in oracle.measures(z, config, s))
+        limits = config["limits"]
+        near = (abs(slope - limits["slope_deg"]) < 1e-9) | (abs(rough - limits["roughness_m"]) < 1e-9)
+        self.assertFalse(near.any(), "a value that rounding decides")
+        np.testing.assert_allclose(layers["slope" + suffix], slope, **SINGLE)
+        np.testing.assert_allclose(layers["roughness" + suffix], rough, **SINGLE)
+        np.testing.assert_array_equal(layers["safe" + suffix], oracle.judge(slope, rough, limits))
+        return region, slope, rough
+
+    def check_places(self, layers, region, config):
+        sites, safe = config["sites"], layers["safe"]
+        p = oracle.touchdown((safe == oracle.SAFE).astype(float), config["touchdown_sigma_m"], 0.1)
+        np.testing.assert_allclose(layers["p_touchdown"], np.where(region, p, np.nan), rtol=1e-6, atol=1e-12)
+        distance = np.hypot(layers["x"][None, :], layers["y"][:, None])
+        cost = 1 - layers["p_touchdown"].astype(float) + sites["divert_weight"] * distance / sites["divert_radius_m"]
+        cost[distance > sites["divert_radius_m"] + 1e-9] = np.nan
+        np.testing.assert_allclose(layers["cost"], cost, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(layers["distance_to_hazard"], oracle.distances(region, safe, 0.1), **SINGLE)
+
+    def check_sites(self, layers, listed, z, config):
+        self.assertEqual((listed["format"], listed["version"]), ("landfall.sites", 1))
+        chosen = oracle.sites(layers["cost"], layers["safe"], layers["x"], layers["y"], config["sites"])
+        self.assertEqual([[site["rank"], site["x_m"], site["y_m"]] for site in listed["sites"]],
+                         [[i + 1, layers["x"][c], layers["y"][r]] for i, (r, c) in enumerate(chosen)])
+        for site, bin_ in zip(listed["sites"], chosen):
+            self.assertEqual(np.float32(site["cost"]), layers["cost"][bin_])
+            self.assertEqual(np.float32(site["p_touchdown"]), layers["p_touchdown"][bin_])
+            self.assertEqual(np.float32(site["slope_deg"]), layers["slope"][bin_])
+            self.assertEqual(np.float32(site["roughness_m"]), layers["roughness"][bin_])
+            self.assertAlmostEqual(site["z_m"], z[bin_], places=12)
+            self.assertIsNone(site["p_safe"])
+            distance = layers["distance_to_hazard"][bin_]
+            self.assertEqual(site["distance_to_hazard_m"], None if np.isnan(distance) else distance)
+            truth = layers["safe_true"][bin_] if "safe_true" in layers else 2
+            self.assertEqual(site["true_safe"], [False, True, None][truth])
+        with h5py.File(self.path("h.h5")) as file:
+            table = {name: values[()].tolist() for name, values in file["sites"].items()}
+        units = {"x": "x_m", "y": "y_m", "z": "z_m", "slope": "slope_deg", "roughness": "roughness_m", "rank": "rank", "cost": "cost",
+                 "p_touchdown": "p_touchdown"}
+        for column, key in units.items():
+            self.assertEqual(table[column], [site[key] for site in listed["sites"]])
+        return chosen
+
+    def test_every_layer_site_and_number(self):
+        dem = columns(self.chain.dem)
+        for name, values in CASES.items():
+            with self.subTest(name):
+                config = with_values(CONFIG, **values)
+                layers, listed, score = self.hazards(self.chain.dem, config)
+                holes = oracle.small_holes(dem["z_est"], config["hole_fill_bins"])
+                z = oracle.filled(dem["z_est"], holes)
+                region, *judged = self.compare(layers, z, config)
+                truth = oracle.filled(dem["z_true"], {b: ring for b, ring in holes.items() if np.isnan(dem["z_true"][b])})
+                _, *true = self.compare(layers, truth, config, "_true")
+                self.check_places(layers, region, config)
+                sites = self.check_sites(layers, listed, z, config)
+                expected = oracle.score(judged, true, config["limits"], region)
+                for key, value in expected.items():
+                    self.assertEqual(score[key], value, key)
+                self.assertEqual(list(score), ["format", "version", "counts", "filled_truth_bins", "missed_hazard_frac",
+                                               "false_alarm_frac", "roc", "brier", "reliability"])
+                self.assertEqual(score["filled_truth_bins"], sum(region[b] for b in holes if np.isnan(dem["z_true"][b])))
+                pair = layers["safe"] * 3 + layers["safe_true"]
+                outcome = np.full(pair.shape, 4)
+                for number, (a, b) in enumerate([(0, 0), (1, 1), (1, 0), (0, 1)]):
+                    outcome[pair == 3 * a + b] = number
+                np.testing.assert_array_equal(layers["outcome"], outcome)
+                if name in ("small body", "whole map"):  # the comparison covers every class
+                    self.assertGreater(min(list(score["counts"].values())), 0)
+                    self.assertGreater(len(sites), 2)
+        self.assertGreater(len(oracle.small_holes(dem["z_est"], 4)), 10)
+
+    def test_a_terrain_without_truth(self):
+        config = with_values(CONFIG, region_radius_m=20)
+        layers, listed = self.hazards(self.chain.terrain, config, "--no-truth")
+        z = columns(self.chain.terrain)["z"]
+        region, *_ = self.compare(layers, z, config)
+        self.check_places(layers, region, config)
+        self.check_sites(layers, listed, z, config)
+        self.assertEqual({"slope_true", "roughness_true", "safe_true", "outcome"} & set(layers), set())
+
+    def test_truth_is_ignored_on_request(self):
+        layers, listed = self.hazards(self.chain.dem, CONFIG, "--no-truth")
+        with_truth, *_ = self.hazards(self.chain.dem, CONFIG)
+        self.assertNotIn("outcome", layers)
+        for name, values in layers.items():
+            np.testing.assert_array_equal(values, with_truth[name])
+        self.assertEqual({site["true_safe"] for site in listed["sites"]}, {None})
+
+    def test_truth_of_holes_is_taken_from_the_terrain(self):
+        plane = ["-c", self.chain.config("terrain-gen"), "--set", "features=[]"]
+        self.succeed("terrain-gen", *plane, "-o", self.path("t.h5"))
+        self.succeed("scan-sim", "-c", self.chain.config("scan-sim"), "--terrain", self.path("t.h5"), "-o", self.path("s.h5"))
+        self.succeed("regrid", self.path("s.h5"), "-c", self.chain.config("regrid"), "--terrain", self.path("t.h5"), "-o", self.path("d.h5"))
+        config = with_values(CONFIG, hole_fill_bins=30, limits__slope_deg=30)
+        layers, _, score = self.hazards(self.path("d.h5"), config, "--terrain", self.path("t.h5"))
+        dem = columns(self.path("d.h5"))
+        truth, x, y = dem["z_true"].copy(), *np.meshgrid(dem["x"], dem["y"])
+        for bin_, ring in oracle.small_holes(dem["z_est"], 30).items():
+            move = [np.nanmean([(layer - axis)[b] for b in ring]) for layer, axis in ((dem["x_true"], x), (dem["y_true"], y))]
+            truth[bin_] = 0.25 + 0.05 * (x[bin_] + move[0]) - 0.03 * (y[bin_] + move[1])
+        self.compare(layers, truth, config, "_true")
+        self.assertEqual(score["filled_truth_bins"], 0)
+        self.assertGreater(self.hazards(self.path("d.h5"), config)[2]["filled_truth_bins"], 0)
+
+    def test_equal_bytes_for_any_number_of_threads(self):
+        made = []
+        for threads in (1, 2, 7):
+            out = [self.path(f"{threads}.{end}") for end in ("h5", "sites", "score")]
+            self.succeed("hazard-map", self.chain.dem, "-c", self.config(CONFIG), "-t", threads, "-o", out[0], "--sites", out[1],
+                         "--score", out[2])
+            made.append([read_bytes(path) for path in out])
+        self.assertEqual(made[0], made[1])
+        self.assertEqual(made[0], made[2])
+
+
+class Interface(ChainTest):
+    def arguments(self, *more, **values):
+        return [self.chain.dem, "-c", self.config(with_values(CONFIG, **values)), "-o", self.path("h.h5"), *more]
+
+    def refuse_map(self, code, *arguments, words=()):
+        self.refuse(code, "hazard-map", *arguments, words=words, output=self.path("h.h5"))
+
+    def test_inputs_that_cannot_be_judged(self):
+        self.succeed("regrid", *self.chain.inputs("regrid"), "--layers", "count", "-o", self.path("count.h5"))
+        self.refuse_map(1, self.path("count.h5"), "-o", self.path("h.h5"), words=["count.h5", "z_est"])
+        self.refuse_map(1, self.chain.scan, "-o", self.path("h.h5"), words=[self.chain.scan])
+        self.succeed("regrid", self.chain.scan, "-c", self.chain.config("regrid"), "-o", self.path("blind.h5"))
+        self.refuse_map(1, self.path("blind.h5"), "-o", self.path("h.h5"), "--score", self.path("s"), words=["blind.h5", "z_true"])
+        self.succeed("regrid", *self.chain.inputs("regrid"), "--layers", "z_est,z_true", "-o", self.path("few.h5"))
+        self.refuse_map(1, self.path("few.h5"), "-o", self.path("h.h5"), "--terrain", self.chain.terrain, words=["few.h5", "x_true"])
+
+    def test_landers_that_the_map_cannot_hold(self):
+        self.refuse_map(2, *self.arguments(lander__body_radius_m=5.2), words=["config.json: /lander/body_radius_m", "101 x 101", self.chain.dem])
+        self.refuse_map(2, *self.arguments(lander__leg_radius_m=0.15), words=["/lander/leg_radius_m: 0.15 is less than 2 bins"])
+        for key, value in [("lander__pad_diameter_m", 0), ("limits__slope_deg", 0), ("limits__roughness_m", -0.1), ("lander__legs", 5)]:
+            self.refuse_map(2, *self.arguments(**{key: value}), words=["config.json: /" + key.replace("__", "/"), str(value)])
+
+    def test_a_region_without_a_known_place(self):
+        aside = ["--set", "region_radius_m=0.1", "--set", "lander.leg_radius_m=4.9"]
+        self.refuse_map(1, *self.arguments(*aside, "--sites", self.path("sites.json")),
+                        words=[self.chain.dem, "nothing to judge", "hole_fill_bins"])
+        self.assertEqual(self.entries(), ["config.json"])
+
+    def test_no_safe_place(self):
+        nowhere = ["--set", "limits.slope_deg=0.001", "--sites", self.path("sites.json")]
+        self.succeed("hazard-map", *self.arguments(*nowhere))
+        self.assertEqual(json.loads(read_bytes(self.path("sites.json"))), {"format": "landfall.sites", "version": 1, "sites": []})
+        for least in (0.5, 0):
+            result = run("hazard-map", *self.arguments(*nowhere, "-O", "--require-safe", "--set", f"sites.min_p={least}"))
+            self.assertEqual((result.returncode, result.stdout), (3, ""))
+            self.check_message("hazard-map", result.stderr, [self.chain.dem, f"no site has a p_touchdown of {least}"])
+
+    def test_a_safe_place_is_required(self):
+        self.succeed("hazard-map", *self.arguments("--require-safe", "--sites", self.path("sites.json")))
+        best = max(site["p_touchdown"] for site in json.loads(read_bytes(self.path("sites.json")))["sites"])
+        enough, more = (["--set", f"sites.min_p={json.dumps(float(p))}"] for p in (best, np.nextafter(best, 2)))
+        self.succeed("hazard-map", *self.arguments("-O", "--require-safe", *enough))
+        self.assertEqual(run("hazard-map", *self.arguments("-O", "--require-safe", *more)).returncode, 3 if best < 1 else 2)
+
+    def test_options_that_contradict_each_other(self):
+        for options, word in [(["--no-truth", "--score", self.path("s")], "--no-truth"),
+                              (["--no-truth", "--terrain", self.chain.terrain], "--no-truth"),
+                              (["--table", "--json"], "--json"), (["--sites", "-"], "--sites"),
+                              (["--sites", self.path("a"), "--score", self.path("a")], "same file")]:
+            self.refuse_map(2, *self.arguments(*options), words=[word])
+        self.refuse(2, "hazard-map", self.chain.dem, words=["-o"])
+        self.refuse(2, "hazard-map", "-o", self.path("h.h5"), words=["DEM"])
+
+    def test_outputs_are_refused_before_the_map_is_read(self):
+        with open(self.path("s.json"), "w", encoding="utf-8"):
+            pass
+        self.refuse_map(2, "/nowhere/dem.h5", "-o", self.path("h.h5"), "--sites", self.path("s.json"), words=["s.json", "-O"])
+
+    def test_warnings(self):
+        self.succeed("terrain-gen", "-o", self.path("other.h5"), "-c", self.chain.config("terrain-gen"), "--set", "features=[]")
+        result = run("hazard-map", *self.arguments("--terrain", self.path("other.h5")))
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("warning: " + self.path("other.h5") + " is not the terrain", result.stderr)
+        result = run("hazard-map", self.chain.terrain, "-o", self.path("t.h5"), "--terrain", self.chain.terrain)
+        self.assertIn("warning: --terrain is ignored", result.stderr)
+
+    def test_table_and_summary(self):
+        table = self.succeed("hazard-map", *self.arguments("--table")).stdout
+        for word in ("safe ", "hazard ", "unknown ", "site ", "missed hazards", "false alarms"):
+            self.assertIn("\n" + word, "\n" + table)
+        summary = json.loads(self.succeed("hazard-map", *self.arguments("-O", "--json")).stdout)
+        self.assertEqual(set(summary["phases"]), {"read", "judge", "judge the truth", "sites", "write"})
+        self.assertEqual(sum(summary["places"].values()), sum(summary["score"]["counts"].values()))
+        self.assertEqual(summary["sites"][0]["rank"], 1)
+
+    def test_info_and_exports(self):
+        self.succeed("hazard-map", *self.arguments())
+        text = self.succeed("landfall-info", self.path("h.h5")).stdout
+        for word in ("hazards (Landing hazards and sites)", "p_touchdown", "missed_hazard", "/sites (4)"):
+            self.assertIn(word, text)
+        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.csv"), "--layers", "safe,slope")
+        header = read_bytes(self.path("h.csv")).split(b"\n", 1)[0]
+        self.assertEqual(header, b"x_m,y_m,safe,slope_degree")
+        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.png"))
+
+
+@unittest.skipUnless(os.path.isdir(DATA), f"no {DATA}")
+class JetPropulsionLaboratory(ToolTest):
+    """Two sites of a competition, with the safe places that its organiser computed from the full-resolution terrain."""
+
+    def accuracy(self, site):
+        base = {"type": "dem", "path": os.path.join(DATA, f"jpl2015_{site}_dem.raw"), "horizontal_scale_m": 0.2,
+                "interpolation": "bilinear", "datum": "none", "center": [250.25, 250.25]}
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", "base=" + json.dumps(base), "--set",
+                     'grid={"half_width_m": 49.7, "resolution_m": 0.1}')
+        self.succeed("hazard-map", self.path("t.h5"), "-c", "preset:jpl-2015", "--set", "region_radius_m=75", "-o", self.path("h.h5"), "-O")
+        layers = columns(self.path("h.h5"))
+        pixel = lambda axis: np.round((layers[axis] + 50) / 0.1).astype(int)
+        judged = np.zeros((1000, 1000), bool)
+        judged[np.ix_(pixel("y"), pixel("x"))] = layers["safe"] == 1
+        frame = np.ones_like(judged)
+        frame[20:-20, 20:-20] = False
+        judged &= ~frame
+        truth = np.frombuffer(read_bytes(os.path.join(DATA, f"jpl2015_{site}_truth.pgm"))[-1000000:], np.uint8).reshape(1000, 1000)[::-1] > 0
+        return (judged == truth).mean(), 2 * (judged & truth).sum() / (judged.sum() + truth.sum())
+
+    def test_accuracy(self):
+        for site, accuracy, f1 in [("S0C0R10", 0.978, 0.985), ("S4C4R10", 0.980, 0.93)]:
+            with self.subTest(site):
+                found = self.accuracy(site)
+                self.assertGreaterEqual(found[0], accuracy)
+                self.assertGreaterEqual(found[1], f1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/hazard_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.h"
+#include "config/presets.h"
+#include "config/schema.h"
+
+namespace landfall {
+namespace {
+
+using testing::HasSubstr;
+
+HazardParameters parameters_of(const std::string& text) {
+  return hazard_config(resolve_config({"h.json", nlohmann::json::parse(text)}, embedded_schema("hazard")));
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    static_cast<void>(parameters_of(text));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+void expect_equal(const HazardParameters& a, const HazardParameters& b) {
+  EXPECT_EQ(a.lander.legs, b.lander.legs);
+  EXPECT_EQ(a.lander.leg_radius_m, b.lander.leg_radius_m);
+  EXPECT_EQ(a.lander.pad_diameter_m, b.lander.pad_diameter_m);
+  EXPECT_EQ(a.lander.pad_height, b.lander.pad_height);
+  EXPECT_EQ(a.lander.body_radius_m, b.lander.body_radius_m);
+  EXPECT_EQ(a.method, b.method);
+  EXPECT_EQ(a.region_radius_m, b.region_radius_m);
+  EXPECT_EQ(a.limits.slope_deg, b.limits.slope_deg);
+  EXPECT_EQ(a.limits.roughness_m, b.limits.roughness_m);
+  EXPECT_EQ(a.hole_fill_bins, b.hole_fill_bins);
+  EXPECT_EQ(a.z_sigma_m, b.z_sigma_m);
+  EXPECT_EQ(a.touchdown_sigma_m, b.touchdown_sigma_m);
+  EXPECT_EQ(a.sites.count, b.sites.count);
+  EXPECT_EQ(a.sites.separation_m, b.sites.separation_m);
+  EXPECT_EQ(a.sites.divert_radius_m, b.sites.divert_radius_m);
+  EXPECT_EQ(a.sites.divert_weight, b.sites.divert_weight);
+  EXPECT_EQ(a.sites.min_p, b.sites.min_p);
+}
+
+TEST(HazardConfig, EmptyIsTheDefault) { expect_equal(parameters_of("{}"), HazardParameters{}); }
+
+TEST(HazardConfig, EachKeyHasItsMember) {
+  const HazardParameters expected{
+      .lander = {.legs = 3,
+                 .leg_radius_m = 1.5,
+                 .pad_diameter_m = 0.4,
+                 .pad_height = PadHeight::mean,
+                 .body_radius_m = 1.2},
+      .method = HazardMethod::plane,
+      .region_radius_m = 30,
+      .limits = {.slope_deg = 12, .roughness_m = 0.5},
+      .hole_fill_bins = 7,
+      .z_sigma_m = 0.02,
+      .touchdown_sigma_m = 2,
+      .sites = {.count = 9, .separation_m = 6, .divert_radius_m = 20, .divert_weight = 0.3, .min_p = 0.9}};
+  expect_equal(parameters_of(
+                   R"({"lander": {"legs": 3, "leg_radius_m": 1.5, "pad_diameter_m": 0.4, "pad_height": "mean",
+          "body_radius_m": 1.2}, "method": "plane", "region_radius_m": 30,
+          "limits": {"slope_deg": 12, "roughness_m": 0.5}, "hole_fill_bins": 7, "z_sigma_m": 0.02,
+          "touchdown_sigma_m": 2, "sites": {"count": 9, "separation_m": 6, "divert_radius_m": 20,
+          "divert_weight": 0.3, "min_p": 0.9}})"),
+               expected);
+}
+
+TEST(HazardConfig, AnUnknownSigmaIsNull) {
+  EXPECT_EQ(parameters_of(R"({"z_sigma_m": null})").z_sigma_m, std::nullopt);
+  EXPECT_THAT(refusal(R"({"z_sigma_m": 0})"), HasSubstr("h.json: /z_sigma_m: 0 is not in (0, 1000]"));
+  EXPECT_THAT(refusal(R"({"z_sigma_m": "x"})"), HasSubstr("expected number or null"));
+}
+
+TEST(HazardConfig, ValuesOutOfBoundsAreRefused) {
+  EXPECT_THAT(refusal(R"({"lander": {"legs": 5}})"), HasSubstr("h.json: /lander/legs: 5 is not in [3, 4]"));
+  EXPECT_THAT(refusal(R"({"lander": {"pad_diameter_m": 0}})"), HasSubstr("/lander/pad_diameter_m: 0 is not"));
+  EXPECT_THAT(refusal(R"({"limits": {"slope_deg": 0}})"),
+              HasSubstr("/limits/slope_deg: 0 is not in (0, 90]"));
+  EXPECT_THAT(refusal(R"({"limits": {"roughness_m": -1}})"), HasSubstr("/limits/roughness_m: -1 is not"));
+  EXPECT_THAT(refusal(R"({"region_radius_m": 0})"), HasSubstr("/region_radius_m: 0 is not"));
+  EXPECT_THAT(refusal(R"({"hole_fill_bins": -1})"), HasSubstr("/hole_fill_bins: -1 is not"));
+  EXPECT_THAT(refusal(R"({"sites": {"count": 0}})"), HasSubstr("/sites/count: 0 is not"));
+  EXPECT_THAT(refusal(R"({"sites": {"min_p": 1.1}})"), HasSubstr("/sites/min_p: 1.1 is not in [0, 1]"));
+  EXPECT_THAT(refusal(R"({"slope_deg": 3})"), HasSubstr("unknown key"));
+}
+
+// The first preset states the defaults; the second is the one of NASA JPL's competition.
+TEST(HazardConfig, Presets) {
+  const auto preset = [](const std::string& name) {
+    return hazard_config(
+        resolve_config(read_config({"preset:" + name}, "hazard"), embedded_schema("hazard")));
+  };
+  expect_equal(preset("paper-footprint"), HazardParameters{});
+  HazardParameters jpl;
+  jpl.lander = {.legs = 4,
+                .leg_radius_m = 1.7,
+                .pad_diameter_m = 0.5,
+                .pad_height = PadHeight::mean,
+                .body_radius_m = 1.7};
+  jpl.limits = {.slope_deg = 10, .roughness_m = 0.353};
+  expect_equal(preset("jpl-2015"), jpl);
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hazards/hazard_map.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+const PhaseRunner kAtOnce = [](const std::string& /*name*/, const auto& part) { part({}); };
+
+HazardInput level_ground(double half_width_m, double resolution_m) {
+  const GridSpec spec = GridSpec::centered(half_width_m, resolution_m);
+  return {Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt};
+}
+
+HazardParameters small_lander() {
+  HazardParameters parameters;
+  parameters.lander = {.leg_radius_m = 0.3, .pad_diameter_m = 0.1, .body_radius_m = 0.3};
+  parameters.touchdown_sigma_m = 0;
+  return parameters;
+}
+
+std::string refusal(const HazardInput& input, const HazardParameters& parameters) {
+  try {
+    static_cast<void>(map_hazards(input, parameters, kAtOnce));
+  } catch (const Error& error) {
+    return (error.exit_code() == ExitCode::usage ? "usage: " : "format: ") + std::string(error.what());
+  }
+  return "accepted";
+}
+
+// 21 x 21 bins; the lander reaches 3 bins.
+TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
+  const HazardMap map = map_hazards(level_ground(1, 0.1), small_lander(), kAtOnce);
+  const PlaceCounts counts = count_places(map.safe, map.region);
+  EXPECT_EQ(counts.safe, 15 * 15);
+  EXPECT_EQ(counts.hazard, 0);
+  EXPECT_EQ(counts.unknown, 21 * 21 - 15 * 15);
+  EXPECT_EQ(counts.all(), 21 * 21);
+  EXPECT_FALSE(map.truth || map.p_safe);
+  const LandingSite& best = map.sites.at(0);
+  EXPECT_EQ(best.bin, (BinIndex{10, 10}));
+  EXPECT_EQ(best.cost, 0);
+  EXPECT_EQ(best.p_touchdown, 1);
+  EXPECT_EQ(best.slope_deg, 0);
+  EXPECT_EQ(best.roughness_m, 0);
+  EXPECT_FLOAT_EQ(best.distance_to_hazard_m.value(), 0.8F);  // unknown places are not safe
+  EXPECT_EQ(best.truth, Safety::unknown);
+  EXPECT_EQ(map.sites.size(), 1U);  // others would be 5 m away
+}
+
+TEST(MapHazards, OnlyTheRegionIsJudged) {
+  HazardParameters parameters = small_lander();
+  parameters.region_radius_m = 0.2;  // i^2 + j^2 < 4
+  const HazardMap map = map_hazards(level_ground(1, 0.1), parameters, kAtOnce);
+  EXPECT_EQ(count_places(map.safe, map.region).safe, 9);
+  EXPECT_EQ(map.safe.at({10, 12}), 2);
+  EXPECT_TRUE(std::isnan(map.measures.slope_deg.at({10, 12})));
+  EXPECT_TRUE(std::isnan(map.p_touchdown.at({10, 12})));
+  EXPECT_FALSE(map.sites.at(0).distance_to_hazard_m);
+}
+
+TEST(MapHazards, TruthIsJudgedByTheSameLimits) {
+  HazardInput input = level_ground(1, 0.1);
+  input.z_true = input.z;
+  input.z_true->at({10, 10}) = 0.31;  // a hazard wherever it lies under the body or a pad
+  input.filled_truth.at({10, 10}) = 1;
+  const HazardMap map = map_hazards(input, small_lander(), kAtOnce);
+  const HazardScore& score = map.truth.value().score;
+  EXPECT_EQ(score.counts.safe_hazard, 29 + 8);  // the disc of 3 bins, and pads at (3, 1)
+  EXPECT_EQ(score.counts.safe_safe, 225 - 37);
+  EXPECT_EQ(score.filled_truth_bins, 1);
+  EXPECT_EQ(map.sites.at(0).truth, Safety::hazard);
+  EXPECT_EQ(map.truth->outcome.at({10, 10}), 2);
+}
+
+TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
+  HazardInput input = level_ground(1, 0.1);
+  input.z_true = input.z;
+  input.filled_truth.at({10, 10}) = input.filled_truth.at({0, 0}) = 1;
+  HazardParameters parameters = small_lander();
+  parameters.region_radius_m = 1;
+  EXPECT_EQ(map_hazards(input, parameters, kAtOnce).truth.value().score.filled_truth_bins, 1);
+}
+
+TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
+  HazardParameters parameters = small_lander();
+  parameters.lander.body_radius_m = 1;  // 21 bins, all of the map
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.lander.body_radius_m = 1.1;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
+            "usage: lander/body_radius_m: a lander of 23 bins across is larger than the map of 21 x 21 bins "
+            "of 0.1 m");
+  parameters = small_lander();
+  parameters.lander.leg_radius_m = 1;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");  // pads of one bin
+  parameters.lander.pad_diameter_m = 0.2;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
+  parameters.method = HazardMethod::plane;  // has no legs
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+}
+
+TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
+  HazardParameters parameters = small_lander();
+  parameters.lander.leg_radius_m = 0.19;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/leg_radius_m: 0.19 is less"));
+  parameters.method = HazardMethod::plane;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.lander.body_radius_m = 0.099;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin"));
+  parameters.lander.body_radius_m = 0.1;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+}
+
+TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
+  HazardInput input = level_ground(1, 0.1);
+  HazardParameters parameters = small_lander();
+  input.z.at({10, 10}) = kNan;
+  parameters.region_radius_m = 0.3;
+  EXPECT_THAT(refusal(input, parameters), HasSubstr("format: nothing to judge: at each place within 0.3 m"));
+  parameters.region_radius_m = 0.05;
+  EXPECT_EQ(refusal(input, parameters),
+            "format: nothing to judge: no bin within 0.05 m of the origin has an elevation");
+  const GridSpec aside{.resolution_m = 0.1, .first_row = 100, .first_col = 0, .rows = 20, .cols = 20};
+  EXPECT_EQ(refusal({Grid<double>(aside), std::nullopt, BinMask(aside), std::nullopt}, parameters),
+            "format: nothing to judge: no bin of the map lies within 0.05 m of the origin");
+}
+
+// The ring of the hole lies 1 bin around it: the truth there was taken 0.01 m east and 0.02 m south of the
+// bins' centres on average.
+TEST(TruthPositions, AreMovedByTheMeanOfTheRing) {
+  const GridSpec spec = GridSpec::centered(1, 0.1);
+  Grid<double> z_true(spec);
+  Grid<double> x_true(spec);
+  Grid<double> y_true(spec);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      x_true.at({row, col}) = spec.x(col) + 0.01 + (col == 9 ? 0.03 : col == 11 ? -0.03 : 0);
+      y_true.at({row, col}) = spec.y(row) - 0.02;
+    }
+  z_true.at({10, 10}) = x_true.at({10, 10}) = y_true.at({10, 10}) = kNan;
+  const std::vector<FillableBin> holes = {{{10, 10}, 1}, {{5, 5}, 1}};  // the second has a true elevation
+  const std::vector<TruthPosition> positions = truth_positions(z_true, x_true, y_true, holes);
+  ASSERT_EQ(positions.size(), 1U);
+  EXPECT_EQ(positions[0].bin, (BinIndex{10, 10}));
+  EXPECT_NEAR(positions[0].x_m, 0.01, 1e-15);
+  EXPECT_NEAR(positions[0].y_m, -0.02, 1e-15);
+}
+
+TEST(FillTruth, FillsOnlyWhatIsMissing) {
+  const GridSpec spec = GridSpec::centered(1, 0.5);
+  Grid<double> z_true(spec, 2);
+  z_true.at({2, 2}) = kNan;
+  z_true.at({2, 3}) = 7;
+  const BinMask filled = fill_truth(z_true, {{{2, 2}, 1}, {{2, 3}, 1}});
+  EXPECT_EQ(z_true.at({2, 2}), (7 * 2 + 7) / 8.0);
+  EXPECT_EQ(z_true.at({2, 3}), 7);
+  EXPECT_EQ(count_set(filled), 1);
+  EXPECT_EQ(filled.at({2, 2}), 1);
+}
+
+TEST(FillTruth, ARingWithoutTruthLeavesTheBinEmpty) {
+  Grid<double> z_true(GridSpec::centered(1, 0.5), kNan);
+  EXPECT_EQ(count_set(fill_truth(z_true, {{{2, 2}, 1}})), 0);
+  EXPECT_TRUE(std::isnan(z_true.at({2, 2})));
+}
+
+}  // namespace
+}  // namespace landfall

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// hazard-map: finds safe places to land on a DEM or terrain.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "cli/hazard_table.h"
+#include "cli/outcomes.h"
+#include "cli/tool.h"
+#include "config/hazard_config.h"
+#include "files/hazard_file.h"
+#include "scene/scene.h"
+
+namespace landfall {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  hazard-map dem.h5 -o hazards.h5 --sites sites.json --table
+  hazard-map dem.h5 --terrain terrain.h5 -o hazards.h5 --score score.json
+  hazard-map terrain.h5 -c preset:jpl-2015 -o hazards.h5
+  hazard-map dem.h5 -o hazards.h5 --set limits.slope_deg=15 --require-safe
+Exit status 3: --require-safe is given, and no site has a p_touchdown of
+sites.min_p or more.
+Configuration: --print-schema, man hazard-map, docs/user/hazard-map.md.)";
+
+constexpr const char* kDescription =
+    R"(Stands a lander on every place of a DEM or of a gridded terrain, in every yaw, and judges slope and roughness by the lander's limits: each place is safe, a hazard, or unknown. From this it computes the probability that a touchdown is safe, a cost map, and the best landing sites.
+
+If the DEM has the true elevations, they are judged in the same way: the layer outcome shows missed hazards and false alarms, and --score writes their numbers as JSON.)";
+
+struct Options {
+  std::string map, terrain, sites, score;
+  bool no_truth = false;
+  bool table = false;
+  bool require_safe = false;
+};
+
+void bind(CLI::App& app, Options& o) {
+  app.add_option("map", o.map, "DEM to judge (dem.h5), or a gridded terrain (terrain.h5)")->type_name("FILE");
+  app.add_option(
+         "--terrain", o.terrain,
+         "True terrain (terrain.h5): true elevations of bins without a return, in holes that are filled")
+      ->type_name("FILE");
+  app.add_flag("--no-truth", o.no_truth, "Ignore the true elevations of the DEM");
+  app.add_option("--sites", o.sites, "Write the landing sites as JSON")->type_name("FILE");
+  app.add_option("--score", o.score, "Write the comparison with the truth as JSON")->type_name("FILE");
+  app.add_flag("--table", o.table, "Print places, sites and score; default on a terminal");
+  app.add_flag("--require-safe", o.require_safe,
+               "Exit with 3 unless a site has a p_touchdown of at least sites.min_p");
+}
+
+void check(const cli::CommonOptions& common, const Options& o) {
+  if (o.map.empty()) throw UsageError("a DEM or terrain to judge is required");
+  if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
+  if (o.no_truth && !o.score.empty())
+    throw UsageError("--score compares with the truth, which --no-truth ignores");
+  if (o.no_truth && !o.terrain.empty())
+    throw UsageError("--terrain completes the truth, which --no-truth ignores");
+  if (o.sites == "-" || o.score == "-")
+    throw UsageError("--sites and --score need a file; --table prints both");
+}
+
+bool is_upstream(const nlohmann::json& chain, const std::string& file_id) {
+  for (const nlohmann::json& step : chain)
+    if (step.value("file_id", "") == file_id) return true;
+  return false;
+}
+
+/// Gives the bins of filled holes the elevation of the terrain.
+void fill_from_terrain(cli::Session& session, const Options& o, const HazardSource& source,
+                       const std::vector<FillableBin>& holes, HazardInput& input, Provenance& provenance) {
+  Scene terrain;
+  session.phase("terrain", [&](const ProgressCallback& progress) {
+    terrain = open_scene({.terrain = o.terrain, .use = SceneUse::surface}, progress);
+  });
+  provenance.add_input("terrain", terrain.file_id, terrain.chain);
+  if (!is_upstream(source.chain, terrain.file_id))
+    session.warn(o.terrain + " is not the terrain that " + o.map + " was made from");
+  const TruthCentroids centroids = read_truth_centroids(o.map);
+  const std::vector<TruthPosition> positions =
+      truth_positions(*input.z_true, centroids.x, centroids.y, holes);
+  for (const TruthPosition& at : positions) {
+    if (terrain.window) terrain.window->require({at.x_m, at.x_m, at.y_m, at.y_m});
+    input.z_true->at(at.bin) = terrain.surface->elevation(at.x_m, at.y_m);
+  }
+}
+
+HazardInput complete_map(cli::Session& session, const Options& o, HazardSource& source,
+                         const HazardParameters& parameters, Provenance& provenance) {
+  BinMask nothing_filled(source.z.spec());
+  HazardInput input{std::move(source.z), std::move(source.z_true), std::move(nothing_filled),
+                    std::move(source.z_sigma)};
+  const std::vector<FillableBin> holes = small_holes(input.z, parameters.hole_fill_bins);
+  if (input.z_true && !o.terrain.empty())
+    fill_from_terrain(session, o, source, holes, input, provenance);
+  else if (input.z_true)
+    input.filled_truth = fill_truth(*input.z_true, holes);
+  if (!o.terrain.empty() && !input.z_true)
+    session.warn("--terrain is ignored: " + o.map + " has no true elevations (z_true)");
+  fill_holes(input.z, holes);
+  if (input.z_sigma)
+    fill_holes(*input.z_sigma, holes);
+  else if (parameters.z_sigma_m)
+    input.z_sigma = Grid<double>(input.z.spec(), *parameters.z_sigma_m);
+  return input;
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  check(session.options(), o);
+  const HazardParameters parameters = hazard_config(session.config());
+  // The outputs are refused before the map is read, and appear together or not at all.
+  const std::vector<std::string> inputs = {o.map, o.terrain};
+  const OutputOptions output = session.output(inputs);
+  const auto sites_file = session.side_output("--sites", o.sites, inputs);
+  const auto score_file = session.side_output("--score", o.score, inputs);
+  Provenance provenance = session.provenance();
+  if (o.no_truth) provenance.options = {{"no_truth", true}};
+  HazardSource source;
+  HazardInput input;
+  session.phase("read", [&](const ProgressCallback&) { source = read_hazard_source(o.map, !o.no_truth); });
+  provenance.add_input(source.kind, source.file_id, source.chain);
+  if (score_file && !source.z_true)
+    throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
+  input = complete_map(session, o, source, parameters, provenance);
+  HazardMap map;
+  session.name_misfit(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
+  session.phase("write", [&](const ProgressCallback&) {
+    LandfallFileWriter file(output, "hazards", provenance);
+    if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
+    if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
+    write_hazards(file, map, source.crs_wkt);
+    if (sites_file) sites_file->commit();
+    if (score_file) score_file->commit();
+  });
+  if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
+    std::cout << cli::hazard_table(map);
+  std::optional<double> required;
+  if (o.require_safe) required = parameters.sites.min_p;
+  return cli::report_hazards(session, o.map, map, required);
+}
+
+}  // namespace
+}  // namespace landfall
+
+int main(int argc, char** argv) {
+  using namespace landfall;
+  Options options;
+  cli::Tool tool;
+  tool.name = "hazard-map";
+  tool.summary = "Finds safe places to land on a DEM or terrain, and judges them by the true ground.";
+  tool.description = kDescription;
+  tool.examples = kExamples;
+  tool.schema = "hazard";
+  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.check = [](const cli::Session& s) { static_cast<void>(hazard_config(s.config())); };
+  tool.run = [&](cli::Session& session) { return run(session, options); };
+  return cli::tool_main(argc, argv, tool);
+}
