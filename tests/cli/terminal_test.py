@@ -78,17 +78,20 @@ class Terminal(ChainTest):
             self.assertEqual(result.stdout, "")
             self.assertIn("100 %", result.stderr)
 
-    def test_only_dem_eval_prints_on_stdout_its_table(self):
+    def test_only_judges_print_on_stdout_their_tables(self):
         for name in TOOLS:
             text = self.on_terminal(name, streams=["stdout"])
             if name == "dem-eval":
                 self.assertRegex(text, r"requirement +measured +limit +verdict")
                 self.assertRegex(text, r"relative_elevation .* FAIL")
+            elif name == "hazard-map":
+                self.assertRegex(text, r"(?s)place +bins +share.*missed hazards")
             else:
                 self.assertEqual(text, "")
 
     def test_quiet_suppresses_the_table(self):
-        self.assertEqual(self.on_terminal("dem-eval", "-q", streams=["stdout"]), "")
+        for name in ("dem-eval", "hazard-map"):
+            self.assertEqual(self.on_terminal(name, "-q", streams=["stdout"]), "")
 
     def test_an_error_has_its_own_line(self):
         """The message appears below the progress bar or replaces it."""
