@@ -6,7 +6,7 @@ import unittest
 
 import h5py
 
-from harness import EVAL, REGRID, SCAN, TERRAIN, TOOLS, ChainTest, read_bytes, run, with_values
+from harness import EVAL, REGRID, SCAN, TERRAIN, TOOLS, ChainTest, attributes, read_bytes, run, with_values
 
 
 class Conclusion(ChainTest):
@@ -75,7 +75,7 @@ class Warnings(ChainTest):
     def comments(self):
         """The comments of the layers that have one."""
         with h5py.File(self.path("sigmas.h5")) as file:
-            found = {name: layer.attrs.get("comment") for name, layer in file.items() if isinstance(layer, h5py.Dataset)}
+            found = {name: attributes(layer).get("comment") for name, layer in file.items() if isinstance(layer, h5py.Dataset)}
         return {name: comment for name, comment in found.items() if comment is not None}
 
     def test_sigmas_say_which_errors_they_leave_out(self):
