@@ -23,7 +23,7 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SCAN = os.path.join(ROOT, "studies", "paper-like.scan.json")
-TERRAIN = os.path.join(ROOT, "studies", "cones-paper-like.terrain.json")
+TERRAIN = os.path.join(ROOT, "studies", "presets", "paper.terrain.json")
 FIELD_OF_VIEW = 1.6e-3  # rad, edge to edge
 PULSE_RATE_HZ = 20000
 SCAN_TIME_S = 2

@@ -53,8 +53,9 @@ void bind(CLI::App& app, Options& o) {
                "Accept a --terrain other than the one that was scanned");
   app.add_flag("--corrected", o.layers.corrected,
                "Also write z_corrected: z_est moved along the local slope to the bin centre");
-  app.add_flag("--uncertainty", o.layers.uncertainty,
-               "Also write the 1-sigma map: z_sigma_abs, z_sigma_rel, xy_sigma, z_true_map");
+  app.add_flag(
+      "--uncertainty", o.layers.uncertainty,
+      "Also write the 1-sigma map: z_sigma_abs, z_sigma_rel, xy_sigma and, with --terrain, z_true_map");
   app.add_option(
          "--range-sigma", o.range_sigma_m,
          "Standard deviation of the range noise for --uncertainty, metres; default: that of the scans")

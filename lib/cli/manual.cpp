@@ -163,6 +163,12 @@ std::string exit_section(const Tool& tool) {
   return text;
 }
 
+std::string environment_section(const Tool& tool) {
+  if (tool.name != "terrain-gen" && tool.name != "landfall-export") return "";
+  return ".SH ENVIRONMENT\n.TP\n.B LANDFALL_PLUGIN_DIR\nThe directory of landfall\\-gdal.so, which reads and "
+         "writes rasters; by default that of the installation.\n";
+}
+
 /// Indented lines are commands; the other lines are prose after them.
 std::string example_section(const Tool& tool) {
   std::string commands;
@@ -200,7 +206,8 @@ std::string manual_page(const CLI::App& app, const Tool& tool) {
       ".TH " + upper(tool.name) + " 1 \"\" \"landfall " + program_version() + "\" \"landfall\"\n.nh\n.ad l\n";
   text += name_line(tool) + synopsis(tool, options);
   text += ".SH DESCRIPTION\n" + paragraphs(tool.description.empty() ? tool.summary : tool.description);
-  text += option_section(options) + configuration_section(tool) + exit_section(tool) + example_section(tool);
+  text += option_section(options) + configuration_section(tool) + exit_section(tool) +
+          environment_section(tool) + example_section(tool);
   text +=
       ".SH FILES\nEvery file is HDF5; docs/user/files/ of the documentation describes its contents, and\n.BR "
       "landfall\\-info (1)\nprints them.\n";

@@ -68,6 +68,7 @@ void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& 
   session.conclude(grouped(returns.inside_count) + " returns in the map, " + grouped(returns.outside_count) +
                    " outside it; " + grouped(returns.empty_bins) + " of " +
                    grouped(static_cast<std::int64_t>(grid.size())) + " bins are empty");
+  for (const std::string& warning : returns.warnings) session.warn(warning);
 }
 
 ExitCode report_evaluation(Session& session, const std::string& dem, const Evaluation& evaluation,
@@ -82,7 +83,9 @@ ExitCode report_evaluation(Session& session, const std::string& dem, const Evalu
   if (!is_empty && static_cast<double>(beyond) > kNotable * static_cast<double>(width))
     session.warn(dem + ": the judged region reaches " +
                  short_number(static_cast<double>(beyond) * evaluation.region.spec().resolution_m) +
-                 " m beyond the scanned area; reduce it (region_radius_m), or scan more");
+                 " m beyond the scanned area; reduce it (region_radius_m, or region.half_width_m of a "
+                 "square), or scan "
+                 "more");
   const Metrics& metrics = evaluation.metrics;
   const std::string missed = missed_requirements(metrics);
   const bool refused = require_pass && !metrics.pass.value_or(false);

@@ -18,6 +18,7 @@ void report_terrain(Session& session, const TerrainContent& terrain);
 /// Warns where more than 1 % of the rays missed the terrain.
 void report_scan(Session& session, const Simulation& simulation, const ScanWriter& writer);
 
+/// Also passes on the warnings about the sigmas.
 void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid);
 
 /// Warns where the judged region reaches beyond the bins with an elevation by more than 1 % of its width:

@@ -120,15 +120,17 @@ constexpr const char* kGeneral = "General";
 constexpr const char* kHidden = "";
 
 void bind_config(CLI::App& app, CommonOptions& o, const Tool& tool) {
+  const bool has_presets = !presets(tool.schema).empty();
   app.add_option("-c,--config", o.config_names,
-                 "JSON configuration, comments allowed: a file, - (standard input) or preset:NAME; "
-                 "repeatable, merged in order")
+                 std::string("JSON configuration, comments allowed: a file") +
+                     (has_presets ? ", - (standard input) or preset:NAME" : " or - (standard input)") +
+                     "; repeatable, merged in order")
       ->type_name("FILE")
       ->expected(1)
       ->allow_extra_args(false)  // the next argument is the input file, not a second value
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kConfiguration);
-  if (!presets(tool.schema).empty())
+  if (has_presets)
     app.add_flag("--list-presets", o.list_presets, "List the presets of -c preset:NAME and exit")
         ->group(kConfiguration);
   app.add_option("--set", o.assignments,

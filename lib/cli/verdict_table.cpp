@@ -53,7 +53,7 @@ std::string region_text(const RegionMetrics& region) {
 }
 
 std::string row(const VerdictText& text) {
-  return print("%-19s %-40s %-8s %s\n", text.name, text.value.c_str(), text.limit.c_str(), text.verdict);
+  return print("%-19s %-46s %-7s %s\n", text.name, text.value.c_str(), text.limit.c_str(), text.verdict);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ void require_keys(const nlohmann::json& region, const std::string& name) {
   const auto check_key = [&](const char* key, const char* owner, bool required) {
     if (region.contains(key) && shape != owner)
       throw UsageError(name + ": /region/" + key + ": is allowed only with the shape " + owner +
-                       ", not with " + shape);
+                       ", not with " + shape + "; set /region/shape to \"" + owner + "\"");
     if (required && !region.contains(key) && shape == owner)
       throw UsageError(name + ": /region: the shape " + owner + " needs the key \"" + key + "\"");
   };

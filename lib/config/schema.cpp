@@ -163,11 +163,20 @@ class Resolver {
     if (std::abs(number) <= 0x1p53 && number == std::floor(number)) value = static_cast<std::int64_t>(number);
   }
 
+  /// " of 3 elements, [.., .., ..]" where the schema fixes their number.
+  static std::string form_of_array(const Json& schema) {
+    if (!schema.contains("minItems") || schema["minItems"] != schema.value("maxItems", Json())) return "";
+    const auto count = schema["minItems"].get<std::size_t>();
+    std::string elements;
+    for (std::size_t i = 0; i < count; ++i) elements += i == 0 ? ".." : ", ..";
+    return " of " + std::to_string(count) + " elements, [" + elements + "]";
+  }
+
   void check_type(const Json& schema, const Json& value, const std::string& pointer) const {
     if (!schema.contains("type")) return;
     const std::string type = schema["type"].get<std::string>();
-    if (!has_type(value, type))
-      fail(pointer, shown(value) + " is of type " + type_name(value) + ", not " + type);
+    if (has_type(value, type)) return;
+    fail(pointer, shown(value) + " is of type " + type_name(value) + ", not " + type + form_of_array(schema));
   }
 
   void check_choice(const Json& schema, const Json& value, const std::string& pointer) const {

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <functional>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
@@ -50,10 +53,12 @@ std::optional<double> number_at(const Json& config, const Json::json_pointer& wh
   return config.at(where).get<double>();
 }
 
-/// True if a part of the configuration differs from `none`; a part that an older scan lacks is off.
-bool is_on(const Json& config, const char* where, const Json& none) {
+/// True if a part of the configuration differs from all of these values; a part that an older scan lacks is
+/// off.
+bool is_on(const Json& config, const std::string& where, const std::vector<Json>& off) {
   const Json::json_pointer pointer(where);
-  return config.is_object() && config.contains(pointer) && config.at(pointer) != none;
+  return config.is_object() && config.contains(pointer) &&
+         std::ranges::find(off, config.at(pointer)) == off.end();
 }
 
 double range_sigma_m(const std::vector<ScanOrigin>& scans) {
@@ -64,7 +69,7 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
     const std::optional<double> sigma = number_at(scan.config, kWhere);
     if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not state its range noise" + remedy);
     for (const char* const where : {"/noise/range_sigma_per_m", "/noise/incidence_sigma_rad"})
-      if (is_on(scan.config, where, 0))
+      if (is_on(scan.config, where, {0}))
         throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" + where +
                          ")" + remedy);
     if (common && *common != *sigma)
@@ -75,14 +80,26 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   return common.value_or(0);
 }
 
-/// A scan contains one draw of these errors, too.
-bool has_no_pointing_error(const Json& config) {
-  return !is_on(config, "/pointing_error/misalignment_rpy_rad", {0, 0, 0}) &&
-         !(is_on(config, "/pointing_error/jitter_sigma_rad", 0) &&
-           is_on(config, "/pointing_error/jitter_sigma_rad", {0, 0})) &&
-         !is_on(config, "/pointing_error/time_stamp_bias_s", 0) &&
-         !is_on(config, "/pointing_error/time_stamp_sigma_s", 0) &&
-         !is_on(config, "/scanner/encoder_sigma_rad", 0);
+/// The parts of a scan's configuration that give it a navigation or pointing error, beside the keys of
+/// kNavigationKeys.
+std::vector<std::string> other_navigation_errors(const Json& config) {
+  const Json none = {0, 0, 0};
+  std::vector<std::string> errors;
+  for (const auto& [where, off] : std::initializer_list<std::pair<const char*, std::vector<Json>>>{
+           {"/navigation_error/random_walk/position_m_per_sqrt_s", {none}},
+           {"/navigation_error/random_walk/velocity_mps_per_sqrt_s", {none}},
+           {"/navigation_error/random_walk/rpy_rad_per_sqrt_s", {none}},
+           {"/navigation_error/gauss_markov/position_sigma_m", {none}},
+           {"/navigation_error/gauss_markov/velocity_sigma_mps", {none}},
+           {"/navigation_error/gauss_markov/rpy_sigma_rad", {none}},
+           {"/navigation_error/table", {}},
+           {"/pointing_error/misalignment_rpy_rad", {none}},
+           {"/pointing_error/jitter_sigma_rad", {0, {0, 0}}},
+           {"/pointing_error/time_stamp_bias_s", {0}},
+           {"/pointing_error/time_stamp_sigma_s", {0}},
+           {"/scanner/encoder_sigma_rad", {0}}})
+    if (is_on(config, where, off)) errors.emplace_back(where);
+  return errors;
 }
 
 bool has_no_navigation_error(const Json& config) {
@@ -91,11 +108,7 @@ bool has_no_navigation_error(const Json& config) {
   const Json none = {0, 0, 0};
   for (const char* const key : kNavigationKeys)
     if (config["navigation_error"].value(key, Json()) != none) return false;
-  for (const char* const key : {"position_m_per_sqrt_s", "velocity_mps_per_sqrt_s", "rpy_rad_per_sqrt_s"})
-    if (is_on(config, ("/navigation_error/random_walk/" + std::string(key)).c_str(), none)) return false;
-  for (const char* const key : {"position_sigma_m", "velocity_sigma_mps", "rpy_sigma_rad"})
-    if (is_on(config, ("/navigation_error/gauss_markov/" + std::string(key)).c_str(), none)) return false;
-  return !config["navigation_error"].contains("table") && has_no_pointing_error(config);
+  return other_navigation_errors(config).empty();
 }
 
 void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
@@ -106,6 +119,35 @@ void require_no_navigation_error(const std::vector<ScanOrigin>& scans) {
           " may have a navigation or pointing error of unknown sigma; give "
           "--navigation-sigma position_m=METRES (or velocity_mps=, rpy_rad=, rpy_rate_radps=; 0 for "
           "none) or /uncertainty/navigation_sigma");
+}
+
+/// The navigation and pointing errors of a scan for which the sigmas are 0.
+std::vector<std::string> navigation_left_out(const NavigationSigma& sigma, const Json& config) {
+  const std::array<bool, 4> covered = {
+      sigma.position_m != Vector<DemFrame>{}, sigma.velocity_mps != Vector<DemFrame>{},
+      sigma.rpy_rad != RollPitchYaw{}, sigma.rpy_rate_radps != RollPitchYaw{}};
+  const Json none = {0, 0, 0};
+  std::vector<std::string> errors;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    const std::string where = std::string("/navigation_error/") + kNavigationKeys[i];
+    if (!covered[i] && is_on(config, where, {none})) errors.push_back(where);
+  }
+  if (std::ranges::none_of(covered, std::identity()))
+    std::ranges::copy(other_navigation_errors(config), std::back_inserter(errors));
+  return errors;
+}
+
+/// Errors that are not random, or follow no normal distribution.
+std::vector<std::string> never_covered(const Json& config) {
+  std::vector<std::string> errors;
+  for (const char* const where : {"/noise/range_bias_m", "/noise/false_return_frac"})
+    if (is_on(config, where, {0})) errors.emplace_back(where);
+  static const Json::json_pointer kEstimator("/detector/estimator");
+  if (is_on(config, "/detector/subpixels", {1}) && config.contains(kEstimator) &&
+      config.at(kEstimator) == "first")
+    errors.emplace_back("/detector/estimator");
+  if (is_on(config, "/scanner/tof_lag", {false})) errors.emplace_back("/scanner/tof_lag");
+  return errors;
 }
 
 NavigationSigma navigation_sigma(const Json& sigma) {
@@ -147,6 +189,17 @@ UncertaintyParameters uncertainty_parameters(const Json& config, const std::stri
     require_no_navigation_error(scans);
   at_path(name + ": /uncertainty/", [&] { check(parameters); });
   return parameters;
+}
+
+std::vector<std::string> errors_left_out(const UncertaintyParameters& parameters,
+                                         const std::vector<ScanOrigin>& scans) {
+  std::vector<std::string> all;
+  for (const ScanOrigin& scan : scans)
+    for (const auto& errors :
+         {never_covered(scan.config), navigation_left_out(parameters.navigation, scan.config)})
+      for (const std::string& error : errors)
+        if (std::ranges::find(all, error) == all.end()) all.push_back(error);
+  return all;
 }
 
 Json uncertainty_json(const UncertaintyParameters& parameters) {

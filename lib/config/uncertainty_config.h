@@ -28,6 +28,12 @@ void add_navigation_sigma(nlohmann::json& config, const std::string& assignment)
                                                            const std::string& name,
                                                            const std::vector<ScanOrigin>& scans);
 
+/// The errors that are switched on in the scans and that these sigmas leave out, each once, by their place in
+/// the scan's configuration: systematic ones (range_bias_m, tof_lag, the estimator "first" with sub-pixels),
+/// false returns, and navigation and pointing errors whose sigma is 0.
+[[nodiscard]] std::vector<std::string> errors_left_out(const UncertaintyParameters& parameters,
+                                                       const std::vector<ScanOrigin>& scans);
+
 /// The parameters as /uncertainty of a configuration.
 [[nodiscard]] nlohmann::json uncertainty_json(const UncertaintyParameters& parameters);
 

@@ -19,6 +19,7 @@ struct Strip {
   const DemRequest& request;
   BinIndex first;
   std::span<const BinValues> bins;
+  std::span<const BinSigmas> sigmas;  ///< empty unless a layer of them is written
   std::size_t offset;
 };
 
@@ -44,6 +45,7 @@ struct Layer {
   GridLayerWriter::LayerText text;
   std::function<void(const Strip&, GridLayerWriter::TileValues&)> put;
   Missing missing = nothing_missing;
+  bool is_sigma = false;
 };
 
 BinIndex bin_of(const Strip& strip, std::size_t i) {
@@ -105,11 +107,11 @@ double corrected(const Strip& strip, std::size_t i) {
   return corrected_elevation(strip.bins[i], strip.spec, bin, strip.scans.slopes.at(bin));
 }
 
-Layer sigma(const std::string& name, double (UncertaintyMap::*value)(BinIndex) const, const std::string& of,
-            Missing missing) {
-  return of_filled_bins(name, "one sigma of " + of, missing, [=](const Strip& strip, std::size_t i) {
-    return (*strip.scans.uncertainty.*value)(bin_of(strip, i));
-  });
+Layer sigma(const std::string& name, double BinSigmas::*member, const std::string& of, Missing missing) {
+  const auto put_values = [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
+    put<float>(strip, tile, [&](std::size_t i) { return strip.sigmas[i].*member; });
+  };
+  return {name, h5::Type::float32, {"m", "one sigma of " + of}, put_values, missing, true};
 }
 
 std::vector<Layer> all_layers(TruthAt truth_at) {
@@ -128,15 +130,14 @@ std::vector<Layer> all_layers(TruthAt truth_at) {
                          correction_missing, corrected),
           of_filled_bins("z_true_map", "true elevation under the bin centre", map_truth_missing,
                          true_elevation_of_map),
-          sigma("z_sigma_abs", &UncertaintyMap::z_sigma_abs, "z_true_map - z_est", uncertainty_missing),
-          sigma("z_sigma_rel", &UncertaintyMap::z_sigma_rel, "z_true_map - z_est without navigation errors",
+          sigma("z_sigma_abs", &BinSigmas::z_abs, "z_true_map - z_est", uncertainty_missing),
+          sigma("z_sigma_rel", &BinSigmas::z_rel, "z_true_map - z_est without navigation errors",
                 uncertainty_missing),
-          sigma("z_corrected_sigma_abs", &UncertaintyMap::z_corrected_sigma_abs, "z_true_map - z_corrected",
+          sigma("z_corrected_sigma_abs", &BinSigmas::z_corrected_abs, "z_true_map - z_corrected",
                 corrected_sigma_missing),
-          sigma("z_corrected_sigma_rel", &UncertaintyMap::z_corrected_sigma_rel,
+          sigma("z_corrected_sigma_rel", &BinSigmas::z_corrected_rel,
                 "z_true_map - z_corrected without navigation errors", corrected_sigma_missing),
-          sigma("xy_sigma", &UncertaintyMap::xy_sigma, "the horizontal error along one axis",
-                uncertainty_missing)};
+          sigma("xy_sigma", &BinSigmas::xy, "the horizontal error along one axis", uncertainty_missing)};
 }
 
 /// The layers that qualify a layer's values: how many returns, how they scatter, how uncertain the result is.
@@ -197,15 +198,21 @@ std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, cons
   for (const Layer& layer : layers) {
     tiled.push_back({layer.name, layer.type, layer.text});
     tiled.back().text.ancillary_variables = ancillary_variables(layer.name, layers);
+    if (layer.is_sigma) tiled.back().text.comment = request.left_out;
   }
+  const bool has_sigmas = std::ranges::any_of(layers, &Layer::is_sigma);
   std::atomic<std::int64_t> empty_bins = 0;
   const auto fill = [&](const GridLayerWriter::Tile& tile, std::span<GridLayerWriter::TileValues> values) {
     std::vector<BinValues> row(static_cast<std::size_t>(tile.cols));
+    std::vector<BinSigmas> sigmas(has_sigmas ? row.size() : 0);
     for (std::int64_t r = 0; r < tile.rows; ++r) {
       const BinIndex first{tile.first.row + r, tile.first.col};
       bins.values(first, row);
       empty_bins += std::ranges::count_if(row, [](const BinValues& bin) { return bin.count == 0; });
-      const Strip strip{bins.spec(), scans, request, first, row, static_cast<std::size_t>(r * tile.stride)};
+      for (std::size_t i = 0; i < sigmas.size(); ++i)
+        sigmas[i] = scans.uncertainty->sigmas({first.row, first.col + static_cast<std::int64_t>(i)});
+      const Strip strip{
+          bins.spec(), scans, request, first, row, sigmas, static_cast<std::size_t>(r * tile.stride)};
       for (std::size_t l = 0; l < layers.size(); ++l) layers[l].put(strip, values[l]);
     }
   };

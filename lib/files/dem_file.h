@@ -20,6 +20,7 @@ struct DemRequest {
   TruthAt truth_at = TruthAt::bin_center;
   bool uncertainty = false;  ///< also z_true_map and the sigmas
   bool corrected = false;    ///< also z_corrected
+  std::string left_out;      ///< what the sigmas leave out, for their attribute `comment`
 };
 
 /// The layer names that a DEM may have, in the order of the file.

@@ -166,6 +166,7 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
   if (frame_ != CfFrame::local) h5::write_attribute(dataset.get(), "grid_mapping", std::string("crs"));
   if (!text.ancillary_variables.empty())
     h5::write_attribute(dataset.get(), "ancillary_variables", text.ancillary_variables);
+  if (!text.comment.empty()) h5::write_attribute(dataset.get(), "comment", text.comment);
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);

@@ -34,6 +34,7 @@ class GridLayerWriter {
     std::string flag_meanings = {};
     std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
     std::string ancillary_variables = {};      ///< layers that qualify this one's values, in CF's form
+    std::string comment = {};                  ///< CF's comment
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>

@@ -18,7 +18,7 @@ constexpr double kSmallestScatter = 0.1;  // in s^2
 /// Weighted sums over the centroids of a window, in units of s, relative to the middle bin: x, y in bins.
 struct PlaneSums {
   int bins = 0;
-  double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+  double w = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
 
   void add(double weight, double dx, double dy, double dz) {
     ++bins;
@@ -31,6 +31,7 @@ struct PlaneSums {
     yy += weight * dy * dy;
     xz += weight * dx * dz;
     yz += weight * dy * dz;
+    zz += weight * dz * dz;
   }
 };
 
@@ -52,34 +53,26 @@ PlaneSums window_sums(const WeightedMeanAccumulator& bins, BinIndex middle, std:
   return sums;
 }
 
-/// The plane's slope, in metres per bin edge, and the scatter of the centroids across their main direction.
-struct PlaneFit {
+/// The plane's slope, in metres per bin edge, the scatter of the centroids across their main direction, and
+/// their mean square distance from the plane.
+struct Plane {
   double x;
   double y;
   double smallest_scatter;
+  double misfit;
 };
 
-PlaneFit fit(const PlaneSums& s) {
+Plane fit(const PlaneSums& s) {
   const double xx = s.xx / s.w - s.x * s.x / (s.w * s.w);
   const double xy = s.xy / s.w - s.x * s.y / (s.w * s.w);
   const double yy = s.yy / s.w - s.y * s.y / (s.w * s.w);
   const double xz = s.xz / s.w - s.x * s.z / (s.w * s.w);
   const double yz = s.yz / s.w - s.y * s.z / (s.w * s.w);
+  const double zz = s.zz / s.w - s.z * s.z / (s.w * s.w);
   const double determinant = xx * yy - xy * xy;
-  return {(yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant,
-          (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy)};
-}
-
-Slope slope_at(const WeightedMeanAccumulator& bins, BinIndex bin) {
-  for (std::int64_t radius = 1; radius <= kLargestRadius; ++radius) {
-    const PlaneSums sums = window_sums(bins, bin, radius);
-    if (sums.bins < (radius == kLargestRadius ? kFewestBins : kEnoughBins)) continue;
-    const PlaneFit plane = fit(sums);
-    if (plane.smallest_scatter < kSmallestScatter) continue;
-    return {static_cast<float>(plane.x / bins.spec().resolution_m),
-            static_cast<float>(plane.y / bins.spec().resolution_m)};
-  }
-  return {};
+  const double gx = (yy * xz - xy * yz) / determinant;
+  const double gy = (xx * yz - xy * xz) / determinant;
+  return {gx, gy, (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy), zz - gx * xz - gy * yz};
 }
 
 /// Calls set(bin, sums) for each bin that holds a return.
@@ -99,10 +92,25 @@ void for_each_filled_bin(const WeightedMeanAccumulator& bins, Set set,
 
 }  // namespace
 
+PlaneFit fit_plane(const WeightedMeanAccumulator& bins, BinIndex bin) {
+  for (std::int64_t radius = 1; radius <= kLargestRadius; ++radius) {
+    const PlaneSums sums = window_sums(bins, bin, radius);
+    if (sums.bins < (radius == kLargestRadius ? kFewestBins : kEnoughBins)) continue;
+    const Plane plane = fit(sums);
+    if (plane.smallest_scatter < kSmallestScatter) continue;
+    return {.slope = {static_cast<float>(plane.x / bins.spec().resolution_m),
+                      static_cast<float>(plane.y / bins.spec().resolution_m)},
+            .misfit_m2 = plane.misfit,
+            .bins = sums.bins,
+            .radius = radius};
+  }
+  return {};
+}
+
 Grid<Slope> slope_layer(const WeightedMeanAccumulator& bins, const ProgressCallback& progress) {
   Grid<Slope> slopes(bins.spec());
   for_each_filled_bin(
-      bins, [&](BinIndex bin, const BinSums&) { slopes.at(bin) = slope_at(bins, bin); }, progress);
+      bins, [&](BinIndex bin, const BinSums&) { slopes.at(bin) = fit_plane(bins, bin).slope; }, progress);
   return slopes;
 }
 

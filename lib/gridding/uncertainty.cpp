@@ -27,33 +27,35 @@ void check_sigmas(const std::string& key, const Eigen::Vector3d& sigmas) {
       throw UsageError(key + ": " + number_text(sigma) + " is not finite and at least 0");
 }
 
-/// value(bin) of every bin that holds a return; NaN in the others.
-template <class Value>
-Grid<float> filled_bins(const WeightedMeanAccumulator& bins, Value value,
-                        const ProgressCallback& progress = {}) {
+/// visit(bin) for every bin that holds a return.
+template <class Visit>
+void for_each_filled_bin(const WeightedMeanAccumulator& bins, Visit visit, const ProgressCallback& progress) {
   const GridSpec& spec = bins.spec();
-  Grid<float> layer(spec, std::numeric_limits<float>::quiet_NaN());
-  const auto fill = [&](std::size_t begin, std::size_t end) {
+  const auto visit_rows = [&](std::size_t begin, std::size_t end) {
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col)
-        if (bins.bins()[spec.index({row, col})].count > 0)
-          layer.at({row, col}) = static_cast<float>(value(BinIndex{row, col}));
+        if (bins.bins()[spec.index({row, col})].count > 0) visit(BinIndex{row, col});
   };
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, fill, progress);
-  return layer;
+  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, visit_rows, progress);
+}
+
+/// visit(bin) for the (2 radius + 1)^2 bins around one, as far as they are in the grid, row by row.
+template <class Visit>
+void for_each_in_window(const GridSpec& spec, BinIndex middle, std::int64_t radius, Visit visit) {
+  for (std::int64_t row = std::max<std::int64_t>(0, middle.row - radius);
+       row <= std::min(spec.rows - 1, middle.row + radius); ++row)
+    for (std::int64_t col = std::max<std::int64_t>(0, middle.col - radius);
+         col <= std::min(spec.cols - 1, middle.col + radius); ++col)
+      visit(BinIndex{row, col});
 }
 
 /// The sum over the bins within kRoughnessRadius; NaN is skipped.
 double window_sum(const Grid<float>& layer, BinIndex middle) {
   double sum = 0;
-  const GridSpec& spec = layer.spec();
-  for (std::int64_t row = std::max<std::int64_t>(0, middle.row - kRoughnessRadius);
-       row <= std::min(spec.rows - 1, middle.row + kRoughnessRadius); ++row)
-    for (std::int64_t col = std::max<std::int64_t>(0, middle.col - kRoughnessRadius);
-         col <= std::min(spec.cols - 1, middle.col + kRoughnessRadius); ++col) {
-      const double value = layer.at({row, col});
-      if (!std::isnan(value)) sum += value;
-    }
+  for_each_in_window(layer.spec(), middle, kRoughnessRadius, [&](BinIndex bin) {
+    const double value = layer.at(bin);
+    if (!std::isnan(value)) sum += value;
+  });
   return sum;
 }
 
@@ -73,6 +75,15 @@ double quantisation_factor(double count) {
   return kMany + (1.0 / 12.0 - kMany) / count;
 }
 
+double misfit_factor(double count) { return 0.41 + 0.175 / count; }
+
+double largest_chance_ratio(double freedom) {
+  constexpr double kQuantile = 2.3263478740408408;  // of the standard normal distribution
+  const double variance = 2 / (9 * freedom);
+  const double root = 1 - variance + kQuantile * std::sqrt(variance);
+  return root * root * root;
+}
+
 /// The geometry under which the body saw a bin.
 struct UncertaintyMap::Sight {
   Vector<DemFrame> lever;    ///< from the body's origin to (X, Y, z_est)
@@ -85,7 +96,24 @@ UncertaintyMap::UncertaintyMap(const WeightedMeanAccumulator& bins, const Moment
                                const UncertaintyParameters& parameters, const ProgressCallback& progress)
     : bins_(bins), moments_(moments), slopes_(slopes), poses_(poses), parameters_(parameters) {
   check(parameters_);
-  roughness_ = roughness(progress);
+  const auto empty = [&] { return Grid<float>(bins.spec(), std::numeric_limits<float>::quiet_NaN()); };
+  misfit_ = empty();
+  Grid<float> scatter = empty();
+  Grid<float> freedom = empty();
+  const auto compare_with_noise = [&](BinIndex bin) {
+    const double noise = noise_variance(bin);
+    misfit_.at(bin) = static_cast<float>(misfit_beyond(noise, bin));
+    scatter.at(bin) = static_cast<float>(scatter_beyond(noise, bin));
+    if (!std::isnan(noise)) freedom.at(bin) = static_cast<float>(1 / sum_of_squared_weights(bin) - 1);
+  };
+  for_each_filled_bin(bins_, compare_with_noise, [&](double done) { report(progress, done / 2); });
+  roughness_ = empty();
+  const auto pool = [&](BinIndex bin) {
+    const double returns = window_sum(freedom, bin);
+    roughness_.at(bin) =
+        returns > 0 ? static_cast<float>(std::max(0.0, window_sum(scatter, bin) / returns)) : 0.0F;
+  };
+  for_each_filled_bin(bins_, pool, [&](double done) { report(progress, 0.5 + done / 2); });
 }
 
 UncertaintyMap::Sight UncertaintyMap::sight(BinIndex bin) const {
@@ -103,6 +131,33 @@ double UncertaintyMap::sum_of_squared_weights(BinIndex bin) const {
   const std::size_t i = bins_.spec().index(bin);
   const BinSums& sums = bins_.bins()[i];
   return sums.count == 1 ? 1 : moments_.bins()[i].w_w / (sums.weight * sums.weight);
+}
+
+/// The variance that range noise gives the elevation of a single return.
+double UncertaintyMap::noise_variance(BinIndex bin) const {
+  const Slope g = slopes_.at(bin);
+  const double noise = parameters_.range_sigma_m * Eigen::Vector3d(-g.x, -g.y, 1).dot(sight(bin).beam.v);
+  return noise * noise;
+}
+
+/// tau^2. Range noise gives the centroid of a bin of weight W the variance noise sum w_k^2, and the centroids
+/// together, weighted by W, the mean square noise sum (W sum w_k^2) / sum W; the fit of a plane to n
+/// centroids leaves (n - 3) / n of it.
+double UncertaintyMap::misfit_beyond(double noise, BinIndex bin) const {
+  const PlaneFit plane = fit_plane(bins_, bin);
+  const int freedom = plane.bins - 3;
+  if (freedom < 1) return 0;  // three centroids always lie in a plane
+  double weight = 0;
+  double weighted = 0;
+  for_each_in_window(bins_.spec(), bin, plane.radius, [&](BinIndex other) {
+    const BinSums& sums = bins_.bins()[bins_.spec().index(other)];
+    if (sums.count == 0) return;
+    weight += sums.weight;
+    weighted += sums.weight * sum_of_squared_weights(other);
+  });
+  const double by_chance = noise * weighted / weight;
+  const double misfit = plane.misfit_m2 * plane.bins / freedom;
+  return misfit > by_chance * largest_chance_ratio(freedom) ? misfit - by_chance : 0;
 }
 
 /// sum w_k (z_k - plane)^2 over the normalised weights; the plane goes through the centroid with the slope.
@@ -124,26 +179,11 @@ double UncertaintyMap::scatter_about_slope(BinIndex bin) const {
   return zz - 2 * along + plane;
 }
 
-/// The returns of one bin scatter by (1 - sum w_k^2) of the variance of a single return, including range
-/// noise (J . n)^2 sigma_r^2. The excess over this noise, pooled over the window with weights N_eff, is the
-/// variance of the relief.
-Grid<float> UncertaintyMap::roughness(const ProgressCallback& progress) const {
-  const auto excess_of = [&](BinIndex bin) {
-    const Slope g = slopes_.at(bin);
-    const double noise = parameters_.range_sigma_m * Eigen::Vector3d(-g.x, -g.y, 1).dot(sight(bin).beam.v);
-    const double w_w = sum_of_squared_weights(bin);
-    return (scatter_about_slope(bin) - noise * noise * (1 - w_w)) / w_w;
-  };
-  const auto freedom_of = [&](BinIndex bin) {
-    return std::isnan(slopes_.at(bin).x) ? kNan : 1 / sum_of_squared_weights(bin) - 1;
-  };
-  const Grid<float> excess = filled_bins(bins_, excess_of, [&](double done) { report(progress, done / 2); });
-  const Grid<float> freedom = filled_bins(bins_, freedom_of);
-  const auto pooled = [&](BinIndex bin) {
-    const double returns = window_sum(freedom, bin);
-    return returns > 0 ? std::max(0.0, window_sum(excess, bin) / returns) : 0;
-  };
-  return filled_bins(bins_, pooled, [&](double done) { report(progress, 0.5 + done / 2); });
+/// The returns of one bin scatter by (1 - sum w_k^2) of the variance of a single return, including noise. The
+/// excess over noise, pooled over the window with weights N_eff, is rho^2.
+double UncertaintyMap::scatter_beyond(double noise, BinIndex bin) const {
+  const double w_w = sum_of_squared_weights(bin);
+  return (scatter_about_slope(bin) - noise * (1 - w_w)) / w_w;
 }
 
 double UncertaintyMap::navigation_variance(const Sight& sight, const Eigen::Vector3d& J) const {
@@ -154,10 +194,11 @@ double UncertaintyMap::navigation_variance(const Sight& sight, const Eigen::Vect
          squares(arm).dot(squares(angles(sigma.rpy_rad)) + t2 * squares(angles(sigma.rpy_rate_radps)));
 }
 
-BinVariances UncertaintyMap::variances(BinIndex bin) const {
+BinVariances UncertaintyMap::variances(BinIndex bin) const { return variances(bin, sight(bin)); }
+
+BinVariances UncertaintyMap::variances(BinIndex bin, const Sight& seen) const {
   const Slope g = slopes_.at(bin);
   const Eigen::Vector3d J(-g.x, -g.y, 1);
-  const Sight seen = sight(bin);
   const double s = bins_.spec().resolution_m;
   const double count = bins_.bins()[bins_.spec().index(bin)].count;
   const double w_w = sum_of_squared_weights(bin);
@@ -166,11 +207,11 @@ BinVariances UncertaintyMap::variances(BinIndex bin) const {
   return {.range = noise * noise * w_w,
           .quant = (double{g.x} * g.x + double{g.y} * g.y) * s * s * quantisation_factor(count) / count,
           .rough = roughness_.at(bin) * w_w + unknown,
+          .misfit = misfit_.at(bin) * misfit_factor(count),
           .navigation = navigation_variance(seen, J)};
 }
 
-double UncertaintyMap::horizontal_variance(BinIndex bin) const {
-  const Sight seen = sight(bin);
+double UncertaintyMap::horizontal_variance(BinIndex bin, const Sight& seen) const {
   const double s = bins_.spec().resolution_m;
   const double count = bins_.bins()[bins_.spec().index(bin)].count;
   const Eigen::Vector3d n = seen.beam.v;
@@ -182,34 +223,16 @@ double UncertaintyMap::horizontal_variance(BinIndex bin) const {
              2;
 }
 
-bool UncertaintyMap::is_empty(BinIndex bin) const { return bins_.bins()[bins_.spec().index(bin)].count == 0; }
-
-double UncertaintyMap::z_sigma_abs(BinIndex bin) const {
-  if (is_empty(bin)) return kNan;
-  const BinVariances v = variances(bin);
-  return std::sqrt(v.range + v.quant + v.rough + v.navigation);
-}
-
-double UncertaintyMap::z_sigma_rel(BinIndex bin) const {
-  if (is_empty(bin)) return kNan;
-  const BinVariances v = variances(bin);
-  return std::sqrt(v.range + v.quant + v.rough);
-}
-
-double UncertaintyMap::z_corrected_sigma_abs(BinIndex bin) const {
-  if (is_empty(bin)) return kNan;
-  const BinVariances v = variances(bin);
-  return std::sqrt(v.range + v.rough + v.navigation);
-}
-
-double UncertaintyMap::z_corrected_sigma_rel(BinIndex bin) const {
-  if (is_empty(bin)) return kNan;
-  const BinVariances v = variances(bin);
-  return std::sqrt(v.range + v.rough);
-}
-
-double UncertaintyMap::xy_sigma(BinIndex bin) const {
-  return is_empty(bin) ? kNan : std::sqrt(horizontal_variance(bin));
+BinSigmas UncertaintyMap::sigmas(BinIndex bin) const {
+  if (bins_.bins()[bins_.spec().index(bin)].count == 0) return {};
+  const Sight seen = sight(bin);
+  const BinVariances v = variances(bin, seen);
+  const double local = v.range + v.rough + v.misfit;
+  return {.z_abs = std::sqrt(local + v.quant + v.navigation),
+          .z_rel = std::sqrt(local + v.quant),
+          .z_corrected_abs = std::sqrt(local + v.navigation),
+          .z_corrected_rel = std::sqrt(local),
+          .xy = std::sqrt(horizontal_variance(bin, seen))};
 }
 
 }  // namespace landfall

@@ -52,8 +52,8 @@ struct RisleyReach {
 /// 2 (m u(theta_1) + h sin(wedge_2) u(theta_2), z), u(a) = (cos a, sin a). m is constant; h is a function of
 /// theta_2 - theta_1 in the forward problem and of the deflection alone in the inverse problem.
 ///
-/// Directions only: thicknesses and gap shift the exit point by a millimetre or less, and the ground point by
-/// the same amount.
+/// Directions only: thicknesses and gap shift the exit point and the ground point by up to 1.8 mm with the
+/// default prisms.
 class RisleySteering {
  public:
   /// `optics` must pass check().

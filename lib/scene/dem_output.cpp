@@ -16,6 +16,7 @@ namespace {
 struct UncertaintyInputs {
   UncertaintyParameters parameters;
   PoseTrack poses;
+  std::string left_out;  ///< errors of the scans, comma-separated
 };
 
 UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
@@ -28,7 +29,22 @@ UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
   nlohmann::json& config = output.provenance.config;
   const UncertaintyParameters parameters = uncertainty_parameters(config, output.config_name, origins);
   config["uncertainty"] = uncertainty_json(parameters);
-  return at_path("--uncertainty: ", [&] { return UncertaintyInputs{parameters, PoseTrack(poses)}; });
+  std::string left_out;
+  for (const std::string& error : errors_left_out(parameters, origins))
+    left_out += (left_out.empty() ? "" : ", ") + error;
+  return at_path("--uncertainty: ", [&] {
+    return UncertaintyInputs{parameters, PoseTrack(poses), left_out};
+  });
+}
+
+std::vector<std::string> warnings_of(const UncertaintyInputs& inputs) {
+  std::vector<std::string> warnings;
+  if (inputs.parameters.range_sigma_m == 0)
+    warnings.emplace_back(
+        "--uncertainty: the range noise is 0; give --range-sigma METRES if the lidar has noise");
+  if (!inputs.left_out.empty())
+    warnings.push_back("--uncertainty: the sigmas leave out errors of the scans: " + inputs.left_out);
+  return warnings;
 }
 
 /// The terrain of the true elevations; without one the scene has no surface.
@@ -63,7 +79,13 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
                        DemOutput output) {
   const Scans scans = open_scans(sources.scans, output.provenance);
   std::optional<UncertaintyInputs> uncertainty;
-  if (layers.uncertainty) uncertainty = uncertainty_inputs(scans, output);
+  std::vector<std::string> warnings;
+  if (layers.uncertainty) {
+    uncertainty = uncertainty_inputs(scans, output);
+    warnings = warnings_of(*uncertainty);
+    if (!uncertainty->left_out.empty())
+      layers.left_out = "leaves out errors of the scans: " + uncertainty->left_out;
+  }
   const Scene truth = open_truth(sources, scans, config.grid, output);
   layers.truth = truth.surface.get();
   layers.truth_at = config.truth_at;
@@ -78,7 +100,7 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   output.phase("write", [&](const ProgressCallback& progress) {
     empty_bins = write_dem(file, gridded, layers, scans.front()->crs_wkt(), progress);
   });
-  return {gridded.bins->inside_count(), gridded.bins->outside_count(), empty_bins};
+  return {gridded.bins->inside_count(), gridded.bins->outside_count(), empty_bins, std::move(warnings)};
 }
 
 }  // namespace landfall

@@ -29,6 +29,7 @@ struct BinnedReturns {
   std::int64_t inside_count = 0;
   std::int64_t outside_count = 0;  ///< off the grid
   std::int64_t empty_bins = 0;
+  std::vector<std::string> warnings = {};  ///< about the sigmas
 };
 
 /// Grids scans into dem.h5. `layers.truth` and `layers.truth_at` are set here. The

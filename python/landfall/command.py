@@ -2,13 +2,18 @@
 """Common parts of all commands: options, output paths, error messages and exit codes."""
 import argparse
 import os
+import re
 import sys
 
 from landfall.errors import Error, UsageError
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line."""
+    """An argument parser whose errors are one line, and whose values may be negative numbers or lists of these."""
+
+    def __init__(self, *arguments, **keys):
+        super().__init__(*arguments, **keys)
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # argparse takes "-5,3" for an option
 
     def error(self, message):
         raise UsageError(f"{message} (see --help)")

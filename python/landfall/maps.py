@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps of bins: colour scales, panels and what is drawn on them."""
+"""Maps of bins: panels, colour bars and what is drawn on them."""
 import math
-from dataclasses import dataclass
 
 import matplotlib.patheffects
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import ListedColormap
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize, to_rgba
 from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from landfall import colors, reduction
+from landfall import colors, reduction, relief
 
-FONT_PT = 11
+FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
+MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least
+ABOVE_FRAME = 2.6     # a frame has 2.5 and would hide marks on the border of a map
+MOST_OUTLINED = 0.03  # of the blocks of a map: more lines would hide it
 NO_VALUE, MARK = colors.css(colors.NO_VALUE), colors.css(colors.MARK)
 OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 # Okabe and Ito's palette, whose colours are distinguishable with all common forms of colour blindness.
@@ -22,57 +25,25 @@ plt.rcParams.update({"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figur
                      "axes.linewidth": 0.8, "image.interpolation": "nearest", "image.origin": "lower"})
 
 
-# Scales
-
-
-@dataclass(frozen=True)
-class Scale:
-    """The quantity that has the colour map, its limits in metres, and the unit that its colour bar shows."""
-
-    quantity: str
-    low_m: float
-    high_m: float
-
-    @property
-    def unit(self):
-        largest = max(abs(self.low_m), abs(self.high_m))
-        return ("m", 1.0) if largest >= 0.5 else ("cm", 100.0) if largest >= 0.01 else ("mm", 1000.0)
-
-
-def finite_extremes(*layers):
-    """(lowest, highest) value of all layers; (nan, nan) where there is none."""
-    return (float(np.fmin.reduce([np.fmin.reduce(layer, axis=None) for layer in layers])),
-            float(np.fmax.reduce([np.fmax.reduce(layer, axis=None) for layer in layers])))
-
-
-def signed_scale(*layers):
-    """Symmetric about 0, at least +-1 mm, so that rounding noise does not fill a panel with colour."""
-    low, high = finite_extremes(*layers)
-    bound = max(abs(low), abs(high), 1e-3) if np.isfinite(low) else 1e-3
-    return Scale("error", -bound, bound)
-
-
-def magnitude_scale(layer):
-    """From 0 to the largest value, at least 1 mm."""
-    high = finite_extremes(layer)[1]
-    return Scale("magnitude", 0, max(high, 1e-3) if np.isfinite(high) else 1e-3)
-
-
-def elevation_scale(*layers):
-    low, high = finite_extremes(*layers)
-    if not np.isfinite(low):
-        low, high = 0.0, 1.0
-    return Scale("elevation", low, max(high, low + 1e-3))
-
-
 # Panels
 
 
-def new_figure(rows_cols, size_in, title):
-    figure, axes = plt.subplots(*rows_cols, figsize=size_in, layout="constrained", squeeze=False)
+def new_figure(rows_cols, size_in, title, **ratios):
+    figure, axes = plt.subplots(*rows_cols, figsize=size_in, layout="constrained", squeeze=False, **ratios)
     figure.suptitle(title)
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     return figure, axes
+
+
+def use_dpi(dpi):
+    """The resolution of the figures to come: a map has no more blocks than pixels, because blocks that are skipped would hide defects."""
+    plt.rcParams["figure.dpi"] = dpi
+
+
+def block_size(ax, shape):
+    """The edge, in bins, of the blocks in which a panel shows a map of this shape."""
+    columns = ax.get_subplotspec().get_gridspec().ncols
+    return reduction.block_size(shape, int(MAP_SHARE * ax.figure.get_figwidth() * ax.figure.dpi / columns))
 
 
 def map_extent(grid, size, cells_shape):
@@ -93,48 +64,118 @@ def draw_image(ax, grid, image, size, **style):
     return ax.imshow(image, extent=map_extent(grid, size, image.shape), **style)
 
 
-def draw_values(ax, grid, values, scale, cells, shrink=reduction.shrink_extreme, no_value=None):
-    """A map of `values` (metres) with its colour bar; bins of `no_value` are shown enlarged."""
-    size = reduction.block_size(values.shape, cells)
+def note(ax, *texts):
+    """Texts between the title and the map, as many on a line as fit its width; empty ones are left out."""
+    figure_width_in = ax.figure.get_figwidth() / ax.get_subplotspec().get_gridspec().ncols
+    lines = [""]
+    for text in filter(None, texts):
+        joined = f"{lines[-1]}; {text}" if lines[-1] else text
+        if len(joined) > NOTE_LETTERS_PER_IN * figure_width_in and lines[-1]:
+            lines.append(text)
+        else:
+            lines[-1] = joined
+    ax.set_title(ax.get_title(), pad=6 + NOTE_PT * 1.35 * len(lines))
+    ax.annotate("\n".join(lines), (0.5, 1), (0, 4), "axes fraction", textcoords="offset points", ha="center", va="bottom",
+                fontsize=NOTE_PT, linespacing=1.2, gid="note").set_in_layout(False)
+
+
+def blocks_note(ax, shape, rule="largest"):
+    size = block_size(ax, shape)
+    return "" if size == 1 else f"{rule} of each {size} x {size} bins"
+
+
+def draw_values(ax, grid, values, scale, quantity="", shrink=reduction.shrink_extreme):
+    """A map of values with its colour bar; `shrink` reduces a block of bins to one value."""
+    size = block_size(ax, values.shape)
+    draw_image(ax, grid, shrink(values, size), size, cmap=colors.color_map(scale.colors), vmin=scale.low, vmax=scale.high)
+    draw_color_bar(ax, scale, quantity)
+
+
+def reduced(ax, values, shrink=reduction.shrink_extreme):
+    """The values that a panel shows."""
+    return shrink(values, block_size(ax, values.shape))
+
+
+def relief_heights(ax, values, grid):
+    """The factor of heights of a shaded map; see relief.factor."""
+    size = block_size(ax, values.shape)
+    return relief.factor(reduction.shrink_mean(values, size), size * grid.resolution_m)
+
+
+def draw_elevations(ax, grid, values, scale, heights=None):
+    """A shaded map of elevations with its colour bar, greyer the fewer bins of a block have a value."""
+    size = block_size(ax, values.shape)
+    step_m = size * grid.resolution_m
+    mean, missing = reduction.shrink_mean(values, size), reduction.shrink_share(np.isnan(values), size)
+    heights = relief.factor(mean, step_m) if heights is None else heights
+    draw_image(ax, grid, relief.image(mean, step_m, scale, heights, missing), size)
+    draw_color_bar(ax, scale, "elevation")
+
+
+def draw_color_bar(ax, scale, quantity=""):
+    """A colour bar exactly as high as the map: the limit of an error is a triangle and a line, and an end beyond which values lie
+    is pointed."""
     unit, factor = scale.unit
-    image = draw_image(ax, grid, shrink(values, size) * factor, size, vmin=scale.low_m * factor,
-                       vmax=scale.high_m * factor, cmap=colors.color_map(scale.quantity))
-    if no_value is not None and no_value.any():
-        draw_flags(ax, grid, no_value, MARK, cells, growth=1)
-    draw_color_bar(ax, image, unit)
-    if np.isnan(values).all():
-        notice(ax, "no value anywhere")
+    image = ScalarMappable(Normalize(scale.low * factor, scale.high * factor), colors.color_map(scale.colors))
+    bar = ax.figure.colorbar(image, cax=ax.inset_axes([1.045, 0, 0.045, 1]), extend=scale.extend, extendfrac=0.03)
+    label = quantity + (f" ({unit})" if unit and quantity else unit)
+    bar.set_label(label, fontsize=NOTE_PT + 1)
+    for limit in scale.limits():
+        bar.ax.axhline(limit * factor, color="white", linewidth=3)
+        bar.ax.axhline(limit * factor, color="black", linewidth=1.4)
+        bar.ax.plot(-0.28, limit * factor, marker=">", color="black", markersize=6, markeredgewidth=0, clip_on=False,
+                    transform=bar.ax.get_yaxis_transform(), gid="limit")
 
 
-def draw_color_bar(ax, image, unit):
-    """A colour bar exactly as high as the map."""
-    bar = ax.figure.colorbar(image, cax=ax.inset_axes([1.03, 0, 0.045, 1]))
-    bar.ax.set_title(unit, fontsize=FONT_PT)
+def draw_marks(ax, grid, flags, color, region_bins=None):
+    """Marks set bins, nothing elsewhere: single ones enlarged while they are few, otherwise the opacity is their share of a block.
+
+    Returns what the legend says about it, empty if bins are drawn as they are.
+    """
+    size = block_size(ax, flags.shape)
+    marks = reduction.enlarged_marks(flags, size, flags.size if region_bins is None else region_bins)
+    opacity = reduction.shrink_share(flags, size) if marks is None else marks
+    image = np.empty((*opacity.shape, 4))
+    image[...] = to_rgba(color)
+    image[..., 3] = opacity
+    draw_image(ax, grid, image, size, zorder=ABOVE_FRAME, gid="marks")
+    if marks is None:
+        return "share of each pixel" if size > 1 else ""
+    return "single ones enlarged" if flags.any() and max(marks.shape) > reduction.WIDE_BLOCKS else ""
 
 
-def draw_flags(ax, grid, flags, color, cells, growth=2):
-    """Set bins in one colour, single ones enlarged, nothing elsewhere."""
-    marks, size = reduction.shrink_marks(flags, cells, growth)
-    draw_image(ax, grid, np.ma.masked_equal(marks, False), size, cmap=ListedColormap([color]), zorder=2)
-
-
-def draw_outside(ax, grid, inside, cells):
+def draw_outside(ax, grid, inside):
     """Bins outside the region, in the colour of missing values."""
-    size = reduction.block_size(inside.shape, cells)
+    size = block_size(ax, inside.shape)
     outside = ~reduction.shrink_any(inside, size)
     draw_image(ax, grid, np.ma.masked_equal(outside, False), size, cmap=ListedColormap([NO_VALUE]))
 
 
-def outline_flags(ax, grid, flags, color, cells):
-    """A line around set bins, so that what lies below stays visible."""
-    if not flags.any():
-        return
-    marks, size = reduction.shrink_marks(flags, cells)
+def marks_text(name, how, color="magenta"):
+    """What marks are: 'magenta: bins without a return, single ones enlarged'."""
+    return f"{color}: {name}" + (f", {how}" if how else "")
+
+
+def outline_flags(ax, grid, flags, color):
+    """A line around blocks with set bins, so that what lies below stays visible. Draws nothing and returns False where lines would
+    hide the map."""
+    size = block_size(ax, flags.shape)
+    marks = reduction.shrink_any(flags, size)
+    if not marks.any() or np.count_nonzero(marks & ~inner(marks)) > MOST_OUTLINED * marks.size:
+        return False
     left, right, bottom, top = map_extent(grid, size, marks.shape)
     half = size * grid.resolution_m / 2
     x = np.linspace(left + half, right - half, marks.shape[1])
     y = np.linspace(bottom + half, top - half, marks.shape[0])
-    ax.contour(x, y, marks, levels=[0.5], colors=color, linewidths=0.9)
+    for line, width in (("black", 2.2), (color, 1.1)):
+        ax.contour(x, y, marks, levels=[0.5], colors=line, linewidths=width)
+    return True
+
+
+def inner(marks):
+    """The marks whose four neighbours are marked."""
+    padded = np.pad(marks, 1)
+    return marks & padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
 
 
 def notice(ax, text):

@@ -4,11 +4,12 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plots, reduction
+from landfall import command, files, maps, plots, reduction, scales
 from landfall.errors import DataError
 
-CELLS = 620  # blocks along a panel's edge; a panel has more pixels than that at the default dpi
 ZOOM_WIDTH_M = 8.0
+SIGN = "true - estimated"
+LIMIT_OF = " of rel_z"
 
 
 def parse(arguments):
@@ -17,6 +18,9 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DEM-figure.png beside the DEM)")
     parser.add_argument("--region-radius-m", type=plots.positive_metres, help="default: the largest that fits")
     parser.add_argument("--footprint-m", type=plots.positive_metres, default=1.7, help="default 1.7")
+    parser.add_argument("--limit-m", type=plots.positive_metres, default=0.05,
+                        help="limit of the relative elevation error, marked on the scale of e_z, default 0.05")
+    plots.add_data_only_option(parser)
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.dem)[0] + "-figure.png"
@@ -34,69 +38,87 @@ def read(path):
     return grid, layers
 
 
-def draw_panel(ax, grid, values, title, scale, style):
-    """One whole map with the region's circle, scale bar and footprint."""
+def finish_map(ax, grid, options):
+    maps.draw_region(ax, options.region_radius_m or grid.half_width_m)
+    maps.draw_scale_marks(ax, options.footprint_m)
+
+
+def draw_elevations(ax, grid, layer, scale, options):
+    """`layer`: title, elevations, and the factor of heights of the shading."""
+    title, values, heights = layer
     maps.frame_map(ax, grid, title)
-    maps.draw_values(ax, grid, values, scale, CELLS, style.shrink, no_value=np.isnan(values))
-    maps.draw_region(ax, style.radius_m)
-    maps.draw_scale_marks(ax, style.footprint_m)
+    maps.draw_elevations(ax, grid, values, scale, heights)
+    marked = mark_empty(ax, grid, values)
+    finish_map(ax, grid, options)
+    low, high = scales.extremes(values)
+    maps.note(ax, "no value anywhere" if np.isnan(low) else plots.metre_range(low, high), scale.clipping_text(), marked)
 
 
-class PanelStyle:
-    def __init__(self, options, grid, shrink):
-        self.radius_m = options.region_radius_m or grid.half_width_m
-        self.footprint_m = options.footprint_m
-        self.shrink = shrink
+def mark_empty(ax, grid, values):
+    """Marks bins without a return where they are few; many of them are grey. Returns what shows them."""
+    empty = np.isnan(values)
+    if np.count_nonzero(empty) >= reduction.MOST_MARKED * values.size:
+        return maps.marks_text("bins without a return", "", "grey")
+    if not empty.any():
+        return ""
+    return maps.marks_text("bins without a return", maps.draw_marks(ax, grid, empty, maps.MARK))
 
 
-def draw_zoom(ax, grid, values, scale, center, options):
-    """Every bin around `center`, with the footprint to scale; returns the window."""
+def zoom(ax, grid, center, options):
+    """The window of the map about `center`, with the footprint to scale."""
     window, rows, cols = maps.zoom_window(grid, center, ZOOM_WIDTH_M)
     maps.frame_map(ax, window, f"zoom at ({center[0]:.2f}, {center[1]:.2f}) m, every bin")
-    maps.draw_values(ax, window, values[rows, cols], scale, CELLS)
     maps.draw_footprint(ax, center, options.footprint_m)
-    maps.draw_scale_marks(ax)
-    return window
+    return window, (rows, cols)
 
 
 def draw_with_truth(axes, grid, layers, options):
     true, estimated = layers["z_true"], layers["z_est"]
-    error = true - estimated
-    scale = maps.elevation_scale(true, estimated)
-    smooth = PanelStyle(options, grid, reduction.shrink_mean)
-    draw_panel(axes[0, 0], grid, true, "true elevation", scale, smooth)
-    draw_panel(axes[0, 1], grid, estimated, "estimated elevation", scale, smooth)
-    scale = maps.signed_scale(error)
-    low, high = maps.finite_extremes(error)
-    text = f": {plots.metres(low)} to {plots.metres(high)}" if np.isfinite(low) else ""
-    draw_panel(axes[1, 0], grid, error, f"e_z = true - estimated{text}", scale,
-               PanelStyle(options, grid, reduction.shrink_extreme))
-    window = draw_zoom(axes[1, 1], grid, error, scale, maps.largest_bin(grid, error), options)
-    maps.draw_zoom_frame(axes[1, 0], window)
+    scale = scales.elevation_scale([true, estimated], [maps.reduced(axes[0, 0], z, reduction.shrink_mean) for z in (true, estimated)])
+    heights = maps.relief_heights(axes[0, 0], true, grid)
+    draw_elevations(axes[0, 0], grid, ("true elevation", true, heights), scale, options)
+    draw_elevations(axes[0, 1], grid, ("estimated elevation", estimated, heights), scale, options)
+    draw_error(axes[1], grid, true - estimated, options)
+
+
+def draw_error(axes, grid, error, options):
+    """The whole map of e_z, and every bin about the largest error."""
+    scale = scales.error_scale(error, maps.reduced(axes[0], error), options.limit_m, options.data_only)
+    maps.frame_map(axes[0], grid, "error e_z = true - estimated")
+    maps.draw_values(axes[0], grid, error, scale, SIGN)
+    marked = mark_empty(axes[0], grid, error)
+    finish_map(axes[0], grid, options)
+    maps.note(axes[0], *scale.notes(LIMIT_OF), maps.blocks_note(axes[0], error.shape), marked)
+    window, bins = zoom(axes[1], grid, maps.largest_bin(grid, error), options)
+    maps.draw_values(axes[1], window, error[bins], scale, SIGN)
+    maps.draw_scale_marks(axes[1])
+    maps.draw_zoom_frame(axes[0], window)
 
 
 def draw_without_truth(axes, grid, layers, options):
     estimated = layers["z_est"]
-    scale = maps.elevation_scale(estimated)
-    draw_panel(axes[0, 0], grid, estimated, "estimated elevation (this DEM has no truth layer)", scale,
-               PanelStyle(options, grid, reduction.shrink_mean))
-    highest = maps.largest_bin(grid, estimated - scale.low_m)
-    window = draw_zoom(axes[0, 1], grid, estimated, scale, highest, options)
+    scale = scales.elevation_scale([estimated], [maps.reduced(axes[0, 0], estimated, reduction.shrink_mean)])
+    title = "estimated elevation (this DEM has no truth layer)"
+    draw_elevations(axes[0, 0], grid, (title, estimated, None), scale, options)
+    window, bins = zoom(axes[0, 1], grid, maps.largest_bin(grid, estimated - scale.low), options)
+    maps.draw_elevations(axes[0, 1], window, estimated[bins], scale)
+    maps.draw_scale_marks(axes[0, 1])
     maps.draw_zoom_frame(axes[0, 0], window)
 
 
 def draw(grid, layers, options):
     has_truth = layers["z_true"] is not None
     empty = int(np.isnan(layers["z_est"]).sum())
-    title = (f"{os.path.basename(options.dem)}: {grid.shape[1]} x {grid.shape[0]} bins of "
-             f"{plots.metres(grid.resolution_m)}, {empty:,} without a return (shown enlarged)")
-    figure, axes = maps.new_figure((2, 2) if has_truth else (1, 2), (14, 12.2 if has_truth else 6.3), title)
+    title = (f"{os.path.basename(options.dem)}: {grid.shape[1]} x {grid.shape[0]} bins of {plots.metres(grid.resolution_m)}, "
+             f"{empty:,} without a return ({plots.percent(empty / layers['z_est'].size)})")
+    figure, axes = maps.new_figure((2, 2) if has_truth else (1, 2), (14, 13 if has_truth else 6.7), title)
     (draw_with_truth if has_truth else draw_without_truth)(axes, grid, layers, options)
     return figure
 
 
 def main(arguments):
     options = parse(arguments)
+    maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
     grid, layers = read(options.dem)
     plots.save({options.output: draw(grid, layers, options)}, options.dpi)

@@ -4,15 +4,15 @@ with 1-sigma maps, how well they predict the errors.
 
 Files written with --metrics-only have no maps: only the coverage histogram and the verdict are drawn.
 """
+import json
 import os
 
 import numpy as np
 
-from landfall import command, files, maps, plot_dem, plots, scores
+from landfall import command, files, maps, plot_dem, plots, reduction, scales, scores
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
 FAIL_BIT = {"rel_x": 1, "rel_y": 2, "rel_z": 4, "hole_size": 16, "distance": 32}
-WIDE_CELLS, CELLS = 620, 400  # blocks along a panel's edge, two and three panels beside each other
 ZOOM_WIDTH_M = 6.0
 
 
@@ -23,6 +23,7 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="DIR|PREFIX",
                         help="a folder (made if the name ends with /), or the prefix of the figures' names "
                              "(default: EVAL-)")
+    plots.add_data_only_option(parser)
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.evaluation)[0] + "-"
@@ -34,16 +35,25 @@ def parse(arguments):
 class Evaluation:
     """What an eval.h5 holds; layers that it does not have are None."""
 
-    def __init__(self, path):
+    def __init__(self, path, data_only=False):
+        self.data_only = data_only
         with files.open_landfall(path, "landfall.evaluation") as file:
             self.name = os.path.basename(path)
             self.grid = files.read_grid(file)
             self.metrics = files.read_metrics(file)
             self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
+            self.limits = read_limits(file)
         self.radius_m = self.metrics.get("region/radius_m")
         self.half_width_m = self.metrics.get("region/half_width_m")
         bins = self.metrics.get("accuracy/footprint_bins")
         self.footprint_m = None if not bins or self.grid is None else (bins - 1) * self.grid.resolution_m
+
+    def limit_m(self, layer):
+        """The limit of a layer, as limit_of_layer() of lib/evaluation; None if it has none or the file does not say."""
+        kind, axis = layer.split("_")
+        name = ("" if kind == "abs" and axis == "z" else "absolute_horizontal_m" if kind == "abs" else
+                "relative_elevation_m" if axis == "z" else "relative_horizontal_m")
+        return self.limits.get(name)
 
     def has(self, *names):
         return all(self.layers[name] is not None for name in names)
@@ -57,6 +67,15 @@ class Evaluation:
         return np.zeros(self.grid.shape, bool) if flags is None else (flags & FAIL_BIT[kind]) != 0
 
 
+def read_limits(file):
+    """{key: metres} of the limits in the configuration that made the file."""
+    try:
+        limits = json.loads(file["provenance/config_json"].asstr()[()])["limits"]
+        return {key: float(value) for key, value in limits.items()}
+    except (KeyError, ValueError, TypeError, AttributeError):
+        return {}
+
+
 def finish_map(ax, evaluation):
     if evaluation.radius_m is not None:
         maps.draw_region(ax, evaluation.radius_m)
@@ -68,25 +87,47 @@ def finish_map(ax, evaluation):
 # Elevation error
 
 
+SIGN = "true - estimated"
+
+
+def scale_of(ax, evaluation, name, values):
+    """The scale of an error layer in a panel."""
+    make = scales.magnitude_scale if name.startswith("rel_") else scales.error_scale
+    return make(values, maps.reduced(ax, values), evaluation.limit_m(name), evaluation.data_only)
+
+
+def limit_of(name):
+    return {"e": f" of rel_{name[-1]}", "abs": " of the horizontal error", "rel": ""}[name.split("_")[0]]
+
+
 def draw_error(evaluation):
     grid, error = evaluation.grid, evaluation.layers["e_z"]
     inside = evaluation.inside()
     within = np.where(inside, error, np.nan)
-    title = f"{evaluation.name}: elevation error e_z = true - estimated (magenta: no return, enlarged)"
-    figure, axes = maps.new_figure((1, 3), (14, 4.9), title)
-    scale = maps.signed_scale(within)
-    maps.frame_map(axes[0, 0], grid, error_title(within))
-    maps.draw_values(axes[0, 0], grid, error, scale, CELLS, no_value=np.isnan(error) & inside)
+    figure, axes = maps.new_figure((1, 3), (15, 5.5), f"{evaluation.name}: elevation error e_z = {SIGN}")
+    scale = scale_of(axes[0, 0], evaluation, "e_z", within)
+    maps.frame_map(axes[0, 0], grid, "e_z")
+    maps.draw_values(axes[0, 0], grid, error, scale, SIGN)
+    marked = mark_missing(axes[0, 0], evaluation, error)
     finish_map(axes[0, 0], evaluation)
+    maps.note(axes[0, 0], f"in the region {scale.range_text()}", *scale.notes(limit_of("e_z"))[1:],
+              maps.blocks_note(axes[0, 0], error.shape), marked)
     window = draw_error_zoom(axes[0, 1], evaluation, within)
     maps.draw_zoom_frame(axes[0, 0], window)
     draw_error_histogram(axes[0, 2], within, scale)
     return figure
 
 
-def error_title(within):
-    low, high = maps.finite_extremes(within)
-    return "no valid bin" if np.isnan(low) else f"in the region {plots.metres(low)} to {plots.metres(high)}"
+def mark_missing(ax, evaluation, values):
+    """Marks bins of the region without a value where they are few; many of them are grey. Returns what shows them."""
+    inside = evaluation.inside()
+    missing = np.isnan(values) & inside
+    if not missing.any():
+        return ""
+    if np.count_nonzero(missing) >= reduction.MOST_MARKED * np.count_nonzero(inside):
+        return maps.marks_text("no value", "", "grey")
+    how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, np.count_nonzero(inside))
+    return maps.marks_text("no value", how)
 
 
 def draw_error_zoom(ax, evaluation, within):
@@ -96,7 +137,9 @@ def draw_error_zoom(ax, evaluation, within):
     window, rows, cols = maps.zoom_window(grid, center, ZOOM_WIDTH_M)
     deviation = within[rows, cols] - float(mean[maps.bin_at(grid, center)])
     maps.frame_map(ax, window, "e_z - mean of the worst footprint")
-    maps.draw_values(ax, window, deviation, maps.signed_scale(deviation), CELLS)
+    scale = scale_of(ax, evaluation, "e_z", deviation)
+    maps.draw_values(ax, window, deviation, scale, "e_z - mean")
+    maps.note(ax, *scale.notes(limit_of("e_z")))
     if evaluation.footprint_m is not None:
         maps.draw_footprint(ax, center, evaluation.footprint_m)
     maps.draw_scale_marks(ax)
@@ -104,15 +147,20 @@ def draw_error_zoom(ax, evaluation, within):
 
 
 def draw_error_histogram(ax, within, scale):
-    unit, factor = scale.unit
-    values = within[~np.isnan(within)] * factor
+    """Counts of the whole range of the errors, with the limit."""
+    values = within[~np.isnan(within)]
     ax.set_box_aspect(1)
-    ax.set(title=f"{values.size:,} valid bins", xlabel=f"e_z ({unit})", ylabel="bins")
+    end = max(scale.high, *np.abs(scale.extremes)) if values.size else scale.high
+    unit, factor = plots.length_unit(end)
+    ax.set(title=f"{values.size:,} valid bins", xlabel=f"e_z = {SIGN} ({unit})", ylabel="bins")
     if values.size == 0:
         maps.notice(ax, "no valid bin")
         return
-    limits = (scale.low_m * factor, scale.high_m * factor)
-    counts, _, _ = ax.hist(values, bins=101, range=limits, color=maps.BLUE)
+    counts, _, _ = ax.hist(values * factor, bins=101, range=(-end * factor, end * factor), color=maps.BLUE)
+    for place, limit in enumerate(scale.limits()):
+        ax.axvline(limit * factor, color=maps.VERMILION, linestyle="--", label=None if place else scale.limit_text(limit_of("e_z"))[2:])
+    if scale.limits():
+        ax.legend(loc="lower center", fontsize=maps.NOTE_PT, framealpha=0.9)
     maps.scale_counts(ax, counts.max())
 
 
@@ -132,14 +180,16 @@ def draw_coverage(evaluation):
 
 
 def draw_mask(ax, evaluation, title, flags):
-    """White inside the region, grey outside, and {label: (flags, colour)} on it, single bins enlarged."""
+    """White inside the region, grey outside, and {label: (flags, colour)} on it."""
     maps.frame_map(ax, evaluation.grid, title)
     ax.set_facecolor("white")
-    maps.draw_outside(ax, evaluation.grid, evaluation.inside(), CELLS)
-    for bins, color in flags.values():
-        maps.draw_flags(ax, evaluation.grid, bins, color, CELLS)
+    inside = evaluation.inside()
+    maps.draw_outside(ax, evaluation.grid, inside)
+    how = {name: maps.draw_marks(ax, evaluation.grid, bins, color, np.count_nonzero(inside))
+           for name, (bins, color) in flags.items() if bins.any()}
     maps.legend(ax, {name: color for name, (_, color) in flags.items()})
     finish_map(ax, evaluation)
+    maps.note(ax, *dict.fromkeys(how.values()))
 
 
 def invalid_text(metrics):
@@ -149,7 +199,7 @@ def invalid_text(metrics):
 
 def draw_invalid_map(ax, evaluation):
     invalid = evaluation.layers["invalid"] != 0
-    draw_mask(ax, evaluation, invalid_text(evaluation.metrics), {"invalid (enlarged)": (invalid, maps.BLUE)})
+    draw_mask(ax, evaluation, invalid_text(evaluation.metrics), {"invalid": (invalid, maps.BLUE)})
 
 
 def draw_hole_map(ax, evaluation):
@@ -184,13 +234,11 @@ def draw_hole_histogram(ax, metrics):
 
 
 def draw_accuracy(evaluation):
-    title = f"{evaluation.name}: accuracy over the footprint centred on each bin (white line: violations)"
-    figure, axes = maps.new_figure((2, 3), (14, 9.3), title)
+    title = f"{evaluation.name}: accuracy over the footprint centred on each bin, error = {SIGN}"
+    figure, axes = maps.new_figure((2, 3), (15, 10.2), title)
     for column, axis in enumerate("xyz"):
         draw_footprint_map(axes[0, column], evaluation, f"abs_{axis}", absolute_title(evaluation, axis))
         draw_footprint_map(axes[1, column], evaluation, f"rel_{axis}", relative_title(evaluation, axis))
-        violations = evaluation.failing(f"rel_{axis}")
-        maps.outline_flags(axes[1, column], evaluation.grid, violations, "white", CELLS)
     return figure
 
 
@@ -202,18 +250,36 @@ def absolute_title(evaluation, axis):
 def relative_title(evaluation, axis):
     count = evaluation.metrics.get(f"accuracy/relative/{axis}/violation_count")
     largest = evaluation.metrics.get(f"accuracy/relative/{axis}/max_m")
+    return f"relative {axis}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+
+
+def quantity_of(evaluation, name):
+    """What the colours of a layer show, as in the report."""
     quantile = evaluation.metrics.get("accuracy/quantile")
-    of = "" if quantile is None else f" ({100 * quantile:g} % of |e - mean|)"
-    return f"relative {axis}{of}\n{plots.counted(count, 'violation')}, largest {plots.metres(largest)}"
+    if name.startswith("abs"):
+        return f"mean of {SIGN}"
+    return "|e - mean|" + ("" if quantile is None else f", {100 * quantile:g} % quantile")
+
+
+def mark_violations(ax, evaluation, name):
+    """Marks footprints over the limit by a line or, where lines would hide the map, by a colour. Returns what it draws."""
+    failing = evaluation.failing(name)
+    if not failing.any():
+        return ""
+    if maps.outline_flags(ax, evaluation.grid, failing, "white"):
+        return "white line: over the limit"
+    return maps.marks_text("over the limit", maps.draw_marks(ax, evaluation.grid, failing, maps.VERMILION, 0), "vermilion")
 
 
 def draw_footprint_map(ax, evaluation, name, title):
     values = evaluation.layers[name]
-    scale = maps.signed_scale(values) if name.startswith("abs") else maps.magnitude_scale(values)
+    scale = scale_of(ax, evaluation, name, values)
     maps.frame_map(ax, evaluation.grid, title)
-    no_value = np.isnan(values) & evaluation.inside() if evaluation.has("in_region") else None
-    maps.draw_values(ax, evaluation.grid, values, scale, CELLS, no_value=no_value)
+    maps.draw_values(ax, evaluation.grid, values, scale, quantity_of(evaluation, name))
+    missing = mark_missing(ax, evaluation, values) if evaluation.has("in_region") else ""
+    violations = mark_violations(ax, evaluation, name) if name.startswith("rel") else ""
     finish_map(ax, evaluation)
+    maps.note(ax, *scale.notes(limit_of(name)), violations, missing)
 
 
 # Verdict
@@ -282,7 +348,8 @@ def figures_of(evaluation):
 
 def main(arguments):
     options = parse(arguments)
-    evaluation = Evaluation(options.evaluation)
+    maps.use_dpi(options.dpi)
+    evaluation = Evaluation(options.evaluation, options.data_only)
     chosen = figures_of(evaluation)
     dem_figure = [options.output + "dem.png"] if options.dem else []
     command.check_outputs([options.output + name for name in chosen] + dem_figure, options.overwrite,
@@ -297,5 +364,7 @@ def draw_dem(options, evaluation):
     """The figure of plot_dem.py, with this evaluation's region and footprint."""
     dem_options = plot_dem.parse([options.dem, "-o", options.output + "dem.png"])
     dem_options.region_radius_m = evaluation.radius_m
+    dem_options.limit_m = evaluation.limit_m("e_z") or dem_options.limit_m
+    dem_options.data_only = evaluation.data_only
     dem_options.footprint_m = evaluation.footprint_m or dem_options.footprint_m
     return plot_dem.draw(*plot_dem.read(options.dem), dem_options)

@@ -5,10 +5,9 @@ import os
 
 import numpy as np
 
-from landfall import colors, command, files, maps, plots, reduction
+from landfall import command, files, maps, plots, reduction, scales
 from landfall.errors import DataError
 
-CELLS = 620  # blocks along a panel's edge
 BUDGET = [("in_region", "frame in the region", "#0072b2"),
           ("partly_in_region", "partly in the region", "#56b4e9"),
           ("off_region", "outside the region", "#e69f00"),
@@ -38,16 +37,19 @@ def read(path):
 
 
 def draw_map(ax, grid, values, style, layers, radius_m):
-    """`values` where known, in the region and around it; bins of the region that nothing covers are marked."""
-    title, quantity, unit, high = style
+    """`values` where known, in the region and around it; bins of the region that nothing covers are marked.
+
+    Returns how the marks are drawn.
+    """
+    title, quantity, scale_style = style
     maps.frame_map(ax, grid, title)
-    size = reduction.block_size(values.shape, CELLS)
-    image = maps.draw_image(ax, grid, reduction.shrink_mean(values, size), size, cmap=colors.color_map(quantity), vmin=0, vmax=high)
-    maps.draw_color_bar(ax, image, unit)
-    uncovered = (layers["count"] == 0) & (layers["in_region"] != 0)
-    if uncovered.any():
-        maps.draw_flags(ax, grid, uncovered, UNCOVERED, CELLS)
+    scale = scales.count_scale(values, maps.reduced(ax, values, reduction.shrink_mean), **scale_style)
+    maps.draw_values(ax, grid, values, scale, quantity, reduction.shrink_mean)
+    inside = layers["in_region"] != 0
+    how = maps.draw_marks(ax, grid, (layers["count"] == 0) & inside, UNCOVERED, np.count_nonzero(inside))
     maps.draw_region(ax, radius_m)
+    maps.note(ax, *scale.notes(), maps.blocks_note(ax, values.shape, "mean"))
+    return how
 
 
 def draw_budget(ax, plan):
@@ -83,25 +85,24 @@ def draw(grid, layers, plan, options):
     figure, axes = maps.new_figure((2, 3), (18.5, 11.2), title)
     radius_m = plan["region"]["radius_m"]
     known = {name: np.where(layers["count"] > 0, layers[name], np.nan) for name in ("count", "frames")}
-    for ax, name, style in [
-            (axes[0, 0], "count", ("returns per bin", "count", "", max(2, plan["returns_per_bin"]["p95"]))),
-            (axes[0, 1], "frames", ("frames per bin (overlap)", "count", "", max(2, frames["p95"])))]:
-        draw_map(ax, grid, known[name], style, layers, radius_m)
-    draw_map(axes[0, 2], grid, layers["first_seen"],
-             ("when each bin is first seen", "magnitude", "s", max(np.nanmax(layers["first_seen"], initial=0), 1e-9)),
-             layers, radius_m)
+    seen_style = {"colors": "magnitude", "base": "s", "least": 1e-9}
+    how = [draw_map(ax, grid, values, style, layers, radius_m) for ax, values, style in
+           ((axes[0, 0], known["count"], ("returns per bin", "returns", {})),
+            (axes[0, 1], known["frames"], ("frames per bin (overlap)", "frames", {})),
+            (axes[0, 2], layers["first_seen"], ("when each bin is first seen", "first seen", seen_style)))][0]
     draw_histogram(axes[1, 0], plan, layers)
     grid_spec = axes[1, 1].get_gridspec()
     axes[1, 1].remove()
     axes[1, 2].remove()
     draw_budget(figure.add_subplot(grid_spec[1, 1:]), plan)
     if coverage["uncovered_count"]:
-        maps.legend(axes[0, 0], {"uncovered": UNCOVERED})
+        maps.legend(axes[0, 0], {f"uncovered ({how})" if how else "uncovered": UNCOVERED})
     return figure
 
 
 def main(arguments):
     options = parse(arguments)
+    maps.use_dpi(options.dpi)
     command.check_outputs([options.output], options.overwrite)
     grid, layers, plan = read(options.plan)
     plots.save({options.output: draw(grid, layers, plan, options)}, options.dpi)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.patches import Patch
 
-from landfall import colors, command, files, maps, plots, reduction
+from landfall import colors, command, files, maps, plots, reduction, scales
 from landfall.errors import DataError
 
 CELLS = 900  # blocks along a panel's edge
@@ -24,7 +24,7 @@ def parse(arguments):
     parser.add_argument("--sun-azimuth-deg", type=finite, default=315, help="clockwise from +y, default 315")
     parser.add_argument("--sun-elevation-deg", type=sun_elevation, default=35, help="0..90, default 35")
     parser.add_argument("--zoom-width-m", type=plots.positive_metres, help="default: a tenth of the site")
-    parser.add_argument("--zoom-at", type=place, metavar="X,Y", help="default: the steepest place")
+    parser.add_argument("--zoom-at", type=plots.place, metavar="X,Y", help="default: the steepest place")
     plots.add_output_options(parser)
     options = parser.parse_args(arguments)
     options.output = options.output or os.path.splitext(options.terrain)[0] + "-figure.png"
@@ -44,11 +44,6 @@ def sun_elevation(text):
     if not 0 < value <= 90:
         raise ValueError(text)
     return value
-
-
-def place(text):
-    x, y = (finite(part) for part in text.split(","))
-    return x, y
 
 
 # Shape of the surface, at cells between four nodes
@@ -192,7 +187,7 @@ def draw_cells(ax, grid, image, size, **style):
     rows, cols = image.shape
     extent = (grid.x[0], grid.x[0] + cols * step, grid.y[0], grid.y[0] + rows * step)
     ax.set_facecolor(maps.NO_VALUE)
-    return ax.imshow(np.ma.masked_invalid(image), extent=extent, **style)
+    return ax.imshow(np.ma.masked_invalid(image), extent=extent, interpolation="antialiased", **style)
 
 
 def draw_hillshade(ax, grid, image, size):
@@ -200,10 +195,10 @@ def draw_hillshade(ax, grid, image, size):
 
 
 def draw_slope(ax, grid, relief):
-    steepest = np.nanmax(relief.slope_deg) if np.isfinite(relief.slope_deg).any() else 1
-    image = draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0,
-                       vmax=max(float(steepest), 1e-3))
-    maps.draw_color_bar(ax, image, "deg")
+    scale = scales.count_scale(relief.slope_deg, relief.slope_deg, "magnitude", "deg", 1e-3)
+    draw_cells(ax, grid, relief.slope_deg, relief.size, cmap=colors.color_map("magnitude"), vmin=0, vmax=scale.high)
+    maps.draw_color_bar(ax, scale, "slope")
+    maps.note(ax, *scale.notes())
 
 
 def draw_zoom(ax, grid, layer, objects, options, relief):

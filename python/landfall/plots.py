@@ -13,6 +13,11 @@ def add_output_options(parser):
     parser.add_argument("--dpi", type=dots_per_inch, default=150, help="50..600, default 150")
 
 
+def add_data_only_option(parser):
+    parser.add_argument("--data-only", action="store_true",
+                        help="scales of errors end where the data does, even if their limits lie outside")
+
+
 def require_png(path):
     if not path.endswith(".png"):
         raise UsageError(f"--output {path}: the name must end in .png")
@@ -32,6 +37,15 @@ def positive_metres(text):
     return value
 
 
+def place(text):
+    """(x, y) of X,Y in metres."""
+    with contextlib.suppress(ValueError):
+        x, y = (float(part) for part in text.split(","))
+        if math.isfinite(x) and math.isfinite(y):
+            return x, y
+    raise argparse.ArgumentTypeError(f"'{text}' is not X,Y in metres")
+
+
 # Text
 
 
@@ -41,8 +55,20 @@ def metres(value):
         return "–"
     if 0 < abs(value) < 1e-6:
         return "< 1 µm"
-    unit, factor = ("m", 1) if abs(value) >= 0.5 else ("cm", 100) if abs(value) >= 0.01 else ("mm", 1000)
+    unit, factor = length_unit(value)
     return f"{value * factor:.3g} {unit}"
+
+
+def length_unit(value_m):
+    """(name, factor) of the unit in which a length is neither very small nor very large."""
+    return ("m", 1.0) if abs(value_m) >= 0.5 else ("cm", 100.0) if abs(value_m) >= 0.01 else ("mm", 1000.0)
+
+
+def metre_range(low_m, high_m):
+    """Two lengths in one unit: -14.5 to 13.4 cm."""
+    unit, factor = length_unit(max(abs(low_m), abs(high_m)))
+    low, high = (0.0 if abs(value) < 1e-6 else value * factor for value in (low_m, high_m))
+    return f"{low:.3g} to {high:.3g} {unit}"
 
 
 def number(value):

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reduces a map of bins to what a panel can show.
 
-A panel has fewer pixels than a map has bins. Values are reduced block by block to the extreme of each block,
-flags to "any", so that no defect vanishes; single bins are enlarged to a few pixels.
+A panel has fewer pixels than a map has bins. Values are reduced block by block to the extreme of each block, so that no
+defect vanishes. Marked bins are enlarged only while they are few (as in reports); otherwise a block shows their share.
 """
 import math
 
 import numpy as np
+
+MOST_MARKED = 0.01  # of the region, and of the map by enlarged marks: more would hide the map
+WIDE_BLOCKS = 200   # of so many along an edge or fewer, a single one is seen without being enlarged
+
 
 def block_size(shape, cells):
     """The edge, in bins, of blocks that cover `shape` with at most `cells` blocks along the longer side."""
@@ -56,8 +60,27 @@ def enlarge(flags, radius):
     return grown
 
 
-def shrink_marks(flags, cells, growth=2):
-    """(reduced flags, block size); a single bin becomes a square of about growth/250 of the panel's edge."""
-    size = block_size(flags.shape, cells)
-    reduced = shrink_any(flags, size)
-    return enlarge(reduced, round(growth * max(reduced.shape) / 500 + 0.2)), size
+def lone(marks):
+    """The marks with at most one marked neighbour of eight; larger groups are visible."""
+    padded = np.pad(marks, 1).astype(int)
+    rows = padded[:-2] + padded[1:-1] + padded[2:]
+    return marks & (rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:] <= 2)
+
+
+def enlarged_marks(flags, size, region_bins):
+    """Blocks with a set bin, single ones enlarged to 3 x 3 blocks.
+
+    None if the set bins are 1 % of `region_bins` or the result is 1 % of the map, or more.
+    """
+    if flags.sum() >= MOST_MARKED * region_bins:
+        return None
+    marks = shrink_any(flags, size)
+    if max(marks.shape) <= WIDE_BLOCKS:
+        return marks
+    marks |= enlarge(lone(marks), 1)
+    return marks if marks.sum() < MOST_MARKED * marks.size else None
+
+
+def shrink_share(flags, size):
+    """The share of set bins of each block."""
+    return shrink_mean(flags.astype(float), size)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strict JSON: a reader that rejects duplicate keys, NaN and infinity, and a check against a JSON schema.
+"""Strict JSON with comments: a reader that rejects duplicate keys, NaN and infinity, and a check against a JSON schema.
 
 It supports the keywords of draft-07 that schemas/study.schema.json uses; any other keyword raises AssertionError.
 """
@@ -9,6 +9,7 @@ import re
 
 from landfall.errors import UsageError
 
+STRING_OR_COMMENT = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
 WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
          "required", "propertyNames", "minProperties", "items", "minItems", "maxItems", "uniqueItems", "enum", "minimum",
@@ -16,12 +17,12 @@ WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "ty
 
 
 def read_json(path):
-    """The file's value. Rejects duplicate keys, NaN, infinity and NUL bytes; skips a byte order mark at the start."""
+    """The file's value. Rejects duplicate keys, NaN, infinity and NUL bytes; skips comments and a byte order mark at the start."""
     try:
         with open(path, "rb") as file:
             data = file.read().removeprefix(codecs.BOM_UTF8)
         _reject_nul(data)
-        return json.loads(data.decode(), object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
+        return json.loads(STRING_OR_COMMENT.sub(_blank, data.decode()), object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
@@ -51,6 +52,12 @@ def _reject_nul(data):
     if at >= 0:
         line_start = data.rfind(b"\n", 0, at) + 1
         raise ValueError(f"a NUL byte at line {data.count(10, 0, at) + 1}, column {at - line_start + 1}")
+
+
+def _blank(found):
+    """A comment as blanks, so that the parser's messages give the right place; a string as it is."""
+    text = found.group()
+    return text if text.startswith('"') else re.sub(r"[^\n]", " ", text)
 
 
 def _unique(pairs):

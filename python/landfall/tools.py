@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 
-from landfall.errors import ToolError, UsageError
+from landfall.errors import ToolError
 
 # Holds python/, schemas/ and studies/: a clone, or PREFIX/share/landfall.
 SHARE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
@@ -58,14 +58,9 @@ def _json(value):
 
 
 def _config_name(name):
-    """The path of a configuration: a file, or one of studies/presets by its name."""
-    if os.path.exists(name) or os.path.basename(name) != name or name.endswith(".json"):
-        return name
-    folder = os.path.join(SHARE, "studies", "presets")
-    presets = {file.split(".")[0]: os.path.join(folder, file) for file in sorted(os.listdir(folder))}
-    if name not in presets:
-        raise UsageError(f"{name} is neither a file nor a preset: {', '.join(presets)}")
-    return presets[name]
+    """What -c takes: the path of a file, or a preset, whose name may lack the "preset:"."""
+    is_file = os.path.exists(name) or os.path.basename(name) != name or name.endswith(".json")
+    return name if is_file or name.startswith("preset:") else "preset:" + name
 
 
 def _option(name, value):

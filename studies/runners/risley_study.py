@@ -17,7 +17,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # pylint: disable=wrong-import-position,wrong-import-order
-from matplotlib.colors import ListedColormap  # pylint: disable=wrong-import-position,wrong-import-order
+from matplotlib.colors import LinearSegmentedColormap  # pylint: disable=wrong-import-position,wrong-import-order
 
 # n = 1.5, PTTP: 6.4 degrees at most. The edge of the map, 50 m, is 6.285 degrees off nadir at the end, 454 m high.
 WEDGE_DEG = 6.3668
@@ -49,12 +49,12 @@ def measure(options, folder, scanner):
 
 
 def draw(ax, name, result, covered, x):
-    """Red where any bin of a block of 4 x 4 is uncovered, so that a hole of one bin shows; white outside the map."""
+    """Redder the more bins of a block of 4 x 4 are uncovered; white outside the map."""
     cells = len(x) // 4 * 4
-    whole = covered[:cells, :cells].reshape(cells // 4, 4, cells // 4, 4).min(axis=(1, 3)).astype(float)
+    whole = covered[:cells, :cells].reshape(cells // 4, 4, cells // 4, 4).mean(axis=(1, 3))
     centre = x[:cells].reshape(-1, 4).mean(axis=1)
     whole[np.hypot(centre[:, None], centre[None, :]) > RADIUS_M] = np.nan
-    colors = ListedColormap(["#d7301f", "#eef3f7"])
+    colors = LinearSegmentedColormap.from_list("covered", ["#d7301f", "#eef3f7"])
     ax.imshow(whole, origin="lower", extent=[x[0], x[-1]] * 2, cmap=colors, vmin=0, vmax=1, interpolation="antialiased")
     ax.add_patch(plt.Circle((0, 0), RADIUS_M, fill=False, color="black", linewidth=0.6))
     ax.set_title(f"{name}\n{100 * result['coverage']['invalid_frac']:.2f} % uncovered", fontsize=10)

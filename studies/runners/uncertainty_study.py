@@ -38,8 +38,10 @@ SCENES = {
                            for x, y in ((-2.5, -2.5), (2.5, -2), (0, 2.5))]},
     "fractal": {"base": {"type": "fractal", "hurst_exponent": 0.8, "rms_deviation_m": 0.87,
                          "reference_length_m": 10}},
+    "rocks": {"patterns": [{"type": "golombek_rocks", "k": 0.2}]},
 }
 COUNTS = range(1, 8)
+SLOPES = {"below 0.1": (0, 0.1), "0.1-0.7": (0.1, 0.7), "above 0.7": (0.7, math.inf)}  # of the true terrain
 # The elevation and its sigma.
 PRODUCTS = {"noise": [("z_est", "z_sigma_rel"), ("z_corrected", "z_corrected_sigma_rel")],
             "navigation": [("z_est", "z_sigma_abs"), ("z_corrected", "z_corrected_sigma_abs")]}
@@ -87,22 +89,26 @@ def scan_config(step_m):
 
 
 class Tally:
-    """Sums over z-scores, by the number of returns in the bin."""
+    """Sums over z-scores, by the number of returns in the bin and by the slope of the terrain."""
 
     def __init__(self):
-        self.sums = {count: np.zeros(5) for count in [*COUNTS, 0]}  # n, z, z^2, |z| <= 1, |z| <= 2; 0: all
+        # {(count, slope): (n, z, z^2, |z| <= 1, |z| <= 2)}
+        self.sums = {key: np.zeros(5) for key in [*((count, "all") for count in [*COUNTS, "all"]),
+                                                  *(("all", slope) for slope in SLOPES)]}
 
-    def add(self, z, count):
+    def add(self, z, count, slope):
         finite = np.isfinite(z)
-        z, count = z[finite], count[finite]
+        z, count, slope = z[finite], count[finite], slope[finite]
         terms = np.stack([np.ones_like(z), z, z * z, np.abs(z) <= 1, np.abs(z) <= 2])
-        self.sums[0] += terms.sum(1)
+        self.sums["all", "all"] += terms.sum(1)
         for number in COUNTS:
-            self.sums[number] += terms[:, count == number].sum(1)
+            self.sums[number, "all"] += terms[:, count == number].sum(1)
+        for name, (low, high) in SLOPES.items():
+            self.sums["all", name] += terms[:, (slope >= low) & (slope < high)].sum(1)
 
     def merge(self, other):
-        for number, sums in other.sums.items():
-            self.sums[number] += sums
+        for key, sums in other.sums.items():
+            self.sums[key] += sums
 
 
 class Study:
@@ -120,7 +126,7 @@ class Study:
         self.tool("terrain-gen", "-c", self.path("terrain.json"), "-o", self.path("terrain.h5"))
         self.tool("scan-sim", "-c", self.path("scan.json"), "--terrain", self.path("terrain.h5"), "-o",
                   self.path("true.h5"))
-        self.truth = self.elevation_under_bins()
+        self.truth, self.slope = self.terrain_under_bins()
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -132,11 +138,13 @@ class Study:
     def tool(self, name, *arguments):
         tools.run_tool(os.path.join(self.bin, name), *arguments)
 
-    def elevation_under_bins(self):
-        """H(X, Y): the terrain's nodes are the bin centres."""
+    def terrain_under_bins(self):
+        """H(X, Y) and its slope by central differences: the terrain's nodes are the bin centres."""
         margin = round((TERRAIN_HALF_WIDTH_M - MAP_HALF_WIDTH_M) / STEP_M[self.kind])
         with h5py.File(self.path("terrain.h5")) as file:
-            return file["z"][margin:-margin, margin:-margin]
+            z = file["z"][()]
+        slope = np.hypot(*np.gradient(z, STEP_M[self.kind]))
+        return tuple(layer[margin:-margin, margin:-margin] for layer in (z, slope))
 
     def draw(self, number):
         """z-scores of one draw: {elevation: Tally}."""
@@ -161,7 +169,7 @@ class Study:
                 with np.errstate(invalid="ignore"):
                     z = (self.truth - file[elevation][()]) / file[sigma][()]
                 tallies[elevation] = Tally()
-                tallies[elevation].add(z.ravel(), count.ravel())
+                tallies[elevation].add(z, count, self.slope)
         return tallies
 
 
@@ -187,10 +195,10 @@ def run_draws(study, draws, processes):
 
 def rows_of(scene, kind, draws, totals):
     for elevation, tally in totals.items():
-        for count, (n, z, z2, one, two) in tally.sums.items():
+        for (count, slope), (n, z, z2, one, two) in tally.sums.items():
             if n > 0:
-                yield {"scene": scene, "errors": kind, "draws": draws, "elevation": elevation,
-                       "count": count or "all", "scores": int(n), "mean": round(z / n, 4),
+                yield {"scene": scene, "errors": kind, "draws": draws, "elevation": elevation, "count": count,
+                       "slope": slope, "scores": int(n), "mean": round(z / n, 4),
                        "std": round(math.sqrt(max(0, z2 / n - (z / n) ** 2)), 4),
                        "within_1": round(one / n, 4), "within_2": round(two / n, 4)}
 

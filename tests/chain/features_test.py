@@ -53,9 +53,10 @@ def crater(f, u, v):
     x = 2 * np.hypot(u, v) / d
     fresh = [ratio for start, ratio in [(0, .10), (10, .11), (40, .13), (100, .15), (200, .17), (400, .21)] if d >= start][-1]
     depth = f.get("depth_m", fresh * d)
-    inner = np.maximum(np.polyval([-0.039499407, 0.083116795, 0.227533882, -0.228809953], x), 0.036822095 - depth / d)
-    outer = np.polyval([0.01505647, 0.01844746, -0.187050452, 0.188253307], x)
-    z = np.select([x <= 0.98, x <= 1.02, x <= 1.5], [inner, 0.036822095, outer], np.nan)
+    rim = min(0.036822095, depth / d * 0.036 / 0.196)
+    inner = np.maximum(rim / 0.036822095 * np.polyval([-0.039499407, 0.083116795, 0.227533882, -0.228809953], x), rim - depth / d)
+    outer = rim / 0.036822095 * np.polyval([0.01505647, 0.01844746, -0.187050452, 0.188253307], x)
+    z = np.select([x <= 0.98, x <= 1.02, x <= 1.5], [inner, rim, outer], np.nan)
     return f["freshness"] * d * z, (d, -f["freshness"] * depth)
 
 

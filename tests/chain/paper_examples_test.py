@@ -156,6 +156,12 @@ class Example2(Example):
         for name in ("coverage", "hole_size", "hole_distance", "relative_horizontal", "absolute_horizontal"):
             self.assertTrue(self.metrics["requirements"][name]["pass"], name)
 
+    def test_the_readme_shows_its_verdict(self):
+        result = subprocess.run([BIN / "dem-eval", self.runs / self.name / "dem.h5", "--metrics-only", "--table", "-q"],
+                                capture_output=True, text=True, check=True)
+        table = result.stdout.split("\n\n")[0]
+        self.assertIn(f"\n```text\n{table}\n```\n", (ROOT / "README.md").read_text(encoding="utf-8"))
+
 
 class Example3(Example):
     name = "example-3"

@@ -19,6 +19,15 @@ def rows():
         return ROW.findall(file.read())
 
 
+def leaves(value, key=""):
+    """Every value of a configuration with its dotted key."""
+    if not isinstance(value, dict):
+        yield key, value
+        return
+    for name, item in value.items():
+        yield from leaves(item, f"{key}.{name}" if key else name)
+
+
 class Presets(ToolTest):
     def test_every_preset_is_in_the_table(self):
         files = glob.glob(os.path.join(ROOT, "studies", "presets", "*.scan.json"))
@@ -35,6 +44,19 @@ class Presets(ToolTest):
                 self.assertAlmostEqual(plan["time"]["total"]["time_s"], float(seconds))
                 self.assertEqual(f"{plan['returns_per_bin']['mean']:.2f}", per_bin)
                 self.assertEqual(f"{100 * plan['coverage']['uncovered_frac']:.2f}", uncovered)
+
+
+    def test_how_the_papers_example_2_differs_from_the_defaults(self):
+        """As docs/user/scan-sim.md says; and it is the set-up of the studies with the noise of Example 2."""
+        preset, defaults = ({key: value for key, value in leaves(json.loads(
+            self.succeed("scan-sim", "--print-config", *config).stdout))} for config in (["-c", "preset:paper"], []))
+        differing = {key: (value, preset[key]) for key, value in defaults.items() if value != preset[key]}
+        pattern = "scanner.pattern."
+        self.assertEqual(differing, {pattern + "rows": (200, 247), pattern + "columns": (200, 161), pattern + "half_width_m": (50, 50.1),
+                                     "detector.roll_deg": (0, 7.73), "noise.range_sigma_m": (0, 0.05 / 3)})
+        studied = json.loads(self.succeed("scan-sim", "--print-config", "-c", os.path.join(ROOT, "studies", "paper-like.scan.json"),
+                                          "--set", "noise.range_sigma_m=0.016666666666666666").stdout)
+        self.assertEqual(dict(leaves(studied)), preset)
 
 
 FSM = '{"type":"fsm","pattern":%s}'

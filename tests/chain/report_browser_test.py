@@ -13,7 +13,7 @@ from matplotlib.image import imread
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import EVAL, REGRID, Chain, ToolTest, browser
-from landfall import colors
+from landfall import colors, files, plot_profile, reduction, relief, scales
 
 WIDTHS = (1400, 800)
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
@@ -391,12 +391,35 @@ class ReportTest(ToolTest):
         self.assertAlmostEqual(scale["high"], expected, delta=self.window.run("return layerNamed('e_z').step"))
         self.assertIn("colours end at \u00b1", scale["note"])
 
+    def test_profiles_are_those_of_plot_profile(self):
+        self.report()
+        with h5py.File(self.chain.dem) as file:
+            grid, z = files.read_grid(file), file["z_est"][()]
+        step = self.window.run("return layerNamed('z_est').step")
+        for start, end in (((-3.31, -2.2), (4.9, 3.87)), ((2.2, 4.7), (2.2, -1.1)), ((-5, -5), (5, 5))):
+            found = self.window.run("""const [from, to] = [...arguments].map(([x_m, y_m]) => ({x_m, y_m}));
+                return rasterOf(layerNamed("z_est"), report.grid).then((r) => profileOf(r, {from, to}));""", start, end)
+            bins = plot_profile.bins_under(grid, start, end)
+            np.testing.assert_allclose([at for at, _ in found], bins.at_m, atol=1e-9)
+            np.testing.assert_allclose([np.nan if value is None else value for _, value in found], bins.of(z), atol=0.501 * step)
+
     def test_colours_are_those_of_the_figures(self):
         self.report()
         maps = self.window.run("return COLOR_MAPS")
         self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
         self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
         self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
+        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MOST_MARKED]"),
+                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MOST_MARKED])
+        with h5py.File(self.path("eval.h5")) as file:
+            values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
+        for name, value in values.items():
+            limit_m = {"e_x": 0.05, "e_z": 0.05, "rel_x": 0.05, "rel_z": 0.05, "abs_x": 1}.get(name)
+            make = scales.magnitude_scale if name.startswith("rel") else scales.error_scale
+            expected, found = make(value, value, limit_m), self.window.run(SCALES)[name]
+            step = self.window.run("return layerNamed(arguments[0]).step", name)
+            self.assertAlmostEqual(found["low"], expected.low, delta=step)
+            self.assertAlmostEqual(found["high"], expected.high, delta=step)
 
     def test_elevations_are_shaded_as_in_view(self):
         self.report()
@@ -408,6 +431,11 @@ class ReportTest(ToolTest):
             const alone = Object.assign(Object.create(r), {peers: undefined}), b = blocksOf(alone, 1);
             return [...reliefColors(alone, b, scaleOf(alone))]; })""")
         self.assertLess(np.abs(np.reshape(drawn, (101, 101, 3)) - view).max(), 4)
+        with h5py.File(self.chain.dem) as file:
+            z = file["z_est"][()]
+        scale, step_m = scales.elevation_scale([z], [z]), 0.1
+        figure = 255 * relief.image(z, step_m, scale, relief.factor(z, step_m), np.isnan(z).astype(float))
+        self.assertLess(np.abs(figure - view).max(), 4)
 
     def test_view_fills_its_canvas(self):
         self.report()

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """regrid --uncertainty and --corrected against a simple numpy implementation of docs/user/uncertainty.md."""
 import json
+from statistics import NormalDist
 import unittest
 
 import numpy as np
@@ -49,7 +50,7 @@ class Bins:
             self.cells[r, c] = {"p": p, "w_sum": w.sum(), "w": w / w.sum(), "mean": w @ p / w.sum(),
                                 "t": w @ t[part] / w.sum()}
         for cell in self.cells:
-            self.cells[cell]["g"] = self.slope(cell)
+            self.cells[cell].update(zip(("g", "radius", "misfit"), self.slope(cell)))
         for cell, bin_ in self.cells.items():
             self.add_pose_and_noise(cell, bin_)
 
@@ -69,9 +70,25 @@ class Bins:
             scatter = np.cov(xy.T / self.s, aweights=w, ddof=0)
             if np.linalg.eigvalsh(scatter)[0] < 0.1:
                 continue
-            design = np.column_stack([xy, np.ones(len(z))]) * np.sqrt(w)[:, None]
-            return np.linalg.lstsq(design, z * np.sqrt(w), rcond=None)[0][:2]
-        return np.full(2, np.nan)
+            design = np.column_stack([xy, np.ones(len(z))])
+            plane = np.linalg.lstsq(design * np.sqrt(w)[:, None], z * np.sqrt(w), rcond=None)[0]
+            return plane[:2], radius, np.average((z - design @ plane) ** 2, weights=w)
+        return np.full(2, np.nan), 0, 0
+
+    def misfit(self, cell):
+        """Variance of the bin's error where the bins around it do not lie in a plane; None where rounding decides."""
+        b = self.cells[cell]
+        around = [other for other, _, _ in self.window(cell, b["radius"])]
+        freedom = len(around) - 3
+        if b["radius"] == 0 or freedom == 0:
+            return 0
+        noise = b["noise"] * np.average([other["w2"] for other in around], weights=[other["w_sum"] for other in around])
+        excess = b["misfit"] * len(around) / freedom - noise
+        unit = 2 / (9 * freedom)
+        allowed = noise * ((1 - unit + NormalDist().inv_cdf(0.99) * unit ** 0.5) ** 3 - 1)
+        if abs(excess - allowed) < 1e-6 * allowed:
+            return None
+        return excess * (0.41 + 0.175 / len(b["w"])) if excess > allowed else 0
 
     def add_pose_and_noise(self, cell, b):
         """Adds the pose at the mean time, and the range noise and excess variance of this bin alone."""
@@ -99,7 +116,10 @@ class Bins:
         rough = max(0, sum(other["excess"] for other in around) / freedom) if freedom > 1e-12 else 0
         count = len(b["w"])
         k = (0.0614540466 + (1 / 12 - 0.0614540466) / count) * self.s ** 2 / count
-        local = b["noise"] * b["w2"] + rough * b["w2"]
+        misfit = self.misfit(cell)
+        if misfit is None:
+            return {}
+        local = b["noise"] * b["w2"] + rough * b["w2"] + misfit
         nav = self.navigation(b, b["J"])
         horizontal = k + (b["beam"][:2] ** 2).sum() / 2 * self.sigma_r ** 2 * b["w2"] + \
             (self.navigation(b, np.eye(3)[0]) + self.navigation(b, np.eye(3)[1])) / 2

@@ -204,7 +204,7 @@ class Assignments(ToolTest):
         for name in names:
             self.succeed("scan-sim", "-c", f"preset:{name}", "--check", cwd=self.folder)
         resolved = self.resolved("scan-sim", "-c", "preset:paper", "-c", self.config({"seed": 3}))
-        self.assertEqual((resolved["seed"], resolved["scanner"]["pattern"]["rows"]), (3, 200))
+        self.assertEqual((resolved["seed"], resolved["scanner"]["pattern"]["rows"]), (3, 247))
         self.refuse(2, "scan-sim", "-c", "preset:papr", "--check", words=["did you mean preset:paper?"])
         self.refuse(2, "regrid", "-c", "preset:paper", "--check", words=["this tool has none"])
         self.refuse(2, "regrid", "--list-presets", words=["unknown option --list-presets"])

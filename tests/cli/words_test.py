@@ -4,7 +4,9 @@
 import json
 import unittest
 
-from harness import EVAL, REGRID, TERRAIN, TOOLS, ChainTest, read_bytes, run, with_values
+import h5py
+
+from harness import EVAL, REGRID, SCAN, TERRAIN, TOOLS, ChainTest, read_bytes, run, with_values
 
 
 class Conclusion(ChainTest):
@@ -56,6 +58,51 @@ class Warnings(ChainTest):
         text = self.warning("dem-eval", dem, "-c", self.config(with_values(EVAL, region_radius_m=7.5)), "-o",
                             self.path("e.h5"))
         self.assertRegex(text, r"wide\.h5: the judged region reaches [0-9.]+ m beyond the scanned area; reduce it")
+
+    def scan(self, **errors):
+        """A scan with 1 cm of range noise and these errors."""
+        config = with_values(SCAN, **{"noise": {"range_sigma_m": 0.01}, "navigation_error": {}, **errors})
+        path = self.path("erring.h5")
+        self.succeed("scan-sim", "-c", self.config(config), "--terrain", self.chain.terrain, "-O", "-o", path)
+        return path
+
+    def sigmas(self, scan, *options):
+        """regrid's arguments for all sigmas of a scan."""
+        return ["regrid", scan, "-c", self.chain.config("regrid"), "--uncertainty", "--corrected", *options, "-o",
+                self.path("sigmas.h5")]
+
+    def comments(self):
+        """The comments of the layers that have one."""
+        with h5py.File(self.path("sigmas.h5")) as file:
+            found = {name: layer.attrs.get("comment") for name, layer in file.items() if isinstance(layer, h5py.Dataset)}
+        return {name: comment for name, comment in found.items() if comment is not None}
+
+    def test_sigmas_say_which_errors_they_leave_out(self):
+        for errors, left_out in (
+                ({"noise__range_bias_m": 0.05}, ["/noise/range_bias_m"]),
+                ({"noise__false_return_frac": 0.01, "detector__subpixels": 2, "detector__estimator": "first",
+                  "scanner__tof_lag": True}, ["/noise/false_return_frac", "/detector/estimator", "/scanner/tof_lag"])):
+            text = self.warning(*self.sigmas(self.scan(**errors)))
+            self.assertRegex(text, r"^--uncertainty: the sigmas leave out errors of the scans: ")
+            self.assertEqual(text.split(": ")[2].split(", "), left_out)
+            self.assertEqual(self.comments(), dict.fromkeys(
+                ("z_sigma_abs", "z_sigma_rel", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma"),
+                "leaves out errors of the scans: " + ", ".join(left_out)))
+
+    def test_sigmas_of_0_for_a_navigation_error_that_is_switched_on(self):
+        scan = self.scan(navigation_error={"velocity_mps": [0, 0.1, 0], "position_m": [0, 0, 0.1]})
+        text = self.warning(*self.sigmas(scan, "--navigation-sigma", "position_m=0.1"))
+        self.assertEqual(text, "--uncertainty: the sigmas leave out errors of the scans: /navigation_error/velocity_mps")
+
+    def test_sigmas_without_range_noise(self):
+        text = self.warning(*self.sigmas(self.scan(noise__range_sigma_m=0)))
+        self.assertEqual(text, "--uncertainty: the range noise is 0; give --range-sigma METRES if the lidar has noise")
+        self.assertEqual(self.comments(), {})
+
+    def test_complete_sigmas_say_nothing(self):
+        arguments = self.sigmas(self.scan(detector__subpixels=2))
+        self.assertEqual(run(*arguments).stderr, "")
+        self.assertEqual(self.comments(), {})
 
     def test_a_raster_coarser_than_a_quarter_of_the_site(self):
         raster = self.path("raster.tif")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layers of a DEM from the returns of a scan (docs/user/regrid.md, docs/user/uncertainty.md)."""
+from statistics import NormalDist
+
 import numpy as np
 
 from oracle.frames import matrix_of_quaternion, rotated
@@ -128,6 +130,8 @@ class Uncertainty:
         w = np.nan_to_num(self.layers["weight_sum"])
         result = np.full((*w.shape, 2), np.nan)
         self.near_limit = np.zeros(w.shape)
+        self.misfit, self.bins_of_plane, self.noise_share = np.zeros(w.shape), np.full(w.shape, 3), np.zeros(w.shape)
+        w2 = self.squared_weights()
         done = w == 0
         for radius, enough in ((1, 6), (2, 6), (3, 3)):
             weights = np.nan_to_num(windows(np.where(w > 0, w, np.nan), radius))
@@ -143,11 +147,32 @@ class Uncertainty:
             determinant = np.where(fits, xx * yy - xy * xy, 1)
             fitted = np.stack([(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant], -1)
             result = np.where(fits[..., None], fitted, result)
+            off = z - mean(z)[..., None]
+            off -= fitted[..., :1] * (x - mean(x)[..., None]) + fitted[..., 1:] * (y - mean(y)[..., None])
+            self.misfit = np.where(fits, mean(off**2), self.misfit)
+            self.bins_of_plane = np.where(fits, (weights > 0).sum(-1), self.bins_of_plane)
+            self.noise_share = np.where(fits, mean(np.nan_to_num(windows(w2, radius))), self.noise_share)
             done |= fits
         return result
 
+    def squared_weights(self):
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return self.bins.sum(self.bins.weight**2) / self.bins.sum(self.bins.weight)**2
+
+    def uneven(self, noise):
+        """The variance of the error where the centroids around a bin do not lie in a plane."""
+        freedom = np.maximum(self.bins_of_plane - 3, 1)
+        by_chance = noise * self.noise_share
+        excess = np.where(self.bins_of_plane > 3, self.misfit * self.bins_of_plane / freedom - by_chance, 0)
+        unit = 2 / (9 * freedom)
+        allowed = by_chance * ((1 - unit + NormalDist().inv_cdf(0.99) * np.sqrt(unit))**3 - 1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            self.near_limit[abs(excess / allowed - 1) < 1e-6] = 1
+            return np.where(excess > allowed, excess, 0) * (0.41 + 0.175 / self.layers["count"])
+
     def doubtful(self):
-        """Bins that use a window for which rounding decides whether its scatter suffices for a plane."""
+        """Bins that use a window for which rounding decides whether its scatter suffices for a plane, or near one in which it
+        decides whether a misfit counts."""
         return windows(self.near_limit, 3).max(-1) > 0
 
     def lever(self, pulses):
@@ -172,7 +197,7 @@ class Uncertainty:
         bins, s = self.bins, self.bins.s
         total, count = bins.sum(bins.weight), bins.sum(np.ones(len(bins.of)))
         with np.errstate(invalid="ignore", divide="ignore"):
-            w2 = bins.sum(bins.weight**2) / total**2
+            w2 = self.squared_weights()
             exact = 1792 / 29160
             quantised = s**2 * (exact + (1 / 12 - exact) / count) / count
         off = [(bins.points[f"{a}_est"][bins.of] - self.centroid[..., n].ravel()[bins.bin]) for n, a in enumerate("xyz")]
@@ -185,7 +210,7 @@ class Uncertainty:
             excess, freedom = (scatter - noise * (1 - w2)) / w2, np.where(np.isnan(self.slope[..., 0]), np.nan, 1 / w2 - 1)
             shares = np.nansum(windows(excess, 3), -1), np.nansum(windows(freedom, 3), -1)
             rough = np.where(shares[1] > 1e-12, np.maximum(0, shares[0] / shares[1]), 0)
-        local = (noise + rough) * w2
+        local = (noise + rough) * w2 + self.uneven(noise)
         steep, nav = np.sum(self.slope**2, -1) * quantised, self.navigation(self.J)
         sideways = (self.navigation(np.eye(3)[0]) + self.navigation(np.eye(3)[1])) / 2
         shift = self.centroid[..., :2] - np.stack([bins.x, bins.y], -1)

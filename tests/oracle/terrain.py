@@ -53,8 +53,10 @@ def crater(c, u, v):
     outside = 0.188253307 - 0.187050452 * x + 0.01844746 * x**2 + 0.01505647 * x**3
     rim = 0.036822095
     depth = c.get("depth_m", d * next(fraction for below, fraction in CRATER_DEPTHS if d < below))
-    floored = np.maximum(bowl, rim - depth / d)
-    profile = np.where(x <= 0.98, floored, np.where(x <= 1.02, rim, outside))
+    full = rim * 0.196 / 0.036
+    height = min(depth / d / full, 1)
+    floored = np.maximum(bowl, rim - depth / d / height)
+    profile = height * np.where(x <= 0.98, floored, np.where(x <= 1.02, rim, outside))
     return np.where(x <= 1.5, c.get("freshness", 1) * d * profile, 0)
 
 

@@ -292,10 +292,10 @@ class Runs(Chain):
 
     def test_configurations(self):
         self.assertEqual(self.passed_to_tool({"seed": np.int32(2), "t": np.array([0.5])}), (["-c", "-"], '{"seed": 2, "t": [0.5]}'))
-        self.assertEqual(self.passed_to_tool("paper"), (["-c", os.path.join(os.path.realpath(ROOT), "studies", "presets", "paper.scan.json")], ""))
-        with self.assertRaisesRegex(landfall.UsageError, "^papers is neither a file nor a preset: .*paper"):
+        self.assertEqual(self.passed_to_tool("paper"), (["-c", "preset:paper"], ""))
+        with self.assertRaisesRegex(landfall.ToolError, "preset:papers: there is no such preset; did you mean preset:paper"):
             landfall.run("scan-sim", "papers")
-        for path in ("missing.json", self.path("terrain.h5"), "folder/paper"):
+        for path in ("missing.json", self.path("terrain.h5"), "folder/paper", "preset:paper"):
             self.assertEqual(self.passed_to_tool(path)[0], ["-c", path])
         with landfall.run("scan-sim", "flash-256", plan=True, output=self.path("flash.h5"), set={"laser.scan_time_s": 0.1}) as plan:
             self.assertEqual(plan.attrs["format_name"], "landfall.plan")

@@ -115,6 +115,11 @@ class Script(unittest.TestCase):
         make_terrain(self.path)
         self.assertEqual(self.run_script(self.path, "--dpi", "50").stdout.strip(), self.path.replace(".h5", "-figure.png"))
 
+    def test_zooms_at_negative_coordinates(self):
+        make_terrain(self.path)
+        result = self.run_script(self.path, "--zoom-at", "-3,-4", "--dpi", "50")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
     def test_wrong_files_and_options_are_refused(self):
         make_terrain(self.path)
         with h5py.File(self.path, "a") as file:

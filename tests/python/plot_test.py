@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests of plot_dem.py and plot_eval.py on small files that the tests make."""
+"""Tests of plot_dem.py, plot_eval.py and plot_plan.py on small files that the tests make."""
 import json
 import os
 import shutil
@@ -16,7 +16,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import files, maps, plots, reduction
+from landfall import colors, files, maps, plot_dem, plot_eval, plot_plan, scales
 import matplotlib.pyplot as plt
 
 BINS = 41
@@ -299,75 +299,187 @@ class PlotEvalTest(ScriptTest):
         self.expect_failure(1, "/metrics_json is not JSON", "plot_eval.py", "eval.h5")
 
 
-class ReductionTest(unittest.TestCase):
-    def test_extreme_keeps_the_sign_and_single_values(self):
-        values = np.zeros((7, 9))
-        values[6, 8] = -3
-        values[0, :3] = [1, -2, np.nan]
-        reduced = reduction.shrink_extreme(values, 3)
-        self.assertEqual(reduced.shape, (3, 3))
-        self.assertEqual((reduced[0, 0], reduced[2, 2], reduced[1, 1]), (-2, -3, 0))
-
-    def test_blocks_without_a_value_stay_empty(self):
-        values = np.full((4, 4), np.nan)
-        values[0, 0], values[1, 1] = 1, 2
-        for name, expected in (("shrink_extreme", 2), ("shrink_mean", 1.5)):
-            reduced = getattr(reduction, name)(values, 2)
-            self.assertEqual(reduced[0, 0], expected)
-            self.assertTrue(np.isnan(reduced[0, 1]) and np.isnan(reduced[1, 1]))
-
-    def test_a_single_flag_stays_visible_anywhere(self):
-        for row, col in ((0, 0), (1000, 1001), (2000, 2000)):
-            flags = np.zeros((2001, 2001), bool)
-            flags[row, col] = True
-            marks, size = reduction.shrink_marks(flags, 400)
-            self.assertTrue(marks[row // size, col // size])
-            self.assertLessEqual(max(marks.shape), 400)
-            self.assertGreaterEqual(marks.sum(), 9)
-
-    def test_enlarge_makes_squares(self):
-        flags = np.zeros((9, 9), bool)
-        flags[4, 3] = True
-        expected = np.zeros((9, 9), bool)
-        expected[2:7, 1:6] = True
-        np.testing.assert_array_equal(reduction.enlarge(flags, 2), expected)
-        np.testing.assert_array_equal(reduction.enlarge(flags, 0), flags)
+def notes_of(ax):
+    return next(text.get_text() for text in ax.texts if text.get_gid() == "note").replace("\n", "; ")
 
 
-class ScaleTest(unittest.TestCase):
-    def test_signed_scales_are_symmetric(self):
-        scale = maps.signed_scale(np.array([[-0.03, 0.1], [np.nan, 0]]))
-        self.assertEqual((scale.low_m, scale.high_m, scale.unit[0]), (-0.1, 0.1, "cm"))
-
-    def test_rounding_noise_gets_no_colour(self):
-        scale = maps.signed_scale(np.array([[1e-13, -1e-13]]))
-        self.assertEqual(scale.high_m, 1e-3)
-
-    def test_scale_bar_lengths(self):
-        for span, length in ((20.0, 20.0), (19.9, 10.0), (0.7, 0.5), (4.9, 2.0)):
-            self.assertAlmostEqual(maps.round_length_m(span), length)
-
-    def test_lengths_are_written_with_a_fitting_unit(self):
-        for value, text in ((1.381, "1.38 m"), (0.0831, "8.31 cm"), (-0.0026, "-2.6 mm"), (0.0, "0 mm"),
-                            (1e-13, "< 1 µm"), (None, "–")):
-            self.assertEqual(plots.metres(value), text)
+def bar_of(ax):
+    """The axes of a map's colour bar."""
+    return next(child for child in ax.child_axes)
 
 
-class ZoomTest(unittest.TestCase):
-    def setUp(self):
-        centers = np.arange(-10, 11) * 1.0
-        self.grid = files.MapGrid(centers, centers, 1.0)
+def limits_of(ax):
+    """Where the limit's triangles are on the colour bar, in its unit."""
+    return sorted(float(line.get_ydata()[0]) for line in bar_of(ax).lines if line.get_gid() == "limit")
 
-    def test_the_window_stays_inside_the_map(self):
-        window, rows, cols = maps.zoom_window(self.grid, (10.0, 0.0), 4.0)
-        self.assertEqual((window.x[0], window.x[-1], window.y[0], window.y[-1]), (6, 10, -2, 2))
-        self.assertEqual((rows, cols), (slice(8, 13), slice(16, 21)))
 
-    def test_largest_bin(self):
-        values = np.full((21, 21), np.nan)
-        self.assertEqual(maps.largest_bin(self.grid, values), (0.0, 0.0))
-        values[3, 15], values[4, 4] = -2, 1
-        self.assertEqual(maps.largest_bin(self.grid, values), (5.0, -7.0))
+def marks_of(ax):
+    """The opacity of the marks on a map."""
+    return next(image.get_array()[..., 3] for image in ax.images if image.get_gid() == "marks")
+
+
+def map_named(figure, title):
+    return next(ax for ax in figure.axes if ax.get_title().startswith(title))
+
+
+class FigureTest(ScriptTest):
+    """What the figures show, as numbers and words."""
+
+    def tearDown(self):
+        plt.close("all")
+
+    def dem_figure(self, *arguments, **style):
+        make_dem(self.path("dem.h5"), **style)
+        options = plot_dem.parse([self.path("dem.h5"), *arguments])
+        return plot_dem.draw(*plot_dem.read(options.dem), options)
+
+    def eval_figure(self, draw, limits=True, data_only=False, **style):
+        make_evaluation(self.path("eval.h5"), **style)
+        if limits:
+            with h5py.File(self.path("eval.h5"), "r+") as file:
+                file["provenance/config_json"] = json.dumps({"limits": {
+                    "relative_elevation_m": 0.05, "relative_horizontal_m": 0.008, "absolute_horizontal_m": 1}})
+        return draw(plot_eval.Evaluation(self.path("eval.h5"), data_only))
+
+    def test_the_error_of_a_dem(self):
+        error = map_named(self.dem_figure(), "error e_z = true - estimated")
+        self.assertEqual(limits_of(error), [-5, 5])
+        self.assertEqual(bar_of(error).get_ylabel(), "true - estimated (cm)")
+        np.testing.assert_allclose(bar_of(error).get_ylim(), [-5.5, 5.5])
+        np.testing.assert_allclose(error.images[0].get_clim(), [-0.055, 0.055])
+        self.assertEqual(notes_of(error), "-9.92 to 9.92 mm; ▸ limit ±5 cm of rel_z; magenta: bins without a return")
+
+    def test_the_limit_of_a_dem_is_an_option(self):
+        error = map_named(self.dem_figure("--limit-m", "0.008"), "error")
+        self.assertEqual(limits_of(error), [-8, 8])
+        error = map_named(self.dem_figure("--data-only"), "error")
+        self.assertEqual((limits_of(error), bar_of(error).get_ylabel()), ([], "true - estimated (mm)"))
+
+    def test_true_and_estimated_elevation_share_their_colours(self):
+        figure = self.dem_figure()
+        bars = [bar_of(map_named(figure, name)) for name in ("true elevation", "estimated elevation")]
+        self.assertEqual(bars[0].get_ylim(), bars[1].get_ylim())
+        self.assertEqual(bars[0].get_ylabel(), "elevation (m)")
+        image = map_named(figure, "estimated elevation").images[0].get_array()
+        self.assertEqual(image.shape, (BINS, BINS, 3))  # shaded colours, not values
+        east, west = image[20, 26].sum(), image[20, 14].sum()
+        self.assertGreater(west, 1.2 * east)  # the hill's western flank faces the light
+
+    def test_many_empty_bins_are_grey_and_few_are_marked(self):
+        figure = self.dem_figure(empty_bins=[(row, 5) for row in range(3, 19)])
+        self.assertEqual(marks_of(map_named(figure, "error")).sum(), 16)
+        figure = self.dem_figure(empty_bins=[(row, 5) for row in range(3, 20)])
+        for name in ("error", "estimated"):
+            ax = map_named(figure, name)
+            self.assertEqual([image.get_gid() for image in ax.images], [None])
+            self.assertIn("grey: bins without a return", notes_of(ax))
+        np.testing.assert_allclose(map_named(figure, "estimated").images[0].get_array()[4, 5] * 255, colors.NO_VALUE)
+
+    def test_each_map_of_the_accuracy_has_its_limit(self):
+        figure = self.eval_figure(plot_eval.draw_accuracy)
+        for name, limits, label in (("absolute x", [-1, 1], "mean of true - estimated (m)"),
+                                    ("absolute z", [], "mean of true - estimated (mm)"),
+                                    ("relative x", [8], "|e - mean|, 95 % quantile (mm)"),
+                                    ("relative z", [5], "|e - mean|, 95 % quantile (cm)")):
+            ax = map_named(figure, name)
+            np.testing.assert_allclose(limits_of(ax), limits)
+            self.assertEqual(bar_of(ax).get_ylabel(), label)
+        self.assertIn("▸ limit ±1 m of the horizontal error", notes_of(map_named(figure, "absolute y")))
+        self.assertEqual(map_named(figure, "absolute x").images[0].cmap.name, "error")
+        self.assertEqual(map_named(figure, "relative x").images[0].cmap.name, "magnitude")
+
+    def test_an_evaluation_without_its_configuration_has_no_limits(self):
+        figure = self.eval_figure(plot_eval.draw_accuracy, limits=False)
+        self.assertEqual(limits_of(map_named(figure, "relative z")), [])
+        self.assertNotIn("limit", notes_of(map_named(figure, "relative z")))
+
+    def test_violations_are_outlined_or_coloured(self):
+        def draw(evaluation):
+            evaluation.layers["fail"] = np.where(failing, plot_eval.FAIL_BIT["rel_z"], 0).astype(np.int8)
+            return plot_eval.draw_accuracy(evaluation)
+
+        failing = np.zeros((BINS, BINS), bool)
+        failing[20:23, 20:23] = True
+        ax = map_named(self.eval_figure(draw), "relative z")
+        self.assertIn("white line: over the limit", notes_of(ax))
+        failing[5:36:2, 5:36:2] = True
+        figure = self.eval_figure(draw)
+        ax = map_named(figure, "relative z")
+        self.assertIn("vermilion: over the limit", notes_of(ax))
+        marks = [image.get_array()[..., 3] for image in ax.images if image.get_gid() == "marks"]  # missing values, violations
+        np.testing.assert_array_equal(marks[-1], failing)
+        self.assertNotIn("over the limit", notes_of(map_named(figure, "relative x")))
+
+    def test_data_only(self):
+        figure = self.eval_figure(plot_eval.draw_accuracy, data_only=True)
+        self.assertEqual(bar_of(map_named(figure, "absolute x")).get_ylabel(), "mean of true - estimated (mm)")
+
+    def test_the_histogram_of_errors_shows_the_limits(self):
+        ax = map_named(self.eval_figure(plot_eval.draw_error), "1,00")
+        self.assertEqual(ax.get_xlabel(), "e_z = true - estimated (cm)")
+        self.assertEqual(sorted(line.get_xdata()[0] for line in ax.lines), [-5, 5])
+
+    def test_lines_are_drawn_only_around_few_groups(self):
+        ax = plt.figure().add_subplot()
+        centers = np.arange(100.0)
+        grid = files.MapGrid(centers, centers, 1.0)
+        flags = np.zeros((100, 100), bool)
+        flags[20:40, 20:40] = True
+        self.assertTrue(maps.outline_flags(ax, grid, flags, "white"))
+        flags[::3, ::3] = True
+        self.assertFalse(maps.outline_flags(ax, grid, flags, "white"))
+
+    def test_a_map_has_no_more_blocks_than_pixels(self):
+        self.addCleanup(maps.use_dpi, 100)
+        values = np.zeros((2001, 2001))
+        values[1000, 1777] = 0.07
+        grid = files.MapGrid(np.arange(2001) * 0.05, np.arange(2001) * 0.05, 0.05)
+        for dpi, size in ((50, 10), (150, 4), (600, 1)):
+            maps.use_dpi(dpi)
+            figure, axes = maps.new_figure((2, 2), (14, 13), "")
+            ax = axes[0, 0]
+            self.assertEqual(maps.block_size(ax, values.shape), size)
+            maps.frame_map(ax, grid, "")
+            maps.draw_values(ax, grid, values, scales.error_scale(values, maps.reduced(ax, values)), "error")
+            figure.draw_without_rendering()
+            self.assertLessEqual(ax.images[0].get_array().shape[1], ax.get_window_extent().width)
+            self.assertEqual(ax.images[0].get_array().max(), 0.07)
+            plt.close(figure)
+
+    def marks(self, flags, region_bins):
+        """(what the legend says, opacity) of marks on a map."""
+        ax = plt.figure().add_subplot()
+        grid = files.MapGrid(np.arange(flags.shape[1]) * 1.0, np.arange(flags.shape[0]) * 1.0, 1.0)
+        return maps.draw_marks(ax, grid, flags, maps.MARK, region_bins), marks_of(ax)
+
+    def test_marks_of_a_tenth_of_the_map_cover_a_tenth_of_it(self):
+        flags = np.random.default_rng(3).random((1200, 1200)) < 0.1
+        how, opacity = self.marks(flags, flags.size)
+        self.assertEqual(how, "share of each pixel")
+        self.assertAlmostEqual(opacity.mean(), flags.mean())
+        self.assertEqual(self.marks(flags[:100, :100], 10000)[0], "")  # each bin has a pixel
+
+    def test_few_marks_are_enlarged_and_the_legend_says_so(self):
+        flags = np.zeros((1200, 1200), bool)
+        flags[600, 600] = True
+        how, opacity = self.marks(flags, flags.size)
+        self.assertEqual((how, opacity.sum()), ("single ones enlarged", 9))
+        self.assertEqual(self.marks(flags[590:690, 590:690], 10000)[0], "")
+
+    def test_a_plan_marks_what_is_uncovered(self):
+        centers = (np.arange(601) - 300) * 0.1
+        count = np.full((601, 601), 2)
+        count[::4, ::4] = 0
+        inside = np.ones((601, 601), np.int8)
+        seen = np.where(count > 0, 1.5, np.nan)
+        grid = files.MapGrid(centers, centers, 0.1)
+        ax = plt.figure(figsize=(12, 12)).add_subplot()
+        how = plot_plan.draw_map(ax, grid, np.where(count > 0, count, np.nan), ("returns per bin", "returns", {}),
+                                 {"count": count, "in_region": inside, "first_seen": seen}, 20)
+        self.assertEqual(how, "")  # each bin has a pixel, and is not enlarged
+        self.assertEqual(marks_of(ax).sum(), 151 ** 2)
+        self.assertEqual(notes_of(ax), "2 to 2")
+        np.testing.assert_allclose(ax.images[0].get_clim(), [0, 2])
 
 
 if __name__ == "__main__":

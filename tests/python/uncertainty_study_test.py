@@ -36,7 +36,7 @@ class ShortStudy(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        result = run_script("uncertainty_study.py", "-o", cls.folder.name, "--bin", BIN, "--scenes", "flat,fractal",
+        result = run_script("uncertainty_study.py", "-o", cls.folder.name, "--bin", BIN, "--scenes", "flat,fractal,rocks",
                             "--noise-draws", 4, "--navigation-draws", 60)
         if (result.returncode, result.stderr) != (0, ""):
             raise AssertionError(result.stderr)
@@ -53,16 +53,23 @@ class ShortStudy(unittest.TestCase):
     def test_noise_alone_is_within_the_limits(self):
         for scene, elevation in (("flat", "z_est"), ("flat", "z_corrected"), ("fractal", "z_corrected")):
             for count in ("1", "2", "4", "all"):
-                (row,) = self.chosen(scene=scene, errors="noise", elevation=elevation, count=count)
+                (row,) = self.chosen(scene=scene, errors="noise", elevation=elevation, count=count, slope="all")
                 self.assertGreater(int(row["scores"]), 20000)
                 for sigmas, (low, high) in study.LIMITS.items():
                     share = float(row[f"within_{sigmas}"])
                     self.assertTrue(low <= share <= high, f"{scene} {elevation} {count}: {share} within {sigmas}")
 
+    def test_noise_on_the_flanks_of_rocks(self):
+        for elevation in ("z_est", "z_corrected"):
+            (row,) = self.chosen(scene="rocks", errors="noise", elevation=elevation, slope="above 0.7")
+            self.assertGreater(int(row["scores"]), 10000)
+            self.assertTrue(0.95 <= float(row["std"]) <= 1.10, row)
+            self.assertTrue(0.93 <= float(row["within_2"]) <= 0.97, row)
+
     def test_navigation_errors_have_the_predicted_size(self):
         for scene in ("flat", "fractal"):
             for elevation in ("z_est", "z_corrected"):
-                (row,) = self.chosen(scene=scene, errors="navigation", elevation=elevation, count="all")
+                (row,) = self.chosen(scene=scene, errors="navigation", elevation=elevation, count="all", slope="all")
                 mean_square = float(row["std"]) ** 2 + float(row["mean"]) ** 2
                 self.assertTrue(0.5 < mean_square < 1.65, f"{scene} {elevation}: {mean_square}")
 
@@ -74,9 +81,10 @@ class ShortStudy(unittest.TestCase):
 class Arithmetic(unittest.TestCase):
     def test_tally_by_hand(self):
         tally = study.Tally()
-        tally.add(np.array([0.5, -1.5, 2.5, np.nan, 1.0]), np.array([1, 1, 2, 2, 9]))
+        tally.add(np.array([0.5, -1.5, 2.5, np.nan, 1.0]), np.array([1, 1, 2, 2, 9]), np.array([0, 0.7, 0.09, 0.1, 2]))
         rows = list(study.rows_of("flat", "noise", 1, {"z_est": tally}))
-        self.assertEqual([(row["count"], row["scores"]) for row in rows], [(1, 2), (2, 1), ("all", 4)])
+        self.assertEqual([(row["count"], row["slope"], row["scores"]) for row in rows],
+                         [(1, "all", 2), (2, "all", 1), ("all", "all", 4), ("all", "below 0.1", 2), ("all", "above 0.7", 2)])
         self.assertEqual((rows[0]["mean"], rows[0]["std"], rows[0]["within_1"], rows[0]["within_2"]), (-0.5, 1, 0.5, 1))
         self.assertEqual((rows[2]["within_1"], rows[2]["within_2"]), (0.5, 0.75))
 

@@ -103,6 +103,21 @@ class Cases(StudyTest):
         with self.assertRaisesRegex(UsageError, "a NUL byte at line 1, column 3"):
             reader.read_study(self.write("\ufeff{}\0"))
 
+    def test_comments_are_skipped(self):
+        """As the tools do; what looks like a comment in a string is text, and a position is counted with comments."""
+        self.write('// seven\n{"seed": 7 /* a\nprime */}', "remarks.scan")
+        read = reader.read_study(self.write('{"base": {"scan": "remarks.scan.json"}, // see "there"\n "title": "a // b /* \\"c\\" */"}'))
+        self.assertEqual((read.title, read.base["scan"]), ('a // b /* "c" */', {"seed": 7}))
+        for text, place in (("/* {\n*/ [1 2]", "line 2 column 7"), ("{} /* open", "line 1 column 4"), ("{} / x", "line 1 column 4")):
+            with self.assertRaisesRegex(UsageError, f"not JSON: .*{place}"):
+                reader.read_study(self.write(text))
+
+    def test_presets(self):
+        tree = study({"name": "lidar", "variants": {"ours": {"scan.seed": 1}, "flash": {"scan": "preset:flash-256"}}})
+        tree["base"]["terrain"] = "preset:paper"
+        self.assertEqual(self.config(tree, "terrain")["patterns"][0]["type"], "ring")
+        self.assertEqual(self.config(tree, "scan", 1)["detector"]["rows"], 256)
+
     def test_repeats_have_the_same_seeds_at_every_point(self):
         tree = study(RESOLUTIONS, repeat={"count": 3, "first_seed": 11, "seeds": ["scan.seed", "terrain.seed"]})
         self.assertEqual(self.values(tree), [[r, n] for r in (0.1, 0.2) for n in (1, 2, 3)])
@@ -156,6 +171,7 @@ BAD = [
     ({"base": {"lidar": {}}}, ["/base/lidar", "unknown key", "terrain, scan, regrid, eval"]),
     ({"base": {"scan": 3}}, ["/base/scan", "3 is of type integer, not string or object"]),
     ({"base": {"scan": "nowhere.json"}}, ["/base/scan", "nowhere.json", "No such file"]),
+    ({"base": {"scan": "preset:papr"}}, ["/base/scan", "presets/papr.scan.json: No such file"]),
     ({"set": {"lidar.seed": 1}}, ["/set/lidar.seed", "does not match"]),
     ({"set": {"scan.seed.x": 1}, "base": {"scan": {"seed": 4}}}, ["/set/scan.seed.x", '"x" cannot be set in 4']),
     ({"set": {"scan.a.3": 1}, "base": {"scan": {"a": [1, 2]}}}, ["/set/scan.a.3", '"3" is not an index into [1, 2]']),

@@ -30,11 +30,13 @@ void Crater::validate(const std::string& owner) const {
 double Crater::relief_m(const Offset& offset) const {
   const double x = std::hypot(offset.x_m, offset.y_m) / (diameter_m / 2);
   if (x > 1.5) return kNoRelief;
-  const double scale_m = freshness * diameter_m;
+  const double depth = full_depth_m() / diameter_m;
+  const double height = std::min(depth / kFullRimDepthPerDiameter, 1.0);  // of the profile, 1: as published
+  const double scale_m = freshness * diameter_m * height;
   if (x > 1.02) return scale_m * (0.188253307 + x * (-0.187050452 + x * (0.01844746 + x * 0.01505647)));
   if (x > 0.98) return scale_m * kRimPerDiameter;
   const double bowl = -0.228809953 + x * (0.227533882 + x * (0.083116795 - x * 0.039499407));
-  return scale_m * std::max(bowl, kRimPerDiameter - full_depth_m() / diameter_m);
+  return scale_m * std::max(bowl, kRimPerDiameter - depth / height);
 }
 
 }  // namespace landfall

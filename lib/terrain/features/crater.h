@@ -16,15 +16,20 @@ namespace landfall {
 ///   1.02 < x <= 1.5    0.188253307 - 0.187050452 x + 0.01844746 x^2 + 0.01505647 x^3
 ///   beyond             none
 ///
-/// Where the first piece would go deeper than depth_m below the rim, the floor is level at that depth; the
-/// rim keeps its height. As published, the pieces meet at 0.98 and end in 0 at 1.5 (both within 1e-9 D), but
-/// drop by 0.00418947 D at 1.02. Degradation multiplies the whole profile by `freshness`.
+/// A crater that is shallower than the profile with its rim would be keeps the ratio of rim height to depth
+/// of fresh craters, 0.036 / 0.196 (Pike 1977, in Impact and Explosion Cratering, 489-509): the profile is
+/// multiplied by depth_m / (kFullRimDepthPerDiameter D) where this is below 1. Where it would still go deeper
+/// than depth_m below the rim, the floor is level at that depth. As published, the pieces meet at 0.98 and
+/// end in 0 at 1.5 (both within 1e-9 D), but drop by 0.00418947 D at 1.02. Degradation multiplies the whole
+/// profile by `freshness`.
 struct Crater {
   static constexpr const char* kName = "crater";
   static constexpr FeatureRole kRole = FeatureRole::adds;
   static constexpr double kRimPerDiameter = 0.036822095;
   /// The depth of the profile below the rim at the centre, which is the greatest possible depth.
   static constexpr double kDeepestPerDiameter = 0.228809953 + kRimPerDiameter;
+  /// From this depth on the rim has its full height.
+  static constexpr double kFullRimDepthPerDiameter = kRimPerDiameter * 0.196 / 0.036;
 
   double diameter_m = 10;
   double depth_m = 0;  ///< rim to floor before `freshness`; 0: as in a fresh crater of this size

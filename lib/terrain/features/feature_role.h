@@ -25,7 +25,7 @@ inline constexpr double kNoRelief = std::numeric_limits<double>::quiet_NaN();
 
 /// An object in a list of objects. Lengths in metres; angles counter-clockwise from +x.
 struct FeatureSize {
-  double diameter_m = 0;  ///< the greatest extent along the ground
+  double diameter_m = 0;  ///< the greatest extent along the ground; see Rock::law_diameter_m
   double height_m = 0;    ///< above the ground; below it where negative (a crater's depth)
   double yaw_rad = 0;     ///< of the axis with the greatest extent; 0 for a round object
 

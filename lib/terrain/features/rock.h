@@ -20,6 +20,9 @@ struct Rock {
   double height_m = 0.5;
   double axis_ratio = 0.8;
   double yaw_rad = 0;
+  /// Of a rock that a size law gives: its diameter in the law, which is that of a disc of the same area.
+  /// None, 0, means diameter_m.
+  double law_diameter_m = 0;
 
   /// Throws UsageError unless diameter and height are finite and positive, the ratio is in (0, 1] and the yaw
   /// finite.
@@ -30,7 +33,9 @@ struct Rock {
     require_finite({owner, "yaw_rad"}, yaw_rad);
   }
   [[nodiscard]] double reach_m() const { return diameter_m / 2; }
-  [[nodiscard]] FeatureSize size() const { return {diameter_m, height_m, yaw_rad}; }
+  [[nodiscard]] FeatureSize size() const {
+    return {law_diameter_m > 0 ? law_diameter_m : diameter_m, height_m, yaw_rad};
+  }
   [[nodiscard]] double relief_m(const Offset& offset) const {
     return own_relief_m(TurnedAxes(yaw_rad).own(offset));
   }

@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -33,6 +34,8 @@ std::vector<fs::path> plugin_folders() {
     folders.push_back(prefix / LANDFALL_LIBDIR / "landfall");
   }
   folders.emplace_back(LANDFALL_PLUGIN_INSTALL_DIR);
+  for (auto folder = folders.begin(); folder != folders.end();)
+    folder = std::find(folders.begin(), folder, *folder) == folder ? folder + 1 : folders.erase(folder);
   return folders;
 }
 
@@ -64,8 +67,8 @@ const GdalPlugin& find_plugin() {
     if (fs::exists(file, missing)) return plugin_at(file);
     tried += (tried.empty() ? "" : ", ") + file.string();
   }
-  throw IoError("cannot find the GDAL plugin landfall-gdal.so; tried " + tried +
-                "; set LANDFALL_PLUGIN_DIR to its directory");
+  throw IoError("rasters need the plugin landfall-gdal.so, which a complete installation has; it is not at " +
+                tried + "; install it, or set LANDFALL_PLUGIN_DIR to its directory");
 }
 
 /// Never unloaded because GDAL keeps pointers into it. The next call repeats a search that failed.

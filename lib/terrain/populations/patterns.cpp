@@ -26,7 +26,10 @@ double ice_block_reach() {
   return std::hypot(0.5, kAxisRatio / 2 * std::cos(tilt) + kMaxHeightRatio * std::sin(tilt));
 }
 
-PopulationKind rocks() { return {"rock", RandomStream::rock_population, 0.5, false}; }
+/// The longer axis of an ellipse, in diameters of the disc of the same area.
+const double kLongerAxis = 1 / std::sqrt(kAxisRatio);
+
+PopulationKind rocks() { return {"rock", RandomStream::rock_population, kLongerAxis / 2, false}; }
 PopulationKind ice_blocks() {
   return {"ice block", RandomStream::ice_block_population, ice_block_reach(), false};
 }
@@ -62,7 +65,8 @@ void RockPattern::require_bounded(const PatternSite& site) const {
 std::vector<Feature> RockPattern::features(const PatternSite& site) const {
   const PopulationSampler sampler(population, rocks(), site);
   return features_of(sampler, [&](const ScatteredObject& object) {
-    return Rock{object.diameter_m, height_m(sampler, object), kAxisRatio, yaw_rad(sampler, object)};
+    return Rock{kLongerAxis * object.diameter_m, height_m(sampler, object), kAxisRatio,
+                yaw_rad(sampler, object), object.diameter_m};
   });
 }
 

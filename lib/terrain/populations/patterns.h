@@ -14,8 +14,8 @@ namespace landfall {
 // lists the objects in descending order of diameter, a pure function of pattern and site, and throws
 // UsageError as PopulationSampler does; require_bounded() throws it if that is known before a draw.
 
-/// Half-buried ellipsoids with centres on the site: horizontal axes 1 : 0.8, any yaw, heights of 0.5 +- 0.1
-/// (1 sigma) of the diameter, clamped to 0.25 .. 0.75.
+/// Half-buried ellipsoids with centres on the site: horizontal axes 1 : 0.8 and the area of a disc of the
+/// diameter, any yaw, heights of 0.5 +- 0.1 (1 sigma) of the diameter, clamped to 0.25 .. 0.75.
 struct RockPattern {
   static constexpr bool kByChance = true;
 

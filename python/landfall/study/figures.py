@@ -7,6 +7,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
+from landfall.colors import color_map
 from landfall.study.names import digits_of, number, with_unit
 from landfall.study.table import error_sign, metric_label
 
@@ -232,7 +233,7 @@ def map_figure(results, metric, pair, quantile):
     figure, axes = plt.subplots(figsize=(2.6 + 0.75 * wide, 2.0 + 0.5 * tall), constrained_layout=True)
     limit = results.limit(metric)
     far = limit is None or limit * scale.factor > FAR_LIMIT * np.nanmax(values, initial=0)
-    image = axes.imshow(values, origin="lower", aspect="auto", cmap="cividis", norm=map_norm(values, None if far else limit * scale.factor))
+    image = axes.imshow(values, origin="lower", aspect="auto", cmap=color_map("magnitude"), norm=map_norm(values, None if far else limit * scale.factor))
     bar = figure.colorbar(image, ax=axes, label="\n".join(filter(None, [scale.title(), error_sign([metric])])))
     if not far:
         bar.ax.axhline(limit * scale.factor, color=LIMIT_COLOR, linewidth=2.5)

@@ -46,7 +46,7 @@ class _Reader:
         return study
 
     def base(self, tree):
-        base = {stage: self.config(tree.get("base", {}).get(stage, {}), f"/base/{stage}") for stage in STAGES}
+        base = {stage: self.config(tree.get("base", {}).get(stage, {}), stage, f"/base/{stage}") for stage in STAGES}
         for key, value in tree.get("set", {}).items():
             stage = stage_of(key)
             try:
@@ -55,11 +55,13 @@ class _Reader:
                 self.fail(f"/set/{key}", f"{shown(value)}: {error.args[0]}")
         return base
 
-    def config(self, value, where):
-        """A configuration given as an object or by its file's name."""
+    def config(self, value, stage, where):
+        """A configuration given as an object, by its file's name or as preset:NAME."""
         if isinstance(value, dict):
             return plain_numbers(with_full_paths(value, self.folder))
         path = os.path.join(os.path.dirname(self.path), value)
+        if value.startswith("preset:"):
+            path = os.path.join(tools.SHARE, "studies", "presets", f"{value.removeprefix('preset:')}.{stage}.json")
         self.files.append(path)
         try:
             config = schema.read_json(path)
@@ -74,7 +76,7 @@ class _Reader:
         if "." not in key:
             if not isinstance(value, (dict, str)):
                 self.fail(where, f"{shown(value)} is not a configuration (an object or the name of a file)")
-            return self.config(value, where)
+            return self.config(value, key, where)
         last = key.rsplit(".", 1)[1]
         return plain_numbers(with_full_paths({last: value}, self.folder)[last])
 

@@ -31,16 +31,17 @@ std::string refusal(const std::vector<std::string>& names, const std::string& sc
   return "accepted";
 }
 
-TEST(Presets, EachHasADescriptionAndIsAValidScan) {
-  const std::vector<Preset> found = presets("scan");
-  ASSERT_GE(found.size(), 5U);
-  for (const Preset& preset : found) {
-    EXPECT_FALSE(preset.description.empty()) << preset.name;
-    EXPECT_LE(preset.description.size(), 80U - 21U) << preset.name;  // one line of --list-presets
-    const nlohmann::json config =
-        resolve_config(read_config({"preset:" + preset.name}, "scan"), embedded_schema("scan"));
-    EXPECT_FALSE(config.contains("$comment"));
-  }
+TEST(Presets, EachHasADescriptionAndIsAValidConfiguration) {
+  EXPECT_GE(presets("scan").size(), 5U);
+  EXPECT_GE(presets("terrain").size(), 1U);
+  for (const char* schema : {"scan", "terrain"})
+    for (const Preset& preset : presets(schema)) {
+      EXPECT_FALSE(preset.description.empty()) << preset.name;
+      EXPECT_LE(preset.description.size(), 80U - 21U) << preset.name;  // one line of --list-presets
+      const nlohmann::json config =
+          resolve_config(read_config({"preset:" + preset.name}, schema), embedded_schema(schema));
+      EXPECT_FALSE(config.contains("$comment"));
+    }
   EXPECT_TRUE(presets("eval").empty());
 }
 

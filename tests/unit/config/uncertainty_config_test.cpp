@@ -106,6 +106,37 @@ TEST(UncertaintyConfig, RefusesNavigationAndPointingErrorsWithoutASigma) {
   }
 }
 
+std::vector<std::string> left_out(const NavigationSigma& sigma, const std::vector<ScanOrigin>& scans) {
+  return errors_left_out({.range_sigma_m = 0.01, .navigation = sigma}, scans);
+}
+
+TEST(UncertaintyConfig, ListsErrorsThatNoSigmaCovers) {
+  using testing::ElementsAre;
+  EXPECT_THAT(left_out({}, {scan_with(Json::object()), {"b.h5", nullptr}}), ElementsAre());
+  const ScanOrigin systematic = scan_with({{"noise", {{"range_bias_m", -0.01}, {"false_return_frac", 0.1}}},
+                                           {"detector", {{"subpixels", 3}, {"estimator", "first"}}},
+                                           {"scanner", {{"type", "fsm"}, {"tof_lag", true}}}});
+  EXPECT_THAT(left_out({}, {systematic, systematic}),
+              ElementsAre("/noise/range_bias_m", "/noise/false_return_frac", "/detector/estimator",
+                          "/scanner/tof_lag"));
+  // The estimator matters only with sub-pixels.
+  EXPECT_THAT(left_out({}, {scan_with({{"detector", {{"estimator", "first"}}}})}), ElementsAre());
+  EXPECT_THAT(left_out({}, {scan_with({{"detector", {{"subpixels", 2}}}})}), ElementsAre());
+}
+
+TEST(UncertaintyConfig, ListsNavigationErrorsWithASigmaOf0) {
+  using testing::ElementsAre;
+  const ScanOrigin moved = scan_with(
+      {{"navigation_error", {{"position_m", {1, 0, 0}}, {"rpy_rad", {0, 0, 1}}, {"table", "a.csv"}}},
+       {"pointing_error", {{"jitter_sigma_rad", 1e-5}}}});
+  EXPECT_THAT(left_out({}, {moved}),
+              ElementsAre("/navigation_error/position_m", "/navigation_error/rpy_rad",
+                          "/navigation_error/table", "/pointing_error/jitter_sigma_rad"));
+  // Any sigma may stand for errors that have none of their own.
+  EXPECT_THAT(left_out({.rpy_rad = {0, 1e-4, 0}}, {moved}), ElementsAre("/navigation_error/position_m"));
+  EXPECT_THAT(left_out({.position_m = {{1, 0, 0}}, .rpy_rad = {0, 1e-4, 0}}, {moved}), ElementsAre());
+}
+
 TEST(UncertaintyConfig, RefusesRangeNoiseThatNobodyTells) {
   EXPECT_THAT(refusal_of("{}", {{"a.h5", nullptr}}), AllOf(HasSubstr("a.h5"), HasSubstr("--range-sigma")));
   EXPECT_THAT(refusal_of("{}", {scan("a.h5", 0.02), scan("b.h5", 0.03)}),

@@ -66,7 +66,8 @@ struct Flight {
 
 /// What the definition needs of a bin.
 struct BinOracle {
-  double count = 0, w_w = 0, scatter = 0;
+  double count = 0, weight = 0, w_w = 0, scatter = 0;
+  Eigen::Vector3d centroid{0, 0, 0};
   Eigen::Vector3d J{0, 0, 0}, lever{0, 0, 0};
   double since_start = 0;
 
@@ -81,6 +82,8 @@ struct BinOracle {
       mean += weights.back() * Eigen::Vector4d(p.x_est, p.y_est, p.z_est, p.t);
     }
     mean /= w;
+    weight = w;
+    centroid = mean.head<3>();
     for (std::size_t k = 0; k < in.size(); ++k) {
       w_w += weights[k] * weights[k] / (w * w);
       const double off = J.dot(Eigen::Vector3d(in[k].x_est, in[k].y_est, in[k].z_est) - mean.head<3>());
@@ -141,6 +144,34 @@ class UncertaintyOracle : public testing::Test {
     return freedom > 0 ? std::max(0.0, excess / freedom) : 0;
   }
 
+  /// The excess over noise of the centroids' mean square distance from the plane.
+  [[nodiscard]] double misfit(BinIndex middle) const {
+    const PlaneFit plane = fit_plane(bins_, middle);
+    if (plane.bins < 4) return 0;
+    std::vector<const BinOracle*> around;
+    double w = 0;
+    double w_noise = 0;
+    Eigen::Vector3d mean(0, 0, 0);
+    for (const auto& [at, bin] : oracle_) {
+      if (std::abs(at.first - middle.row) > plane.radius || std::abs(at.second - middle.col) > plane.radius)
+        continue;
+      around.push_back(&bin);
+      w += bin.weight;
+      w_noise += bin.weight * bin.w_w;
+      mean += bin.weight * bin.centroid;
+    }
+    mean /= w;
+    double square = 0;
+    for (const BinOracle* bin : around) {
+      const Eigen::Vector3d off = bin->centroid - mean;
+      square += bin->weight / w * std::pow(off.z() - plane.slope.x * off.x() - plane.slope.y * off.y(), 2);
+    }
+    const double freedom = static_cast<double>(around.size()) - 3;
+    const double noise = std::pow(oracle_.at({middle.row, middle.col}).noise(), 2) * w_noise / w;
+    const double excess = square * (freedom + 3) / freedom - noise;
+    return excess > noise * (largest_chance_ratio(freedom) - 1) ? excess : 0;
+  }
+
   WeightedMeanAccumulator bins_ = accumulated(kSpec, returns());
   MomentAccumulator moments_{kSpec};
   Grid<Slope> slopes_ = slopes();
@@ -158,6 +189,7 @@ void expect_close(double found, double expected) {
 TEST_F(UncertaintyOracle, EveryBinAsItIsDefined) {
   const UncertaintyMap map(bins_, moments_, slopes_, poses_, kParameters);
   std::size_t rough = 0;
+  std::size_t uneven = 0;
   for (const auto& [at, expected] : oracle_) {
     SCOPED_TRACE(testing::Message() << at.first << ' ' << at.second);
     const BinIndex bin{at.first, at.second};
@@ -166,19 +198,26 @@ TEST_F(UncertaintyOracle, EveryBinAsItIsDefined) {
     const double quant =
         expected.J.head<2>().squaredNorm() * 0.01 * quantisation_factor(expected.count) / expected.count;
     const double roughness_here = roughness(bin) * expected.w_w;
+    const double misfit_here = misfit(bin) * misfit_factor(expected.count);
     const double navigation = expected.navigation(expected.J);
+    uneven += misfit_here > 0 ? 1U : 0U;
     rough += roughness_here > 1e-5 ? 1U : 0U;
     expect_close(map.variances(bin).range, range);
     expect_close(map.variances(bin).quant, quant);
     if (!std::isnan(noise)) expect_close(map.variances(bin).rough, roughness_here);
+    expect_close(map.variances(bin).misfit, misfit_here);
     expect_close(map.variances(bin).navigation, navigation);
-    expect_close(map.z_sigma_abs(bin), std::sqrt(range + quant + roughness_here + navigation));
-    expect_close(map.z_sigma_rel(bin), std::sqrt(range + quant + roughness_here));
-    expect_close(map.z_corrected_sigma_abs(bin), std::sqrt(range + roughness_here + navigation));
-    expect_close(map.z_corrected_sigma_rel(bin), std::sqrt(range + roughness_here));
-    expect_close(map.xy_sigma(bin), std::sqrt(expected.horizontal()));
+    const BinSigmas sigmas = map.sigmas(bin);
+    const double local = range + roughness_here + misfit_here;
+    expect_close(sigmas.z_abs, std::sqrt(local + quant + navigation));
+    expect_close(sigmas.z_rel, std::sqrt(local + quant));
+    expect_close(sigmas.z_corrected_abs, std::sqrt(local + navigation));
+    expect_close(sigmas.z_corrected_rel, std::sqrt(local));
+    expect_close(sigmas.xy, std::sqrt(expected.horizontal()));
   }
   EXPECT_GT(rough, 200U);
+  EXPECT_GT(uneven, 20U);
+  EXPECT_LT(uneven, 300U);
 }
 
 TEST_F(UncertaintyOracle, ProgressIsOneHalfAndAnother) {

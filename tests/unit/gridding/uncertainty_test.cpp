@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -92,6 +93,70 @@ TEST(Quantisation, FactorAgainstRandomReturns) {
   }
 }
 
+/// Elevations of 5 x 5 nodes at distance 1, and bilinear between them.
+struct Nodes {
+  double z[5][5];
+  [[nodiscard]] double at(double x, double y) const {
+    const int i = std::clamp(static_cast<int>(std::floor(x)) + 2, 0, 3);
+    const int j = std::clamp(static_cast<int>(std::floor(y)) + 2, 0, 3);
+    const double u = x + 2 - i;
+    const double v = y + 2 - j;
+    return (1 - u) * (1 - v) * z[j][i] + u * (1 - v) * z[j][i + 1] + (1 - u) * v * z[j + 1][i] +
+           u * v * z[j + 1][i + 1];
+  }
+};
+
+/// A step of height 1 along a line in any direction and at any distance at which it changes the nodes.
+Nodes random_step(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double direction = 2 * std::numbers::pi * unit(random);
+  const double distance = 3 * (2 * unit(random) - 1);
+  Nodes nodes{};
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 5; ++i)
+      nodes.z[j][i] = (i - 2) * std::cos(direction) + (j - 2) * std::sin(direction) > distance ? 1 : 0;
+  return nodes;
+}
+
+// The middle bin's error after the correction by the slope over the square misfit of 3 x 3 bins, both without
+// noise. 60,000 steps know the ratio to 1 % (1 sigma, from repetitions); 4 % is 4 sigma.
+TEST(Misfit, FactorAgainstRandomSteps) {
+  const GridSpec spec = GridSpec::centered(1, 1);
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> place(-0.5, 0.5);
+  for (const int count : {1, 2, 4, 10}) {
+    double error = 0;
+    double misfit = 0;
+    for (int draw = 0; draw < 60000; ++draw) {
+      const Nodes nodes = random_step(random);
+      std::vector<ReturnPoint> points;
+      for (std::int64_t row = 0; row < 3; ++row)
+        for (std::int64_t col = 0; col < 3; ++col)
+          for (int k = 0; k < count; ++k) {
+            const double x = spec.x(col) + place(random);
+            const double y = spec.y(row) + place(random);
+            points.push_back({.x_est = x, .y_est = y, .z_est = nodes.at(x, y)});
+          }
+      const WeightedMeanAccumulator bins = accumulated(spec, points);
+      const PlaneFit plane = fit_plane(bins, {1, 1});
+      if (plane.radius != 1) continue;
+      const BinValues bin = values_of(bins.bins()[4]);
+      const double e = nodes.z[2][2] - corrected_elevation(bin, spec, {1, 1}, plane.slope);
+      error += e * e;
+      misfit += plane.misfit_m2 * 9 / 6;
+    }
+    EXPECT_NEAR(error / misfit / misfit_factor(count), 1, 0.04) << count;
+  }
+}
+
+// chi^2 at 0.99 from tables: 6.635, 9.210, 16.812, 63.691 for 1, 2, 6, 40 degrees of freedom.
+TEST(Misfit, LargestChanceRatioAgainstTables) {
+  EXPECT_NEAR(largest_chance_ratio(1) / 6.635, 1, 0.01);
+  EXPECT_NEAR(largest_chance_ratio(2) / (9.210 / 2), 1, 0.01);
+  EXPECT_NEAR(largest_chance_ratio(6) / (16.812 / 6), 1, 0.01);
+  EXPECT_NEAR(largest_chance_ratio(40) / (63.691 / 40), 1, 0.01);
+}
+
 // Seen from straight above, n = (0, 0, -1) and J . n = -1.
 TEST(Uncertainty, RangeAndQuantisationByHand) {
   std::vector<ReturnPoint> points = centred_returns();
@@ -123,10 +188,11 @@ TEST(Uncertainty, PositionAndVelocityByHand) {
       kG.x() * kG.x() * (0.01 + 4 * 1e-4) + kG.y() * kG.y() * (0.04 + 4 * 4e-4) + (0.09 + 4 * 16e-4);
   EXPECT_NEAR(scene.map->variances(kMiddle).navigation, expected, 1e-7);
   const BinVariances v = scene.map->variances(kMiddle);
-  EXPECT_DOUBLE_EQ(scene.map->z_sigma_abs(kMiddle), std::sqrt(v.range + v.quant + v.rough + v.navigation));
-  EXPECT_DOUBLE_EQ(scene.map->z_sigma_rel(kMiddle), std::sqrt(v.quant));
-  EXPECT_DOUBLE_EQ(scene.map->z_corrected_sigma_abs(kMiddle), std::sqrt(v.navigation));
-  EXPECT_EQ(scene.map->z_corrected_sigma_rel(kMiddle), 0);
+  const BinSigmas sigmas = scene.map->sigmas(kMiddle);
+  EXPECT_DOUBLE_EQ(sigmas.z_abs, std::sqrt(v.range + v.quant + v.rough + v.misfit + v.navigation));
+  EXPECT_DOUBLE_EQ(sigmas.z_rel, std::sqrt(v.quant + v.misfit));
+  EXPECT_DOUBLE_EQ(sigmas.z_corrected_abs, std::sqrt(v.misfit + v.navigation));
+  EXPECT_LT(sigmas.z_corrected_rel, 1e-8);  // the rounding of the plane's misfit
 }
 
 // r = (0.25, 0, z - 101) at the eastern edge, J = (-g_x, -g_y, 1): a = r x J = (r_y - r_z J_y, r_z J_x - r_x,
@@ -180,13 +246,13 @@ TEST(Uncertainty, NavigationAgainstDrawnErrors) {
   }
   EXPECT_NEAR(scene.map->variances(kMiddle).navigation / (e_z / kDraws), 1, 0.05);
   const double quant = kStep * kStep / 12;
-  const double xy = scene.map->xy_sigma(kMiddle);
+  const double xy = scene.map->sigmas(kMiddle).xy;
   EXPECT_NEAR((xy * xy - quant) / (e_xy / kDraws), 1, 0.05);
 }
 
 TEST(Uncertainty, HorizontalByHand) {
   const Scene scene(centred_returns(), {.range_sigma_m = 0.5}, {3, 0, 5});  // n_x = -0.6, n_y = 0
-  EXPECT_DOUBLE_EQ(scene.map->xy_sigma(kMiddle), std::sqrt(kStep * kStep / 12 + 0.25 * 0.36 / 2));
+  EXPECT_DOUBLE_EQ(scene.map->sigmas(kMiddle).xy, std::sqrt(kStep * kStep / 12 + 0.25 * 0.36 / 2));
 }
 
 // Noise in the middle bin, 4 returns at fixed places, seen obliquely: the variance of z_est - plane over
@@ -257,6 +323,24 @@ TEST(Uncertainty, RoughnessIsTheScatterBeyondRangeNoise) {
   EXPECT_EQ(Scene(rough_returns(scatter), {.range_sigma_m = 2 * scatter}).map->variances(kMiddle).rough, 0);
 }
 
+// A step of 0.2 m beside the middle bin, in the plane of slope kG, a return in each centre: of the nine
+// elevations about their plane remain 0.2 m (-1/6, 1/3, -1/6) in each row.
+TEST(Uncertainty, MisfitOfAStepByHand) {
+  std::vector<ReturnPoint> points = centred_returns();
+  for (ReturnPoint& point : points) point.z_est += point.x_est > -0.5 * kStep ? 0.2 : 0;
+  const double tau2 = 0.04 / 18 * 9 / 6;
+  EXPECT_NEAR(Scene(points, {}).map->variances(kMiddle).misfit, tau2 * misfit_factor(1), 1e-9);
+  // Noise of 3 cm, seen from above, explains 9e-4 of 3.3e-3; the threshold is 2.8 times the noise.
+  EXPECT_NEAR(Scene(points, {.range_sigma_m = 0.03}).map->variances(kMiddle).misfit,
+              (tau2 - 9e-4) * misfit_factor(1), 1e-9);
+  // 3.5 cm explain 1.2e-3: more than a third.
+  EXPECT_EQ(Scene(points, {.range_sigma_m = 0.035}).map->variances(kMiddle).misfit, 0);
+}
+
+TEST(Uncertainty, APlaneHasNoMisfit) {
+  EXPECT_LT(Scene(rough_returns(0), {}).map->variances(kMiddle).misfit, 1e-16);
+}
+
 TEST(Uncertainty, APlaneHasNoRoughness) {
   EXPECT_LT(Scene(rough_returns(0), {}).map->variances(kMiddle).rough, 1e-12);
 }
@@ -269,12 +353,13 @@ TEST(Uncertainty, SingleReturnsTellNoRoughness) {
 
 TEST(Uncertainty, NanWhereEmptyOrWithoutSlope) {
   const Scene scene({on_plane(0, 0, 3)}, {.range_sigma_m = 0.02});
-  for (const BinIndex bin : {kMiddle, BinIndex{0, 0}})
-    for (const double value : {scene.map->z_sigma_abs(bin), scene.map->z_sigma_rel(bin),
-                               scene.map->z_corrected_sigma_abs(bin), scene.map->z_corrected_sigma_rel(bin)})
+  for (const BinIndex bin : {kMiddle, BinIndex{0, 0}}) {
+    const BinSigmas sigmas = scene.map->sigmas(bin);
+    for (const double value : {sigmas.z_abs, sigmas.z_rel, sigmas.z_corrected_abs, sigmas.z_corrected_rel})
       EXPECT_TRUE(std::isnan(value));
-  EXPECT_FALSE(std::isnan(scene.map->xy_sigma(kMiddle)));
-  EXPECT_TRUE(std::isnan(scene.map->xy_sigma({0, 0})));
+  }
+  EXPECT_FALSE(std::isnan(scene.map->sigmas(kMiddle).xy));
+  EXPECT_TRUE(std::isnan(scene.map->sigmas({0, 0}).xy));
 }
 
 TEST(Uncertainty, RefusesSigmasThatAreNone) {

@@ -213,6 +213,22 @@ TEST(Risley, FollowsTheAimOnBothBranches) {
   }
 }
 
+// How far the beam passes from the origin of L, from which the aim is taken; as in scanner-risley.md.
+TEST(Risley, SpotOffsetOfTheDefaultPrisms) {
+  for (const auto& [configuration, largest_mm] :
+       {std::pair{pttp, 1.495}, {tppt, 1.539}, {ptpt, 1.835}, {tptp, 1.193}}) {
+    RisleyOptics optics;
+    optics.configuration = configuration;
+    const Risley risley({.optics = optics});
+    double largest = 0;
+    for (int degrees = 0; degrees <= 180; ++degrees) {
+      const Beam beam = steered(risley, {0, degrees * kDegree});
+      largest = std::max(largest, beam.exit.v.cross(beam.direction.v).norm());
+    }
+    EXPECT_NEAR(1e3 * largest, largest_mm, 1e-3) << letters(configuration);
+  }
+}
+
 TEST(Risley, WithoutAnAimBothAnglesAreZero) {
   const ScannerState state = Risley({.drive = RisleyBranch::positive}).state({.time = {3, 1}});
   EXPECT_EQ(state.angle_1_rad, 0);

@@ -71,7 +71,7 @@ TEST(Crater, ClosedForm) {
 }
 
 TEST(Crater, PiecesMeetButForThePublishedStep) {
-  const Crater crater{2, 0, 1};  // x is r in metres
+  const Crater crater{2, 2 * Crater::kDeepestPerDiameter, 1};  // x is r in metres
   const auto step_at = [&](double x) {
     return crater.relief_m({x + 1e-12, 0}) / 2 - crater.relief_m({x - 1e-12, 0}) / 2;
   };
@@ -80,11 +80,25 @@ TEST(Crater, PiecesMeetButForThePublishedStep) {
   EXPECT_NEAR(crater.relief_m({1.5, 0}), 0, 1e-9);
 }
 
+// The rim is 0.036 / 0.196 of the depth (Pike 1977), but not higher than that of the published profile.
+TEST(Crater, RimIsAConstantPartOfTheDepth) {
+  for (const double depth_m : {0.2, 1.0, 1.9})
+    for (const double freshness : {0.25, 1.0}) {
+      const Crater crater{10, depth_m, freshness};
+      EXPECT_NEAR(crater.relief_m({5, 0}), freshness * depth_m * 0.036 / 0.196, 1e-14);
+      EXPECT_NEAR(crater.relief_m({5, 0}) - crater.relief_m({0, 0}), freshness * depth_m, 1e-14);
+    }
+  for (const double diameter_m : {1.0, 20.0, 60.0, 150.0, 300.0})
+    EXPECT_NEAR((Crater{diameter_m, 0, 1}.relief_m({diameter_m / 2, 0})),
+                Crater::fresh_depth_m(diameter_m) * 0.036 / 0.196, 1e-12);
+  for (const double depth_m : {2.01, 2.6})
+    EXPECT_NEAR((Crater{10, depth_m, 1}.relief_m({5, 0})), 0.36822095, 1e-14);
+}
+
 TEST(Crater, FloorIsLevelAtTheDepthBelowTheRim) {
   const Crater shallow{10, 1.5, 1};
-  EXPECT_NEAR(shallow.relief_m({0, 0}), 0.36822095 - 1.5, 1e-14);
+  EXPECT_NEAR(shallow.relief_m({0, 0}), 1.5 * 0.036 / 0.196 - 1.5, 1e-14);
   EXPECT_EQ(shallow.relief_m({0.7, 0}), shallow.relief_m({0, 0}));
-  EXPECT_NEAR(shallow.relief_m({5, 0}), 0.36822095, 1e-14);
   EXPECT_EQ(shallow.size().height_m, -1.5);
   const Crater old{10, 1.5, 0.25};
   for (const double r_m : {0.0, 3.0, 5.0, 6.0})
@@ -98,7 +112,7 @@ TEST(Crater, FreshDepthByClasses) {
   for (const auto& [diameter_m, depth_m] : expected)
     EXPECT_NEAR(Crater::fresh_depth_m(diameter_m), depth_m, 1e-12) << diameter_m;
   EXPECT_NEAR((Crater{40, 0, 0.5}.size().height_m), -2.6, 1e-12);
-  EXPECT_NEAR((Crater{40, 0, 1}.relief_m({0, 0})), 40 * 0.036822095 - 5.2, 1e-12);
+  EXPECT_NEAR((Crater{40, 0, 1}.relief_m({0, 0})), -5.2 * 0.16 / 0.196, 1e-12);
 }
 
 TEST(Crater, Validates) {

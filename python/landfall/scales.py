@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scales of maps: which values the colours show, and what the figure says about it.
+
+The rules are those of the report (lib/report/assets/scales.js) and of --view (lib/picture/map_picture.cpp).
+"""
+from dataclasses import dataclass
+
+import numpy as np
+
+from landfall import plots
+
+OUTLIERS = 0.005     # on either side
+LIMIT_INSIDE = 1.1   # a scale reaches at least this times the limit
+LEAST_M = 1e-3       # of a scale of lengths, so that rounding errors do not appear in colour
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The colour map of the quantity and the values at its ends, in `base` units.
+
+    `extremes` are those of all values, `shown` those of the blocks that the panel shows, `rule` says what set the ends, and `limit`
+    is the limit of an error.
+    """
+
+    colors: str
+    low: float
+    high: float
+    extremes: tuple
+    shown: tuple
+    rule: str
+    limit: float = None
+    base: str = "m"
+
+    @property
+    def unit(self):
+        """(name, factor) of the unit that the colour bar and the texts show."""
+        return plots.length_unit(max(abs(self.low), abs(self.high))) if self.base == "m" else (self.base, 1.0)
+
+    @property
+    def clipped(self):
+        """Whether values that the panel shows lie (below, above) the ends."""
+        slack = 1e-9 * (self.high - self.low)
+        return (bool(self.shown[0] < self.low - slack), bool(self.shown[1] > self.high + slack))
+
+    @property
+    def extend(self):
+        """Which ends of the colour bar are pointed, as matplotlib names them."""
+        return {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}[self.clipped]
+
+    def limits(self):
+        """The limits on the scale."""
+        if self.limit is None:
+            return []
+        both = [self.limit, -self.limit] if self.colors == "error" else [self.limit]
+        return [limit for limit in both if self.low < limit < self.high]
+
+    def text(self, value):
+        """A value with its unit."""
+        return plots.metres(value) if self.base == "m" else f"{value:.4g} {self.base}".rstrip()
+
+    def range_text(self):
+        """The extremes of all values."""
+        low, high = self.extremes
+        if np.isnan(low):
+            return "no value anywhere"
+        if self.base == "m":
+            return plots.metre_range(low, high)
+        return f"{low:.4g} to {high:.4g} {self.base}".rstrip()
+
+    def notes(self, of=""):
+        """What the values are, where the colours end, and the limit of an error."""
+        return [self.range_text(), self.clipping_text(), self.limit_text(of)]
+
+    def clipping_text(self):
+        """Where the colours end and why, if values lie beyond; empty otherwise."""
+        if not any(self.clipped):
+            return ""
+        ends = ([f"±{self.text(self.high)}"] if self.colors == "error" else
+                [self.text(end) for end, beyond in zip((self.low, self.high), self.clipped) if beyond])
+        return f"colours end at {' and '.join(ends)} ({self.rule})"
+
+    def limit_text(self, of=""):
+        if self.limit is None:
+            return ""
+        return f"▸ limit {'±' if self.colors == 'error' else ''}{self.text(self.limit)}{of}"
+
+
+def extremes(*layers):
+    """(lowest, highest) value of all layers; (nan, nan) where there is none."""
+    return (float(np.fmin.reduce([np.fmin.reduce(layer, axis=None) for layer in layers])),
+            float(np.fmax.reduce([np.fmax.reduce(layer, axis=None) for layer in layers])))
+
+
+def quantiles(shares, *layers):
+    """The values below which these shares of all values lie; 0 where there is no value."""
+    values = np.concatenate([layer[~np.isnan(layer)] for layer in layers])
+    if values.size == 0:
+        return [0.0 for _ in shares]
+    ranks = [int(np.floor(share * (values.size - 1) + 0.5)) for share in shares]
+    ordered = np.partition(values, ranks)
+    return [float(ordered[rank]) for rank in ranks]
+
+
+def error_scale(values, shown, limit_m=None, data_only=False):
+    """Symmetric about 0, up to the 99.5 % quantile of the magnitudes that the panel shows, with the limit inside unless `data_only`."""
+    high, rule = _magnitude_end(shown, 0 if data_only else limit_m)
+    return Scale("error", -high, high, extremes(values), extremes(shown), rule, limit_m)
+
+
+def magnitude_scale(values, shown, limit_m=None, data_only=False):
+    """From 0, otherwise as error_scale."""
+    high, rule = _magnitude_end(shown, 0 if data_only else limit_m)
+    return Scale("magnitude", 0.0, high, extremes(values), extremes(shown), rule, limit_m)
+
+
+def _magnitude_end(shown, limit_m):
+    quantile = quantiles([1 - OUTLIERS], np.abs(shown))[0]
+    ends = {"99.5 % quantile": quantile, f"{LIMIT_INSIDE:g} x limit": LIMIT_INSIDE * (limit_m or 0), "least end": LEAST_M}
+    rule = max(ends, key=ends.get)
+    return ends[rule], rule
+
+
+def elevation_scale(layers, shown):
+    """All values or, if these reach over more than twice the range between the 0.5 and 99.5 % quantiles, this range."""
+    low, high = span = extremes(*shown)
+    if np.isnan(low):
+        return Scale("elevation", 0.0, 1.0, span, span, "")
+    least, most = quantiles([OUTLIERS, 1 - OUTLIERS], *shown)
+    if most > least and high - low > 2 * (most - least):
+        low, high = least, most
+    return Scale("elevation", low, max(high, low + LEAST_M), extremes(*layers), span, "0.5 and 99.5 % quantiles")
+
+
+def count_scale(values, shown, colors="count", base="", least=1.0):
+    """From 0 to the largest value or, if that is more than twice the 99.5 % quantile, to this; at least to `least`."""
+    span = extremes(shown)
+    high = 0.0 if np.isnan(span[1]) else span[1]
+    most = quantiles([1 - OUTLIERS], shown)[0]
+    end = most if most >= least and high > 2 * most else max(high, least)
+    return Scale(colors, 0.0, end, extremes(values), span, "99.5 % quantile", base=base)
