@@ -2,6 +2,7 @@
 #include "output/output_path.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -110,6 +111,10 @@ void OutputPath::commit() {
   if (!flushed_) flush();
   ignore_interrupts();
   if (overwrite_) {
+    struct stat replaced {};  // the new file gets the permissions of the old one
+    if (::stat(path_.c_str(), &replaced) == 0)
+      static_cast<void>(
+          ::chmod(temporary_.c_str(), replaced.st_mode & 0777U));  // some file systems have none
     if (::rename(temporary_.c_str(), path_.c_str()) != 0)
       throw IoError("output " + path_.string() + ": renaming failed: " + system_message(errno));
   } else if (::link(temporary_.c_str(), path_.c_str()) == 0) {  // unlike rename, refuses an existing name
