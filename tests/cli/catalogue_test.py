@@ -47,7 +47,7 @@ Every error message, with its cause and its remedy. To find yours, search this p
 
 An error is one line on stderr that begins with the tool's name. The exit code gives the kind of error ([cli.md](cli.md)): 1, the content of a data
 file is wrong, or reading or writing failed; 2, an option or the configuration is wrong, or the output exists; 3, `dem-eval --require-pass` was given
-and the DEM does not pass. With 1 and 2 no output is written, and an existing output is unchanged ([reliability.md](../quality/reliability.md#guarantees)
+and the DEM does not pass, or `hazard-map --require-safe` and no site is safe enough. With 1 and 2 no output is written, and an existing output is unchanged ([reliability.md](../quality/reliability.md#guarantees)
 lists the exceptions); with 3 all outputs are written.
 
 A test writes this page from tests/cli/catalogue.json and provokes each of its messages.
@@ -136,8 +136,9 @@ class Catalogue(unittest.TestCase):
                     self.assertEqual(result.stderr, with_version(case["text"], "VERSION", version) + "\n")
                     self.assertEqual(result.returncode, fault["exit"])
                     changed = {path for path, there in state().items() if made.get(path) != there}
-                    # The metrics are written even if a requirement is missed.
-                    written = set(case.get("files", {})) | ({"out.json"} if fault["exit"] == 3 else set())
+                    # The outputs are written even if a requirement is missed.
+                    outputs = {name for name in ("out.json", "out.h5") if name in case["run"].split()}
+                    written = set(case.get("files", {})) | (outputs if fault["exit"] == 3 else set())
                     self.assertEqual(changed, written)
                 tidy(made)
 
