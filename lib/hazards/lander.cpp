@@ -36,8 +36,8 @@ const Lander& checked(const Lander& lander, double resolution_m) {
   require_positive("pad_diameter_m", lander.pad_diameter_m);
   require_positive("body_radius_m", lander.body_radius_m);
   if (lander.leg_radius_m < 2 * resolution_m - kTolerance)
-    throw UsageError("lander/leg_radius_m: " + number_text(lander.leg_radius_m) +
-                     " is less than 2 bins of " + number_text(resolution_m) + " m");
+    throw UsageError("lander/leg_radius_m: " + number_text(lander.leg_radius_m) + " is less than 2 bins of " +
+                     number_text(resolution_m) + " m");
   return lander;
 }
 

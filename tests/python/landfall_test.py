@@ -223,7 +223,7 @@ class Refusals(Chain):
         self.refused(self.path("note.txt"), "neither an HDF5 file nor JSON")
         with open(self.path("other.json"), "w", encoding="ascii") as file:
             file.write('{"format": "other"}')
-        self.refused(self.path("other.json"), '"format" is not "landfall.metrics"')
+        self.refused(self.path("other.json"), '"format" is not one of landfall.metrics')
         self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("format_name", "other")), "format_name is 'other'")
 
     def test_damaged_and_unfinished_files(self):
