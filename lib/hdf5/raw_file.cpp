@@ -6,11 +6,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <system_error>
+
+#include "base/error.h"
 
 namespace landfall::h5 {
 
 RawFile::RawFile(const std::filesystem::path& path)
-    : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   struct stat status {};
   if (descriptor_ >= 0 && ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode))
     size_ = static_cast<std::uint64_t>(status.st_size);
@@ -27,6 +30,8 @@ std::vector<std::byte> RawFile::read(std::uint64_t address, std::uint64_t count)
     const ssize_t part =
         ::pread(descriptor_, bytes.data() + done, count - done, static_cast<off_t>(address + done));
     if (part < 0 && errno == EINTR) continue;
+    if (part < 0)
+      throw FormatError(path_.string() + ": cannot be read: " + std::generic_category().message(errno));
     require_sound(part > 0);
     done += static_cast<std::size_t>(part);
   }

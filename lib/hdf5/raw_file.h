@@ -28,11 +28,12 @@ class RawFile {
   [[nodiscard]] bool holds(std::uint64_t address, std::uint64_t count) const {
     return address <= size_ && count <= size_ - address;
   }
-  /// Throws Damaged for bytes that are not in the file or cannot be read, before it allocates memory for
-  /// them.
+  /// Throws Damaged for bytes that are not in the file, before it allocates memory for them; FormatError,
+  /// with the system's reason, if reading fails.
   [[nodiscard]] std::vector<std::byte> read(std::uint64_t address, std::uint64_t count) const;
 
  private:
+  std::filesystem::path path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
 };

@@ -65,7 +65,7 @@ class Install(unittest.TestCase):
         shutil.copy(self.tool("terrain-gen"), os.path.join(bare, "bin"))
         result = execute(os.path.join(bare, "bin", "terrain-gen"), *site, "-o", self.path("none.h5"))
         if result.returncode:  # it succeeds if the same version is installed in the prefix of this build
-            self.assertTrue(result.stderr.startswith(f"terrain-gen: {self.path('dem.asc')}: cannot find the GDAL plugin landfall-gdal.so; "),
+            self.assertTrue(result.stderr.startswith(f"terrain-gen: {self.path('dem.asc')}: rasters need the plugin landfall-gdal.so, "),
                             result.stderr)
             self.assertIn(os.path.join(bare, "lib", "landfall", "landfall-gdal.so"), result.stderr)
 

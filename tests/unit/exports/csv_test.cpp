@@ -53,7 +53,7 @@ TEST(PointsCsv, NamesTheRowOfAPulseThatIsNotThere) {
 
 TEST(PointsCsv, NamesTheRowOfAReturnWithoutAPlace) {
   SmallScan scan;
-  scan.x[4] = std::numeric_limits<double>::infinity();
+  scan.x[4] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(failure(scan, {{"x_est"}, {true, 1}, 1}),
               testing::EndsWith("/points/x_est[4] of a return is not finite"));
 }

@@ -44,7 +44,8 @@ TEST_F(GdalPluginFile, ThatIsMissing) {
   fs::create_directory(copy.parent_path());
   fs::copy_file(program_, copy);
   EXPECT_THAT(refusal(copy, "/nowhere"),
-              AllOf(StartsWith("any.tif: cannot find the GDAL plugin landfall-gdal.so; tried "),
+              AllOf(StartsWith("any.tif: rasters need the plugin landfall-gdal.so, which a complete "
+                               "installation has; it is not at "),
                     HasSubstr("/nowhere/landfall-gdal.so"),
                     HasSubstr((folder_ / "lib/landfall/landfall-gdal.so").lexically_normal().string()),
                     HasSubstr("LANDFALL_PLUGIN_DIR")));
