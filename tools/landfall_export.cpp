@@ -20,7 +20,7 @@ constexpr const char* kExamples = R"(Examples:
 docs/user/landfall-export.md lists the formats for each kind of file.)";
 
 void bind(CLI::App& app, ExportOptions& o) {
-  app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation or plan")
+  app.add_option("input", o.input, "File to export: terrain, scan, DEM, evaluation, plan or hazard map")
       ->type_name("FILE");
   app.add_option("--format", o.format,
                  "Output format; default: from the extension of the output; csv with -o -")
@@ -41,6 +41,7 @@ void bind(CLI::App& app, ExportOptions& o) {
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 40U))
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "csv: also the points without a return");
+  app.add_flag("--sites", o.sites, "csv: the landing sites of a hazard map, not its layers");
 }
 
 ExitCode run(cli::Session& session, const ExportOptions& o) {

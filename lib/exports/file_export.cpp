@@ -73,11 +73,18 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                             {!o.columns.empty(), "--columns", "csv ply", ""},
                             {!o.position.empty(), "--position", "las ply xmf", ""},
                             {o.every != 1, "--every", "csv las ply", "csv"},
-                            {o.keep_misses, "--keep-misses", "csv", ""}};
+                            {o.keep_misses, "--keep-misses", "csv", ""},
+                            {o.sites, "--sites", "", "csv"}};
   for (const Option& option : options)
     if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
       throw UsageError(std::string(option.name) + " does not apply to the export of a " +
                        (is_scan ? "scan" : "grid") + " to ." + o.format);
+}
+
+void require_sites(const ExportOptions& o, const std::string& kind) {
+  if (!o.sites) return;
+  if (kind != "hazards") throw UsageError("--sites: " + o.input + " is not a hazard map");
+  if (!o.layers.empty() || o.every != 1) throw UsageError("--sites goes with neither --layers nor --every");
 }
 
 /// x, y and z first, then the other columns.
@@ -163,6 +170,7 @@ FileExport::FileExport(ExportOptions options, const std::string& output)
   kind_ = kind_of(file);
   require_possible(file, options_.format);
   require_no_stray_option(options_, kind_ == "scan");
+  require_sites(options_, kind_);
   if (options_.position.empty()) options_.position = "est";
 }
 
@@ -175,7 +183,9 @@ void FileExport::write(const OutputOptions& output, const std::string& tool,
   if (options_.format == "tif") return export_geotiff(options_, output, tool, progress);
   if (options_.format == "png") return export_picture(options_, output, progress);
   const auto write_to = [&](ByteSink&& sink) {
-    if (kind_ == "scan")
+    if (options_.sites)
+      write_sites_csv(LandfallFileReader(options_.input, {"hazards"}), sink);
+    else if (kind_ == "scan")
       export_scan(options_, output, tool, sink, progress);
     else
       export_grid(options_, output, sink, progress);

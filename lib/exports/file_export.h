@@ -19,6 +19,7 @@ struct ExportOptions {
   std::string position;              ///< of a scan's points: "est" or "true"
   std::size_t every = 1;             ///< points, or lines of a .csv: the first and every N-th after it
   bool keep_misses = false;          ///< of a scan, only as .csv
+  bool sites = false;                ///< of a hazard map, only as .csv: its landing sites, no layers
 };
 
 /// The export of one file: by default in the format of the output's extension, or as .csv to standard output

@@ -27,6 +27,10 @@ constexpr std::array kLayerOrder = {
     "slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope_true",
     "roughness_true", "safe_true", "outcome"};
 
+constexpr std::array kSiteOrder = {"rank",        "x",      "y",     "z",         "cost",
+                                   "p_touchdown", "p_safe", "slope", "roughness", "distance_to_hazard",
+                                   "true_safe"};
+
 constexpr auto kColumnOrder =
     std::apply([](const auto&... column) { return std::array{column.name...}; }, kPointColumns);
 
@@ -120,6 +124,11 @@ std::vector<ContentInfo> datasets(const NamedGroup& group, std::span<const char*
   return result;
 }
 
+std::vector<ContentInfo> columns(const TableReader& table, std::span<const char* const> order) {
+  return datasets({table.group(), table.file() + ": " + table.path_of("")}, order,
+                  [](std::span<const hsize_t> size) { return size.size() == 1; });
+}
+
 }  // namespace
 
 std::string name_with_unit(const ContentInfo& content) {
@@ -146,9 +155,8 @@ std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpe
   });
 }
 
-std::vector<ContentInfo> columns_of(const TableReader& points) {
-  return datasets({points.group(), points.file() + ": " + points.path_of("")}, kColumnOrder,
-                  [](std::span<const hsize_t> size) { return size.size() == 1; });
-}
+std::vector<ContentInfo> columns_of(const TableReader& points) { return columns(points, kColumnOrder); }
+
+std::vector<ContentInfo> site_columns_of(const TableReader& sites) { return columns(sites, kSiteOrder); }
 
 }  // namespace landfall

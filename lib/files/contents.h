@@ -37,4 +37,7 @@ struct ContentInfo {
 /// the others.
 [[nodiscard]] std::vector<ContentInfo> columns_of(const TableReader& points);
 
+/// The columns of a hazard map's sites, in the order of sites.json, then the others.
+[[nodiscard]] std::vector<ContentInfo> site_columns_of(const TableReader& sites);
+
 }  // namespace landfall

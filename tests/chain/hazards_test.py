@@ -240,6 +240,24 @@ class Interface(ChainTest):
         header = read_bytes(self.path("h.csv")).split(b"\n", 1)[0]
         self.assertEqual(header, b"x_m,y_m,safe,slope_degree")
         self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.png"))
+        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.tif"), "--layers", "safe,p_touchdown")
+
+    def test_sites_as_csv(self):
+        self.succeed("hazard-map", *self.arguments("--sites", self.path("sites.json")))
+        text = self.succeed("landfall-export", self.path("h.h5"), "-o", "-", "--format", "csv", "--sites").stdout
+        header, *lines = [line.split(",") for line in text.splitlines()]
+        self.assertEqual(header, ["rank", "x_m", "y_m", "z_m", "cost", "p_touchdown", "slope_degree", "roughness_m",
+                                  "distance_to_hazard_m", "true_safe"])
+        listed = json.loads(read_bytes(self.path("sites.json")))["sites"]
+        keys = [key.replace("slope_degree", "slope_deg") for key in header]
+        self.assertEqual(len(lines), 4)
+        for line, site in zip(lines, listed):
+            for key, value in zip(keys, line):
+                self.assertEqual(np.float32(value) if key in ("cost", "p_touchdown", "distance_to_hazard_m") else float(value), site[key], key)
+        for options, word in [(["--sites", "--layers", "safe"], "--layers"), (["--sites", "--every", "2"], "--every")]:
+            self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.csv"), *options, words=[word])
+        self.refuse(2, "landfall-export", self.chain.dem, "-o", self.path("s.csv"), "--sites", words=["not a hazard map"])
+        self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.tif"), "--sites", words=["--sites does not apply"])
 
 
 @unittest.skipUnless(os.path.isdir(DATA), f"no {DATA}")
