@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import ChainTest, ToolTest, columns, read_bytes, run, with_values
+from harness import REGRID, ChainTest, ToolTest, columns, read_bytes, run, with_values
 from oracle import hazards as oracle
 from oracle.evaluate import region_of
 
@@ -121,6 +121,29 @@ class Maps(ChainTest):
         self.check_sites(layers, listed, z, config)
         self.assertEqual({"slope_true", "roughness_true", "safe_true", "outcome"} & set(layers), set())
 
+    def test_probability(self):
+        """With a sigma p_safe exists where the place is known; touchdown, sites and score follow it. The DEM's own map is preferred."""
+        dem = self.path("sigmas.h5")
+        self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID), "--terrain", self.chain.terrain, "--uncertainty",
+                     "--range-sigma", "0.01", "--navigation-sigma", "position_m=0", "-o", dem)
+        for source, config in ((self.chain.dem, with_values(CONFIG, z_sigma_m=0.02)), (dem, with_values(CONFIG, z_sigma_m=900))):
+            layers, listed, score = self.hazards(source, config)
+            p, safe = layers["p_safe"], layers["safe"]
+            np.testing.assert_array_equal(np.isnan(p), safe == oracle.UNKNOWN)
+            self.assertTrue((p[safe != oracle.UNKNOWN] >= 0).all() and (p[safe != oracle.UNKNOWN] <= 1).all())
+            self.assertGreater(p[safe == 1].mean(), 0.8)
+            self.assertLess(p[safe == 0].mean(), 0.2)
+            self.assertGreater(((p > 0.01) & (p < 0.99)).sum(), 100)
+            region = ~np.isnan(layers["p_touchdown"])
+            expected = oracle.touchdown(np.nan_to_num(p.astype(float)), config["touchdown_sigma_m"], 0.1)
+            np.testing.assert_allclose(layers["p_touchdown"][region], expected[region], rtol=1e-6, atol=1e-12)
+            for site in listed["sites"]:
+                row, col = (np.searchsorted(layers[axis], site[axis + "_m"] - 1e-9) for axis in "yx")
+                self.assertEqual(np.float32(site["p_safe"]), p[row, col])
+            known = (safe != oracle.UNKNOWN) & (layers["safe_true"] != oracle.UNKNOWN)
+            self.assertAlmostEqual(score["brier"], np.mean((p[known].astype(float) - (layers["safe_true"][known] == 1)) ** 2), places=12)
+            self.assertEqual(sum(score["reliability"]["count"]), known.sum())
+
     def test_truth_is_ignored_on_request(self):
         layers, listed = self.hazards(self.chain.dem, CONFIG, "--no-truth")
         with_truth, *_ = self.hazards(self.chain.dem, CONFIG)
@@ -149,8 +172,8 @@ class Maps(ChainTest):
         made = []
         for threads in (1, 2, 7):
             out = [self.path(f"{threads}.{end}") for end in ("h5", "sites", "score")]
-            self.succeed("hazard-map", self.chain.dem, "-c", self.config(CONFIG), "-t", threads, "-o", out[0], "--sites", out[1],
-                         "--score", out[2])
+            self.succeed("hazard-map", self.chain.dem, "-c", self.config(with_values(CONFIG, z_sigma_m=0.02)), "-t", threads, "-o", out[0],
+                         "--sites", out[1], "--score", out[2])
             made.append([read_bytes(path) for path in out])
         self.assertEqual(made[0], made[1])
         self.assertEqual(made[0], made[2])
