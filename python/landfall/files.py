@@ -157,24 +157,24 @@ def read_layer(file, grid, name):
     return values
 
 
-def read_metrics(file):
-    """/metrics_json as a Metrics."""
-    if "metrics_json" not in file:
-        raise DataError(f"{file.filename}: no /metrics_json")
-    text = file["metrics_json"][()]
+def read_metrics(file, name="metrics_json"):
+    """A text of the file that holds a JSON object, as a Metrics."""
+    if name not in file:
+        raise DataError(f"{file.filename}: no /{name}")
+    text = file[name][()]
     try:
-        return Metrics(json.loads(text))
+        return Metrics(json.loads(text), name)
     except (ValueError, TypeError) as error:
-        raise DataError(f"{file.filename}: /metrics_json is not JSON ({error})") from error
+        raise DataError(f"{file.filename}: /{name} is not JSON ({error})") from error
 
 
 class Metrics:
-    """metrics.json. Values that are absent or null (a DEM without truth) are None."""
+    """metrics.json or the like. Values that are absent or null (a DEM without truth) are None."""
 
-    def __init__(self, tree):
+    def __init__(self, tree, name="metrics_json"):
         if not isinstance(tree, dict):
             raise ValueError("not an object")
-        self._tree = tree
+        self._tree, self._name = tree, name
 
     def get(self, path):
         """The value at a path such as 'coverage/hole_count'."""
@@ -182,7 +182,7 @@ class Metrics:
         for key in path.split("/"):
             node = node.get(key) if isinstance(node, dict) else None
         if isinstance(node, (str, dict)):
-            raise DataError(f"/metrics_json: {path} is not a number")
+            raise DataError(f"/{self._name}: {path} is not a number")
         return node
 
 

@@ -127,21 +127,25 @@ def draw_color_bar(ax, scale, quantity=""):
                     transform=bar.ax.get_yaxis_transform(), gid="limit")
 
 
-def draw_marks(ax, grid, flags, color, region_bins=None):
+def draw_marks(ax, grid, flags, color, region_bins=None, fill_few=False):
     """Marks set bins, nothing elsewhere: single ones enlarged while they are few, otherwise the opacity is their share of a block.
+
+    With `fill_few`, blocks with a set bin are filled before that, while they are less than 1 % of the map.
 
     Returns what the legend says about it, empty if bins are drawn as they are.
     """
     size = block_size(ax, flags.shape)
     marks = reduction.enlarged_marks(flags, size, flags.size if region_bins is None else region_bins)
-    opacity = reduction.shrink_share(flags, size) if marks is None else marks
-    image = np.empty((*opacity.shape, 4))
-    image[...] = to_rgba(color)
-    image[..., 3] = opacity
-    draw_image(ax, grid, image, size, zorder=ABOVE_FRAME, gid="marks")
+    how = "single ones enlarged" if marks is not None and flags.any() and max(marks.shape) > reduction.WIDE_BLOCKS else ""
     if marks is None:
-        return "share of each pixel" if size > 1 else ""
-    return "single ones enlarged" if flags.any() and max(marks.shape) > reduction.WIDE_BLOCKS else ""
+        marks, how = reduction.shrink_any(flags, size), "each pixel with one" if size > 1 else ""
+        if not fill_few or marks.sum() >= reduction.MOST_MARKED * marks.size:
+            marks, how = reduction.shrink_share(flags, size), "share of each pixel" if size > 1 else ""
+    image = np.empty((*marks.shape, 4))
+    image[...] = to_rgba(color)
+    image[..., 3] = marks
+    draw_image(ax, grid, image, size, zorder=ABOVE_FRAME, gid="marks")
+    return how
 
 
 def draw_outside(ax, grid, inside):
@@ -271,7 +275,7 @@ def scale_counts(ax, largest):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def legend(ax, entries):
-    """A legend of filled patches, {label: colour}, below the map."""
+def legend(ax, entries, columns=None):
+    """A legend of filled patches, {label: colour}, below the map; in one row unless `columns` are given."""
     ax.legend(handles=[Patch(facecolor=c, edgecolor="#606060", label=t) for t, c in entries.items()],
-              loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=len(entries), frameon=False)
+              loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=columns or len(entries), frameon=False)

@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws hazards.h5 made by hazard-map: safe places compared with the truth, slope, roughness, and the probability with
+the landing sites; with a score, also the ROC curve and how reliable p_safe is."""
+import dataclasses
+import os
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+
+from landfall import command, files, maps, plots, reduction, relief, scales
+from landfall.errors import DataError
+
+LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "outcome"]
+MOST_LISTED = 6  # sites in the legend
+SAFE_COLOR, HAZARD_COLOR = "#cfe4f2", "#e69f00"
+UNKNOWN = {"safe": 2, "outcome": 4}  # also the value outside the region
+# {value: (name, colour)} of each layer. Marked values are few if the DEM is good, and are drawn on top of the judgement.
+CLASSES = {"safe": {0: ("hazard", HAZARD_COLOR), 1: ("safe", SAFE_COLOR), 2: ("unknown", maps.NO_VALUE)},
+           "outcome": {0: ("hazard found", HAZARD_COLOR), 1: ("safe found", SAFE_COLOR), 2: ("missed hazard", maps.MARK),
+                       3: ("false alarm", maps.BLUE), 4: ("unknown", maps.NO_VALUE)}}
+JUDGED = {2: SAFE_COLOR, 3: HAZARD_COLOR}  # what the map said where it was wrong
+MARKED = (3, 2)
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_hazards.py", description=__doc__)
+    parser.add_argument("hazards", metavar="HAZARDS.h5")
+    parser.add_argument("--dem", metavar="DEM.h5", help="the DEM that was judged: its relief shades the first panel")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: HAZARDS-figure.png beside the input)")
+    plots.add_data_only_option(parser)
+    plots.add_output_options(parser)
+    options = parser.parse_args(arguments)
+    options.output = options.output or os.path.splitext(options.hazards)[0] + "-figure.png"
+    plots.require_png(options.output)
+    return options
+
+
+class Hazards:
+    """What a hazards.h5 holds; layers and a score that it does not have are None."""
+
+    def __init__(self, path):
+        self.name = os.path.basename(path)
+        with files.open_landfall(path, "landfall.hazards") as file:
+            self.grid = files.read_grid(file)
+            self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
+            self.config = files.read_metrics(file, "provenance/config_json")
+            self.score = files.read_metrics(file, "score_json") if "score_json" in file else None
+            self.sites = {name: files.read(item, ()) for name, item in file["sites"].items()} if "sites" in file else {}
+        missing = [name for name in ("slope", "roughness", "safe", "p_touchdown") if self.layers[name] is None]
+        if missing:
+            raise DataError(f"{path}: needs the layer {missing[0]}")
+
+    def inside(self):
+        """The region: only there p_touchdown has values."""
+        return ~np.isnan(self.layers["p_touchdown"])
+
+
+def read_elevations(path, grid):
+    """z_est of a DEM with the same bins."""
+    with files.open_landfall(path, "landfall.dem") as file:
+        own = files.read_grid(file)
+        z = files.read_layer(file, own, "z_est")
+    if z is None:
+        raise DataError(f"{path}: needs the layers x, y and z_est")
+    if own.shape != grid.shape or not (np.allclose(own.x, grid.x) and np.allclose(own.y, grid.y)):
+        raise DataError(f"{path}: its bins are not those of the hazard map")
+    return z
+
+
+def frame(ax, hazards, title):
+    maps.frame_map(ax, hazards.grid, title)
+    radius_m = hazards.config.get("region_radius_m")
+    if radius_m is not None:
+        maps.draw_region(ax, radius_m)
+
+
+# Safe places
+
+
+def draw_safety(ax, hazards, z):
+    """The outcome, or without truth the judgement, shaded by the relief; wrong places are marked on top."""
+    name = "safe" if hazards.layers["outcome"] is None else "outcome"
+    values, inside, classes = hazards.layers[name], hazards.inside(), CLASSES[name]
+    frame(ax, hazards, "safe places compared with the truth" if name == "outcome" else "safe places (no truth to compare with)")
+    size = maps.block_size(ax, values.shape)
+    image = np.ones((*reduction.shrink_any(inside, size).shape, 3))
+    for value, (_, color) in classes.items():
+        share = reduction.shrink_share((values == value) & inside, size)
+        image -= share[..., None] * (1 - np.array(to_rgb(JUDGED.get(value, color) if name == "outcome" else color)))
+    maps.draw_image(ax, hazards.grid, image if z is None else shaded(hazards.grid, image, z, size), size, gid="classes")
+    counts = {value: np.count_nonzero((values == value) & inside) for value in classes}
+    how = {}
+    for value in MARKED if name == "outcome" else ():
+        if counts[value]:
+            text, color = classes[value]
+            how[text] = maps.draw_marks(ax, hazards.grid, (values == value) & inside, color, np.count_nonzero(inside), fill_few=True)
+    maps.legend(ax, {class_text(classes[value][0], counts[value], np.count_nonzero(inside)): classes[value][1] for value in classes}, 2)
+    maps.draw_scale_marks(ax)
+    maps.note(ax, *(f"{text}: {manner}" for text, manner in how.items() if manner))
+
+
+def class_text(name, count, total):
+    return f"{name}: {count:,} ({plots.percent(count / total if total else None)})"
+
+
+def shaded(grid, image, z, size):
+    """Colours times the light on the relief; level ground keeps its colour."""
+    step_m = size * grid.resolution_m
+    mean = reduction.shrink_mean(z, size)
+    return np.clip(image * relief.light(mean, step_m, relief.factor(mean, step_m))[..., None], 0, 1)
+
+
+# Slope, roughness, probability
+
+
+def limit_scale(shown, values, limit, data_only, base):
+    return dataclasses.replace(scales.magnitude_scale(values, shown, limit, data_only), base=base)
+
+
+def draw_limited(ax, hazards, name, base, limit_key, data_only):
+    """A layer with a limit: the largest value of each block, and a line around the places over the limit."""
+    values, limit = hazards.layers[name], hazards.config.get(limit_key)
+    scale = limit_scale(maps.reduced(ax, values, reduction.shrink_most), values, limit, data_only, base)
+    frame(ax, hazards, f"{name} under the lander")
+    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_most)
+    over = limit is not None and maps.outline_flags(ax, hazards.grid, values > limit, "white")
+    maps.draw_scale_marks(ax)
+    maps.note(ax, *scale.notes(), maps.blocks_note(ax, values.shape), "white line: over the limit" if over else "")
+
+
+def draw_probability(ax, hazards):
+    """p_safe, or without it p_touchdown, with the landing sites and the circle in which they are looked for."""
+    name = "p_touchdown" if hazards.layers["p_safe"] is None else "p_safe"
+    values = hazards.layers[name]
+    shown = maps.reduced(ax, values, reduction.shrink_least)
+    scale = scales.Scale("magnitude", 0.0, 1.0, scales.extremes(values), scales.extremes(shown), "", base="")
+    what = "the place is safe" if name == "p_safe" else "a touchdown aimed here is safe"
+    frame(ax, hazards, f"probability that {what}, and landing sites")
+    maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_least)
+    maps.draw_scale_marks(ax)
+    maps.note(ax, scale.range_text(), maps.blocks_note(ax, values.shape, "smallest"))
+    handles = draw_sites(ax, hazards)
+    radius_m = hazards.config.get("sites/divert_radius_m")
+    if radius_m is not None:
+        ax.add_patch(Circle((0, 0), radius_m, fill=False, edgecolor="black", linewidth=1.4, linestyle="--", path_effects=maps.OUTLINE,
+                            gid="divert"))
+        handles.append(Line2D([], [], color="black", linestyle="--", label=f"divert radius {plots.metres(float(radius_m))}"))
+    ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, frameon=False, handletextpad=0.4)
+
+
+def draw_sites(ax, hazards):
+    """Numbers at the landing sites. Returns what the legend says about them."""
+    sites, handles = hazards.sites, []
+    count = len(sites.get("rank", ()))
+    for row in range(count):
+        rank, wrong = int(sites["rank"][row]), "true_safe" in sites and sites["true_safe"][row] == 0
+        style = {"marker": "o", "markersize": 13, "markerfacecolor": "#ffb080" if wrong else "white", "markeredgecolor": "black"}
+        place = float(sites["x"][row]), float(sites["y"][row])
+        ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
+        ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
+        if row < MOST_LISTED:
+            text = f"cost {sites['cost'][row]:.4f}, p_touchdown {sites['p_touchdown'][row]:.4f}" + (", true hazard" if wrong else "")
+            handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
+    if count > MOST_LISTED:
+        handles.append(Line2D([], [], linestyle="none", label=f"and {count - MOST_LISTED} more sites"))
+    return handles or [Line2D([], [], linestyle="none", label="no landing site")]
+
+
+# Score
+
+
+def percents(score, path):
+    return 100 * np.asarray(score.get(path) or [], float)  # null is NaN
+
+
+def draw_roc(ax, hazards):
+    """Missed hazards against false alarms, a point for each roughness limit of the map."""
+    missed, alarms = percents(hazards.score, "roc/missed_hazard_frac"), percents(hazards.score, "roc/false_alarm_frac")
+    limits = percents(hazards.score, "roc/roughness_limit_m") / 100
+    ax.set(title="ROC: other roughness limits of the map", xlabel="false alarms (% of the truly safe places)",
+           ylabel="missed hazards (% of the true hazards)")
+    ax.set_box_aspect(1)
+    known = ~np.isnan(missed + alarms)
+    if not known.any():
+        maps.notice(ax, "the truth has no hazard, or no safe place")
+        return
+    missed, alarms, limits = missed[known], alarms[known], limits[known]
+    ax.plot(alarms, missed, color=maps.BLUE, marker="o", markersize=5, linewidth=1, gid="roc", label="other limits")
+    set_percent_axes(ax, alarms, missed)
+    limit = hazards.config.get("limits/roughness_m")
+    at = None if limit is None else int(np.argmin(np.abs(limits - limit)))
+    if at is not None and np.isclose(limits[at], limit):
+        ax.plot(alarms[at], missed[at], linestyle="none", marker="o", markersize=10, color=maps.VERMILION, gid="limit",
+                label=f"limit {plots.metres(float(limit))}: {missed[at]:.3g} % missed,\n{alarms[at]:.3g} % false alarms")
+    label_limits(ax, alarms, missed, limits)
+    ax.legend(loc="upper right", fontsize=maps.NOTE_PT, framealpha=0.9)
+
+
+def set_percent_axes(ax, alarms, missed):
+    """Logarithmic, because good maps are near 0 in both, but with 0 on them."""
+    for name, values in (("x", alarms), ("y", missed)):
+        least = np.min(values[values > 0], initial=1)
+        threshold = 10.0 ** np.floor(np.log10(least))
+        getattr(ax, f"set_{name}scale")("symlog", linthresh=threshold, linscale=0.5)
+        getattr(ax, f"set_{name}lim")(-0.2 * threshold, 400)
+        axis = getattr(ax, f"{name}axis")
+        axis.set_ticks([0, *10.0 ** np.arange(np.log10(threshold), 2.1)])
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+    ax.grid(True, color="#e0e0e0", linewidth=0.6)
+    ax.set_axisbelow(True)
+
+
+def label_limits(ax, alarms, missed, limits):
+    """The limit beside each point, one label for points at one place and none for points that are near to a labelled one."""
+    places = ax.transAxes.inverted().transform(ax.transData.transform(np.column_stack((alarms, missed))))
+    labelled = []
+    for at, x, y in zip(places, alarms, missed):
+        if all(np.hypot(*(at - other)) > 0.09 for other in labelled):
+            labelled.append(at)
+            same = limits[np.hypot(*(places - at).T) < 0.01]
+            text = plots.metre_range(same[0], same[-1]) if same.size > 1 else plots.metres(float(same[0]))
+            ax.annotate(text, (x, y), (5, 7), textcoords="offset points", fontsize=maps.NOTE_PT, gid="roc label")
+
+
+def draw_reliability(ax, hazards):
+    """The share of truly safe places among those with nearly equal p_safe."""
+    brier = hazards.score.get("brier")
+    ax.set(title="reliability of p_safe" + ("" if brier is None else f": Brier score {brier:.3g}"), xlabel="p_safe, middle of each class",
+           ylabel="share of truly safe places", xlim=(-0.02, 1.02), ylim=(-0.02, 1.08))
+    ax.set_box_aspect(1)
+    low, high, count, share = (np.asarray(hazards.score.get(f"reliability/{key}") or [], float)
+                               for key in ("p_low", "p_high", "count", "safe_frac"))
+    known = ~np.isnan(share)
+    if not known.any():
+        maps.notice(ax, "this map has no p_safe (regrid --uncertainty, or z_sigma_m)")
+        return
+    middle, share, count = ((low + high) / 2)[known], share[known], count[known]
+    ax.plot([0, 1], [0, 1], color="black", linewidth=1, label="perfectly calibrated")
+    ax.plot(middle, share, color=maps.BLUE, marker="o", linewidth=1, gid="reliability", label="found; number of places")
+    for x, y, places in zip(middle, share, count):
+        above = y > x or y < 0.05
+        ax.annotate(f"{places:,.0f}", (x, y), (0, 7 if above else -7), textcoords="offset points", ha="center",
+                    va="bottom" if above else "top", fontsize=maps.NOTE_PT,
+                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
+    ax.grid(True, color="#e0e0e0", linewidth=0.6)
+    ax.legend(loc="upper left", fontsize=maps.NOTE_PT)
+
+
+def draw(hazards, z=None, data_only=False):
+    scored = hazards.score is not None
+    grid, places = hazards.grid, np.count_nonzero(hazards.inside())
+    title = f"{hazards.name}: {places:,} places, bins of {plots.metres(grid.resolution_m)}"
+    figure, axes = maps.new_figure((3 if scored else 2, 2), (14, 20.5 if scored else 14.4), title)
+    draw_safety(axes[0, 0], hazards, z)
+    draw_probability(axes[0, 1], hazards)
+    draw_limited(axes[1, 0], hazards, "slope", "deg", "limits/slope_deg", data_only)
+    draw_limited(axes[1, 1], hazards, "roughness", "m", "limits/roughness_m", data_only)
+    if scored:
+        draw_roc(axes[2, 0], hazards)
+        draw_reliability(axes[2, 1], hazards)
+    return figure
+
+
+def main(arguments):
+    options = parse(arguments)
+    maps.use_dpi(options.dpi)
+    command.check_outputs([options.output], options.overwrite)
+    hazards = Hazards(options.hazards)
+    z = None if options.dem is None else read_elevations(options.dem, hazards.grid)
+    plots.save({options.output: draw(hazards, z, options.data_only)}, options.dpi)
