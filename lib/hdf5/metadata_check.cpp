@@ -40,6 +40,7 @@ struct MetadataCheck::Dataset {
   std::optional<std::vector<std::uint64_t>> space;
   std::optional<StoredLayout> layout;
   std::optional<std::uint64_t> fill_size;
+  bool is_filtered = false;
   std::uint64_t ratio = 1;  ///< check_filters()
 };
 
@@ -126,6 +127,7 @@ void MetadataCheck::check_message(const HeaderMessage& message, Dataset& dataset
       dataset.layout = check_layout(body);
       break;
     case MessageType::filters:
+      dataset.is_filtered = true;
       dataset.ratio = check_filters(body);
       break;
     case MessageType::attribute:
@@ -186,6 +188,7 @@ void MetadataCheck::check_chunk_node(std::uint64_t address, const Dataset& datas
       check_chunk_node(child, dataset, head.level - 1);
     } else {
       require_sound(size > 0 && size <= most && file_.holds(child, size));
+      require_sound(dataset.is_filtered || size == chunk_bytes);  // else it is read beyond its memory
       require_sound(dataset.ratio == 0 || chunk_bytes / dataset.ratio <= size);
       chunks_.push_back({child, child + size});
     }
