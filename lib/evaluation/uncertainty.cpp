@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "evaluation/piecewise.h"
-#include "evaluation/window_mean.h"
+#include "raster/window_mean.h"
 
 namespace landfall {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/progress.h"
 #include "raster/footprint.h"
 #include "raster/region.h"
-#include "evaluation/window_mean.h"
+#include "raster/window_mean.h"
 
 namespace landfall {
 

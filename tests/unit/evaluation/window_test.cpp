@@ -14,8 +14,8 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "evaluation/window_mean.h"
 #include "evaluation/window_quantile.h"
+#include "raster/window_mean.h"
 
 namespace landfall {
 namespace {

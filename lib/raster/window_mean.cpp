@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/window_mean.h"
+#include "raster/window_mean.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "evaluation/window_mean.cpp"
+#define HWY_TARGET_INCLUDE "raster/window_mean.cpp"
 #include "base/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
