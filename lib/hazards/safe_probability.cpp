@@ -2,17 +2,15 @@
 #include "hazards/safe_probability.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "hazards/padded_map.h"
+#include "raster/window_mean.h"
 
 namespace landfall {
 namespace {
@@ -88,47 +86,6 @@ Predictions predict(const Grid<double>& z_map, const Grid<double>& sigma_map) {
   return found;
 }
 
-/// Of the bins in the square of 2 reach + 1 about each: the sum of what is finite, and the number of it.
-struct SquareSums {
-  explicit SquareSums(const Grid<double>& map) : width(map.spec().cols + 1) {
-    const GridSpec& spec = map.spec();
-    sums.resize(static_cast<std::size_t>((spec.rows + 1) * width));
-    counts.resize(sums.size());
-    for (std::int64_t row = 0; row < spec.rows; ++row) {
-      double sum = 0;
-      std::int64_t count = 0;
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const double value = map.at({row, col});
-        if (std::isfinite(value)) {
-          sum += value;
-          ++count;
-        }
-        sums[index(row + 1, col + 1)] = sums[index(row, col + 1)] + sum;
-        counts[index(row + 1, col + 1)] = counts[index(row, col + 1)] + count;
-      }
-    }
-  }
-
-  [[nodiscard]] std::size_t index(std::int64_t row, std::int64_t col) const {
-    return static_cast<std::size_t>(row * width + col);
-  }
-  [[nodiscard]] double mean(const GridSpec& spec, BinIndex centre, std::int64_t reach) const {
-    const std::int64_t south = std::max<std::int64_t>(centre.row - reach, 0);
-    const std::int64_t west = std::max<std::int64_t>(centre.col - reach, 0);
-    const std::int64_t north = std::min(centre.row + reach + 1, spec.rows);
-    const std::int64_t east = std::min(centre.col + reach + 1, spec.cols);
-    const auto over = [&](const auto& table) {
-      return table[index(north, east)] - table[index(south, east)] - table[index(north, west)] +
-             table[index(south, west)];
-    };
-    return over(sums) / static_cast<double>(over(counts));
-  }
-
-  std::int64_t width;
-  std::vector<double> sums;
-  std::vector<std::int64_t> counts;
-};
-
 /// The map with noise of its bins' sigma.
 Grid<double> redrawn(const Grid<double>& z, const Grid<double>& sigma, std::size_t replicate) {
   const GridSpec& spec = z.spec();
@@ -142,35 +99,43 @@ Grid<double> redrawn(const Grid<double>& z, const Grid<double>& sigma, std::size
   return result;
 }
 
-/// Changes of a measure between maps; NaN where it was not taken.
+/// The changes of a measure when noise is drawn again; NaN where it was not taken.
 class Changes {
  public:
-  Changes(const Grid<double>& before, const std::vector<Grid<double>>& after)
-      : spec_(before.spec()), first_(spec_), square_(spec_) {
-    for (std::size_t i = 0; i < spec_.size(); ++i)
-      for (const Grid<double>& map : after) {
-        const double change = map.values()[i] - before.values()[i];
-        first_.values()[i] += change / static_cast<double>(after.size());
-        square_.values()[i] += change * change / static_cast<double>(after.size());
-      }
-    sums_.emplace(first_);
-    squares_.emplace(square_);
+  explicit Changes(const GridSpec& spec) : mean_(spec), mean_square_(spec) {}
+
+  /// Call kReplicates times, then average().
+  void add(const Grid<double>& before, const Grid<double>& after) {
+    for (std::size_t i = 0; i < before.spec().size(); ++i) {
+      const double change = after.values()[i] - before.values()[i];
+      mean_.values()[i] += change / kReplicates;
+      mean_square_.values()[i] += change * change / kReplicates;
+    }
+  }
+  void average(const Footprint& window) {
+    mean_ = window_means(mean_, window).mean;
+    mean_square_ = window_means(mean_square_, window).mean;
   }
 
-  /// Phi((limit - value + mean) / std) of the changes in the square about a place.
-  [[nodiscard]] double probability(BinIndex place, std::int64_t reach, double limit, double value) const {
-    const double mean = sums_->mean(spec_, place, reach);
-    const double variance = squares_->mean(spec_, place, reach) - mean * mean;
+  /// Phi((limit - value + mean) / std).
+  [[nodiscard]] double probability(BinIndex place, double limit, double value) const {
+    const double mean = mean_.at(place);
+    const double variance = mean_square_.at(place) - mean * mean;
     const double room = limit - value + mean;
     if (!(variance > 0)) return room >= 0 ? 1 : 0;
     return 0.5 * std::erfc(-room / std::sqrt(2 * variance));
   }
 
  private:
-  GridSpec spec_;
-  Grid<double> first_, square_;
-  std::optional<SquareSums> sums_, squares_;
+  Grid<double> mean_, mean_square_;
 };
+
+/// The mean variance of the bins in the window about each.
+Grid<double> mean_variance(const Grid<double>& sigma, const Footprint& window) {
+  Grid<double> variance = sigma;
+  for (double& value : variance.values()) value *= value;
+  return window_means(variance, window).mean;
+}
 
 }  // namespace
 
@@ -202,13 +167,9 @@ Grid<float> safe_probability(const Grid<double>& z, const Grid<double>& z_sigma,
                              const MeasurePlaces& measure) {
   const GridSpec& spec = z.spec();
   const DenoisedMap denoised = denoise(z, z_sigma);
-  const std::int64_t reach = lander.body.half_bins();
+  const Footprint square = Footprint::square(lander.body.half_bins());
   constexpr double kDegrees = 180 / std::numbers::pi;
-  const SquareSums variances([&] {
-    Grid<double> own(spec);
-    for (std::size_t i = 0; i < spec.size(); ++i) own.values()[i] = z_sigma.values()[i] * z_sigma.values()[i];
-    return own;
-  }());
+  const Grid<double> variance = mean_variance(z_sigma, square);
   Grid<float> p(spec, std::numeric_limits<float>::quiet_NaN());
   BinMask open(spec);
   by_rows(spec.rows, [&](std::int64_t row) {
@@ -216,7 +177,7 @@ Grid<float> safe_probability(const Grid<double>& z, const Grid<double>& z_sigma,
       const BinIndex place{row, col};
       const double roughness_m = measured.roughness_m.at(place);
       if (std::isnan(roughness_m)) continue;
-      const double sigma = kCertain * std::sqrt(variances.mean(spec, place, reach));
+      const double sigma = kCertain * std::sqrt(variance.at(place));
       const double rough = (roughness_m - limits.roughness_m) / sigma;
       const double steep =
           (measured.slope_deg.at(place) - limits.slope_deg) / (sigma / slope_base_m * kDegrees);
@@ -229,22 +190,22 @@ Grid<float> safe_probability(const Grid<double>& z, const Grid<double>& z_sigma,
     }
   });
   const PlaceMeasures expected = measure(denoised.z, open);
-  std::vector<Grid<double>> slopes;
-  std::vector<Grid<double>> roughnesses;
+  Changes slope(spec);
+  Changes roughness(spec);
   for (std::size_t k = 0; k < kReplicates; ++k) {
-    PlaceMeasures again = measure(denoise(redrawn(denoised.z, z_sigma, k), z_sigma).z, open);
-    slopes.push_back(std::move(again.slope_deg));
-    roughnesses.push_back(std::move(again.roughness_m));
+    const PlaceMeasures again = measure(denoise(redrawn(denoised.z, z_sigma, k), z_sigma).z, open);
+    slope.add(expected.slope_deg, again.slope_deg);
+    roughness.add(expected.roughness_m, again.roughness_m);
   }
-  const Changes slope(expected.slope_deg, slopes);
-  const Changes roughness(expected.roughness_m, roughnesses);
+  slope.average(square);
+  roughness.average(square);
   by_rows(spec.rows, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const BinIndex place{row, col};
       if (open.at(place) == 0) continue;
       p.at(place) = static_cast<float>(
-          roughness.probability(place, reach, limits.roughness_m, expected.roughness_m.at(place)) *
-          slope.probability(place, reach, limits.slope_deg, expected.slope_deg.at(place)));
+          roughness.probability(place, limits.roughness_m, expected.roughness_m.at(place)) *
+          slope.probability(place, limits.slope_deg, expected.slope_deg.at(place)));
     }
   });
   return p;
