@@ -86,8 +86,7 @@ ExitCode report_evaluation(Session& session, const std::string& dem, const Evalu
     session.warn(dem + ": the judged region reaches " +
                  short_number(static_cast<double>(beyond) * evaluation.region.spec().resolution_m) +
                  " m beyond the scanned area; reduce it (region_radius_m, or region.half_width_m of a "
-                 "square), or scan "
-                 "more");
+                 "square), or scan more");
   const Metrics& metrics = evaluation.metrics;
   const std::string missed = missed_requirements(metrics);
   const bool refused = require_pass && !metrics.pass.value_or(false);
