@@ -73,10 +73,7 @@ PlaceMeasures measure(const Grid<double>& z, const LanderStencil& lander, Hazard
 /// root of the sum of dx^2 over the body.
 double slope_base_m(const LanderStencil& lander, const HazardParameters& parameters) {
   if (parameters.method == HazardMethod::contact) return parameters.lander.leg_radius_m;
-  double square = 0;
-  for (std::int64_t row = -lander.body.half_bins(); row <= lander.body.half_bins(); ++row)
-    square += static_cast<double>(row * row * (2 * lander.body.half_width(row) + 1));
-  return std::sqrt(square) * lander.resolution_m;
+  return std::sqrt(static_cast<double>(lander.body.squared_offsets())) * lander.resolution_m;
 }
 
 /// 1 at safe places, 0 at others, unknown ones included.

@@ -18,4 +18,17 @@ Footprint Footprint::disc(std::int64_t squared_radius) {
   return {false, std::move(half_widths)};
 }
 
+std::int64_t Footprint::bin_count() const {
+  std::int64_t count = 0;
+  for (std::int64_t row = -half_bins(); row <= half_bins(); ++row) count += 2 * half_width(row) + 1;
+  return count;
+}
+
+std::int64_t Footprint::squared_offsets() const {
+  std::int64_t sum = 0;
+  for (std::int64_t row = -half_bins(); row <= half_bins(); ++row)
+    sum += row * row * (2 * half_width(row) + 1);
+  return sum;
+}
+
 }  // namespace landfall

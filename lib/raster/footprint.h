@@ -24,6 +24,10 @@ class Footprint {
     return half_widths_[static_cast<std::size_t>(offset < 0 ? -offset : offset)];
   }
 
+  [[nodiscard]] std::int64_t bin_count() const;
+  /// The sum of the squared row offsets of all bins; for columns it is the same.
+  [[nodiscard]] std::int64_t squared_offsets() const;
+
  private:
   Footprint(bool is_square, std::vector<std::int64_t> half_widths)
       : is_square_(is_square), half_widths_(std::move(half_widths)) {}

@@ -34,9 +34,7 @@ TEST(LanderStencil, ThePapersFootprint) {
   const LanderStencil lander({}, 0.05);
   EXPECT_EQ(lander.yaws.size(), 27U);
   EXPECT_EQ(lander.yaws[0], (PadOffsets{{{0, 17}, {17, 0}, {0, -17}, {-17, 0}}}));
-  std::int64_t bins = 0;
-  for (std::int64_t row = -17; row <= 17; ++row) bins += 2 * lander.body.half_width(row) + 1;
-  EXPECT_EQ(bins, 901);
+  EXPECT_EQ(lander.body.bin_count(), 901);
   EXPECT_EQ(lander.pad.half_bins(), 2);
 }
 

@@ -28,13 +28,16 @@ TEST(Footprint, DiscHoldsItsCircle) {
 TEST(Footprint, DiscsCountLatticePoints) {
   for (std::int64_t squared = 0; squared < 200; ++squared) {
     const Footprint footprint = Footprint::disc(squared);
-    std::int64_t spans = 0;
-    for (std::int64_t i = -footprint.half_bins(); i <= footprint.half_bins(); ++i)
-      spans += 2 * footprint.half_width(i) + 1;
     std::int64_t points = 0;
+    std::int64_t squares = 0;
     for (std::int64_t i = -15; i <= 15; ++i)
-      for (std::int64_t j = -15; j <= 15; ++j) points += i * i + j * j <= squared ? 1 : 0;
-    EXPECT_EQ(spans, points) << squared;
+      for (std::int64_t j = -15; j <= 15; ++j)
+        if (i * i + j * j <= squared) {
+          ++points;
+          squares += j * j;
+        }
+    EXPECT_EQ(footprint.bin_count(), points) << squared;
+    EXPECT_EQ(footprint.squared_offsets(), squares) << squared;
   }
 }
 
