@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 #include "hazards/lane_input.h"
-#include "hazards/measures.h"
+#include "hazards/measure_rows.h"
 #include "hazards/reach.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -345,14 +345,11 @@ HWY_AFTER_NAMESPACE();
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 8;
-
 /// The height of the ground under a pad in each bin; without meaning where a bin under it is missing.
 PaddedMap pad_heights_of(const PaddedMap& z, const GridSpec& spec, const LanderStencil& lander) {
   PaddedMap heights(spec, z.margin());
   const Footprint& pad = lander.pad;
-  std::int64_t count = 0;
-  for (std::int64_t r = -pad.half_bins(); r <= pad.half_bins(); ++r) count += 2 * pad.half_width(r) + 1;
+  const auto count = static_cast<double>(pad.bin_count());
   parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
       double* const target = heights.at(row, 0);
@@ -367,7 +364,7 @@ PaddedMap pad_heights_of(const PaddedMap& z, const GridSpec& spec, const LanderS
             for (std::int64_t k = 0; k < spec.cols; ++k) target[k] += values[k];
         }
       if (!is_max)
-        for (std::int64_t k = 0; k < spec.cols; ++k) target[k] /= static_cast<double>(count);
+        for (std::int64_t k = 0; k < spec.cols; ++k) target[k] /= count;
     }
   });
   return heights;
@@ -384,17 +381,13 @@ PlaceMeasures measure_contact(const Grid<double>& z, const LanderStencil& lander
   const PaddedMap padded(z, reach.bins());
   const BinMask known = reach.known(padded, places);
   const PaddedMap pad_heights = pad_heights_of(padded, spec, lander);
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  PlaceMeasures result{Grid<double>(spec, nan), Grid<double>(spec, nan)};
   const ContactInput input{padded, pad_heights, lander, known};
-  parallel_for(
-      static_cast<std::size_t>(spec.rows), kRowsPerPiece,
-      [&](std::size_t begin, std::size_t end) {
-        HWY_DYNAMIC_DISPATCH(MeasureContactRows)
-        (input, static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), result);
+  return measure_rows(
+      spec,
+      [&](std::int64_t begin, std::int64_t end, PlaceMeasures& result) {
+        HWY_DYNAMIC_DISPATCH(MeasureContactRows)(input, begin, end, result);
       },
       progress);
-  return result;
 }
 
 }  // namespace landfall

@@ -2,11 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
-#include "base/parallel.h"
 #include "hazards/lane_input.h"
-#include "hazards/measures.h"
+#include "hazards/measure_rows.h"
 #include "hazards/reach.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -78,11 +76,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace landfall {
-namespace {
-
-constexpr std::size_t kRowsPerPiece = 8;
-
-}  // namespace
 
 HWY_EXPORT(MeasurePlaneRows);
 
@@ -92,22 +85,18 @@ PlaceMeasures measure_plane(const Grid<double>& z, const LanderStencil& lander, 
   const Reach reach = Reach::of_body(lander);
   const PaddedMap padded(z, reach.bins());
   const BinMask known = reach.known(padded, places);
-  PlaneInput input{padded, lander.body, lander.resolution_m, 0, 0, known};
-  for (std::int64_t r = -lander.body.half_bins(); r <= lander.body.half_bins(); ++r) {
-    const auto bins = static_cast<double>(2 * lander.body.half_width(r) + 1);
-    input.count += bins;
-    input.square += bins * static_cast<double>(r * r);
-  }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  PlaceMeasures result{Grid<double>(spec, nan), Grid<double>(spec, nan)};
-  parallel_for(
-      static_cast<std::size_t>(spec.rows), kRowsPerPiece,
-      [&](std::size_t begin, std::size_t end) {
-        HWY_DYNAMIC_DISPATCH(MeasurePlaneRows)
-        (input, static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end), result);
+  const PlaneInput input{padded,
+                         lander.body,
+                         lander.resolution_m,
+                         static_cast<double>(lander.body.bin_count()),
+                         static_cast<double>(lander.body.squared_offsets()),
+                         known};
+  return measure_rows(
+      spec,
+      [&](std::int64_t begin, std::int64_t end, PlaceMeasures& result) {
+        HWY_DYNAMIC_DISPATCH(MeasurePlaneRows)(input, begin, end, result);
       },
       progress);
-  return result;
 }
 
 }  // namespace landfall
