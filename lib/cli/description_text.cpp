@@ -21,7 +21,7 @@
 namespace landfall::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// A text from a file, on one line and cut to the page width.
 std::string cut(std::string text, std::size_t width) {
@@ -37,12 +37,12 @@ std::string line(const char* name, const std::string& value) {
   return print("  %-11s ", name) + cut(value, page_width() - 14) + "\n";
 }
 
-std::string integer(const Json& value) {
+std::string integer(const OrderedJson& value) {
   return value.is_number_integer() ? std::to_string(value.get<std::int64_t>()) : "-";
 }
 
 /// At most 8 characters, as far as an exponent leaves room for digits.
-std::string number(const Json& value) {
+std::string number(const OrderedJson& value) {
   if (!value.is_number()) return "-";
   std::string text;
   for (int digits = 4; digits > 1 && (text.empty() || text.size() > 8); --digits)
@@ -50,9 +50,11 @@ std::string number(const Json& value) {
   return text;
 }
 
-std::string metres(const Json& value) { return value.is_number() ? print("%.6g", value.get<double>()) : "-"; }
+std::string metres(const OrderedJson& value) {
+  return value.is_number() ? print("%.6g", value.get<double>()) : "-";
+}
 
-std::string range(const Json& pair, const char* unit) {
+std::string range(const OrderedJson& pair, const char* unit) {
   return pair.is_array() ? metres(pair[0]) + " to " + metres(pair[1]) + " " + unit : "-";
 }
 
@@ -63,7 +65,7 @@ std::string bytes(double count) {
   return print("%.*f %s", unit == 0 || count >= 99.5 ? 0 : 1, count, kUnits[unit]);
 }
 
-std::string head(const Json& d) {
+std::string head(const OrderedJson& d) {
   const std::string title = d["title"].get<std::string>();
   return cut(d["file"].get<std::string>() + ": " + d["kind"].get<std::string>() +
                  (title.empty() ? "" : " (" + title + ")"),
@@ -75,10 +77,10 @@ std::string head(const Json& d) {
          line("frame", d["crs"]["name"].get<std::string>());
 }
 
-std::string extent(const Json& d) {
+std::string extent(const OrderedJson& d) {
   std::string text;
   if (d.contains("grid")) {
-    const Json& g = d["grid"];
+    const OrderedJson& g = d["grid"];
     const bool nodes = d["kind"] == "terrain";  // elevations at points, not means over bins
     text += line("grid", integer(g["columns"]) + " x " + integer(g["rows"]) +
                              (nodes ? " nodes, one every " : " bins of ") +
@@ -92,7 +94,7 @@ std::string extent(const Json& d) {
       text += print("  %-11s ", program) + cut(text_to_copy, text_to_copy.size()) + "\n";
     }
   if (d.contains("mesh")) {
-    const Json& m = d["mesh"];
+    const OrderedJson& m = d["mesh"];
     text += line("mesh",
                  integer(m["vertex_count"]) + " vertices, " + integer(m["triangle_count"]) + " triangles");
     if (m["x_m"].is_array())
@@ -103,14 +105,14 @@ std::string extent(const Json& d) {
 }
 
 /// "name count, name count".
-std::string counts(const Json& by_name) {
+std::string counts(const OrderedJson& by_name) {
   std::string text;
   for (const auto& [name, count] : by_name.items())
     text += (text.empty() ? "" : ", ") + name + " " + integer(count);
   return text;
 }
 
-std::string scan_lines(const Json& s) {
+std::string scan_lines(const OrderedJson& s) {
   std::string pulses = integer(s["pulse_count"]) + " of ";
   if (s["detector_rows"].is_number_integer() && s["detector_columns"].is_number_integer())
     pulses += integer(s["detector_rows"]) + " x " + integer(s["detector_columns"]) + " pixels";
@@ -118,7 +120,7 @@ std::string scan_lines(const Json& s) {
     pulses += integer(s["pixel_count"]) + " pixels";
   if (s["t_first_s"].is_number())
     pulses += ", from " + metres(s["t_first_s"]) + " to " + metres(s["t_last_s"]) + " s";
-  Json by_status;
+  OrderedJson by_status;
   for (const char* const name : {"return", "miss", "dropout", "dead", "false_return"})
     by_status[name] = s[std::string(name) + "_count"];
   return line("pulses", pulses) +
@@ -127,25 +129,25 @@ std::string scan_lines(const Json& s) {
          line("outcomes", counts(by_status));
 }
 
-std::string feature_lines(const Json& f) {
+std::string feature_lines(const OrderedJson& f) {
   std::string text = integer(f["count"]);
   if (f["count_by_kind"].is_object() && !f["count_by_kind"].empty())
     text += ": " + counts(f["count_by_kind"]);
   return line("features", text);
 }
 
-std::size_t name_width(const Json& entries) {
+std::size_t name_width(const OrderedJson& entries) {
   std::size_t width = 4;
-  for (const Json& entry : entries) width = std::max(width, entry["name"].get<std::string>().size());
+  for (const OrderedJson& entry : entries) width = std::max(width, entry["name"].get<std::string>().size());
   return width;
 }
 
 /// Lists the entries without statistics.
-std::string list_lines(const std::string& group, const Json& entries) {
+std::string list_lines(const std::string& group, const OrderedJson& entries) {
   const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
   std::string text =
       print("\n%-*s %-8s %10s  %-5s meaning\n", width + 2, group.c_str(), "type", "stored", "unit");
-  for (const Json& e : entries)
+  for (const OrderedJson& e : entries)
     text += cut(print("  %-*s %-8s %10s  %-5s ", width, e["name"].get<std::string>().c_str(),
                       e["type"].get<std::string>().c_str(), bytes(e["stored_bytes"].get<double>()).c_str(),
                       e["unit"].get<std::string>().c_str()) +
@@ -156,13 +158,13 @@ std::string list_lines(const std::string& group, const Json& entries) {
 }
 
 /// Prints whole numbers with all digits if they are not too long.
-std::string value_text(const Json& value, const std::string& type) {
+std::string value_text(const OrderedJson& value, const std::string& type) {
   const bool whole = type.find("int") != std::string::npos && value.is_number();
   return whole && std::abs(value.get<double>()) < 1e7 ? print("%.0f", value.get<double>()) : number(value);
 }
 
 /// Lists the flags that occur, over several lines.
-std::string flag_lines(const Json& by_name, int indent) {
+std::string flag_lines(const OrderedJson& by_name, int indent) {
   std::string text;
   std::string row;
   for (const auto& [name, count] : by_name.items()) {
@@ -185,10 +187,10 @@ struct TableShape {
   bool has_unit_title = false;
 };
 
-TableShape shape_of(const Json& entries) {
+TableShape shape_of(const OrderedJson& entries) {
   const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
   std::size_t unit = 4;
-  for (const Json& entry : entries) unit = std::max(unit, entry["unit"].get<std::string>().size());
+  for (const OrderedJson& entry : entries) unit = std::max(unit, entry["unit"].get<std::string>().size());
   const std::size_t numbers = static_cast<std::size_t>(width) + 58;
   return {width, numbers + unit + 8 <= page_width(), numbers + 4 <= page_width()};
 }
@@ -201,7 +203,7 @@ std::string statistics_row(const TableShape& shape, const std::array<std::string
   return text + (cells[8] == "1" ? "" : " " + cells[8]) + "\n";
 }
 
-std::string statistics_lines(const Json& e, const TableShape& shape) {
+std::string statistics_lines(const OrderedJson& e, const TableShape& shape) {
   const std::string type = e["type"].get<std::string>();
   std::string text =
       statistics_row(shape, {"  " + e["name"].get<std::string>(), type, integer(e["count"]),
@@ -213,7 +215,7 @@ std::string statistics_lines(const Json& e, const TableShape& shape) {
   return text;
 }
 
-std::string dataset_lines(const std::string& group, const Json& entries) {
+std::string dataset_lines(const std::string& group, const OrderedJson& entries) {
   if (entries.empty()) return "";
   std::string title = group == "layers" ? "layer" : "/" + group;
   if (group != "layers" && entries[0]["shape"].size() == 1)
@@ -223,7 +225,7 @@ std::string dataset_lines(const std::string& group, const Json& entries) {
   const TableShape shape = shape_of(entries);
   std::string text = "\n" + statistics_row(shape, {title, "type", "valid", "NaN", "min", "max", "mean", "std",
                                                    shape.has_unit_title ? "unit" : "1"});
-  for (const Json& entry : entries) text += statistics_lines(entry, shape);
+  for (const OrderedJson& entry : entries) text += statistics_lines(entry, shape);
   return text;
 }
 
@@ -238,7 +240,7 @@ std::string schema_of(const std::string& tool) {
   return found == kSchemas.end() ? "" : found->second;
 }
 
-std::string config_lines(const Json& d, bool whole) {
+std::string config_lines(const OrderedJson& d, bool whole) {
   const std::string schema = schema_of(d.value("tool", ""));
   if (!d["config"].is_object()) return "";
   if (whole || schema.empty()) return "\nconfiguration\n" + d["config"].dump(2) + "\n";
@@ -249,17 +251,17 @@ std::string config_lines(const Json& d, bool whole) {
   return text + (changes.empty() ? "  (nowhere)\n" : "");
 }
 
-std::string inputs_text(const Json& inputs) {
+std::string inputs_text(const OrderedJson& inputs) {
   std::string text;
   if (!inputs.is_array()) return text;
-  for (const Json& input : inputs)
+  for (const OrderedJson& input : inputs)
     if (input.is_object())
       text += (text.empty() ? "  from " : ", ") + input.value("role", "") + " " +
               input.value("file_id", "").substr(0, 12);
   return text;
 }
 
-std::string step_line(const Json& step) {
+std::string step_line(const OrderedJson& step) {
   const auto text_of = [&](const char* key) {
     return step.contains(key) && step[key].is_string() ? step[key].get<std::string>() : std::string();
   };
@@ -270,18 +272,18 @@ std::string step_line(const Json& step) {
          "\n";
 }
 
-std::string provenance_lines(const Json& d) {
+std::string provenance_lines(const OrderedJson& d) {
   std::string text;
   if (!d["options"].is_null()) text += "\n" + cut("options " + d["options"].dump(), page_width()) + "\n";
   text += "\nprovenance, oldest step first\n";
-  for (const Json& step : d["chain"]) text += step_line(step);
+  for (const OrderedJson& step : d["chain"]) text += step_line(step);
   if (d["environment"].is_object())
     for (const auto& [key, value] : d["environment"].items())
       text += line(key.c_str(), value.is_string() ? value.get<std::string>() : value.dump());
   return text;
 }
 
-EvaluationLimits limits_of(const Json& d) {
+EvaluationLimits limits_of(const OrderedJson& d) {
   const FormatError refusal(d["file"].get<std::string>() +
                             ": /provenance/config_json is not a configuration of dem-eval");
   try {
@@ -294,7 +296,7 @@ EvaluationLimits limits_of(const Json& d) {
 }
 
 /// The result tables that the tools print.
-std::string result_tables(const Json& d) {
+std::string result_tables(const OrderedJson& d) {
   std::string text;
   if (d.contains("metrics")) text += "\n" + verdict_table(metrics_from(d["metrics"]), limits_of(d));
   if (d.contains("plan")) text += "\n" + plan_table(fields_from<PlanMetrics>(d["plan"]));
@@ -303,7 +305,7 @@ std::string result_tables(const Json& d) {
 
 }  // namespace
 
-std::string description_text(const Json& d, bool whole_config) {
+std::string description_text(const OrderedJson& d, bool whole_config) {
   std::string text = head(d) + extent(d);
   if (d.contains("scan")) text += scan_lines(d["scan"]);
   if (d.contains("features")) text += feature_lines(d["features"]);

@@ -84,7 +84,7 @@ AtTableEnd at_table_end(const Json& json) {
   return json.at("at_end") == "wrap" ? AtTableEnd::wrap : AtTableEnd::stop;
 }
 
-std::unique_ptr<const Pattern> make_table(const Json& json, const ComponentContext& context) {
+std::unique_ptr<const Pattern> make_table_pattern(const Json& json, const ComponentContext& context) {
   if (!context.load_table) return std::make_unique<Stare>(StareParameters{});
   const NumberTable table = context.load_table(json.at("path").get<std::string>(), "pattern", aim_columns());
   return std::make_unique<TablePattern>(
@@ -93,13 +93,9 @@ std::unique_ptr<const Pattern> make_table(const Json& json, const ComponentConte
 }
 
 constexpr ComponentMaker<Pattern> kPatterns[] = {
-    {"line_search", make_line_search},
-    {"spiral", make_spiral},
-    {"rosette", make_rosette},
-    {"lissajous", make_lissajous},
-    {"stare", make_stare},
-    {"step_stare", make_step_stare},
-    {"table", make_table},
+    {"line_search", make_line_search}, {"spiral", make_spiral}, {"rosette", make_rosette},
+    {"lissajous", make_lissajous},     {"stare", make_stare},   {"step_stare", make_step_stare},
+    {"table", make_table_pattern},
 };
 
 }  // namespace

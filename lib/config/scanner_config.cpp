@@ -72,7 +72,7 @@ std::optional<TableMirror> mirror_of(const Json& json) {
   return std::nullopt;
 }
 
-std::unique_ptr<const Scanner> make_table(const Json& json, const ComponentContext& context) {
+std::unique_ptr<const Scanner> make_table_scanner(const Json& json, const ComponentContext& context) {
   const std::optional<TableMirror> mirror = mirror_of(json);
   if (!context.load_table)
     return std::make_unique<TableScanner>(std::vector<AngleSample>{{0, {}}, {1, {}}}, mirror);
@@ -116,13 +116,13 @@ std::unique_ptr<const Scanner> make_risley(const Json& json, const ComponentCont
 }
 
 constexpr ComponentMaker<Scanner> kScanners[] = {
-    {"flash", make_flash},      //
-    {"fsm", make_fsm},          //
-    {"gimbal", make_gimbal},    //
-    {"palmer", make_palmer},    //
-    {"polygon", make_polygon},  //
-    {"risley", make_risley},    //
-    {"table", make_table},      //
+    {"flash", make_flash},          //
+    {"fsm", make_fsm},              //
+    {"gimbal", make_gimbal},        //
+    {"palmer", make_palmer},        //
+    {"polygon", make_polygon},      //
+    {"risley", make_risley},        //
+    {"table", make_table_scanner},  //
 };
 
 }  // namespace

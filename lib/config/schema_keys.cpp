@@ -39,13 +39,13 @@ std::string unit_of(const std::string& path) {
   return path.ends_with("_nm") ? "N m" : "";
 }
 
-std::string shown(const Json& value) { return value.is_number() ? number_text(value) : value.dump(); }
+std::string shown_value(const Json& value) { return value.is_number() ? number_text(value) : value.dump(); }
 
 std::string bounds_of(const Json& schema) {
   std::string text;
   const auto add = [&](const char* keyword, const char* words) {
     if (schema.contains(keyword))
-      text += (text.empty() ? "" : ", ") + std::string(words) + shown(schema[keyword]);
+      text += (text.empty() ? "" : ", ") + std::string(words) + shown_value(schema[keyword]);
   };
   add("minimum", "at least ");
   add("exclusiveMinimum", "above ");
@@ -118,7 +118,7 @@ class Walk {
     if (element.contains("enum"))
       for (const Json& value : element["enum"]) key.values.push_back(value.dump());
     for (const Json* const source : {&s, &schema}) {
-      if (source->contains("default")) key.default_value = shown((*source)["default"]);
+      if (source->contains("default")) key.default_value = shown_value((*source)["default"]);
       if (source->contains("description")) key.description = (*source)["description"].get<std::string>();
     }
     if (key.default_value == "{}") key.default_value.clear();

@@ -19,7 +19,7 @@ std::unique_ptr<const Trajectory> make_constant_velocity(const Json& json, const
                                  roll_pitch_yaw(json.at("rpy_rate_degps"), kRadiansPerDegree)});
 }
 
-std::unique_ptr<const Trajectory> make_table(const Json& json, const ComponentContext& context) {
+std::unique_ptr<const Trajectory> make_table_trajectory(const Json& json, const ComponentContext& context) {
   if (!context.load_table) return std::make_unique<ConstantVelocity>(ConstantVelocityParameters{});
   const NumberTable table =
       context.load_table(json.at("path").get<std::string>(), "trajectory", trajectory_columns());
@@ -66,7 +66,7 @@ std::unique_ptr<const Trajectory> make_dynamics(const Json& json, const Componen
 
 constexpr ComponentMaker<Trajectory> kTrajectories[] = {
     {"constant_velocity", make_constant_velocity},
-    {"table", make_table},
+    {"table", make_table_trajectory},
     {"dynamics", make_dynamics},
 };
 

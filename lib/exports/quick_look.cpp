@@ -44,7 +44,7 @@ RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const Pr
   return map_picture(reducer.map(), style);
 }
 
-struct Extent {
+struct ScanExtent {
   PointMap::Box box{1, -1, 1, -1};  ///< empty
   std::size_t count = 0;
 
@@ -60,9 +60,9 @@ struct Extent {
 
 /// The extent of the estimated positions of the returns. False returns, which may lie far off, count only if
 /// there are no others. Throws FormatError if there is no return at all.
-Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
-  Extent of_true;
-  Extent of_all;
+ScanExtent scan_extent_of(const PointReader& points, const ProgressCallback& progress) {
+  ScanExtent of_true;
+  ScanExtent of_all;
   points.read(
       {{kXEst, kYEst, name_of(&PointColumns::status)}, {true, 1}, 2},
       [&](const PointBatch& batch) {
@@ -78,7 +78,7 @@ Extent extent_of(const PointReader& points, const ProgressCallback& progress) {
 }
 
 RgbImage scan_picture(const PointReader& points, const std::string& layer, const ProgressCallback& progress) {
-  const Extent extent = extent_of(points, [&](double f) { report(progress, f / 3); });
+  const ScanExtent extent = scan_extent_of(points, [&](double f) { report(progress, f / 3); });
   const bool counts = layer == "count";
   const bool flags = !counts && keeps_greatest(points.column(layer));
   PointMap map(extent.box, extent.count, kMaxPixels, flags ? Reduction::greatest : Reduction::mean);
@@ -100,7 +100,7 @@ RgbImage scan_picture(const PointReader& points, const std::string& layer, const
 }
 
 RgbImage mesh_picture(const TriangleMesh& mesh, const ProgressCallback& progress) {
-  Extent extent;
+  ScanExtent extent;
   for (const auto& vertex : mesh.data().vertices) extent.add(vertex.x(), vertex.y());
   const double width = extent.box.east_m - extent.box.west_m;
   const double height = extent.box.north_m - extent.box.south_m;

@@ -34,38 +34,36 @@ h5::Handle open_quietly(const std::string& path) {
   return h5::open_file(path);
 }
 
-using Json = nlohmann::json;
-
-bool has_text(const Json& object, const char* key) {
+bool has_text(const nlohmann::json& object, const char* key) {
   return object.is_object() && object.contains(key) && object[key].is_string();
 }
 
-bool is_input_list(const Json& inputs) {
-  return inputs.is_array() && std::all_of(inputs.begin(), inputs.end(), [](const Json& input) {
+bool is_input_list(const nlohmann::json& inputs) {
+  return inputs.is_array() && std::all_of(inputs.begin(), inputs.end(), [](const nlohmann::json& input) {
            return has_text(input, "role") && has_text(input, "file_id");
          });
 }
 
 /// Null if there is no such dataset or it is not JSON; throws FormatError if it exists but is not text.
-Json json_of(const std::string& file, hid_t provenance, const std::string& name) {
+nlohmann::json json_of(const std::string& file, hid_t provenance, const std::string& name) {
   const std::optional<std::string> text = h5::read_text(provenance, name);
   if (!text && h5::exists(provenance, name))
     throw FormatError(file + ": /provenance/" + name + " is not text");
-  return stored_json<Json>(text);
+  return stored_json<nlohmann::json>(text);
 }
 
 /// One line per step, oldest first, without a time, so that equal runs write equal files. An attribute holds
 /// less than 64 KiB; the chain in /provenance is complete.
 std::string history_of(const Provenance& provenance) {
   constexpr std::size_t kMaxSteps = 200;
-  std::vector<Json> steps(provenance.chain.begin(), provenance.chain.end());
+  std::vector<nlohmann::json> steps(provenance.chain.begin(), provenance.chain.end());
   steps.push_back(provenance.as_step());
   std::string text;
   if (steps.size() > kMaxSteps) {
     text = std::to_string(steps.size() - kMaxSteps) + " earlier steps: /provenance/chain_json\n";
     steps.erase(steps.begin(), steps.end() - static_cast<std::ptrdiff_t>(kMaxSteps));
   }
-  for (const Json& step : steps) {
+  for (const nlohmann::json& step : steps) {
     const std::string version = step.value("version", "");
     text += "landfall " + shown_word(step.at("tool").get<std::string>()) + (version.empty() ? "" : " ") +
             shown_word(version) + ", file_id " + shown_word(step.at("file_id").get<std::string>()) + "\n";
@@ -75,8 +73,8 @@ std::string history_of(const Provenance& provenance) {
 }
 
 /// A foreign file's history is used only if all of it is understood.
-bool is_history(const Json& chain) {
-  const auto is_step = [](const Json& step) {
+bool is_history(const nlohmann::json& chain) {
+  const auto is_step = [](const nlohmann::json& step) {
     return has_text(step, "tool") && has_text(step, "file_id") &&
            (!step.contains("version") || step["version"].is_string()) &&
            (!step.contains("inputs") || step["inputs"].is_null() || is_input_list(step["inputs"]));
@@ -150,18 +148,18 @@ void LandfallFileReader::read_provenance() {
   if (file_id_.empty()) file_id_ = content_id(name_);
   const h5::Handle group = h5::open_group(root(), "provenance");
   if (!group) return;
-  Json config = json_of(name_, group.get(), "config_json");
+  nlohmann::json config = json_of(name_, group.get(), "config_json");
   if (config.is_object()) config_ = std::move(config);
-  Json upstream = json_of(name_, group.get(), "chain_json");
+  nlohmann::json upstream = json_of(name_, group.get(), "chain_json");
   if (is_history(upstream)) chain_ = std::move(upstream);
-  Json inputs = json_of(name_, group.get(), "inputs_json");
+  nlohmann::json inputs = json_of(name_, group.get(), "inputs_json");
   if (!is_input_list(inputs)) inputs = nullptr;
-  Json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
-               {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
-               {"file_id", file_id_},
-               {"config", config_},
-               {"inputs", std::move(inputs)}};
-  const Json options = json_of(name_, group.get(), "options_json");
+  nlohmann::json step = {{"tool", h5::read_text_attribute(group.get(), "tool").value_or("")},
+                         {"version", h5::read_text_attribute(group.get(), "version").value_or("")},
+                         {"file_id", file_id_},
+                         {"config", config_},
+                         {"inputs", std::move(inputs)}};
+  const nlohmann::json options = json_of(name_, group.get(), "options_json");
   if (!options.is_null()) step["options"] = options;
   chain_.push_back(step);
 }

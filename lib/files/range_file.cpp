@@ -12,8 +12,6 @@
 namespace landfall {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr const char* kRange = name_of(&PointColumns::range_true);
 constexpr const char* kPixel = name_of(&PointColumns::pixel);
 constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
@@ -21,13 +19,13 @@ constexpr const char* kCount = name_of(&PulseColumns::point_count);
 
 /// The value at a path such as /noise/dropout_frac, null if it does not exist: a foreign file's configuration
 /// may have any structure.
-Json value_at(const Json& config, const std::string& path) {
-  const Json::json_pointer where(path);
-  return config.contains(where) ? config.at(where) : Json();
+nlohmann::json value_at(const nlohmann::json& config, const std::string& path) {
+  const nlohmann::json::json_pointer where(path);
+  return config.contains(where) ? config.at(where) : nlohmann::json();
 }
 
 /// The path of the first difference, "/detector/rows"; empty if there is none.
-std::string first_difference(const Json& a, const Json& b, const std::string& pointer) {
+std::string first_difference(const nlohmann::json& a, const nlohmann::json& b, const std::string& pointer) {
   if (a == b) return {};
   if (!a.is_object() || !b.is_object()) return pointer;
   for (const auto& [key, value] : a.items()) {
@@ -41,47 +39,48 @@ std::string first_difference(const Json& a, const Json& b, const std::string& po
 }
 
 /// True if the configuration drops no pixel that hit.
-bool loses_nothing(const Json& config) {
-  const Json noise = config.value("noise", Json::object());
+bool loses_nothing(const nlohmann::json& config) {
+  const nlohmann::json noise = config.value("noise", nlohmann::json::object());
   const auto is_zero = [&](const char* key) {
     return noise.is_object() && noise.contains(key) && noise[key] == 0;
   };
   return is_zero("dropout_frac") && is_zero("dead_pixel_frac");
 }
 
-bool has_false_returns(const Json& config) {
-  const Json share = value_at(config, "/noise/false_return_frac");
+bool has_false_returns(const nlohmann::json& config) {
+  const nlohmann::json share = value_at(config, "/noise/false_return_frac");
   return !share.is_null() && share != 0;
 }
 
 /// The key with a nonzero value that makes the true beams depend on the seed; empty if there is none.
-std::string seed_moves_beams_by(const Json& config) {
-  const Json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
-  const Json sigma = config.value(jitter, Json(0));
-  if (sigma != 0 && sigma != Json({0, 0})) return jitter.to_string();
+std::string seed_moves_beams_by(const nlohmann::json& config) {
+  const nlohmann::json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
+  const nlohmann::json sigma = config.value(jitter, nlohmann::json(0));
+  if (sigma != 0 && sigma != nlohmann::json({0, 0})) return jitter.to_string();
   // The encoder error of an fsm affects only the estimate, but that of prisms affects the true beam.
-  const Json::json_pointer encoder("/scanner/encoder_sigma_rad");
-  if (config.value(Json::json_pointer("/scanner/type"), "") == "risley" && config.value(encoder, 0.0) != 0)
+  const nlohmann::json::json_pointer encoder("/scanner/encoder_sigma_rad");
+  if (config.value(nlohmann::json::json_pointer("/scanner/type"), "") == "risley" &&
+      config.value(encoder, 0.0) != 0)
     return encoder.to_string();
   return {};
 }
 
 /// The reason why the lidars' true pointing differs; empty if it does not.
-std::string turned_beams_differ(const Json& theirs, const Json& ours) {
+std::string turned_beams_differ(const nlohmann::json& theirs, const nlohmann::json& ours) {
   for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
     const std::string where = "/pointing_error/" + std::string(key);
     if (value_at(theirs, where) != value_at(ours, where)) return where + " differs from this configuration's";
   }
   const std::string key = seed_moves_beams_by(ours);
-  if (!key.empty() && theirs.value("seed", Json()) != ours.value("seed", Json()))
+  if (!key.empty() && theirs.value("seed", nlohmann::json()) != ours.value("seed", nlohmann::json()))
     return "/seed differs from this configuration's, and the true beams follow it by " + key;
   return {};
 }
 
 /// The input files that determine the true ranges.
-Json inputs_of_truth(const Json& inputs) {
-  Json kept = Json::array();
-  for (const Json& input : inputs)
+nlohmann::json inputs_of_truth(const nlohmann::json& inputs) {
+  nlohmann::json kept = nlohmann::json::array();
+  for (const nlohmann::json& input : inputs)
     if (input.value("role", "") != "navigation") kept.push_back(input);
   return kept;
 }
@@ -105,19 +104,21 @@ void RangeFile::require_match(const Provenance& provenance) const {
   const auto refuse = [&](const std::string& what) {
     throw UsageError("--ranges-from " + file_.name() + ": " + what);
   };
-  const Json& theirs = file_.config();
+  const nlohmann::json& theirs = file_.config();
   if (!theirs.is_object() || file_.chain().empty()) refuse("does not say how it was made");
-  const Json& step = file_.chain().back();
+  const nlohmann::json& step = file_.chain().back();
   if (step.value("version", "") != program_version())
     refuse("made by version " + step.value("version", "?") + ", this is " + program_version());
   for (const char* const key : {"detector", "laser", "scanner", "mount", "trajectory"}) {
-    const std::string where = first_difference(theirs.value(key, Json()),
-                                               provenance.config.value(key, Json()), std::string("/") + key);
+    const std::string where =
+        first_difference(theirs.value(key, nlohmann::json()), provenance.config.value(key, nlohmann::json()),
+                         std::string("/") + key);
     if (!where.empty()) refuse(where + " differs from this configuration's");
   }
   const std::string turned = turned_beams_differ(theirs, provenance.config);
   if (!turned.empty()) refuse(turned);
-  if (inputs_of_truth(step.value("inputs", Json())) != inputs_of_truth(provenance.as_step().at("inputs")))
+  if (inputs_of_truth(step.value("inputs", nlohmann::json())) !=
+      inputs_of_truth(provenance.as_step().at("inputs")))
     refuse("its terrain or a table (trajectory, pixels, ...) differs from this run's");
   require_complete_ranges();
 }
@@ -136,7 +137,7 @@ bool RangeFile::misses_kept() const {
   return h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
 }
 
-bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
+bool RangeFile::has_rows_of(const nlohmann::json& config, bool keep_misses) const {
   if (keep_misses != misses_kept()) return false;
   if (has_false_returns(config) || has_false_returns(file_.config())) return false;
   return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
@@ -145,7 +146,7 @@ bool RangeFile::has_rows_of(const Json& config, bool keep_misses) const {
 TerrainIdentity RangeFile::terrain() const {
   TerrainIdentity terrain{read_crs(file_.root())};
   if (file_.chain().empty()) return terrain;
-  for (const Json& input : file_.chain().back().value("inputs", Json::array()))
+  for (const nlohmann::json& input : file_.chain().back().value("inputs", nlohmann::json::array()))
     if (input.value("role", "") == "terrain") terrain.file_id = input.value("file_id", "");
   terrain.chain = file_.chain();
   terrain.chain.erase(terrain.chain.size() - 1);

@@ -10,17 +10,17 @@ namespace landfall {
 namespace {
 
 // The vector extension of g++ and clang: 16 bytes in a register if the processor has such registers.
-using Bytes = unsigned char __attribute__((vector_size(16)));
+using Bytes16 = unsigned char __attribute__((vector_size(16)));
 template <std::size_t N>
-using Block = std::array<Bytes, N>;
+using Block = std::array<Bytes16, N>;
 
-constexpr std::size_t kBlockElements = sizeof(Bytes);
+constexpr std::size_t kBlockElements = sizeof(Bytes16);
 
-Bytes interleave_lower(Bytes a, Bytes b) {
+Bytes16 interleave_lower(Bytes16 a, Bytes16 b) {
   return __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
 }
 
-Bytes interleave_upper(Bytes a, Bytes b) {
+Bytes16 interleave_upper(Bytes16 a, Bytes16 b) {
   return __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
 }
 
@@ -71,7 +71,7 @@ std::size_t shuffle_blocks(std::span<const std::byte> elements, std::span<std::b
     std::memcpy(block.data(), elements.data() + i * N, sizeof block);
     block = rotated_by(block, std::make_index_sequence<4>{});
     for (std::size_t byte = 0; byte < N; ++byte)
-      std::memcpy(planes.data() + byte * count + i, &block[byte], sizeof(Bytes));
+      std::memcpy(planes.data() + byte * count + i, &block[byte], sizeof(Bytes16));
   }
   return i;
 }
@@ -84,7 +84,7 @@ std::size_t unshuffle_blocks(std::span<const std::byte> planes, std::size_t firs
   for (; i + kBlockElements <= elements.size() / N; i += kBlockElements) {
     Block<N> block;
     for (std::size_t byte = 0; byte < N; ++byte)
-      std::memcpy(&block[byte], planes.data() + byte * plane + first + i, sizeof(Bytes));
+      std::memcpy(&block[byte], planes.data() + byte * plane + first + i, sizeof(Bytes16));
     block = rotated_by(block, std::make_index_sequence<byte_digits(N)>{});
     std::memcpy(elements.data() + i * N, block.data(), sizeof block);
   }

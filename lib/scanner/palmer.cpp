@@ -9,10 +9,10 @@
 namespace landfall {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 void check(const PalmerParameters& p) {
-  require_angle(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < kPi / 2, {"", "tilt_deg"}, p.tilt_rad,
+  require_angle(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < pi / 2, {"", "tilt_deg"}, p.tilt_rad,
                 ">= 0 and below 90 - incidence_deg");
   require_positive({"", "rate_hz"}, p.rate_hz);
   require_finite({"", "phase_deg"}, p.phase_rad);
@@ -28,8 +28,8 @@ Palmer::Palmer(const PalmerParameters& parameters)
 }
 
 ScannerState Palmer::state(const PulseContext& pulse) const {
-  const double turns = parameters_.rate_hz * pulse.time.since_start_s + parameters_.phase_rad / (2 * kPi);
-  const double phi = 2 * kPi * (turns - std::floor(turns));
+  const double turns = parameters_.rate_hz * pulse.time.since_start_s + parameters_.phase_rad / (2 * pi);
+  const double phi = 2 * pi * (turns - std::floor(turns));
   return {.angle_1_rad = phi, .mirror_normal = {Eigen::AngleAxisd(phi, mirror_.resting().v) * tilted_}};
 }
 

@@ -10,7 +10,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 void check(const PolygonParameters& p) {
   require(p.facets >= 2 && p.facets <= 1000, {"", "facets"}, p.facets, "in 2..1000");
@@ -19,10 +19,10 @@ void check(const PolygonParameters& p) {
   require_finite({"", "line_azimuth_deg"}, p.line_azimuth_rad);
   require(p.duty_frac > 0 && p.duty_frac <= 1, {"", "duty_frac"}, p.duty_frac, "in (0, 1]");
   require_positive({"", "frame_rate_hz"}, p.frame_rate_hz);
-  const double half_line_rad = 2 * kPi * p.duty_frac / p.facets;
-  require(half_line_rad < kPi / 2, {"", "facets"}, p.facets,
+  const double half_line_rad = 2 * pi * p.duty_frac / p.facets;
+  require(half_line_rad < pi / 2, {"", "facets"}, p.facets,
           "above 4 duty_frac: half a line must be below 90 degrees");
-  require_angle(p.frame_amplitude_rad >= 0 && half_line_rad + p.frame_amplitude_rad < kPi / 2,
+  require_angle(p.frame_amplitude_rad >= 0 && half_line_rad + p.frame_amplitude_rad < pi / 2,
                 {"", "frame_amplitude_deg"}, p.frame_amplitude_rad,
                 ">= 0 and below 90 - 360 duty_frac / facets");
 }
@@ -45,8 +45,8 @@ Polygon::Polygon(const PolygonParameters& parameters) : parameters_(parameters) 
 ScannerState Polygon::state(const PulseContext& pulse) const {
   const PolygonParameters& p = parameters_;
   const double t = pulse.time.since_start_s;
-  const double facet_turns = from_nearest(p.facets * (p.rate_hz * t + p.phase_rad / (2 * kPi)));
-  return {.angle_1_rad = facet_turns * 2 * kPi / p.facets,
+  const double facet_turns = from_nearest(p.facets * (p.rate_hz * t + p.phase_rad / (2 * pi)));
+  return {.angle_1_rad = facet_turns * 2 * pi / p.facets,
           .angle_2_rad = p.frame_amplitude_rad * triangle(p.frame_rate_hz * t),
           .blanked = std::abs(facet_turns) > p.duty_frac / 2};
 }

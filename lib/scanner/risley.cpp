@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A face at its orientation at one pulse. `offset_m` is normal . vertex.
 struct TurnedFace {
@@ -34,7 +34,7 @@ const RisleyParameters& checked(const RisleyParameters& parameters) {
 }
 
 /// Degrees for messages, rounded to 1e-6.
-double degrees(double angle_rad) { return std::round(angle_rad * (180 / kPi) * 1e6) / 1e6; }
+double degrees(double angle_rad) { return std::round(angle_rad * (180 / pi) * 1e6) / 1e6; }
 
 [[noreturn]] void refuse_aim(std::int64_t pulse, const Vector3d& aim,
                              const std::optional<RisleyReach>& reach) {
@@ -52,7 +52,7 @@ double degrees(double angle_rad) { return std::round(angle_rad * (180 / kPi) * 1
 /// The angle in [-pi, pi]. Whole turns are removed first, so that a long scan loses no digits.
 double turned(double rate_hz, double phase_rad, double t_s) {
   const double turns = rate_hz * t_s;
-  return std::remainder(2 * kPi * (turns - std::round(turns)) + phase_rad, 2 * kPi);
+  return std::remainder(2 * pi * (turns - std::round(turns)) + phase_rad, 2 * pi);
 }
 
 /// Traces a ray from the focal point through all faces. Uses scalar doubles only: this runs for every pixel

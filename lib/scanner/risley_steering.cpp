@@ -10,7 +10,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 /// The tolerance of the reach, whose ends are rounded themselves: an aim this far outside counts as inside.
 constexpr double kEdge = 1e-15;
 
@@ -34,7 +34,7 @@ void check(const RisleyOptics& optics) {
       return ParameterName{"", std::string(key) + "/" + std::to_string(i)};
     };
     require(prism.index > 1 && prism.index <= 10, name("index"), prism.index, "in (1, 10]");
-    require_angle(prism.wedge_rad >= 0 && prism.wedge_rad < kPi / 2, name("wedge_deg"), prism.wedge_rad,
+    require_angle(prism.wedge_rad >= 0 && prism.wedge_rad < pi / 2, name("wedge_deg"), prism.wedge_rad,
                   "in [0, 90)");
     require(prism.thickness_m > 0 && prism.thickness_m <= 10, name("thickness_m"), prism.thickness_m,
             "in (0, 10]");
@@ -93,11 +93,11 @@ std::optional<RisleyAngles> RisleySteering::angles(const Direction<LidarFrame>& 
   // lose half of the digits at both ends of the reach.
   const double between = 2 * std::atan2(root_of_positive((a + b - sine) * (a + b + sine)),
                                         root_of_positive((sine - (a - b)) * (sine + (a - b))));
-  const double turn_size = across_ * h > 0 ? between : kPi - between;
+  const double turn_size = across_ * h > 0 ? between : pi - between;
   const double turn = branch == RisleyBranch::positive ? turn_size : -turn_size;
   const double azimuth = std::atan2(h * sine_ * std::sin(turn), across_ + h * sine_ * std::cos(turn));
   const double theta_1 = std::atan2(aim.v.y(), aim.v.x()) - azimuth;
-  return RisleyAngles{std::remainder(theta_1, 2 * kPi), std::remainder(theta_1 + turn, 2 * kPi)};
+  return RisleyAngles{std::remainder(theta_1, 2 * pi), std::remainder(theta_1 + turn, 2 * pi)};
 }
 
 std::optional<double> RisleySteering::deflection(double theta_2_rad) const {
@@ -108,12 +108,12 @@ std::optional<double> RisleySteering::deflection(double theta_2_rad) const {
 
 std::optional<RisleyReach> RisleySteering::reach() const {
   const auto aligned = deflection(0);
-  const auto opposed = deflection(kPi);
+  const auto opposed = deflection(pi);
   if (!aligned && !opposed) return std::nullopt;
   if (aligned && opposed) return RisleyReach{std::min(*aligned, *opposed), std::max(*aligned, *opposed)};
   // At one end the boresight is totally reflected: the beam leaves along the face.
   const double grazing =
-      exit_is_tilted_ ? std::acos(before_ - std::sqrt(index_squared_ - 1) * cosine_) : kPi / 2;
+      exit_is_tilted_ ? std::acos(before_ - std::sqrt(index_squared_ - 1) * cosine_) : pi / 2;
   return RisleyReach{aligned ? *aligned : *opposed, grazing};
 }
 

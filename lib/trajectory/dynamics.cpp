@@ -13,7 +13,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kTimeSlack_s = 1e-9;
 constexpr double kMaxPeriods = 2e6;
 constexpr double kMaxTurn_rad = 1;
 

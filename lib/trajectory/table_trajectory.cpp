@@ -16,7 +16,6 @@ namespace landfall {
 namespace {
 
 constexpr double kNormTolerance = 1e-3;
-constexpr double kTimeSlack_s = 1e-9;
 
 void check(const std::vector<TrajectorySample>& samples, const std::string& name) {
   require_timed_rows<TrajectorySample>(samples, name, [](const TrajectorySample& s) {

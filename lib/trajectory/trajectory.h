@@ -8,6 +8,9 @@ namespace landfall {
 /// T_dem_body: position and attitude of the lander.
 using Pose = Transform<DemFrame, BodyFrame>;
 
+/// Times this close to the first or the last one that has a pose have that pose.
+inline constexpr double kTimeSlack_s = 1e-9;
+
 /// The motion of the lander as a pure function of time. Any number of threads may call it.
 class Trajectory {
  public:

@@ -5,6 +5,7 @@
 
 #include "base/parameter_check.h"
 #include "base/random.h"
+#include "terrain/populations/population.h"
 #include "terrain/populations/region.h"
 
 namespace landfall {
@@ -15,8 +16,7 @@ constexpr std::uint64_t kCountDraw = 0;
 constexpr std::uint64_t kXDraw = 1;
 constexpr std::uint64_t kYDraw = 2;
 constexpr std::uint64_t kLengthDraw = 3;
-constexpr std::uint64_t kYawDraw = 4;
-constexpr std::uint64_t kDrawBits = 12;
+constexpr std::uint64_t kLineYawDraw = 4;
 
 template <class Shape>
 Shape with_length(Shape shape, double length_m) {
@@ -70,7 +70,7 @@ std::vector<Feature> LinePattern::features(const PatternSite& site) const {
     events -= std::log(1 - uniform(kCountDraw));
     if (!(events < expected)) return lines;
     const auto line = [&](auto copy) -> FeatureShape {
-      copy.yaw_rad += yaw_spread_rad * (2 * uniform(kYawDraw) - 1);
+      copy.yaw_rad += yaw_spread_rad * (2 * uniform(kLineYawDraw) - 1);
       return with_length(copy, shortest_m + uniform(kLengthDraw) * (copy.length_m - shortest_m));
     };
     lines.push_back({box.west_m + uniform(kXDraw) * (box.east_m - box.west_m),

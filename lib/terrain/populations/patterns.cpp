@@ -10,7 +10,6 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
 constexpr double kAxisRatio = 0.8;
 constexpr double kMaxHeightRatio = 0.75;
 
@@ -40,7 +39,7 @@ template <class F>
 std::vector<Feature> features_of(const PopulationSampler& sampler, const F& shape) {
   const std::vector<ScatteredObject> objects = sampler.objects();
   std::vector<Feature> features(objects.size());
-  parallel_for(objects.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(objects.size(), kObjectsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       features[i] = {objects[i].point.x_m, objects[i].point.y_m, shape(objects[i])};
   });

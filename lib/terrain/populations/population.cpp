@@ -12,14 +12,12 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
 constexpr std::uint64_t kAttempts = 1000;
 
 // Draws of one object. Part of the files' reproducibility: never renumber.
 constexpr std::uint64_t kSizeDraw = 0;
 constexpr std::uint64_t kFurtherDraws = 8;
 constexpr std::uint64_t kPlaceDraws = 16;  // two for each attempt
-constexpr std::uint64_t kDrawBits = 12;
 static_assert(kPlaceDraws + 2 * kAttempts <= std::uint64_t{1} << kDrawBits);
 
 std::uint64_t key_of(int exponent, std::size_t number) {
@@ -125,7 +123,7 @@ std::vector<ScatteredObject> PopulationSampler::draw(const Octave& octave) const
   }
   densities.pop_back();
   std::vector<ScatteredObject> objects(densities.size());
-  parallel_for(objects.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(objects.size(), kObjectsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t key = key_of(octave.exponent, i);
       objects[i] = {draw_point(key, 0, octave.box),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,6 +29,11 @@ struct Population {
   void validate(const std::string& owner) const;
   friend bool operator==(const Population&, const Population&) = default;
 };
+
+/// Objects that one task draws.
+inline constexpr std::size_t kObjectsPerPiece = 4096;
+/// Bits of a draw's number below the seed of the population.
+inline constexpr std::uint64_t kDrawBits = 12;
 
 /// The kind of objects in a population.
 struct PopulationKind {

@@ -18,7 +18,7 @@ constexpr std::int64_t kLimit = 64;     // L1, nodes
 constexpr std::int64_t kPatch = 512;    // period of a patch
 constexpr std::int64_t kOverlap = 128;  // of neighbouring patches
 constexpr std::int64_t kStep = kPatch - kOverlap;
-constexpr std::size_t kRowGrain = 16;
+constexpr std::size_t kFractalRows = 16;
 
 /// Patches are numbered along each axis; patch a covers nodes [a kStep - kOverlap, (a + 1) kStep).
 std::int64_t first_node(std::int64_t patch) { return patch * kStep - kOverlap; }
@@ -97,7 +97,7 @@ void LargeFractal::add_long_waves(Grid<double>& strip) const {
     weights[i] = cubic_weights(static_cast<double>(i) / static_cast<double>(kCoarse));
   const std::int64_t first_row = strip.spec().first_row - grid_.first_row;
   parallel_for(
-      static_cast<std::size_t>(strip.spec().rows), kRowGrain, [&](std::size_t begin, std::size_t end) {
+      static_cast<std::size_t>(strip.spec().rows), kFractalRows, [&](std::size_t begin, std::size_t end) {
         std::vector<double> line(static_cast<std::size_t>(long_waves_.spec().cols));
         for (std::size_t r = begin; r < end; ++r) {
           const std::int64_t row = first_row + static_cast<std::int64_t>(r);
@@ -142,7 +142,7 @@ void LargeFractal::add_patches(Grid<double>& strip, std::int64_t number, const P
   const std::int64_t strip_row = strip.spec().first_row - grid_.first_row;
   const std::int64_t begin_row = std::max<std::int64_t>(first_node(number) - strip_row, 0);
   const std::int64_t end_row = std::min(first_node(number) + kPatch - strip_row, strip.spec().rows);
-  parallel_for(static_cast<std::size_t>(end_row - begin_row), kRowGrain,
+  parallel_for(static_cast<std::size_t>(end_row - begin_row), kFractalRows,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t r = begin; r < end; ++r) {
                    const std::int64_t row = begin_row + static_cast<std::int64_t>(r);

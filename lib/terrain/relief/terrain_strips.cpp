@@ -20,7 +20,7 @@ namespace landfall {
 namespace {
 
 constexpr std::int64_t kMaxNodes = std::int64_t{1} << 30U;  // 8 GiB of elevations
-constexpr std::size_t kRowGrain = 16;
+constexpr std::size_t kStripRows = 16;
 constexpr std::int64_t kBorderRows = 2;
 
 TerrainModel checked(TerrainModel model, const GridSpec& spec) {
@@ -43,7 +43,7 @@ template <class F>
 void for_each_node(Grid<double>& z, const ProgressCallback& progress, const F& set) {
   const GridSpec spec = z.spec();
   parallel_for(
-      static_cast<std::size_t>(spec.rows), kRowGrain,
+      static_cast<std::size_t>(spec.rows), kStripRows,
       [&](std::size_t begin, std::size_t end) {
         for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
           for (std::int64_t col = 0; col < spec.cols; ++col) set(z.at({row, col}), spec.x(col), spec.y(row));
@@ -54,8 +54,8 @@ void for_each_node(Grid<double>& z, const ProgressCallback& progress, const F& s
 /// The elevation of the raster that becomes 0.
 double datum_of(const DemBase& dem, const DemRaster& raster) {
   if (dem.datum == Datum::none) return 0;
-  const double datum_m =
-      dem.vertical_scale.value_or(1) * interpolate(raster.samples, dem.interpolation, raster.mapping.pixel({0, 0}));
+  const double datum_m = dem.vertical_scale.value_or(1) *
+                         interpolate(raster.samples, dem.interpolation, raster.mapping.pixel({0, 0}));
   if (!std::isfinite(datum_m))
     throw FormatError(dem.path +
                       ": has no elevation at the site centre, which datum \"center\" needs; give another "
@@ -80,7 +80,8 @@ bool add_raster(Grid<double>& z, const DemRaster& raster, const DemBase& dem, do
       message << dem.path << ": the site's node at (" << x_m << ", " << y_m << ") m lies outside the raster";
       throw FormatError(message.str());
     }
-    const double elevation = dem.vertical_scale.value_or(1) * interpolate(raster.samples, dem.interpolation, pixel);
+    const double elevation =
+        dem.vertical_scale.value_or(1) * interpolate(raster.samples, dem.interpolation, pixel);
     if (std::isfinite(elevation) && !any_finite.load(std::memory_order_relaxed)) any_finite = true;
     node += elevation - datum_m;
   });
@@ -93,7 +94,7 @@ std::optional<BinIndex> first_absurd_node(const Grid<double>& z, const ProgressC
   const auto is_absurd = [](double z_m) { return std::abs(z_m) > kLargestCoordinate_m; };
   std::atomic<std::int64_t> first_row = z.spec().rows;
   parallel_for(
-      static_cast<std::size_t>(z.spec().rows), kRowGrain,
+      static_cast<std::size_t>(z.spec().rows), kStripRows,
       [&](std::size_t begin, std::size_t end) {
         for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
           if (std::ranges::none_of(z.row(row), is_absurd)) continue;
