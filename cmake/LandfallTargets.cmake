@@ -67,16 +67,23 @@ function(landfall_builds_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# landfall_library(module SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...] [PRECOMPILED name])
-# A static library landfall::<module> that may include exactly what it links.
+# landfall_library(module [UNITY] SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...]
+#                  [PRECOMPILED name])
+# A static library landfall::<module> that may include exactly what it links. UNITY: most of its time is that of headers, so
+# that LANDFALL_UNITY compiles eight of its units at a time; their unnamed namespaces must not collide.
 function(landfall_library module)
-  cmake_parse_arguments(arg "" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(landfall_${module} STATIC ${arg_SOURCES})
   add_library(landfall::${module} ALIAS landfall_${module})
   target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
   if(arg_PRECOMPILED)
     target_precompile_headers(landfall_${module} REUSE_FROM precompiled_${arg_PRECOMPILED})
     landfall_uses_precompiled_strings(landfall_${module})
+  endif()
+  if(arg_UNITY AND LANDFALL_UNITY)
+    set_target_properties(landfall_${module} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # g++ takes unnamed namespaces of files that another one includes for those of headers.
+    target_compile_options(landfall_${module} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
 
