@@ -60,6 +60,41 @@ TEST_F(VerticalUnit, OfACompoundCrsIsConverted) {
   EXPECT_DOUBLE_EQ(loaded(of("ftUS", kFeetAboveSea)), 100 * 1200.0 / 3937);
 }
 
+// netCDF keeps a band's unit and its sign in attributes of the variable.
+class NetcdfRaster : public VerticalUnit {
+ protected:
+  DemBase netcdf(const TestRaster& raster) {
+    GDALAllRegister();
+    DemBase dem = written(raster);
+    const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
+    if (!raster.unit.empty()) source->GetRasterBand(1)->SetMetadataItem("units", raster.unit.c_str());
+    dem.path = (folder_ / "site.nc").string();
+    GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("netCDF");
+    const auto copy = GDALDatasetUniquePtr(
+        driver->CreateCopy(dem.path.c_str(), source.get(), 0, nullptr, nullptr, nullptr));
+    EXPECT_NE(copy, nullptr);
+    return dem;
+  }
+};
+
+TEST_F(NetcdfRaster, IsConvertedByItsUnit) {
+  TestRaster raster{4, 4, [](int, int) { return 2; }, "Float64", {{0, 1, 0, 0, 0, -1}}, "EPSG:32631", {}, 1,
+                    0, {}};
+  for (const auto& [unit, metres] : {std::pair{"", 2.0}, {"m", 2.0}, {"km", 2000.0}, {"feet", 0.6096}}) {
+    raster.unit = unit;
+    EXPECT_DOUBLE_EQ(loaded(netcdf(raster)), metres) << unit;
+  }
+  raster.unit = "kelvin";
+  EXPECT_THAT(refusal(netcdf(raster)), AllOf(HasSubstr("'kelvin'"), HasSubstr("vertical_scale")));
+}
+
+TEST_F(NetcdfRaster, OfSignedBytesIsReadAsSigned) {
+  const auto value = [](int, int) { return 132; };
+  EXPECT_EQ(loaded(netcdf({4, 4, value, "SignedByte", {{0, 1, 0, 0, 0, -1}}, "EPSG:32631", {}, 1, 0, {}})),
+            -124);
+  EXPECT_EQ(loaded(netcdf({4, 4, value, "Byte", {{0, 1, 0, 0, 0, -1}}, "EPSG:32631", {}, 1, 0, {}})), 132);
+}
+
 TEST_F(VerticalUnit, ThatIsInDoubtIsRefusedAndCanBeOverridden) {
   DemBase dem = of("m", kFeetAboveSea);
   EXPECT_THAT(refusal(dem),
@@ -95,18 +130,46 @@ TEST_F(LoadDem, RoundsResampledBytesAsTheBandDoes) {
   for (const double z : raster.samples.values) EXPECT_EQ(z, std::round(z));
 }
 
-TEST_F(LoadDem, RefusesAnAnymapBesideTheHeaderOfARawRaster) {
-  DemBase dem;
-  dem.path = (folder_ / "site.pgm").string();
-  std::ofstream(dem.path) << "P5\n4 4\n255\n" << std::string(64, 'x');
-  std::ofstream(folder_ / "site.hdr") << "nrows 4\nncols 4\nnbits 8\nbyteorder I\nlayout bil\n"
-                                         "ulxmap 0\nulymap 3\nxdim 1\nydim 1\n";
-  dem.horizontal_scale_m = 1;
+/// An image beside the header of a raw raster of the same name.
+class BesideARawHeader : public LoadDem {
+ protected:
+  /// 16 x 16 bytes of 100 + column in the format of a driver; landfall reads the files of some drivers only.
+  DemBase image(const char* driver, const char* extension) {
+    GDALAllRegister();
+    const auto value = [](int col, int) { return 100 + col; };
+    DemBase dem = written({16, 16, value, "Byte", {}, "", {}, 1, 0, {}});
+    const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
+    dem.path = (folder_ / "site").string() + extension;
+    const auto copy = GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(
+        dem.path.c_str(), source.get(), 0, nullptr, nullptr, nullptr));
+    EXPECT_NE(copy, nullptr);
+    std::ofstream(folder_ / "site.hdr") << "nrows 4\nncols 4\nnbits 8\nbyteorder I\nlayout bil\n"
+                                           "ulxmap 0\nulymap 3\nxdim 5\nydim 5\n";
+    dem.horizontal_scale_m = 1;
+    return dem;
+  }
+};
+
+TEST_F(BesideARawHeader, AnAnymapIsRefused) {
+  const DemBase dem = image("PNM", ".pgm");
   try {
     (void)load_dem(dem, GridSpec::centered(1, 1));
     FAIL() << "was loaded";
   } catch (const FormatError& error) {
     EXPECT_THAT(error.what(), HasSubstr("site.pgm: is a PNM file"));
+  }
+}
+
+TEST_F(BesideARawHeader, OtherImagesKeepTheirOwnValues) {
+  for (const auto& [driver, extension] : {std::pair{"PNG", ".png"}, {"GTiff", ".tif"}, {"JPEG", ".jpg"}}) {
+    const DemRaster raster = load_dem(image(driver, extension), GridSpec::centered(7, 1));
+    const std::int64_t last = raster.samples.size.cols - 1;
+    ASSERT_GE(last, 8) << driver;  // the header has 4 columns
+    const double first = raster.samples.at(0, 0);
+    EXPECT_NEAR(first, 100, 8) << driver;
+    const double tolerance = driver == std::string_view("JPEG") ? 2 : 0;
+    for (std::int64_t col = 0; col <= last; ++col)
+      EXPECT_NEAR(raster.samples.at(last, col), first + static_cast<double>(col), tolerance) << driver;
   }
 }
 
@@ -177,6 +240,27 @@ TEST_F(LoadDem, RefusesADtedCellWithAWrongChecksum) {
   file.put('\x10');
   file.close();
   EXPECT_THROW((void)load_dem(dem, site), FormatError);
+}
+
+// libjpeg fills what is missing with grey and only warns. The warning counts even where GDAL is told not to
+// make an error of it.
+TEST_F(LoadDem, RefusesATruncatedJpeg) {
+  GDALAllRegister();
+  const auto value = [](int col, int row) { return 40 + (col * row) % 80; };
+  DemBase dem = written({256, 256, value, "Byte", {}, "", {}, 1, 0, {}});
+  const auto source = GDALDatasetUniquePtr(GDALDataset::Open(dem.path.c_str()));
+  dem.path = (folder_ / "site.jpg").string();
+  ASSERT_NE(GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName("JPEG")->CreateCopy(
+                dem.path.c_str(), source.get(), 0, nullptr, nullptr, nullptr)),
+            nullptr);
+  dem.horizontal_scale_m = 1;
+  const GridSpec site = GridSpec::centered(120, 1);
+  EXPECT_NO_THROW((void)load_dem(dem, site));
+  std::filesystem::resize_file(dem.path, std::filesystem::file_size(dem.path) / 2);
+  EXPECT_THROW((void)load_dem(dem, site), FormatError);
+  CPLSetThreadLocalConfigOption("GDAL_ERROR_ON_LIBJPEG_WARNING", "NO");
+  EXPECT_THROW((void)load_dem(dem, site), FormatError);
+  CPLSetThreadLocalConfigOption("GDAL_ERROR_ON_LIBJPEG_WARNING", nullptr);
 }
 
 }  // namespace
