@@ -77,7 +77,7 @@ if (places.length > 1) event("pointerup", places[places.length - 1]);
 SCALES = """
 return Object.fromEntries(panels.filter((p) => p.options.region && ["signed", "magnitude"].includes(p.raster.layer.style)).map(
     (p) => [p.raster.layer.name, {low: p.scale.low, high: p.scale.high, marks: p.svg.querySelectorAll("polygon.limit").length,
-        limit: p.raster.layer.limit_m, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
+        limit: p.raster.layer.limit, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
 """
 # The contrast of the text of an element with the first background behind it (WCAG 2, 1.4.3).
 CONTRAST = """
@@ -277,7 +277,7 @@ class ReportTest(ToolTest):
         self.assertAlmostEqual(float(shown["z_est"].split()[0].replace("\u2212", "-")), z_est[57, 40], delta=1e-3)
         self.assertAlmostEqual(float(shown["rel_z"].split()[0]) / 100, rel_z[57, 40], delta=1e-3)
         self.assertEqual(shown["count"], str(count[57, 40]))
-        self.assertEqual(shown["fail"], self.window.run("return failText(arguments[0])", int(self.layers("fail")[0][57, 40])))
+        self.assertEqual(shown["fail"], self.window.run("return flagText(layerNamed('fail'), arguments[0])", int(self.layers("fail")[0][57, 40])))
         self.check_log_and_requests()
 
     def test_a_dragged_line_gives_the_profile_of_the_file(self):

@@ -41,6 +41,15 @@ class Raster {
     return this.markedCount;
   }
 
+  /** Only the bits of a layer of classes that are marks; other layers as they are. */
+  marks() {
+    if (this.layer.style !== "classes") return this;
+    const bits = this.layer.flags.reduce((sum, flag) => sum | (flag.is_mark ? flag.bits : 0), 0);
+    this.marked_ ??= Object.assign(Object.create(Raster.prototype), this, {
+      codes: this.codes.map((code) => code & bits), markedCount: undefined});
+    return this.marked_;
+  }
+
   hasValue() {
     return this.codes.some((code) => code !== NO_VALUE_CODE);
   }
