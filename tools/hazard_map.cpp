@@ -13,6 +13,7 @@
 #include "cli/tool.h"
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
+#include "report/hazard_page.h"
 #include "scene/scene.h"
 
 namespace landfall {
@@ -20,6 +21,7 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   hazard-map dem.h5 -o hazards.h5 --sites sites.json --table
+  hazard-map dem.h5 -o hazards.h5 --report hazards.html
   hazard-map dem.h5 --terrain terrain.h5 -o hazards.h5 --score score.json
   hazard-map terrain.h5 -c preset:jpl-2015 -o hazards.h5
   hazard-map dem.h5 -o hazards.h5 --set limits.slope_deg=15 --require-safe
@@ -33,7 +35,7 @@ constexpr const char* kDescription =
 If the DEM has the true elevations, they are judged in the same way: the layer outcome shows missed hazards and false alarms, and --score writes their numbers as JSON.)";
 
 struct Options {
-  std::string map, terrain, sites, score;
+  std::string map, terrain, sites, score, report, title;
   bool no_truth = false;
   bool table = false;
   bool require_safe = false;
@@ -48,6 +50,10 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--no-truth", o.no_truth, "Ignore the true elevations of the DEM");
   app.add_option("--sites", o.sites, "Write the landing sites as JSON")->type_name("FILE");
   app.add_option("--score", o.score, "Write the comparison with the truth as JSON")->type_name("FILE");
+  app.add_option("--report", o.report, "Write a report: one HTML file with maps, sites and score")
+      ->type_name("FILE");
+  app.add_option("--title", o.title, "Title of the report; default: the site and the lidar in words")
+      ->type_name("TEXT");
   app.add_flag("--table", o.table, "Print places, sites and score; default on a terminal");
   app.add_flag("--require-safe", o.require_safe,
                "Exit with 3 unless a site has a p_touchdown of at least sites.min_p");
@@ -62,6 +68,8 @@ void check(const cli::CommonOptions& common, const Options& o) {
     throw UsageError("--terrain completes the truth, which --no-truth ignores");
   if (o.sites == "-" || o.score == "-")
     throw UsageError("--sites and --score need a file; --table prints both");
+  if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
+  if (o.report == "-") throw UsageError("--report needs a file");
 }
 
 bool is_upstream(const nlohmann::json& chain, const std::string& file_id) {
@@ -117,6 +125,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const OutputOptions output = session.output(inputs);
   const auto sites_file = session.side_output("--sites", o.sites, inputs);
   const auto score_file = session.side_output("--score", o.score, inputs);
+  const auto report_file = session.side_output("--report", o.report, inputs);
   Provenance provenance = session.provenance();
   if (o.no_truth) provenance.options = {{"no_truth", true}};
   HazardSource source;
@@ -132,9 +141,12 @@ ExitCode run(cli::Session& session, const Options& o) {
     LandfallFileWriter file(output, "hazards", provenance);
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
+    if (report_file)
+      write_text(*report_file, html_report::hazard_page({input, parameters, map}, provenance, o.title));
     write_hazards(file, map, source.crs_wkt);
     if (sites_file) sites_file->commit();
     if (score_file) score_file->commit();
+    if (report_file) report_file->commit();
   });
   if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
     std::cout << cli::hazard_table(map);
