@@ -133,7 +133,7 @@ class MapPanel {
     const rows = pixelShares(height, this.raster.height_m / blocks.cell_m, blocks.rows).reverse();
     const pixels = stretched(this.blockColors(blocks, isAveraged && style === "mask"), blocks.cols, columns, rows);
     context.putImageData(new ImageData(pixels, width, height), 0, 0);
-    if (marks) this.paintMarks(context, marks, ratio);
+    if (marks) this.paintMarks(context, marks);
     this.paintRegionEdge(context, ratio);
     this.tell(blocks.stride, isAveraged && cells > 1, marks !== null && marks.length > 0);
   }
@@ -172,22 +172,24 @@ class MapPanel {
     return isShare ? color.map((part, k) => ground[k] + value * (part - ground[k])) : color;
   }
 
-  /** The marks to be painted at least 3 pixels wide, because a single bad bin of a large map would not be visible: those
-   * with at most one neighbour. Null if less than 1 % of the region and of the map must not be hidden by them. */
+  /** The marks to be painted, those with at most one neighbour at least 3 pixels wide, because a single bad bin of a large
+   * map would not be visible: [{x, y, value, size}]. Null if less than 1 % of the region and of the map must not be hidden by them. */
   enlargedMarks(stride, ratio) {
     const source = this.isMarks() ? this.raster.marks() : this.options.marks;
     if (!source || !fewMarks(source, this.options.region)) return null;
-    const blocks = blocksOf(source, stride);
+    const blocks = blocksOf(source, stride), isClass = source.layer.style === "classes";
     const pixels = this.canvas.width * blocks.cell_m / this.raster.width_m, size = Math.round(3 * ratio);
-    if (pixels >= size) return [];
-    const marks = loneMarks(blocks).map(({row, col, value}) => ({
-      x: (col + 0.5) * pixels, y: this.canvas.height - (row + 0.5) * pixels, value}));
-    return marks.length * size ** 2 < MOST_MARKED * this.canvas.width * this.canvas.height ? marks : null;
+    if (pixels >= size && !isClass) return [];
+    const placed = ({row, col, value}, width) => ({x: (col + 0.5) * pixels, y: this.canvas.height - (row + 0.5) * pixels, value, size: width});
+    const lone = pixels >= size ? [] : loneMarks(blocks).map((mark) => placed(mark, size));
+    const hasRoom = lone.length * size ** 2 < MOST_MARKED * this.canvas.width * this.canvas.height;
+    if (!isClass) return hasRoom ? lone : null;
+    // Averaged colours would hide the marks of classes, so that all are painted, and single ones on top.
+    return [...allMarks(blocks).map((mark) => placed(mark, Math.max(Math.round(2 * ratio), Math.ceil(pixels)))), ...(hasRoom ? lone : [])];
   }
 
-  paintMarks(context, marks, ratio) {
-    const size = Math.round(3 * ratio);
-    for (const {x, y, value} of marks) {
+  paintMarks(context, marks) {
+    for (const {x, y, value, size} of marks) {
       context.fillStyle = this.isMarks() ? markColor(this.raster.layer, value) : MARK_COLOR;
       context.fillRect(Math.round(x - size / 2), Math.round(y - size / 2), size, size);
     }
@@ -197,7 +199,7 @@ class MapPanel {
   tell(stride, averaged, enlarged) {
     const bins = stride * this.raster.factor;
     const texts = [this.note(), bins === 1 ? "" : `blocks of ${bins} x ${bins} bins`, averaged ? "averaged in each pixel" : "",
-                   !enlarged ? "" : this.isMarks() ? "single ones enlarged" : "magenta: single invalid bins, enlarged"];
+                   !enlarged ? "" : this.raster.layer.style === "classes" ? "wrong places on top" : this.isMarks() ? "single ones enlarged" : "magenta: single invalid bins, enlarged"];
     this.noteText.textContent = texts.filter((text) => text !== "").join("; ") || "\u00a0";
   }
 

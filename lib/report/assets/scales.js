@@ -67,7 +67,7 @@ function scaleOf(raster) {
 /** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if they are to be shown, the limits. At
  * least 0.001, so that rounding errors do not appear in colour. */
 function errorEnds(raster) {
-  const magnitudes = sampleOf([raster]).map(Math.abs).sort();
+  const magnitudes = sampleOf(raster.peers ?? [raster]).map(Math.abs).sort();
   const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit ?? 0) : 0;
   const bound = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), limit, 1e-3);
   return [raster.layer.style === "signed" ? -bound : 0, bound];
