@@ -267,6 +267,29 @@ class HazardReportTest(PageTest):
         self.assertEqual(self.window.run("return document.querySelectorAll('.site').length"), 0)
         self.check_page()
 
+    def test_only_the_best_sites_are_drawn(self):
+        _, sites = self.report(None, with_values(HAZARD, sites__count=12, sites__separation_m=0.3))
+        self.assertEqual(len(sites), 12)
+        self.assertEqual(len(self.cells("#landing-sites")), 12)
+        ranks = self.window.run("return [...document.querySelectorAll('.site')].map((s) => Number(s.dataset.rank))")
+        self.assertEqual(sorted(set(ranks)), list(range(1, 11)))
+        self.check_log_and_requests()
+
+    def test_a_method_without_poses(self):
+        self.report(None, HAZARD)
+        page = read_bytes(self.path("hazards.html")).decode()
+        begin = page.index('id="report-data">') + len('id="report-data">')
+        end = page.index("</script>", begin)
+        data = json.loads(page[begin:end])
+        for site in data["sites"]:
+            site["poses"] = None
+        with open(self.path("bare.html"), "w", encoding="utf-8") as file:
+            file.write(page[:begin] + json.dumps(data) + page[end:])
+        self.open("bare.html")
+        self.assertIn("without a pose", self.text("#no-poses"))
+        self.assertEqual(self.window.run("return document.querySelectorAll('.site').length"), 0)
+        self.check_log_and_requests()
+
     def test_truth_that_is_nowhere_known(self):
         dem = self.path("blind.h5")
         self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID, "r.json"), "--terrain", self.chain.terrain, "-o", dem)
