@@ -5,16 +5,15 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>
-#include <utility>
 #include <vector>
 
+#include "cli/hazard_input.h"
 #include "cli/hazard_table.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
 #include "report/hazard_page.h"
-#include "scene/scene.h"
 
 namespace landfall {
 namespace {
@@ -72,51 +71,6 @@ void check(const cli::CommonOptions& common, const Options& o) {
   if (o.report == "-") throw UsageError("--report needs a file");
 }
 
-bool is_upstream(const nlohmann::json& chain, const std::string& file_id) {
-  for (const nlohmann::json& step : chain)
-    if (step.value("file_id", "") == file_id) return true;
-  return false;
-}
-
-/// Gives the bins of filled holes the elevation of the terrain.
-void fill_from_terrain(cli::Session& session, const Options& o, const HazardSource& source,
-                       const std::vector<FillableBin>& holes, HazardInput& input, Provenance& provenance) {
-  Scene terrain;
-  session.phase("terrain", [&](const ProgressCallback& progress) {
-    terrain = open_scene({.terrain = o.terrain, .use = SceneUse::surface}, progress);
-  });
-  provenance.add_input("terrain", terrain.file_id, terrain.chain);
-  if (!is_upstream(source.chain, terrain.file_id))
-    session.warn(o.terrain + " is not the terrain that " + o.map + " was made from");
-  const TruthCentroids centroids = read_truth_centroids(o.map);
-  const std::vector<TruthPosition> positions =
-      truth_positions(*input.z_true, centroids.x, centroids.y, holes);
-  for (const TruthPosition& at : positions) {
-    if (terrain.window) terrain.window->require({at.x_m, at.x_m, at.y_m, at.y_m});
-    input.z_true->at(at.bin) = terrain.surface->elevation(at.x_m, at.y_m);
-  }
-}
-
-HazardInput complete_map(cli::Session& session, const Options& o, HazardSource& source,
-                         const HazardParameters& parameters, Provenance& provenance) {
-  BinMask nothing_filled(source.z.spec());
-  HazardInput input{std::move(source.z), std::move(source.z_true), std::move(nothing_filled),
-                    std::move(source.z_sigma)};
-  const std::vector<FillableBin> holes = small_holes(input.z, parameters.hole_fill_bins);
-  if (input.z_true && !o.terrain.empty())
-    fill_from_terrain(session, o, source, holes, input, provenance);
-  else if (input.z_true)
-    input.filled_truth = fill_truth(*input.z_true, holes);
-  if (!o.terrain.empty() && !input.z_true)
-    session.warn("--terrain is ignored: " + o.map + " has no true elevations (z_true)");
-  fill_holes(input.z, holes);
-  if (input.z_sigma)
-    fill_holes(*input.z_sigma, holes);
-  else if (parameters.z_sigma_m)
-    input.z_sigma = Grid<double>(input.z.spec(), *parameters.z_sigma_m);
-  return input;
-}
-
 ExitCode run(cli::Session& session, const Options& o) {
   check(session.options(), o);
   const HazardParameters parameters = hazard_config(session.config());
@@ -134,7 +88,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   provenance.add_input(source.kind, source.file_id, source.chain);
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
-  input = complete_map(session, o, source, parameters, provenance);
+  input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
   HazardMap map;
   session.name_misfit(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
   session.phase("write", [&](const ProgressCallback&) {
