@@ -5,21 +5,22 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <optional>
-#include <utility>
 #include <vector>
 
+#include "cli/hazard_input.h"
 #include "cli/hazard_table.h"
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/hazard_config.h"
 #include "files/hazard_file.h"
-#include "scene/scene.h"
+#include "report/hazard_page.h"
 
 namespace landfall {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
   hazard-map dem.h5 -o hazards.h5 --sites sites.json --table
+  hazard-map dem.h5 -o hazards.h5 --report hazards.html
   hazard-map dem.h5 --terrain terrain.h5 -o hazards.h5 --score score.json
   hazard-map terrain.h5 -c preset:jpl-2015 -o hazards.h5
   hazard-map dem.h5 -o hazards.h5 --set limits.slope_deg=15 --require-safe
@@ -33,7 +34,7 @@ constexpr const char* kDescription =
 If the DEM has the true elevations, they are judged in the same way: the layer outcome shows missed hazards and false alarms, and --score writes their numbers as JSON.)";
 
 struct Options {
-  std::string map, terrain, sites, score;
+  std::string map, terrain, sites, score, report, title;
   bool no_truth = false;
   bool table = false;
   bool require_safe = false;
@@ -48,6 +49,10 @@ void bind(CLI::App& app, Options& o) {
   app.add_flag("--no-truth", o.no_truth, "Ignore the true elevations of the DEM");
   app.add_option("--sites", o.sites, "Write the landing sites as JSON")->type_name("FILE");
   app.add_option("--score", o.score, "Write the comparison with the truth as JSON")->type_name("FILE");
+  app.add_option("--report", o.report, "Write a report: one HTML file with maps, sites and score")
+      ->type_name("FILE");
+  app.add_option("--title", o.title, "Title of the report; default: the site and the lidar in words")
+      ->type_name("TEXT");
   app.add_flag("--table", o.table, "Print places, sites and score; default on a terminal");
   app.add_flag("--require-safe", o.require_safe,
                "Exit with 3 unless a site has a p_touchdown of at least sites.min_p");
@@ -62,51 +67,8 @@ void check(const cli::CommonOptions& common, const Options& o) {
     throw UsageError("--terrain completes the truth, which --no-truth ignores");
   if (o.sites == "-" || o.score == "-")
     throw UsageError("--sites and --score need a file; --table prints both");
-}
-
-bool is_upstream(const nlohmann::json& chain, const std::string& file_id) {
-  for (const nlohmann::json& step : chain)
-    if (step.value("file_id", "") == file_id) return true;
-  return false;
-}
-
-/// Gives the bins of filled holes the elevation of the terrain.
-void fill_from_terrain(cli::Session& session, const Options& o, const HazardSource& source,
-                       const std::vector<FillableBin>& holes, HazardInput& input, Provenance& provenance) {
-  Scene terrain;
-  session.phase("terrain", [&](const ProgressCallback& progress) {
-    terrain = open_scene({.terrain = o.terrain, .use = SceneUse::surface}, progress);
-  });
-  provenance.add_input("terrain", terrain.file_id, terrain.chain);
-  if (!is_upstream(source.chain, terrain.file_id))
-    session.warn(o.terrain + " is not the terrain that " + o.map + " was made from");
-  const TruthCentroids centroids = read_truth_centroids(o.map);
-  const std::vector<TruthPosition> positions =
-      truth_positions(*input.z_true, centroids.x, centroids.y, holes);
-  for (const TruthPosition& at : positions) {
-    if (terrain.window) terrain.window->require({at.x_m, at.x_m, at.y_m, at.y_m});
-    input.z_true->at(at.bin) = terrain.surface->elevation(at.x_m, at.y_m);
-  }
-}
-
-HazardInput complete_map(cli::Session& session, const Options& o, HazardSource& source,
-                         const HazardParameters& parameters, Provenance& provenance) {
-  BinMask nothing_filled(source.z.spec());
-  HazardInput input{std::move(source.z), std::move(source.z_true), std::move(nothing_filled),
-                    std::move(source.z_sigma)};
-  const std::vector<FillableBin> holes = small_holes(input.z, parameters.hole_fill_bins);
-  if (input.z_true && !o.terrain.empty())
-    fill_from_terrain(session, o, source, holes, input, provenance);
-  else if (input.z_true)
-    input.filled_truth = fill_truth(*input.z_true, holes);
-  if (!o.terrain.empty() && !input.z_true)
-    session.warn("--terrain is ignored: " + o.map + " has no true elevations (z_true)");
-  fill_holes(input.z, holes);
-  if (input.z_sigma)
-    fill_holes(*input.z_sigma, holes);
-  else if (parameters.z_sigma_m)
-    input.z_sigma = Grid<double>(input.z.spec(), *parameters.z_sigma_m);
-  return input;
+  if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
+  if (o.report == "-") throw UsageError("--report needs a file");
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
@@ -117,6 +79,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const OutputOptions output = session.output(inputs);
   const auto sites_file = session.side_output("--sites", o.sites, inputs);
   const auto score_file = session.side_output("--score", o.score, inputs);
+  const auto report_file = session.side_output("--report", o.report, inputs);
   Provenance provenance = session.provenance();
   if (o.no_truth) provenance.options = {{"no_truth", true}};
   HazardSource source;
@@ -125,16 +88,19 @@ ExitCode run(cli::Session& session, const Options& o) {
   provenance.add_input(source.kind, source.file_id, source.chain);
   if (score_file && !source.z_true)
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
-  input = complete_map(session, o, source, parameters, provenance);
+  input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
   HazardMap map;
   session.name_misfit(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
   session.phase("write", [&](const ProgressCallback&) {
     LandfallFileWriter file(output, "hazards", provenance);
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");
     if (score_file) write_text(*score_file, score_json(map.truth->score).dump(2) + "\n");
+    if (report_file)
+      write_text(*report_file, html_report::hazard_page({input, parameters, map}, provenance, o.title));
     write_hazards(file, map, source.crs_wkt);
     if (sites_file) sites_file->commit();
     if (score_file) score_file->commit();
+    if (report_file) report_file->commit();
   });
   if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
     std::cout << cli::hazard_table(map);

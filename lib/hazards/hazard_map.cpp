@@ -190,4 +190,13 @@ HazardMap map_hazards(const HazardInput& input, const HazardParameters& paramete
   return map;
 }
 
+std::optional<WorstPoses> worst_poses(const Grid<double>& z, const HazardParameters& parameters,
+                                      BinIndex place) {
+  const double resolution_m = z.spec().resolution_m;
+  const LanderStencil lander(lander_for(parameters, resolution_m), resolution_m);
+  if (parameters.method == HazardMethod::contact) return worst_contact_poses(z, lander, place);
+  if (parameters.method == HazardMethod::plane) return least_squares_poses(z, lander, place);
+  return {};
+}
+
 }  // namespace landfall

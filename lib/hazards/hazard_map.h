@@ -7,6 +7,7 @@
 
 #include "base/progress.h"
 #include "hazards/hole_filling.h"
+#include "hazards/pose.h"
 #include "hazards/safety.h"
 #include "hazards/sites.h"
 
@@ -95,5 +96,10 @@ struct PlaceCounts {
 /// says why if every place is unknown.
 [[nodiscard]] HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
                                     const PhaseRunner& phase);
+
+/// The poses that give a place of the filled map its slope and roughness. None at an unknown place, and for a
+/// method whose measures are not those of one pose.
+[[nodiscard]] std::optional<WorstPoses> worst_poses(const Grid<double>& z, const HazardParameters& parameters,
+                                                    BinIndex place);
 
 }  // namespace landfall

@@ -117,13 +117,13 @@ std::string scan_in_numbers(const Json& scan) {
 
 }  // namespace
 
-std::string title_of(const Json& steps) {
+std::string title_of(const Json& steps, const std::string& otherwise) {
   std::vector<std::string> parts;
   const std::string site = site_of(config_of(steps, "terrain-gen"));
   if (!site.empty()) parts.push_back(site);
   const Json scanner = at(config_of(steps, "scan-sim"), "/scanner/type");
   if (scanner.is_string()) parts.push_back(words(scanner) + " scanner");
-  return parts.empty() ? "DEM evaluation" : joined(parts, ", ", ", ");
+  return parts.empty() ? otherwise : joined(parts, ", ", ", ");
 }
 
 std::string origin_of(const Json& steps) {

@@ -3,10 +3,10 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "evaluation/evaluate.h"
+#include "report/page_data.h"
 #include "report/report_layers.h"
 #include "report/worst_footprints.h"
 
@@ -21,12 +21,6 @@ struct ReportContent {
   /// The steps up to the evaluation, oldest first, the evaluation last: Provenance::as_step(). Not empty.
   const nlohmann::json& steps;
   std::string title = {};  ///< the user's; if empty, the page makes one of the steps
-};
-
-/// The data that the page's scripts draw: plain values, and separately the packed() texts by name.
-struct ReportData {
-  nlohmann::ordered_json values;
-  std::vector<std::pair<std::string, std::string>> packed;
 };
 
 [[nodiscard]] ReportData report_data(const ReportContent& content);

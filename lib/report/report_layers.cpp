@@ -14,38 +14,6 @@ namespace {
 
 constexpr std::size_t kHistogramClasses = 1000;
 
-/// Errors have about as many steps as a colour map has shades, because digits of noise would enlarge the
-/// file. Elevations have more steps, because relief is shown in three dimensions.
-int steps_of(Style style) {
-  return style == Style::signed_error || style == Style::magnitude ? kErrorSteps : kMaxSteps;
-}
-
-bool is_whole(Style style) { return style == Style::count || style == Style::mask || style == Style::flags; }
-
-/// Uses a step of 1 or more, even for a small range of values.
-Quantised quantise_whole(const std::vector<double>& cells) {
-  Quantised result = quantise(cells, kMaxSteps);
-  if (result.step >= 1 || result.high >= kMaxSteps || result.low < 0) return result;
-  result.offset = 0;
-  result.step = 1;
-  std::ranges::transform(cells, result.codes.begin(), [](double value) {
-    return std::isfinite(value) ? static_cast<std::uint16_t>(value) : kNoValueCode;
-  });
-  return result;
-}
-
-/// Shares in steps of 0.1 %, rounded up: only a block without any marked bin has the code 0.
-Quantised quantise_shares(const std::vector<double>& cells) {
-  constexpr double kSteps = 1000;
-  Quantised result = quantise(cells, kMaxSteps);
-  result.offset = 0;
-  result.step = 1 / kSteps;
-  std::ranges::transform(cells, result.codes.begin(), [](double share) {
-    return static_cast<std::uint16_t>(std::ceil(share * kSteps - 1e-9));
-  });
-  return result;
-}
-
 float larger(float a, double b) {
   const auto share = static_cast<float>(b);
   return std::isnan(a) || share > a ? share : a;
@@ -59,36 +27,30 @@ ReportLayers::ReportLayers(const GridSpec& spec, const EvaluationParameters& par
 
 template <class T>
 void ReportLayers::add(ReportLayer layer, const Grid<T>& values) {
-  const std::vector<double> cells = reduce(values, factor_, layer.rule).cells;
-  if (layer.style == Style::mask && layer.rule == Rule::mean && factor_ > 1)
-    layer.values = quantise_shares(cells);
-  else
-    layer.values = is_whole(layer.style) ? quantise_whole(cells) : quantise(cells, steps_of(layer.style));
-  layers_.push_back(std::move(layer));
+  layer.limit = limit_of_layer(limits_, layer.name);
+  layers_.push_back(reduced_layer(std::move(layer), values, factor_));
 }
 
 void ReportLayers::take(const DemLayers& dem) {
-  add({"z_est", "Estimated elevation", "m", Style::elevation, Rule::mean, {}}, dem.z_est);
-  if (dem.truth) add({"z_true", "True elevation", "m", Style::elevation, Rule::mean, {}}, dem.truth->z);
+  add({"z_est", "Estimated elevation", "m", Style::elevation, Rule::mean}, dem.z_est);
+  if (dem.truth) add({"z_true", "True elevation", "m", Style::elevation, Rule::mean}, dem.truth->z);
 }
 
 void ReportLayers::take(const Grid<std::int32_t>& count) {
-  add({"count", "Returns in the bin", "", Style::count, Rule::least, {}}, count);
+  add({"count", "Returns in the bin", "", Style::count, Rule::least}, count);
 }
 
 void ReportLayers::take(const CoverageLayers& layers) {
   region_ = layers.in_region;
-  add({"in_region", "Judged region", "", Style::mask, Rule::largest, {}}, layers.in_region);
-  add({"invalid", "Invalid bins", "", Style::mask, Rule::mean, {}}, layers.invalid);
+  add({"in_region", "Judged region", "", Style::mask, Rule::largest}, layers.in_region);
+  add({"invalid", "Invalid bins", "", Style::mask, Rule::mean}, layers.invalid);
 }
 
 void ReportLayers::take(Axis axis, const AxisLayers& layers) {
   const std::string name = axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z";
-  add({"e_" + name, "Error in " + name, "m", Style::signed_error, Rule::extreme, {}}, layers.error);
-  add({"abs_" + name, "Absolute error in " + name, "m", Style::signed_error, Rule::extreme, {}},
-      layers.absolute);
-  add({"rel_" + name, "Relative error in " + name, "m", Style::magnitude, Rule::largest, {}},
-      layers.relative);
+  add({"e_" + name, "Error in " + name, "m", Style::signed_error, Rule::extreme}, layers.error);
+  add({"abs_" + name, "Absolute error in " + name, "m", Style::signed_error, Rule::extreme}, layers.absolute);
+  add({"rel_" + name, "Relative error in " + name, "m", Style::magnitude, Rule::largest}, layers.relative);
   histograms_[static_cast<std::size_t>(axis)] = {histogram(layers.error, region_, kHistogramClasses),
                                                  histogram(layers.relative, region_, kHistogramClasses)};
   add_shares(axis, layers);
@@ -111,7 +73,7 @@ void ReportLayers::add_shares(Axis axis, const AxisLayers& layers) {
 }
 
 void ReportLayers::take(const Grid<std::int8_t>& fail) {
-  add({"fail", "Missed requirements", "", Style::flags, Rule::any_bit, {}}, fail);
+  add({"fail", "Missed requirements", "", Style::flags, Rule::any_bit}, fail);
   using Counts = std::array<std::int64_t, 6>;
   const auto of_piece = [&](std::size_t begin, std::size_t end) {
     Counts counts{};

@@ -8,23 +8,9 @@
 
 #include "evaluation/evaluate.h"
 #include "report/histogram.h"
-#include "report/quantised.h"
-#include "report/reduction.h"
+#include "report/page_data.h"
 
 namespace landfall::html_report {
-
-/// The style in which a map is drawn.
-enum class Style { elevation, signed_error, magnitude, count, mask, flags };
-
-/// A layer as stored in the report.
-struct ReportLayer {
-  std::string name;  ///< the name of the dataset
-  std::string title;
-  std::string unit;  ///< empty for a dimensionless number
-  Style style = Style::elevation;
-  Rule rule = Rule::mean;
-  Quantised values;
-};
 
 /// Error histograms of one axis (x, y or z): of the region's bins, and of its footprints.
 struct AxisHistograms {
@@ -38,7 +24,8 @@ struct AxisHistograms {
 class ReportLayers : public LayerSink {
  public:
   /// Maps of more than `most_cells` bins along an axis are reduced to at most that number.
-  ReportLayers(const GridSpec& spec, const EvaluationParameters& parameters, std::int64_t most_cells = 1024);
+  ReportLayers(const GridSpec& spec, const EvaluationParameters& parameters,
+               std::int64_t most_cells = kMaxCells);
 
   /// Receives z_est and z_true; call it before the evaluation, which overwrites the truth.
   void take(const DemLayers& dem);

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "evaluation/accuracy.h"
+#include "report/page_data.h"
 
 namespace landfall::html_report {
 namespace {
@@ -31,14 +32,6 @@ std::int64_t best_of_row(std::span<const float> values, std::int64_t row, const 
     if (larger && apart({row, col}, chosen, half_bins)) best = col;
   }
   return best;
-}
-
-/// The bins of `dem` within `half` of the bin along either axis.
-GridSpec window_about(BinIndex bin, std::int64_t half, const GridSpec& dem) {
-  const BinIndex first{std::max<std::int64_t>(0, bin.row - half), std::max<std::int64_t>(0, bin.col - half)};
-  const BinIndex end{std::min(dem.rows, bin.row + half + 1), std::min(dem.cols, bin.col + half + 1)};
-  return {dem.resolution_m, dem.first_row + first.row, dem.first_col + first.col, end.row - first.row,
-          end.col - first.col};
 }
 
 struct Candidate {

@@ -12,10 +12,10 @@ from matplotlib.image import imread
 
 sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
-from harness import EVAL, REGRID, Chain, ToolTest, browser
+from harness import EVAL, REGRID, browser
+from harness.page import CONTRAST, POINT, WIDTHS, PageTest
 from landfall import colors, files, plot_profile, reduction, relief, scales
 
-WIDTHS = (1400, 800)
 SECTIONS = ["requirements", "maps", "view-3d", "worst", "holes", "errors", "uncertainty", "provenance-chain"]
 MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid",
         "fail"]
@@ -23,17 +23,6 @@ MAPS = ["z_est", "z_true", "count", "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_
 UNCERTAINTY = ["--uncertainty", "--navigation-sigma", "position_m=0.05", "--navigation-sigma", "velocity_mps=0.1",
                "--navigation-sigma", "rpy_rad=0.0002", "--navigation-sigma", "rpy_rate_radps=0.001"]
 
-# The number of different colours in a canvas, and a checksum of its pixels.
-CANVAS = """
-const canvas = arguments[0], flat = document.createElement("canvas");
-Object.assign(flat, {width: canvas.width, height: canvas.height});
-const context = flat.getContext("2d");
-context.drawImage(canvas, 0, 0);
-const data = new Uint32Array(context.getImageData(0, 0, flat.width, flat.height).data.buffer);
-let sum = 0;
-for (const pixel of data) sum = (Math.imul(sum, 31) + pixel) | 0;
-return {colors: new Set(data).size, sum};
-"""
 # The fraction of a map's pixels with the colour [r, g, b].
 SHARE = """
 const canvas = document.querySelector(`#maps canvas[data-layer=${arguments[0]}]`);
@@ -62,55 +51,12 @@ data.forEach((pixel, i) => {
 });
 return [all / data.length, border];
 """
-# A drag of the pointer over the map of a layer, from and to a position in metres; with one position a move.
-POINT = """
-const [layer, ...places] = arguments;
-const panel = panels.find((p) => p.canvas.dataset.layer === layer && p.options.region);
-const box = panel.plot.getBoundingClientRect(), zoom = box.width / panel.width;
-const event = (type, [x, y]) => panel.plot.dispatchEvent(new PointerEvent(type, {
-  clientX: box.left + panel.x(x) * zoom, clientY: box.top + panel.y(y) * zoom, bubbles: true}));
-if (places.length > 1) event("pointerdown", places[0]);
-event("pointermove", places[places.length - 1]);
-if (places.length > 1) event("pointerup", places[places.length - 1]);
-"""
 # Every error map's scale and what its colour bar shows of the limit.
 SCALES = """
 return Object.fromEntries(panels.filter((p) => p.options.region && ["signed", "magnitude"].includes(p.raster.layer.style)).map(
     (p) => [p.raster.layer.name, {low: p.scale.low, high: p.scale.high, marks: p.svg.querySelectorAll("polygon.limit").length,
-        limit: p.raster.layer.limit_m, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
+        limit: p.raster.layer.limit, note: p.noteText.textContent, text: [...p.svg.querySelectorAll("text")].map((t) => t.textContent)}]));
 """
-# The contrast of the text of an element with the first background behind it (WCAG 2, 1.4.3).
-CONTRAST = """
-const light = (color) => color.match(/[0-9.]+/g).slice(0, 3).map((part) => part / 255).map(
-    (c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
-return arguments[0].map((selector) => {
-  let behind = document.querySelector(selector);
-  const ink = light(getComputedStyle(behind).color);
-  while (/rgba.*, 0\\)/.test(getComputedStyle(behind).backgroundColor)) behind = behind.parentElement;
-  const paper = light(getComputedStyle(behind).backgroundColor);
-  return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
-});
-"""
-# Pairs of texts that overlap, in a diagram or on the page, and elements wider than the page.
-LAYOUT = """
-const boxes = (list) => [...list].map((e) => ({text: e.textContent, box: e.getBoundingClientRect()}))
-    .filter(({box}) => box.width > 0);
-const cross = ({box: a}, {box: b}) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 &&
-    b.top < a.bottom - 1;
-const pairs = [];
-for (const svg of document.querySelectorAll("svg")) {
-  const texts = boxes(svg.querySelectorAll("text:not(.haloed)"));
-  texts.forEach((a, i) => texts.slice(i + 1).forEach((b) => { if (cross(a, b)) pairs.push([a.text, b.text]); }));
-}
-const page = document.documentElement;
-const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll") && !e.closest("pre") &&
-    !e.closest("svg.sample") && e.getBoundingClientRect().right > page.clientWidth + 0.5);
-for (const e of document.querySelectorAll(".scroll")) if (e.scrollWidth > e.clientWidth) wide.push(e);
-return {pairs, scroll: page.scrollWidth - page.clientWidth,
-        wide: wide.map((e) => e.tagName + "." + e.className + "#" + e.id + ": " + e.textContent.slice(0, 40))};
-"""
-
-
 def shown(value, unit="", percent=False):
     """A number as the table of requirements shows it."""
     if value is None:
@@ -134,54 +80,15 @@ def expected_rows(metrics):
 
 
 @unittest.skipIf(browser.missing(), browser.missing())
-class ReportTest(ToolTest):
-    """All tests use one case and one browser."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.chain = Chain()
-        cls.window = browser.Browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.window.close()
-        cls.chain.remove()
-
+class ReportTest(PageTest):
     def report(self, dem=None, *arguments):
         """Opens the report of a DEM; returns its metrics."""
         config = self.config(EVAL)
         self.succeed("dem-eval", dem or self.chain.dem, "-c", config, "-o", self.path("eval.h5"), "-O", "--metrics",
                      self.path("metrics.json"), "--report", self.path("report.html"), *arguments)
-        self.window.driver.get_log("browser")
-        self.window.requests()
-        self.window.resize(WIDTHS[0])
-        self.window.open(self.path("report.html"))
+        self.open("report.html")
         with open(self.path("metrics.json"), encoding="utf-8") as file:
             return json.load(file)
-
-    def text(self, selector):
-        return self.window.run("return document.querySelector(arguments[0])?.textContent ?? null", selector)
-
-    def cells(self, table):
-        return self.window.run("return [...document.querySelectorAll(arguments[0] + ' tbody tr')]"
-                               ".map((row) => [...row.cells].map((cell) => cell.textContent))", table)
-
-    def canvas(self, selector):
-        element = self.window.run("return document.querySelector(arguments[0])", selector)
-        return self.window.run(CANVAS, element)
-
-    def check_log_and_requests(self):
-        """Checks that the browser logged no error and requested the file only."""
-        errors = [entry for entry in self.window.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
-        self.assertEqual(errors, [])
-        self.assertEqual({url.split(":")[0] for url in self.window.requests()}, {"file"})
-        self.assertEqual(self.text("#message"), "")
-
-    def check_layout(self):
-        for width in WIDTHS:
-            self.window.resize(width)
-            layout = self.window.run(LAYOUT)
-            self.assertEqual(layout, {"pairs": [], "scroll": 0, "wide": []}, f"{width} px")
 
     def test_numbers_are_those_of_metrics_json(self):
         metrics = self.report()
@@ -255,10 +162,6 @@ class ReportTest(ToolTest):
                                   ".querySelector('.readout').textContent")
         self.assertRegex(readout, r"^x .?0\.0\d m, y .?0\.0\d m: ")
 
-    def settle(self):
-        """Waits for the next frame, with which overlays are drawn."""
-        self.window.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(() => arguments[0]()))")
-
     def layers(self, *names):
         with h5py.File(self.path("eval.h5")) as evaluation, h5py.File(self.chain.dem) as dem:
             return [(evaluation if name in evaluation else dem)[name][()] for name in names]
@@ -277,7 +180,7 @@ class ReportTest(ToolTest):
         self.assertAlmostEqual(float(shown["z_est"].split()[0].replace("\u2212", "-")), z_est[57, 40], delta=1e-3)
         self.assertAlmostEqual(float(shown["rel_z"].split()[0]) / 100, rel_z[57, 40], delta=1e-3)
         self.assertEqual(shown["count"], str(count[57, 40]))
-        self.assertEqual(shown["fail"], self.window.run("return failText(arguments[0])", int(self.layers("fail")[0][57, 40])))
+        self.assertEqual(shown["fail"], self.window.run("return flagText(layerNamed('fail'), arguments[0])", int(self.layers("fail")[0][57, 40])))
         self.check_log_and_requests()
 
     def test_a_dragged_line_gives_the_profile_of_the_file(self):

@@ -4,7 +4,8 @@
 // The legend of a map's colours: what they show and in which unit, the limit, and where they end.
 
 /** What the colours of a layer show; for an error its sign. */
-function quantityOf({name, style}) {
+function quantityOf({name, style, quantity}) {
+  if (quantity) return quantity;
   if (style === "elevation") return "elevation";
   if (style === "count") return "returns";
   if (name.startsWith("abs_")) return "mean of true \u2212 estimated";
@@ -13,14 +14,14 @@ function quantityOf({name, style}) {
 }
 
 /** "limit ±5 cm"; empty for a layer without one. */
-function limitText({name, style, limit_m}) {
-  if (limit_m === null) return "";
+function limitText({name, style, unit, limit}) {
+  if (limit === null) return "";
   const sign = style === "signed" ? "\u00b1" : "";
   const of = name.startsWith("e_") ? ` of rel_${name.slice(2)}` : name.startsWith("abs_") ? " of the horizontal error" : "";
-  return `\u25b8 limit ${sign}${metresAs(limit_m, ...lengthUnit(limit_m))}${of}`;
+  return `\u25b8 limit ${sign}${unit === "m" ? metresAs(limit, ...lengthUnit(limit)) : `${limit} ${unit}`}${of}`;
 }
 
-/** The limits on a scale, in metres. */
+/** The limits on a scale, in the unit of the layer. */
 function limitsOn({low, high, limit}, style) {
   if (limit === null) return [];
   return (style === "signed" ? [limit, -limit] : [limit]).filter((value) => value > low && value < high);
@@ -39,7 +40,7 @@ let gradientCount = 0;
 function verticalColorBar({layer}, scale, {x, top, height}) {
   const {colors, low, high, unit, factor, clipped} = scale;
   const id = `gradient-${++gradientCount}`, width = 12, point = 8;
-  const y = (value_m) => top + height * (1 - (value_m - low) / (high - low));
+  const y = (value) => top + height * (1 - (value - low) / (high - low));
   const outline = [[x, top], ...(clipped[1] ? [[x + width / 2, top - point]] : []), [x + width, top],
                    [x + width, top + height], ...(clipped[0] ? [[x + width / 2, top + height + point]] : []), [x, top + height]];
   const parts = [colorGradient(id, colors, {x1: 0, x2: 0, y1: 1, y2: 0}),
@@ -71,7 +72,7 @@ function horizontalColorBar(raster) {
   const scale = scaleOf(raster);
   const {colors, low, high, unit, factor} = scale;
   const id = "terrain-gradient", left = 20, width = 380;
-  const x = (value_m) => left + width * (value_m - low) / (high - low);
+  const x = (value) => left + width * (value - low) / (high - low);
   const svg = svgElement("svg", {viewBox: `0 0 ${width + 2 * left} 34`}, colorGradient(id, colors, {x1: 0, x2: 1}),
                          svgElement("rect", {x: left, y: 2, width, height: 12, fill: `url(#${id})`, stroke: TEXT_COLOR}));
   for (const {value, text} of ticks(low * factor, high * factor, Math.max(2, layer.style === "count" ? Math.min(6, high) : 6))) {

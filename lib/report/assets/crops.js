@@ -3,20 +3,6 @@
 
 // The worst footprints and the largest holes: a table each, and maps of the footprints in full resolution.
 
-/** Creates a table; each cell is [text, value to sort by]. */
-function tableElement(id, headings, rows) {
-  const cell = ([text, value], name) => {
-    const attributes = value === undefined ? {} : {class: "number", "data-value": value ?? ""};
-    return htmlElement(name, attributes, text);
-  };
-  const head = htmlElement("tr", {}, ...headings.map(([text, isNumber]) => htmlElement(
-      "th", isNumber ? {class: "number"} : {}, text)));
-  const body = rows.map((cells) => htmlElement("tr", {}, ...cells.map((entry) => cell(entry, "td"))));
-  const table = htmlElement("table", {id, class: "sortable"}, htmlElement("thead", {}, head),
-                            htmlElement("tbody", {}, ...body));
-  return htmlElement("div", {class: "scroll"}, table);
-}
-
 function centimetres(value_m, limit_m) {
   const over = limit_m !== undefined && value_m !== null && value_m > limit_m;
   return [value_m === null ? "\u2013" : formatNumber(100 * value_m, 0.001) + (over ? " \u2717" : ""), value_m];

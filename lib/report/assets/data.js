@@ -41,6 +41,15 @@ class Raster {
     return this.markedCount;
   }
 
+  /** Only the bits of a layer of classes that are marks; other layers as they are. */
+  marks() {
+    if (this.layer.style !== "classes") return this;
+    const bits = this.layer.flags.reduce((sum, flag) => sum | (flag.is_mark ? flag.bits : 0), 0);
+    this.marked_ ??= Object.assign(Object.create(Raster.prototype), this, {
+      codes: this.codes.map((code) => code & bits), markedCount: undefined});
+    return this.marked_;
+  }
+
   hasValue() {
     return this.codes.some((code) => code !== NO_VALUE_CODE);
   }
@@ -140,17 +149,23 @@ function fewMarks(mask, region) {
   return mask.marked() < MOST_MARKED * (region ? region.marked() : mask.codes.length);
 }
 
-/** [{row, col, value}] of the marks with at most one marked neighbour of eight; larger groups are visible. */
-function loneMarks({rows, cols, values}) {
+/** [{row, col, value}] of the marks. */
+function allMarks({cols, values}) {
   const marks = [];
   values.forEach((value, i) => {
-    if (value === 0) return;
-    const row = Math.floor(i / cols), col = i % cols;
+    if (value !== 0) marks.push({row: Math.floor(i / cols), col: i % cols, value});
+  });
+  return marks;
+}
+
+/** Those with at most one marked neighbour of eight; larger groups are visible. */
+function loneMarks(blocks) {
+  const {rows, cols, values} = blocks;
+  return allMarks(blocks).filter(({row, col}) => {
     let marked = 0;
     for (let r = Math.max(0, row - 1); r <= Math.min(rows - 1, row + 1); ++r) {
       for (let c = Math.max(0, col - 1); c <= Math.min(cols - 1, col + 1); ++c) marked += values[r * cols + c] === 0 ? 0 : 1;
     }
-    if (marked <= 2) marks.push({row, col, value});
+    return marked <= 2;
   });
-  return marks;
 }

@@ -3,26 +3,15 @@
 
 // A map with axes in metres, north up, a colour bar, the region's outline, the common cursor and the profile's line.
 
-function svgElement(name, attributes = {}, ...children) {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  element.append(...children);
-  return element;
-}
-
-function htmlElement(name, attributes = {}, ...children) {
-  const element = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  element.append(...children);
-  return element;
-}
-
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
+const LEAST_WIDTH = 160;  // pixels of a panel, below which the page has no layout yet
+let clipCount = 0;
 const panels = [];  // all maps of the page
 
 class MapPanel {
   /** `options`: region (the raster in_region), marks (a mask whose single bins are shown enlarged on the map), points
-   * ([{x_m, y_m, text}]), footprint ({x_m, y_m}: its outline there), note (instead of the range of values). */
+   * ([{x_m, y_m, text}]), footprint ({x_m, y_m}: its outline there), note (instead of the range of values), relief (the raster of elevations that
+   * shade classes), draw (called with the panel, adds to its svg). */
   constructor(raster, options = {}) {
     this.options = options;
     this.canvas = htmlElement("canvas", {class: "map", "data-layer": raster.layer.id, role: "img", tabindex: "0"});
@@ -73,17 +62,18 @@ class MapPanel {
     if (!this.raster.hasValue()) return "no value anywhere";
     if (this.isMarks()) return "";
     const [unit, factor] = lengthUnit(Math.max(Math.abs(layer.low), Math.abs(layer.high)));
+    const rounded = (value) => Number.isInteger(value) ? value : Number(value.toPrecision(4));
     const range = layer.unit === "m" ?
         `${metresAs(layer.low, unit, factor)} to ${metresAs(layer.high, unit, factor)}` :
-        `${layer.low} to ${layer.high} ${layer.unit}`.trimEnd();
+        `${rounded(layer.low)} to ${rounded(layer.high)} ${layer.unit}`.trimEnd();
     return [range, clippingText(this.scale), limitText(layer)].filter((text) => text !== "").join("; ");
   }
 
-  isMarks() { return ["mask", "flags"].includes(this.raster.layer.style); }
+  isMarks() { return ["mask", "flags", "classes"].includes(this.raster.layer.style); }
 
   fit() {
     const width = Math.round(this.plot.clientWidth);
-    if (width < 120 || width === this.width) return;
+    if (width < LEAST_WIDTH || width === this.width) return;
     this.width = width;
     this.draw();
   }
@@ -109,10 +99,21 @@ class MapPanel {
     this.drawRegion();
     this.drawFootprint();
     this.drawPoints();
+    this.options.draw?.(this);
     if (!this.isMarks()) this.drawColorBar();
     this.overlay = svgElement("g", {class: "overlay"});
     this.svg.append(this.overlay);
     this.drawOverlay();
+  }
+
+  /** Adds elements that end at the border of the map. */
+  clipped(...elements) {
+    const {left, top, width, height} = this.box;
+    this.clip ??= `clip-${++clipCount}`;
+    if (!this.svg.querySelector("clipPath")) {
+      this.svg.prepend(svgElement("clipPath", {id: this.clip}, svgElement("rect", {x: left, y: top, width, height})));
+    }
+    this.svg.append(svgElement("g", {"clip-path": `url(#${this.clip})`}, ...elements));
   }
 
   x(x_m) { return this.box.left + (x_m - this.raster.left_m) * this.pixels_per_m; }
@@ -124,24 +125,40 @@ class MapPanel {
     const cells = this.raster.width_m / this.raster.cell_m / width;
     const stride = Math.max(1, Math.ceil(cells - 1e-9));
     const marks = this.enlargedMarks(stride, ratio);
-    const isAveraged = this.raster.layer.style === "count" || (this.isMarks() && marks === null);
+    const {style} = this.raster.layer;
+    const isAveraged = style === "count" || style === "classes" || (this.isMarks() && marks === null);
     const blocks = blocksOf(this.raster, isAveraged ? 1 : stride);
     const context = this.canvas.getContext("2d");
     const columns = pixelShares(width, this.raster.width_m / blocks.cell_m, blocks.cols);
     const rows = pixelShares(height, this.raster.height_m / blocks.cell_m, blocks.rows).reverse();
-    const pixels = stretched(this.blockColors(blocks, isAveraged && this.raster.layer.style === "mask"), blocks.cols, columns, rows);
+    const pixels = stretched(this.blockColors(blocks, isAveraged && style === "mask"), blocks.cols, columns, rows);
     context.putImageData(new ImageData(pixels, width, height), 0, 0);
-    if (marks) this.paintMarks(context, marks, ratio);
+    if (marks) this.paintMarks(context, marks);
     this.paintRegionEdge(context, ratio);
     this.tell(blocks.stride, isAveraged && cells > 1, marks !== null && marks.length > 0);
   }
 
   blockColors(blocks, isShare) {
     if (this.raster.layer.style === "elevation") return reliefColors(this.raster, blocks, this.scale);
+    if (this.raster.layer.style === "classes") return this.classColors(blocks);
     const {region} = this.options;
     const judged = this.isMarks() && region ? blocksOf(region, blocks.stride).values : null;
     const colors = new Float32Array(3 * blocks.values.length);
     blocks.values.forEach((value, i) => colors.set(this.blockColor(value, !judged || judged[i] !== 0, isShare), 3 * i));
+    return colors;
+  }
+
+  /** Colours of classes in the light of the ground. */
+  classColors(blocks) {
+    const {layer} = this.raster;
+    const colors = new Float32Array(3 * blocks.values.length);
+    const slopes = slopesOf(blocksOf(this.options.relief, blocks.stride)), factor = reliefFactor(slopes);
+    const ofBits = new Map([[0, NO_VALUE_COLOR]]);
+    blocks.values.forEach((bits, i) => {
+      if (!ofBits.has(bits)) ofBits.set(bits, parseColor(flagColor(layer, bits)));
+      const light = Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor);
+      colors.set(ofBits.get(bits).map((part) => Math.min(255, part * light)), 3 * i);
+    });
     return colors;
   }
 
@@ -151,28 +168,29 @@ class MapPanel {
     if (!this.isMarks()) return colorOf(this.scale, value);
     const ground = judged ? [255, 255, 255] : NO_VALUE_COLOR;
     if (value === 0) return ground;
-    const color = parseColor(markColor(style, value));
+    const color = parseColor(markColor(this.raster.layer, value));
     return isShare ? color.map((part, k) => ground[k] + value * (part - ground[k])) : color;
   }
 
-  /** The marks to be painted at least 3 pixels wide, because a single bad bin of a large map would not be visible: those
-   * with at most one neighbour. Null if less than 1 % of the region and of the map must not be hidden by them. */
+  /** The marks to be painted, those with at most one neighbour at least 3 pixels wide, because a single bad bin of a large
+   * map would not be visible: [{x, y, value, size}]. Null if less than 1 % of the region and of the map must not be hidden by them. */
   enlargedMarks(stride, ratio) {
-    const source = this.isMarks() ? this.raster : this.options.marks;
+    const source = this.isMarks() ? this.raster.marks() : this.options.marks;
     if (!source || !fewMarks(source, this.options.region)) return null;
-    const blocks = blocksOf(source, stride);
+    const blocks = blocksOf(source, stride), isClass = source.layer.style === "classes";
     const pixels = this.canvas.width * blocks.cell_m / this.raster.width_m, size = Math.round(3 * ratio);
-    if (pixels >= size) return [];
-    const marks = loneMarks(blocks).map(({row, col, value}) => ({
-      x: (col + 0.5) * pixels, y: this.canvas.height - (row + 0.5) * pixels, value}));
-    return marks.length * size ** 2 < MOST_MARKED * this.canvas.width * this.canvas.height ? marks : null;
+    if (pixels >= size && !isClass) return [];
+    const placed = ({row, col, value}, width) => ({x: (col + 0.5) * pixels, y: this.canvas.height - (row + 0.5) * pixels, value, size: width});
+    const lone = pixels >= size ? [] : loneMarks(blocks).map((mark) => placed(mark, size));
+    const hasRoom = lone.length * size ** 2 < MOST_MARKED * this.canvas.width * this.canvas.height;
+    if (!isClass) return hasRoom ? lone : null;
+    // Averaged colours would hide the marks of classes, so that all are painted, and single ones on top.
+    return [...allMarks(blocks).map((mark) => placed(mark, Math.max(Math.round(2 * ratio), Math.ceil(pixels)))), ...(hasRoom ? lone : [])];
   }
 
-  paintMarks(context, marks, ratio) {
-    const {style} = this.raster.layer;
-    const size = Math.round(3 * ratio);
-    for (const {x, y, value} of marks) {
-      context.fillStyle = this.isMarks() ? markColor(style, value) : MARK_COLOR;
+  paintMarks(context, marks) {
+    for (const {x, y, value, size} of marks) {
+      context.fillStyle = this.isMarks() ? markColor(this.raster.layer, value) : MARK_COLOR;
       context.fillRect(Math.round(x - size / 2), Math.round(y - size / 2), size, size);
     }
   }
@@ -181,14 +199,14 @@ class MapPanel {
   tell(stride, averaged, enlarged) {
     const bins = stride * this.raster.factor;
     const texts = [this.note(), bins === 1 ? "" : `blocks of ${bins} x ${bins} bins`, averaged ? "averaged in each pixel" : "",
-                   !enlarged ? "" : this.isMarks() ? "single ones enlarged" : "magenta: single invalid bins, enlarged"];
+                   !enlarged ? "" : this.raster.layer.style === "classes" ? "wrong places on top" : this.isMarks() ? "single ones enlarged" : "magenta: single invalid bins, enlarged"];
     this.noteText.textContent = texts.filter((text) => text !== "").join("; ") || "\u00a0";
   }
 
   /** Paints the border of a region that is neither a circle nor a square. */
   paintRegionEdge(context, ratio) {
     const {region} = this.options;
-    if (!region || report.metrics.region.shape !== "mask") return;
+    if (!region || report.region.shape !== "mask") return;
     const {width, height} = this.canvas;
     const {left_m, bottom_m, width_m, height_m} = this.raster;
     const inside = (px, py) => region.codes[region.indexAt(left_m + (px + 0.5) / width * width_m,
@@ -222,7 +240,7 @@ class MapPanel {
   }
 
   drawRegion() {
-    const {shape, radius_m, half_width_m} = report.metrics.region;
+    const {shape, radius_m, half_width_m} = report.region;
     if (!this.options.region || shape === "mask") return;
     const half = (radius_m ?? half_width_m) * this.pixels_per_m;
     const outline = (style) => shape === "circle" ?
@@ -235,7 +253,7 @@ class MapPanel {
 
   /** Draws the footprint to scale: at its position on a crop, in the lower left corner of a whole map. */
   drawFootprint() {
-    const {shape, half_bins} = report.footprint;
+    const {shape, text, half_bins} = report.footprint;
     const half = (half_bins + 0.5) * report.grid.resolution_m * this.pixels_per_m;
     const {left, top, height} = this.box;
     const place = this.options.footprint;
@@ -252,7 +270,7 @@ class MapPanel {
       this.svg.append(line);
     }
     if (place) return;
-    this.svg.append(svgElement("text", {x: x + half + 5, y: y + half, class: "haloed"}, "footprint"));
+    this.svg.append(svgElement("text", {x: x + half + 5, y: y + half, class: "haloed"}, text));
   }
 
   /** Draws a circle for each point, with its number beside it where no other circle or number is. The first points
@@ -327,7 +345,7 @@ function placeText({x_m, y_m}) {
 function valueText(raster, index) {
   const value = raster.value(index);
   const {style, step, unit} = raster.layer;
-  if (style === "flags") return failText(value);
+  if (style === "flags" || style === "classes") return flagText(raster.layer, value);
   if (Number.isNaN(value)) return "no value";
   if (style === "mask") return value === 0 ? "no" : value === 1 ? "yes" : `${formatNumber(100 * value, 1)} % of the bins`;
   const {unit: shown, factor} = withUnit({low: raster.layer.low, high: raster.layer.high}, unit);

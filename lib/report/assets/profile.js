@@ -129,7 +129,7 @@ class ProfileView {
   }
 
   drawErrors(x, errors, [top, bottom]) {
-    const limit = this.error.layer.limit_m ?? 0;
+    const limit = this.error.layer.limit ?? 0;
     const most = Math.max(1.15 * limit, 1e-3, ...errors.map(([, value]) => Number.isNaN(value) ? 0 : 1.06 * Math.abs(value)));
     const [unit, factor] = lengthUnit(most);
     const y = new Axis({low: -most * factor, high: most * factor}, [bottom, top]);
@@ -171,9 +171,8 @@ class ProfileView {
   }
 }
 
-/** From west to east through the worst footprint or, without one, the middle of the map. */
-function firstLine({x_m, y_m, resolution_m, rows, cols}) {
-  const [worst] = report.worst;
-  const y = worst ? worst.y_m : y_m + (rows - 1) / 2 * resolution_m;
+/** From west to east through a place or, without one, the middle of the map. */
+function firstLine({x_m, y_m, resolution_m, rows, cols}, place) {
+  const y = place ? place.y_m : y_m + (rows - 1) / 2 * resolution_m;
   return {from: {x_m, y_m: y}, to: {x_m: x_m + (cols - 1) * resolution_m, y_m: y}};
 }

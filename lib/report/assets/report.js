@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 "use strict";
 
-// Fills the page's sections. data-ready on <body> means that everything is drawn.
+// Fills the sections of the report of an evaluation.
 
 const MAP_GROUPS = [
   ["Elevation and returns", ["z_est", "z_true", "count"]],
@@ -48,17 +48,6 @@ function mapsNote() {
   return `${size}.${blocks} North (y) is up; grey: no value; outlined: the judged region. Errors are true \u2212 estimated. ` +
       "Colours end at the 99.5 % quantile of the magnitudes, or beyond the limit (\u25b8), whichever is larger; a pointed end of a " +
       "colour bar means that values lie beyond it. Elevations are lit from the north-west.";
-}
-
-/** The choice of whether the scales of errors reach the limits. */
-function scaleControl() {
-  const select = htmlElement("select", {id: "scales"}, htmlElement("option", {value: "limits"}, "reach the limits"),
-                             htmlElement("option", {value: "data"}, "show the data only"));
-  select.addEventListener("change", () => {
-    display.limits = select.value === "limits";
-    for (const panel of panels) panel.rescale();
-  });
-  return htmlElement("label", {}, "colour scales", select);
 }
 
 /** A button that alternates a panel between two rasters; where the system asks for less motion, one step a click. */
@@ -122,7 +111,7 @@ async function fillMaps(section) {
     }
     if (layers[0].style === "elevation") section.append(profileView(rasters).element);
   }
-  setLine(firstLine(report.grid));
+  setLine(firstLine(report.grid, report.worst[0]));
 }
 
 function statisticsTable({statistics}) {
@@ -169,42 +158,17 @@ function fillUncertainty(section) {
   }
 }
 
-function fillContents() {
-  const links = [...document.querySelectorAll("main > section")].map((section) => htmlElement(
-      "a", {href: `#${section.id}`}, section.querySelector("h2").textContent));
-  document.querySelector("nav.contents").prepend(...links);
+function fillTexts() {
+  fillUncertainty(pageSection("uncertainty"));
+  fillErrors(pageSection("errors"));
+  fillHoles(pageSection("holes"));
+  if (report.metrics.requirements.relative_elevation.pass === null) pageSection("worst").remove();
 }
 
-async function fillPage() {
-  const section = (id) => document.getElementById(id);
-  makeThemeButton(section("theme"));
-  fillUncertainty(section("uncertainty"));
-  fillErrors(section("errors"));
-  fillHoles(section("holes"));
-  if (report.metrics.requirements.relative_elevation.pass === null) section("worst").remove();
-  fillContents();
-  for (const table of document.querySelectorAll("#holes table.sortable, #errors table.sortable")) makeSortable(table);
-  if (typeof DecompressionStream === "undefined") {
-    section("message").textContent = "This browser cannot unpack the maps: it has no DecompressionStream " +
-        "(Chromium 80, Firefox 113, Safari 16.4 or later have it).";
-    return;
-  }
-  await fillMaps(section("maps"));
-  await fillTerrainView(section("view-3d"));
-  if (section("worst")) {
-    await fillWorst(section("worst"));
-    for (const table of document.querySelectorAll("#worst table.sortable")) makeSortable(table);
-  }
+async function fillDrawings() {
+  await fillMaps(pageSection("maps"));
+  await fillTerrainView(pageSection("view-3d"));
+  if (pageSection("worst")) await fillWorst(pageSection("worst"));
 }
 
-/** Resolves after the next frame, when all panels have their width. */
-function nextFrame() {
-  return new Promise((resolve) => { requestAnimationFrame(() => requestAnimationFrame(resolve)); });
-}
-
-fillPage().then(nextFrame).then(
-    () => { document.body.dataset.ready = "yes"; },
-    (error) => {
-      document.getElementById("message").textContent = `Drawing failed: ${error.message}`;
-      throw error;
-    });
+startPage(fillTexts, fillDrawings);

@@ -53,21 +53,22 @@ const display = {limits: true};  // whether scales reach the limits
 /** The mapping of a raster's values to colours: {colors, low, high, clipped: [below, above], factor, unit, limit}. The
  * rasters of raster.peers have one common scale. */
 function scaleOf(raster) {
-  const {style, unit, limit_m} = raster.layer;
+  const {style, unit, limit} = raster.layer;
   const peers = raster.peers ?? [raster];
   const low = Math.min(...peers.map((peer) => peer.layer.low)), high = Math.max(...peers.map((peer) => peer.layer.high));
-  const ends = style === "signed" || style === "magnitude" ? errorEnds(raster) : ordinaryEnds(peers, low, high);
+  const ends = style === "probability" ? [0, 1] :
+      style === "signed" || style === "magnitude" ? errorEnds(raster) : ordinaryEnds(peers, low, high);
   const colors = COLOR_MAPS[raster.layer.colors] ?? COLOR_MAPS.magnitude;
   const slack = 1e-9 * (ends[1] - ends[0]);
   return withUnit({colors, low: ends[0], high: ends[1], clipped: [low < ends[0] - slack, high > ends[1] + slack],
-                   limit: limit_m}, unit);
+                   limit}, unit);
 }
 
 /** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if they are to be shown, the limits. At
- * least 1 mm, so that rounding errors do not appear in colour. */
+ * least 0.001, so that rounding errors do not appear in colour. */
 function errorEnds(raster) {
-  const magnitudes = sampleOf([raster]).map(Math.abs).sort();
-  const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit_m ?? 0) : 0;
+  const magnitudes = sampleOf(raster.peers ?? [raster]).map(Math.abs).sort();
+  const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit ?? 0) : 0;
   const bound = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), limit, 1e-3);
   return [raster.layer.style === "signed" ? -bound : 0, bound];
 }
@@ -116,17 +117,22 @@ function colorOf(scale, value) {
   return scale.colors[Math.min(255, Math.max(0, at))];
 }
 
-function failColor(bits) {
-  return FAIL_FLAGS.find((flag) => flag.bits & bits)?.color ?? null;
+/** The bits of a layer of flags or classes: [{bits, text, color}], the first for the colour of a cell first. */
+function flagsOf(layer) {
+  return layer.flags ?? FAIL_FLAGS;
+}
+
+function flagColor(layer, bits) {
+  return flagsOf(layer).find((flag) => flag.bits & bits)?.color ?? null;
 }
 
 /** The colour of a set bin of a mask, or of a bin with flags, on a map of its own. */
-function markColor(style, value) {
-  return style === "flags" ? failColor(value) : BLUE;
+function markColor(layer, value) {
+  return layer.style === "mask" ? BLUE : flagColor(layer, value);
 }
 
-function failText(bits) {
-  return FAIL_FLAGS.filter((flag) => flag.bits & bits).map((flag) => flag.text).join(", ") || "none";
+function flagText(layer, bits) {
+  return flagsOf(layer).filter((flag) => flag.bits & bits).map((flag) => flag.text).join(", ") || "none";
 }
 
 /** The shares of blocks in each of `pixels` pixels, which `extent` blocks fill: {first, shares}. */

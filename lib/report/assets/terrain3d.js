@@ -162,7 +162,7 @@ class TerrainView {
     const {style} = raster.layer;
     const colors = new Uint8Array(3 * values.length);
     values.forEach((value, i) => {
-      const color = style === "flags" ? parseColor(failColor(value) ?? "#e8ebee") : colorOf(scale, value);
+      const color = style === "flags" ? parseColor(flagColor(raster.layer, value) ?? "#e8ebee") : colorOf(scale, value);
       colors.set(color, 3 * i);
     });
     this.upload("color", 3, colors);

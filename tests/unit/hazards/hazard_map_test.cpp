@@ -179,5 +179,23 @@ TEST(FillTruth, ARingWithoutTruthLeavesTheBinEmpty) {
   EXPECT_TRUE(std::isnan(z_true.at({2, 2})));
 }
 
+TEST(MapHazards, ASiteHasThePosesOfItsMeasures) {
+  HazardInput input = level_ground(1, 0.1);
+  input.z.at({11, 9}) = 0.05;
+  HazardParameters parameters = small_lander();
+  for (const HazardMethod method : {HazardMethod::contact, HazardMethod::plane}) {
+    parameters.method = method;
+    const HazardMap map = map_hazards(input, parameters, kAtOnce);
+    const LandingSite& site = map.sites.at(0);
+    const std::optional<WorstPoses> poses = worst_poses(input.z, parameters, site.bin);
+    ASSERT_TRUE(poses);
+    EXPECT_NEAR(poses->steepest.slope_deg, site.slope_deg, 1e-9);
+    EXPECT_NEAR(poses->roughest.roughness_m, site.roughness_m, 1e-9);
+    EXPECT_EQ(poses->roughest.highest, (BinIndex{11, 9}));
+    EXPECT_EQ(poses->steepest.pads.size(), method == HazardMethod::contact ? 4U : 0U);
+    EXPECT_FALSE(worst_poses(input.z, parameters, {0, 0}));
+  }
+}
+
 }  // namespace
 }  // namespace landfall

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "cli/tool.h"
+#include "files/hazard_file.h"
+
+namespace landfall::cli {
+
+/// The files of hazard-map; the terrain may be empty.
+struct HazardInputFiles {
+  std::string map, terrain;
+};
+
+/// What map_hazards() judges: takes the layers of the source, fills small holes in them, and gives the true
+/// ground of filled bins the elevation of the terrain or, without one, the mean of its surroundings. Adds the
+/// terrain to the provenance. Throws FormatError, UsageError.
+[[nodiscard]] HazardInput complete_hazard_input(Session& session, const HazardInputFiles& files,
+                                                HazardSource& source, const HazardParameters& parameters,
+                                                Provenance& provenance);
+
+}  // namespace landfall::cli

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/hazard_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "files/hazard_file.h"
+#include "picture/color_map.h"
+
+namespace landfall::html_report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMeasureSteps =
+    2000;  // of slopes and roughnesses, whose digits of noise would enlarge the file
+constexpr int kCostSteps = 5000;
+
+// The colours of plot_hazards.py.
+constexpr const char* kSafeColor = "#cfe4f2";
+constexpr const char* kHazardColor = "#e69f00";
+constexpr const char* kMissedColor = "#ff00ff";
+constexpr const char* kAlarmColor = "#0072b2";
+constexpr const char* kUnknownColor = "#8c8c8c";
+
+std::int64_t bit(Safety value) { return std::int64_t{1} << static_cast<int>(value); }
+std::int64_t bit(HazardOutcome value) { return std::int64_t{1} << static_cast<int>(value); }
+
+/// 2^value in the region, 0 outside.
+Grid<std::int8_t> bits_of(const Grid<std::int8_t>& values, const BinMask& region) {
+  Grid<std::int8_t> bits(values.spec());
+  for (std::size_t i = 0; i < values.spec().size(); ++i)
+    if (region.values()[i] != 0) bits.values()[i] = static_cast<std::int8_t>(1 << values.values()[i]);
+  return bits;
+}
+
+/// In a block of bins of several classes the one that matters most to a lander is first.
+std::vector<LayerClass> safety_classes(const PlaceCounts& counts) {
+  return {{bit(Safety::hazard), "hazard", kHazardColor, counts.hazard},
+          {bit(Safety::unknown), "unknown", kUnknownColor, counts.unknown},
+          {bit(Safety::safe), "safe", kSafeColor, counts.safe}};
+}
+
+std::vector<LayerClass> outcome_classes(const HazardScore::Counts& counts) {
+  using enum HazardOutcome;
+  return {{bit(missed_hazard), "missed hazard", kMissedColor, counts.safe_hazard, true},
+          {bit(false_alarm), "false alarm", kAlarmColor, counts.hazard_safe, true},
+          {bit(hazard_found), "hazard found", kHazardColor, counts.hazard_hazard},
+          {bit(unknown), "unknown", kUnknownColor, counts.unknown},
+          {bit(safe_found), "safe found", kSafeColor, counts.safe_safe}};
+}
+
+/// The layers in the order of the page.
+class Layers {
+ public:
+  Layers(const HazardReport& content, std::int64_t factor, Packer& packer)
+      : content_(content), factor_(factor), packer_(packer) {}
+
+  [[nodiscard]] Json all(const std::string& elevation) {
+    const HazardMap& map = content_.map;
+    add_elevations(elevation);
+    add_classes("safe", "Safe places", map.safe, safety_classes(count_places(map.safe, map.region)));
+    if (map.truth)
+      add_classes("outcome", "Compared with the truth", map.truth->outcome,
+                  outcome_classes(map.truth->score.counts));
+    add_probabilities();
+    add_measures(map.measures, "Slope", "Roughness", "");
+    if (map.truth) add_measures(map.truth->measures, "True slope", "True roughness", "_true");
+    return std::move(list_);
+  }
+
+ private:
+  template <class T>
+  void add(ReportLayer layer, const Grid<T>& values) {
+    const std::string id = layer.name;
+    list_.push_back(packer_.keep(reduced_layer(std::move(layer), values, factor_), id));
+  }
+
+  void add_elevations(const std::string& elevation) {
+    add({elevation, "Elevation, small holes filled", "m"}, content_.input.z);
+    if (content_.input.z_true) add({"z_true", "True elevation", "m"}, *content_.input.z_true);
+  }
+
+  void add_classes(const std::string& name, const std::string& title, const Grid<std::int8_t>& values,
+                   std::vector<LayerClass> classes) {
+    ReportLayer layer{name, title, "", Style::classes, Rule::any_bit};
+    layer.classes = std::move(classes);
+    add(std::move(layer), bits_of(values, content_.map.region));
+  }
+
+  void add_probabilities() {
+    const HazardMap& map = content_.map;
+    if (map.p_safe) {
+      ReportLayer layer{"p_safe", "Probability of a safe place", "", Style::probability, Rule::least};
+      layer.quantity = "p_safe";
+      add(std::move(layer), *map.p_safe);
+    }
+    ReportLayer touchdown{"p_touchdown", "Probability of a safe touchdown", "", Style::probability,
+                          Rule::least};
+    touchdown.quantity = "p_touchdown";
+    add(std::move(touchdown), map.p_touchdown);
+    ReportLayer cost{"cost", "Cost", "", Style::magnitude, Rule::largest};
+    cost.quantity = "cost";
+    cost.steps = kCostSteps;
+    add(std::move(cost), map.cost);
+    ReportLayer distance{"distance_to_hazard", "Distance to a hazard", "m", Style::magnitude, Rule::least};
+    distance.quantity = "distance";
+    add(std::move(distance), map.distance_to_hazard);
+  }
+
+  void add_measures(const PlaceMeasures& measures, const std::string& slope_title,
+                    const std::string& roughness_title, const std::string& suffix) {
+    ReportLayer slope{"slope" + suffix, slope_title, "deg", Style::magnitude, Rule::largest};
+    slope.quantity = "slope";
+    slope.limit = content_.parameters.limits.slope_deg;
+    slope.steps = kMeasureSteps;
+    add(std::move(slope), measures.slope_deg);
+    ReportLayer roughness{"roughness" + suffix, roughness_title, "m", Style::magnitude, Rule::largest};
+    roughness.quantity = "roughness";
+    roughness.limit = content_.parameters.limits.roughness_m;
+    roughness.steps = kMeasureSteps;
+    add(std::move(roughness), measures.roughness_m);
+  }
+
+  const HazardReport& content_;
+  std::int64_t factor_;
+  Packer& packer_;
+  Json list_ = Json::array();
+};
+
+Json position_json(const GridSpec& spec, BinIndex bin, double z_m) {
+  return {{"x_m", spec.x(bin.col)}, {"y_m", spec.y(bin.row)}, {"z_m", z_m}};
+}
+
+Json pose_json(const LanderPose& pose, const Grid<double>& z) {
+  Json pads = Json::array();
+  for (const LanderPose::Pad& pad : pose.pads) {
+    pads.push_back(position_json(z.spec(), pad.bin, pad.z_m));
+    pads.back()["touches"] = pad.touches;
+  }
+  return {{"yaw_deg", pose.yaw_rad * 180 / std::numbers::pi},
+          {"slope_deg", pose.slope_deg},
+          {"roughness_m", pose.roughness_m},
+          {"east", pose.east},
+          {"north", pose.north},
+          {"centre_z_m", pose.centre_z_m},
+          {"highest", position_json(z.spec(), pose.highest, z.at(pose.highest))},
+          {"pads", std::move(pads)}};
+}
+
+Json poses_json(const std::optional<WorstPoses>& poses, const Grid<double>& z) {
+  if (!poses) return nullptr;
+  return {{"steepest", pose_json(poses->steepest, z)}, {"roughest", pose_json(poses->roughest, z)}};
+}
+
+Grid<double> part_of(const Grid<double>& map, const GridSpec& window) {
+  Grid<double> part(window);
+  const std::int64_t first_row = window.first_row - map.spec().first_row;
+  const std::int64_t first_col = window.first_col - map.spec().first_col;
+  for (std::int64_t row = 0; row < window.rows; ++row)
+    for (std::int64_t col = 0; col < window.cols; ++col)
+      part.at({row, col}) = map.at({first_row + row, first_col + col});
+  return part;
+}
+
+/// Bins on each side of a site that show the lander with some room.
+std::int64_t crop_half_bins(const Lander& lander, double resolution_m) {
+  constexpr double kRoom = 1.15;
+  const double reach_m = std::max(lander.body_radius_m, lander.leg_radius_m + lander.pad_diameter_m / 2);
+  return static_cast<std::int64_t>(std::ceil(kRoom * reach_m / resolution_m)) + 2;
+}
+
+Json sites_of(const HazardReport& content, const std::string& elevation, Packer& packer) {
+  Json sites = sites_json(content.map)["sites"];
+  const Grid<double>& z = content.input.z;
+  const std::int64_t half = crop_half_bins(content.parameters.lander, z.spec().resolution_m);
+  for (std::size_t k = 0; k < std::min(sites.size(), kMaxDrawnSites); ++k) {
+    const BinIndex bin = content.map.sites[k].bin;
+    const GridSpec window = window_about(bin, half, z.spec());
+    const std::int64_t factor = reduction_factor(window, kMaxCropCells);
+    ReportLayer layer{elevation, "Elevation", "m"};
+    Json crop = grid_json(window, factor);
+    crop["layers"] = {packer.keep(reduced_layer(std::move(layer), part_of(z, window), factor),
+                                  "site-" + std::to_string(k + 1))};
+    sites[k]["crop"] = std::move(crop);
+    sites[k]["poses"] = poses_json(worst_poses(z, content.parameters, bin), z);
+  }
+  return sites;
+}
+
+Json lander_json(const Lander& lander) {
+  return {{"legs", lander.legs},
+          {"leg_radius_m", lander.leg_radius_m},
+          {"pad_diameter_m", lander.pad_diameter_m},
+          {"body_radius_m", lander.body_radius_m}};
+}
+
+}  // namespace
+
+ReportData hazard_data(const HazardReport& content, const std::string& elevation, std::int64_t most_cells) {
+  const HazardParameters& parameters = content.parameters;
+  const GridSpec& spec = content.input.z.spec();
+  const std::int64_t factor = reduction_factor(spec, most_cells);
+  const double body_bins = std::floor((parameters.lander.body_radius_m + 1e-9) / spec.resolution_m);
+  Packer packer;
+  ReportData data;
+  data.values = {
+      {"grid", grid_json(spec, factor)},
+      {"region", {{"shape", "circle"}, {"radius_m", parameters.region_radius_m}}},
+      {"footprint",
+       {{"shape", "disc"},
+        {"text", "lander"},
+        {"width_m", 2 * parameters.lander.body_radius_m},
+        {"half_bins", body_bins}}},
+      {"lander", lander_json(parameters.lander)},
+      {"limits",
+       {{"slope_deg", parameters.limits.slope_deg}, {"roughness_m", parameters.limits.roughness_m}}},
+      {"divert_radius_m", parameters.sites.divert_radius_m},
+      {"colors", colors_json()},
+      {"places", count_places(content.map.safe, content.map.region).all()},
+      {"layers", Layers(content, factor, packer).all(elevation)},
+      {"sites", sites_of(content, elevation, packer)},
+      {"score", content.map.truth ? score_json(content.map.truth->score) : Json(nullptr)}};
+  data.packed = packer.pack();
+  return data;
+}
+
+}  // namespace landfall::html_report

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "hazards/hazard_map.h"
+#include "report/page_data.h"
+
+namespace landfall::html_report {
+
+/// The content of a report on a hazard map. All referenced objects must outlive the call.
+struct HazardReport {
+  const HazardInput& input;  ///< as map_hazards() judged it
+  const HazardParameters& parameters;
+  const HazardMap& map;
+};
+
+inline constexpr std::size_t kMaxDrawnSites = 10;  ///< the best ones, with their poses
+
+/// The data of the page's scripts: layers, sites with their poses, and the score. `elevation` is the name of
+/// the elevations' dataset. Maps of more than `most_cells` bins along an axis are reduced to at most that
+/// number.
+[[nodiscard]] ReportData hazard_data(const HazardReport& content, const std::string& elevation,
+                                     std::int64_t most_cells = kMaxCells);
+
+}  // namespace landfall::html_report

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report/report_layer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "picture/color_map.h"
+
+namespace landfall::html_report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Errors have about as many steps as a colour map has shades, because digits of noise would enlarge the
+/// file. Elevations have more steps, because relief is shown in three dimensions.
+int steps_of(const ReportLayer& layer) {
+  if (layer.steps > 0) return layer.steps;
+  return layer.style == Style::signed_error || layer.style == Style::magnitude ? kErrorSteps : kMaxSteps;
+}
+
+bool is_whole(Style style) {
+  return style == Style::count || style == Style::mask || style == Style::flags || style == Style::classes;
+}
+
+/// Uses a step of 1 or more, even for a small range of values.
+Quantised quantise_whole(const std::vector<double>& cells) {
+  Quantised result = quantise(cells, kMaxSteps);
+  if (result.step >= 1 || result.high >= kMaxSteps || result.low < 0) return result;
+  result.offset = 0;
+  result.step = 1;
+  std::ranges::transform(cells, result.codes.begin(), [](double value) {
+    return std::isfinite(value) ? static_cast<std::uint16_t>(value) : kNoValueCode;
+  });
+  return result;
+}
+
+/// Shares in steps of 0.1 %, rounded up: only a block without any marked bin has the code 0.
+Quantised quantise_shares(const std::vector<double>& cells) {
+  constexpr double kSteps = 1000;
+  Quantised result = quantise(cells, kMaxSteps);
+  result.offset = 0;
+  result.step = 1 / kSteps;
+  std::ranges::transform(cells, result.codes.begin(), [](double share) {
+    return static_cast<std::uint16_t>(std::ceil(share * kSteps - 1e-9));
+  });
+  return result;
+}
+
+const char* name_of(Style style) {
+  switch (style) {
+    case Style::elevation:
+      return "elevation";
+    case Style::signed_error:
+      return "signed";
+    case Style::magnitude:
+      return "magnitude";
+    case Style::probability:
+      return "probability";
+    case Style::count:
+      return "count";
+    case Style::mask:
+      return "mask";
+    case Style::flags:
+      return "flags";
+    case Style::classes:
+      return "classes";
+  }
+  return "";
+}
+
+/// Empty for styles whose marks have their own colours.
+std::string colors_of(Style style) {
+  switch (style) {
+    case Style::elevation:
+      return name_of(Colors::elevation);
+    case Style::signed_error:
+      return name_of(Colors::error);
+    case Style::magnitude:
+    case Style::probability:
+      return name_of(Colors::magnitude);
+    case Style::count:
+      return name_of(Colors::count);
+    case Style::mask:
+    case Style::flags:
+    case Style::classes:
+      return "";
+  }
+  return "";
+}
+
+const char* name_of(Rule rule) {
+  switch (rule) {
+    case Rule::mean:
+      return "mean";
+    case Rule::extreme:
+      return "extreme";
+    case Rule::largest:
+      return "largest";
+    case Rule::least:
+      return "least";
+    case Rule::any_bit:
+      return "any_bit";
+  }
+  return "";
+}
+
+Json classes_json(const std::vector<LayerClass>& classes) {
+  Json list = Json::array();
+  for (const LayerClass& c : classes)
+    list.push_back(
+        {{"bits", c.bit}, {"text", c.text}, {"color", c.color}, {"count", c.count}, {"is_mark", c.is_mark}});
+  return list;
+}
+
+}  // namespace
+
+template <class T>
+ReportLayer reduced_layer(ReportLayer layer, const Grid<T>& grid, std::int64_t factor) {
+  const std::vector<double> cells = reduce(grid, factor, layer.rule).cells;
+  if (layer.style == Style::mask && layer.rule == Rule::mean && factor > 1)
+    layer.values = quantise_shares(cells);
+  else
+    layer.values = is_whole(layer.style) ? quantise_whole(cells) : quantise(cells, steps_of(layer));
+  return layer;
+}
+
+template ReportLayer reduced_layer(ReportLayer, const Grid<double>&, std::int64_t);
+template ReportLayer reduced_layer(ReportLayer, const Grid<float>&, std::int64_t);
+template ReportLayer reduced_layer(ReportLayer, const Grid<std::int32_t>&, std::int64_t);
+template ReportLayer reduced_layer(ReportLayer, const Grid<std::int8_t>&, std::int64_t);
+
+Json layer_json(const ReportLayer& layer, const std::string& id) {
+  Json json = {{"id", id},
+               {"name", layer.name},
+               {"title", layer.title},
+               {"unit", layer.unit},
+               {"style", name_of(layer.style)},
+               {"colors", colors_of(layer.style)},
+               {"limit", layer.limit ? Json(*layer.limit) : Json(nullptr)},
+               {"rule", name_of(layer.rule)},
+               {"offset", layer.values.offset},
+               {"step", layer.values.step},
+               {"low", layer.values.low},
+               {"high", layer.values.high}};
+  if (!layer.quantity.empty()) json["quantity"] = layer.quantity;
+  if (!layer.classes.empty()) json["flags"] = classes_json(layer.classes);
+  return json;
+}
+
+}  // namespace landfall::html_report

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A test of HTML reports in a browser: texts, drawings, layout, and that a page requests no other file."""
+from harness import Chain, ToolTest, browser
+
+WIDTHS = (1400, 800)
+
+# The number of different colours in a canvas, and a checksum of its pixels.
+CANVAS = """
+const canvas = arguments[0], flat = document.createElement("canvas");
+Object.assign(flat, {width: canvas.width, height: canvas.height});
+const context = flat.getContext("2d");
+context.drawImage(canvas, 0, 0);
+const data = new Uint32Array(context.getImageData(0, 0, flat.width, flat.height).data.buffer);
+let sum = 0;
+for (const pixel of data) sum = (Math.imul(sum, 31) + pixel) | 0;
+return {colors: new Set(data).size, sum};
+"""
+# A drag of the pointer over the map of a layer, from and to a position in metres; with one position a move.
+POINT = """
+const [layer, ...places] = arguments;
+const panel = panels.find((p) => p.canvas.dataset.layer === layer && p.options.region);
+const box = panel.plot.getBoundingClientRect(), zoom = box.width / panel.width;
+const event = (type, [x, y]) => panel.plot.dispatchEvent(new PointerEvent(type, {
+  clientX: box.left + panel.x(x) * zoom, clientY: box.top + panel.y(y) * zoom, bubbles: true}));
+if (places.length > 1) event("pointerdown", places[0]);
+event("pointermove", places[places.length - 1]);
+if (places.length > 1) event("pointerup", places[places.length - 1]);
+"""
+# The contrast of the text of an element with the first background behind it (WCAG 2, 1.4.3).
+CONTRAST = """
+const light = (color) => color.match(/[0-9.]+/g).slice(0, 3).map((part) => part / 255).map(
+    (c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
+return arguments[0].map((selector) => {
+  let behind = document.querySelector(selector);
+  const ink = light(getComputedStyle(behind).color);
+  while (/rgba.*, 0\\)/.test(getComputedStyle(behind).backgroundColor)) behind = behind.parentElement;
+  const paper = light(getComputedStyle(behind).backgroundColor);
+  return (Math.max(ink, paper) + 0.05) / (Math.min(ink, paper) + 0.05);
+});
+"""
+# Pairs of texts that overlap, in a diagram or on the page, and elements wider than the page.
+LAYOUT = """
+const boxes = (list) => [...list].map((e) => ({text: e.textContent, box: e.getBoundingClientRect()}))
+    .filter(({box}) => box.width > 0);
+const cross = ({box: a}, {box: b}) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 &&
+    b.top < a.bottom - 1;
+const pairs = [];
+for (const svg of document.querySelectorAll("svg")) {
+  const texts = boxes(svg.querySelectorAll("text:not(.haloed)"));
+  texts.forEach((a, i) => texts.slice(i + 1).forEach((b) => { if (cross(a, b)) pairs.push([a.text, b.text]); }));
+}
+const page = document.documentElement;
+const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest(".scroll") && !e.closest("pre") &&
+    !e.closest("svg.sample") && e.getBoundingClientRect().right > page.clientWidth + 0.5);
+for (const e of document.querySelectorAll(".scroll")) if (e.scrollWidth > e.clientWidth) wide.push(e);
+return {pairs, scroll: page.scrollWidth - page.clientWidth,
+        wide: wide.map((e) => e.tagName + "." + e.className + "#" + e.id + ": " + e.textContent.slice(0, 40))};
+"""
+
+
+class PageTest(ToolTest):
+    """All tests of a class use one case and one browser."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.chain = Chain()
+        cls.window = browser.Browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.window.close()
+        cls.chain.remove()
+
+    def open(self, name):
+        """Opens a page in the test's folder."""
+        self.window.driver.get_log("browser")
+        self.window.requests()
+        self.window.resize(WIDTHS[0])
+        self.window.open(self.path(name))
+
+    def text(self, selector):
+        return self.window.run("return document.querySelector(arguments[0])?.textContent ?? null", selector)
+
+    def cells(self, table):
+        return self.window.run("return [...document.querySelectorAll(arguments[0] + ' tbody tr')]"
+                               ".map((row) => [...row.cells].map((cell) => cell.textContent))", table)
+
+    def canvas(self, selector):
+        element = self.window.run("return document.querySelector(arguments[0])", selector)
+        return self.window.run(CANVAS, element)
+
+    def check_log_and_requests(self):
+        """Checks that the browser logged no error and requested the file only."""
+        errors = [entry for entry in self.window.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
+        self.assertEqual(errors, [])
+        self.assertEqual({url.split(":")[0] for url in self.window.requests()}, {"file"})
+        self.assertEqual(self.text("#message"), "")
+
+    def check_layout(self):
+        for width in WIDTHS:
+            self.window.resize(width)
+            layout = self.window.run(LAYOUT)
+            self.assertEqual(layout, {"pairs": [], "scroll": 0, "wide": []}, f"{width} px")
+
+    def settle(self):
+        """Waits for the next frame, with which overlays are drawn."""
+        self.window.driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(() => arguments[0]()))")
