@@ -16,14 +16,15 @@ from landfall.study import figures, verdicts
 from landfall.study.table import REQUIREMENTS, Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
-                   "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
+                   "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m",
+                   "score.missed_hazard_frac", "score.false_alarm_frac"]
 
 
 def parse(arguments):
     parser = command.Parser(prog="plot_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", metavar="RESULTS.h5")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
-    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements")
+    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements and those of hazards")
     parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
     parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
     plots.add_output_options(parser)
