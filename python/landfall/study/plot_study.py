@@ -3,8 +3,9 @@
 
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
 interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
-requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), and the numbers behind
-them, pass_rates.csv and percentiles.csv.
+requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), crossing.png (where one
+metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
+percentiles.csv and crossings.csv.
 """
 import argparse
 import csv
@@ -12,7 +13,7 @@ import os
 
 from landfall import command, files, plots
 from landfall.errors import UsageError
-from landfall.study import figures, verdicts
+from landfall.study import crossing, figures, verdicts
 from landfall.study.table import REQUIREMENTS, Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
@@ -61,6 +62,15 @@ def chosen_x(options, results):
     raise UsageError(f"--x: '{name}' is not one of {', '.join(axis.name for axis in results.axes)}")
 
 
+def chosen_crossing(options, results):
+    """The study's `crossing`; None where it has none."""
+    spec = results.plot.get("crossing")
+    for name in [*spec["metrics"], spec["against"]] if spec else []:
+        if not results.is_metric(name):
+            raise UsageError(f"{options.results}: plot.crossing: '{name}' is not a metric")
+    return spec
+
+
 def pass_rate_rows(results):
     rows = []
     for point in results.points:
@@ -102,6 +112,9 @@ def draw_all(options, results, metrics):
     overview = figures.overview_figure(results, metrics, x, quantile)
     if overview:
         made[os.path.join(options.output, "overview.png")] = overview
+    spec = chosen_crossing(options, results)
+    if spec:
+        made[os.path.join(options.output, "crossing.png")] = crossing.crossing_figure(results, x, spec)
     made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
     made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
     return made
@@ -112,12 +125,16 @@ def main(arguments):
     with files.open_landfall(options.results, "landfall.results") as file:
         results = Results(file)
     metrics = chosen_metrics(options, results)
-    tables = [os.path.join(options.output, name) for name in ("percentiles.csv", "pass_rates.csv")]
+    spec = chosen_crossing(options, results)
+    tables = [os.path.join(options.output, name) for name in ("percentiles.csv", "pass_rates.csv", *["crossings.csv"] * bool(spec))]
     command.check_outputs(tables, options.overwrite, makes_folder=True)
     made = draw_all(options, results, metrics)
     command.check_outputs(made, options.overwrite, makes_folder=True)
     plots.save(made, options.dpi)
     axes = [axis.name for axis in results.axes]
+    if spec:
+        x = chosen_x(options, results)
+        write_csv(tables[2], [*(axis.name for axis in results.axes if axis is not x), *crossing.HEAD], crossing.rows(results, x, spec))
     write_csv(tables[0], [*axes, "metric", "count", "percentile", "value", "low_95", "high_95"],
               percentile_rows(results, metrics, options.percentile / 100))
     write_csv(tables[1], [*axes, "requirement", "passed", "count", "rate", "low_95", "high_95"], pass_rate_rows(results))
