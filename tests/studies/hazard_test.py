@@ -12,7 +12,7 @@ from case import BIN, LIMITS, ROOT, SIGMAS, StudyTest, read, study
 
 # pylint: disable=wrong-import-order
 from landfall.errors import UsageError
-from landfall.study import reader, results, rules, stages
+from landfall.study import figures, names, reader, results, rules, stages, table, verdicts
 
 HAZARD = {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}
 CLEARANCES = {"key": "hazard.limits.roughness_m", "list": [0.2, 0.3]}
@@ -253,7 +253,17 @@ class Pages(StudyTest):
         self.make("study-results")
         subprocess.run([os.path.join(ROOT, "python", "commands", "plot_study.py"), self.out("results.h5"), "-o", self.path("f")],
                        check=True, capture_output=True)
-        self.assertLessEqual({"score.missed_hazard_frac.png", "score.false_alarm_frac.png"}, set(os.listdir(self.path("f"))))
+        self.assertLessEqual({"score.missed_hazard_frac.png", "score.false_alarm_frac.png", "hazards.png"}, set(os.listdir(self.path("f"))))
+        with h5py.File(self.out("results.h5")) as file:
+            read_results = table.Results(file)
+        figure = verdicts.hazards_figure(read_results, 0.5)
+        self.addCleanup(figures.plt.close, figure)
+        shown = {text.get_text() for text in figure.axes[0].texts}
+        for row in self.rows():
+            for name in ("score.missed_hazard_frac", "score.false_alarm_frac", "site.p_touchdown"):
+                self.assertIn(f"{names.number(100 * float(row[name]))} %", shown)
+        # The bar of the largest value has the width of its cell.
+        self.assertAlmostEqual(max(patch.get_width() for patch in figure.axes[0].patches), 0.96, 12)
 
 
 if __name__ == "__main__":

@@ -82,8 +82,10 @@ def crossing_figure(results, x, spec):
     ticks = [tick for tick in TICKS if low <= tick <= high and (tick == 0 or tick >= 10 * spec["level"])]
     panels[0][0].set_yticks(ticks, map(number, ticks))
     panels[0][0].minorticks_off()
-    note = f"; lines: median of {results.repeats()} repeats, small marks: each of them" if results.repeats() > 1 else ""
-    figure.suptitle(f"{results.title}\ndashed: {number(100 * spec['level'])} %; dotted: where a line exceeds it{note}", fontsize=10)
+    repeats = results.repeats()
+    note = f"lines: median of {repeats} repeats, small marks: each; dotted: where they exceed {number(100 * spec['level'])} %, median and range" \
+        if repeats > 1 else f"dotted: where a line exceeds {number(100 * spec['level'])} %"
+    figure.suptitle(f"{results.title}\n{note}", fontsize=10)
     return figure
 
 
@@ -100,6 +102,8 @@ def draw_panel(axes, results, x, spec, metric, across):
             axes.plot(*np.concatenate(pairs).T, linestyle="none", markersize=3, alpha=0.5, **style)
         if math.isfinite(found.median):
             axes.axvline(found.median * across.factor, color=style["color"], linestyle=":", linewidth=1.4)
+        if math.isfinite(found.least) and math.isfinite(found.largest):
+            axes.axvspan(found.least * across.factor, found.largest * across.factor, color=style["color"], alpha=0.12, linewidth=0)
     axes.axhline(100 * level, color=LIMIT_COLOR, linestyle="--", linewidth=1.2)
     axes.set_title(Scale(results, metric).name, fontsize=9)
     axes.set_xlabel(across.title(), fontsize=9)

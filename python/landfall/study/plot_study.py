@@ -3,8 +3,8 @@
 
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
 interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
-requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), crossing.png (where one
-metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
+requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), hazards.png (scores and
+best sites, of a study with hazard maps), crossing.png (where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
 percentiles.csv and crossings.csv.
 """
 import argparse
@@ -17,8 +17,8 @@ from landfall.study import crossing, figures, verdicts
 from landfall.study.table import REQUIREMENTS, Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
-                   "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m",
-                   "score.missed_hazard_frac", "score.false_alarm_frac"]
+                   "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
+HAZARD_METRICS = ["score.missed_hazard_frac", "score.false_alarm_frac"]
 
 
 def parse(arguments):
@@ -44,7 +44,7 @@ def chosen_metrics(options, results):
     if options.metrics:
         names = options.metrics.split(",")
     else:
-        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS if name in results.columns]
+        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS + HAZARD_METRICS if name in results.columns]
     for name in names:
         if not results.is_metric(name):
             raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
@@ -115,6 +115,9 @@ def draw_all(options, results, metrics):
     spec = chosen_crossing(options, results)
     if spec:
         made[os.path.join(options.output, "crossing.png")] = crossing.crossing_figure(results, x, spec)
+    hazards = verdicts.hazards_figure(results, quantile)
+    if hazards:
+        made[os.path.join(options.output, "hazards.png")] = hazards
     made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
     made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
     return made
