@@ -240,9 +240,9 @@ def draw_reliability(ax, hazards):
     ax.plot([0, 1], [0, 1], color="black", linewidth=1, label="perfectly calibrated")
     ax.plot(middle, share, color=maps.BLUE, marker="o", linewidth=1, gid="reliability", label="found; number of places")
     for x, y, places in zip(middle, share, count):
-        above = y > x or y < 0.05
-        ax.annotate(f"{places:,.0f}", (x, y), (0, 7 if above else -7), textcoords="offset points", ha="center",
-                    va="bottom" if above else "top", fontsize=maps.NOTE_PT,
+        # Beside a low point, where the curve leaves room; a label of the last ones would not fit there.
+        offset, ha, va = ((0, 7), "center", "bottom") if y > x else ((7, -2), "left", "center") if x < 0.8 else ((0, -7), "center", "top")
+        ax.annotate(f"{places:,.0f}", (x, y), offset, textcoords="offset points", ha=ha, va=va, fontsize=maps.NOTE_PT,
                     bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
     ax.grid(True, color="#e0e0e0", linewidth=0.6)
     ax.legend(loc="upper left", fontsize=maps.NOTE_PT)

@@ -249,7 +249,7 @@ class BadStudies(StudyTest):
                 with self.assertRaises(UsageError) as context:
                     read = reader.read_study(path)
                     for indices in read.cases():
-                        for stage in model.STAGES:
+                        for stage in read.base:
                             model.configuration(read, stage, indices)
                 for word in [path, *words]:
                     self.assertIn(word, str(context.exception))

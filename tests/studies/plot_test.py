@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
 
 # pylint: disable=wrong-import-position
-from landfall.study import figures, table, verdicts
+from landfall.study import crossing, figures, table, verdicts
 from landfall.study.results import Table, flatten, write_h5
 
 
@@ -97,7 +97,7 @@ def metrics(sigma, loss, repeat, judged=True):
             "coverage": {"invalid_frac": loss}, "requirements": requirement}
 
 
-class Plots(unittest.TestCase):
+class PlotTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
@@ -135,6 +135,8 @@ class Plots(unittest.TestCase):
         with h5py.File(self.table(names, **options)) as file:
             return table.Results(file)
 
+
+class Plots(PlotTest):
     def test_files_and_numbers(self):
         self.plot(self.table(("sigma_m", "loss_frac", "repeat")), "-o", self.path("f"), "--metrics",
                   "accuracy.relative.z.max_m,coverage.invalid_frac")
@@ -388,6 +390,57 @@ class Plots(unittest.TestCase):
         with h5py.File(table, "r+") as file:
             file["_study_json"][()] = json.dumps({"title": "T"})
         self.assertIn("no table of a study", self.plot(table, "-o", self.path("g"), code=1).stderr)
+
+
+class Crossings(PlotTest):
+    SPEC = {"metrics": ["accuracy.relative.z.max_m", "coverage.invalid_frac"], "against": "accuracy.relative.z.max_m", "level": 0.03}
+
+    def test_where_a_curve_exceeds_a_level(self):
+        """Linear between neighbours, at the first excess, whatever the order of the points and what is not known."""
+        curve = [(1, 0.0), (3, 0.02), (2, 0.005), (4, 0.001), (5, 0.5)]
+        for points in (curve, curve[::-1], [*curve, (2.5, math.nan), (math.nan, 9)]):
+            self.assertAlmostEqual(crossing.crossing_of(points, 0.01), 2 + 0.005 / 0.015, 12)
+            self.assertAlmostEqual(crossing.crossing_of(points, 0.02), 4 + 0.019 / 0.499, 12)  # 0.02 itself does not exceed it
+        self.assertEqual(crossing.crossing_of(curve, 0.6), math.inf)
+        self.assertEqual(crossing.crossing_of(curve, -1), -math.inf)
+        self.assertEqual(crossing.crossing_of([], 0.01), math.inf)
+
+    def test_table_and_figure(self):
+        """The largest error of a repeat is 2 sigma + 1 mm r: it exceeds 3 cm at 3 cm; losses do nowhere, or everywhere."""
+        self.plot(self.table(("sigma_m", "loss_frac", "repeat"), crossing=self.SPEC), "-o", self.path("f"))
+        with open(self.path("f", "crossings.csv"), encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+        self.assertEqual(rows[0], ["loss_frac", *crossing.HEAD])
+        self.assertEqual([row[1:5] for row in rows[1:3]], [["accuracy.relative.z.max_m", "0.03", "accuracy.relative.z.max_m", "3"]] * 2)
+        np.testing.assert_allclose([float(cell) for cell in rows[1][5:]], [0.03] * 3, rtol=1e-12)
+        self.assertEqual([row[5:] for row in rows[2:]], [["-inf"] * 3, ["inf"] * 3, ["-inf"] * 3])
+        self.assertIn("crossing.png", os.listdir(self.path("f")))
+
+    def test_legend_and_repeats(self):
+        """The median and the range of the repeats; partial tables too."""
+        results = self.results("sigma_m", "repeat", crossing=self.SPEC)
+        column = results.columns["coverage.invalid_frac"]
+        for row, (sigma, repeat) in enumerate(zip(results.columns["sigma_m"], results.columns["repeat"])):
+            column[row] = sigma * (1.5 + 0.4 * repeat)
+        column[-1] = None
+        figure = crossing.crossing_figure(results, results.axes[0], {**self.SPEC, "metrics": ["coverage.invalid_frac"]})
+        (label,) = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+        # Of repeat r, e = 2 sigma + 0.001 r, and the metric is 0.03 at sigma = 0.03 / (1.5 + 0.4 r).
+        first, second = (2 * 0.03 / (1.5 + 0.4 * r) + 0.001 * r for r in (1, 2))
+        self.assertEqual(label, f"all: {100 * max(first, second):.2g} cm ({100 * min(first, second):.2g} to nowhere)")
+        found = crossing.crossings_of(results, results.points, "coverage.invalid_frac", self.SPEC)
+        np.testing.assert_allclose((found.least, found.median), sorted((second, first)), rtol=1e-9)
+        self.assertEqual(found.largest, math.inf)
+        self.assertEqual(figure.axes[0].get_xlabel(), "relative elevation error, largest [cm]")
+
+    def test_without_the_key_there_is_none(self):
+        self.plot(self.table(("sigma_m",)), "-o", self.path("f"))
+        self.assertFalse({"crossing.png", "crossings.csv"} & set(os.listdir(self.path("f"))))
+
+    def test_an_unknown_metric(self):
+        for spec in ({**self.SPEC, "metrics": ["nope"]}, {**self.SPEC, "against": "sigma_m"}):
+            message = self.plot(self.table(("sigma_m",), crossing=spec), "-o", self.path("f"), code=2).stderr
+            self.assertRegex(message, r"results\.h5: plot\.crossing: '(nope|sigma_m)' is not a metric")
 
 
 if __name__ == "__main__":

@@ -127,7 +127,7 @@ class MadeStudy(ReportTest):
         tree = self.page().tree
         planned = reader.read_study(self.path("tiny.json"))
         for number, indices in enumerate(planned.cases()):
-            for index, stage in enumerate(model.STAGES):
+            for index, stage in enumerate(planned.base):
                 config = tree["configs"][stage]
                 found = configs.changed(config["base"], config["changes"][tree["caseConfigs"][number][index]])
                 self.assertEqual(found, model.configuration(planned, stage, indices), (number, stage))
@@ -341,7 +341,8 @@ class InBrowser(ReportTest):
             saved = self.run_script("return caseStudy(arguments[0])", case)
             alone = reader.read_study(self.write(saved, f"case{case}"))
             self.assertEqual(alone.options, planned.options)
-            for stage in model.STAGES:
+            self.assertEqual(list(alone.base), list(planned.base))
+            for stage in planned.base:
                 self.assertEqual(model.configuration(alone, stage, ()), model.configuration(planned, stage, indices))
 
     def test_a_failed_case_and_the_address_of_a_case(self):

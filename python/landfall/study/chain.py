@@ -10,7 +10,7 @@ from landfall.errors import UsageError
 from landfall.study.session import inner_name
 
 RULE = re.compile(r"\t\$\(call stage,([a-z]+),([0-9a-f]+),[^)]*\) (.*)")
-KINDS = ("terrain", "truth", "scan", "regrid", "eval")
+KINDS = ("terrain", "truth", "scan", "regrid", "eval", "hazard")
 OPTIONS = ("--corrected", "--uncertainty")
 TAIL_LINES = 20
 
@@ -59,6 +59,9 @@ class Chains:
             elif name == "regrid":
                 scan, terrain, output = words[:3]
                 kind, inputs = name, (within["scan"] if scan == "@" else scan, terrain)
+            elif name == "hazard":
+                dem, terrain, output = words[:3]
+                kind, inputs = name, (within["dem"] if dem == "@" else dem, terrain)
             else:
                 dem, output = words[:2]
                 kind, inputs = name, (within["dem"] if dem == "@" else dem,)
@@ -67,13 +70,14 @@ class Chains:
                 within["scan" if kind == "scan" else "dem"] = output
             self._of[output] = Run(kind, config, output, recipe, index, inputs, tuple(word for word in words if word in OPTIONS))
 
-    def of(self, metrics):
-        """The runs that a case's metrics are made by, each once, in the order in which they can be run."""
-        runs, pending = {}, [metrics]
+    def of(self, results):
+        """The runs that the files of a case's results are made by, each once, in the order in which they can be run."""
+        runs, pending = {}, [*results]
         while pending:
-            run = self._of.get(pending.pop())
+            output = pending.pop()
+            run = self._of.get(output)
             if run is None:
-                raise UsageError(f"study.mk: no rule makes {metrics}")
+                raise UsageError(f"study.mk: no rule makes {output}")
             runs[run.output] = run
             pending.extend(run.inputs)
         return tuple(sorted(runs.values(), key=lambda run: KINDS.index(run.kind)))

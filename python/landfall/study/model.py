@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from landfall.errors import UsageError
 from landfall.schema import shown
 
-STAGES = ("terrain", "scan", "regrid", "eval")
+STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
+# Stages that a study has only if its base names them.
+OPTIONAL_STAGES = ("hazard",)
 UNITS = {"m": "m", "mps": "m/s", "rad": "rad", "radps": "rad/s", "deg": "deg", "degps": "deg/s", "s": "s", "hz": "Hz",
          "frac": "1", "px": "px", "bins": "bins", "count": "1"}
 
@@ -48,7 +50,7 @@ class Study:
     path: str
     name: str
     title: str
-    base: dict  # stage: configuration, with the values of `set`
+    base: dict  # stage: configuration, with the values of `set`; in the order of STAGES
     dimensions: tuple  # of tuples of Axis of one length
     options: dict  # stage: list of options
     plot: dict

@@ -16,9 +16,10 @@ MOST_VALUES = 12  # of an axis that are all named
 MOST_NAMED = 20  # cases of one failure
 VERDICTS = ("pass", "fail", "not judged", "error", "not made")
 VERDICT_CLASS = {"pass": "pass", "fail": "fail", "error": "error"}
-RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval"}
+RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
 LIMIT_UNITS = {"m": "m", "bins": "bins", "frac": ""}
-WHOLE = {"overview": "Metrics side by side", "requirements": "Requirements met", "shares": "Share of each limit that is used"}
+WHOLE = {"crossing": "Where a metric exceeds a level", "overview": "Metrics side by side", "hazards": "Hazards and best sites",
+         "requirements": "Requirements met", "shares": "Share of each limit that is used"}
 
 
 def escaped(value):

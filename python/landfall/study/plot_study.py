@@ -3,8 +3,9 @@
 
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
 interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
-requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), and the numbers behind
-them, pass_rates.csv and percentiles.csv.
+requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), hazards.png (scores and
+best sites, of a study with hazard maps), crossing.png (where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
+percentiles.csv and crossings.csv.
 """
 import argparse
 import csv
@@ -12,18 +13,19 @@ import os
 
 from landfall import command, files, plots
 from landfall.errors import UsageError
-from landfall.study import figures, verdicts
+from landfall.study import crossing, figures, verdicts
 from landfall.study.table import REQUIREMENTS, Results
 
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
                    "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
+HAZARD_METRICS = ["score.missed_hazard_frac", "score.false_alarm_frac"]
 
 
 def parse(arguments):
     parser = command.Parser(prog="plot_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", metavar="RESULTS.h5")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
-    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements")
+    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements and those of hazards")
     parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
     parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
     plots.add_output_options(parser)
@@ -42,7 +44,7 @@ def chosen_metrics(options, results):
     if options.metrics:
         names = options.metrics.split(",")
     else:
-        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS if name in results.columns]
+        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS + HAZARD_METRICS if name in results.columns]
     for name in names:
         if not results.is_metric(name):
             raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
@@ -58,6 +60,15 @@ def chosen_x(options, results):
         if axis.name == name:
             return axis
     raise UsageError(f"--x: '{name}' is not one of {', '.join(axis.name for axis in results.axes)}")
+
+
+def chosen_crossing(options, results):
+    """The study's `crossing`; None where it has none."""
+    spec = results.plot.get("crossing")
+    for name in [*spec["metrics"], spec["against"]] if spec else []:
+        if not results.is_metric(name):
+            raise UsageError(f"{options.results}: plot.crossing: '{name}' is not a metric")
+    return spec
 
 
 def pass_rate_rows(results):
@@ -101,6 +112,12 @@ def draw_all(options, results, metrics):
     overview = figures.overview_figure(results, metrics, x, quantile)
     if overview:
         made[os.path.join(options.output, "overview.png")] = overview
+    spec = chosen_crossing(options, results)
+    if spec:
+        made[os.path.join(options.output, "crossing.png")] = crossing.crossing_figure(results, x, spec)
+    hazards = verdicts.hazards_figure(results, quantile)
+    if hazards:
+        made[os.path.join(options.output, "hazards.png")] = hazards
     made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
     made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
     return made
@@ -111,12 +128,16 @@ def main(arguments):
     with files.open_landfall(options.results, "landfall.results") as file:
         results = Results(file)
     metrics = chosen_metrics(options, results)
-    tables = [os.path.join(options.output, name) for name in ("percentiles.csv", "pass_rates.csv")]
+    spec = chosen_crossing(options, results)
+    tables = [os.path.join(options.output, name) for name in ("percentiles.csv", "pass_rates.csv", *["crossings.csv"] * bool(spec))]
     command.check_outputs(tables, options.overwrite, makes_folder=True)
     made = draw_all(options, results, metrics)
     command.check_outputs(made, options.overwrite, makes_folder=True)
     plots.save(made, options.dpi)
     axes = [axis.name for axis in results.axes]
+    if spec:
+        x = chosen_x(options, results)
+        write_csv(tables[2], [*(axis.name for axis in results.axes if axis is not x), *crossing.HEAD], crossing.rows(results, x, spec))
     write_csv(tables[0], [*axes, "metric", "count", "percentile", "value", "low_95", "high_95"],
               percentile_rows(results, metrics, options.percentile / 100))
     write_csv(tables[1], [*axes, "requirement", "passed", "count", "rate", "low_95", "high_95"], pass_rate_rows(results))

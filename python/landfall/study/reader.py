@@ -8,8 +8,8 @@ import statistics
 from landfall import schema, tools
 from landfall.errors import UsageError
 from landfall.schema import shown
-from landfall.study.model import (assign, Axis, label_of, plain_numbers, Point, stage_of, STAGES, Study, unit_of, with_full_paths,
-                                  without_unit)
+from landfall.study.model import (assign, Axis, label_of, OPTIONAL_STAGES, plain_numbers, Point, stage_of, STAGES, Study, unit_of,
+                                  with_full_paths, without_unit)
 
 KINDS = ("list", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")
@@ -46,14 +46,21 @@ class _Reader:
         return study
 
     def base(self, tree):
-        base = {stage: self.config(tree.get("base", {}).get(stage, {}), stage, f"/base/{stage}") for stage in STAGES}
+        given = tree.get("base", {})
+        base = {stage: self.config(given.get(stage, {}), stage, f"/base/{stage}")
+                for stage in STAGES if stage in given or stage not in OPTIONAL_STAGES}
         for key, value in tree.get("set", {}).items():
             stage = stage_of(key)
+            self.check_stage(base, key, f"/set/{key}")
             try:
                 base[stage] = assign(base[stage], key, self.value(key, value, f"/set/{key}"))
             except KeyError as error:
                 self.fail(f"/set/{key}", f"{shown(value)}: {error.args[0]}")
         return base
+
+    def check_stage(self, base, key, where):
+        if stage_of(key) not in base:
+            self.fail(where, f"{key}: this study has no stage {stage_of(key)}; add it to \"base\", {{}} for the tool's defaults")
 
     def config(self, value, stage, where):
         """A configuration given as an object, by its file's name or as preset:NAME."""
@@ -191,6 +198,7 @@ class _Reader:
         earlier = {}
         for axis in study.axes():
             for key in axis.keys():
+                self.check_stage(study.base, key, f"axis {axis.name}")
                 for other, name in earlier.items():
                     if name != axis.name and (other == key or other.startswith(key + ".")):
                         self.fail(f"axis {axis.name}", f"{key} overwrites {other} of the axis {name}")

@@ -9,7 +9,7 @@ import json
 import os
 import re
 
-from landfall.study import rules, stages
+from landfall.study import rules, session, stages
 
 CHECKSUM = "# checksum: "
 PLAN = ("tools.txt", "targets.txt", "names.txt", "cases.json")
@@ -67,21 +67,24 @@ def _is_config(folder, name):
 
 
 def _outputs(folder):
-    """Metrics that are not JSON; HDF5 files that are shorter than they say."""
+    """Results that are not JSON; HDF5 files that are shorter than they say."""
     bad = []
-    for top in ("terrain", "truth", "scan", "dem", "eval", "shared", "metrics"):
-        is_whole = _is_metrics if top == "metrics" else _is_hdf5
+    for top in ("terrain", "truth", "scan", "dem", "eval", "hazard", "shared", *session.FORMATS):
         bad += [f"{top}/{name}" for name in _names(os.path.join(folder, top))
-                if name.endswith((".h5", ".json")) and not name.startswith(".") and not is_whole(os.path.join(folder, top, name))]
+                if name.endswith((".h5", ".json")) and not name.startswith(".") and not _is_output(os.path.join(folder, top, name), top)]
     for name in bad:
         _remove(folder, name)
     return bad
 
 
-def _is_metrics(path):
+def _is_output(path, top):
+    return _is_result(path, session.FORMATS[top]) if top in session.FORMATS else _is_hdf5(path)
+
+
+def _is_result(path, name):
     try:
         with open(path, "rb") as file:
-            return json.load(file)["format"] == "landfall.metrics"
+            return json.load(file)["format"] == name
     except (OSError, ValueError, TypeError, KeyError):
         return False
 

@@ -10,13 +10,12 @@ import h5py
 from landfall import files
 from landfall.errors import DataError
 from landfall.study import chain, configs, names, results, session
+from landfall.study.model import STAGES
 from landfall.study.table import metric_label, REQUIREMENTS, Results
 
 # Of more cases the page shows the first ones, and their number.
 MOST_CASES = 20_000
 DIGITS = 7
-TOOL_OF = {"terrain": "terrain", "truth": "scan", "scan": "scan", "regrid": "regrid", "eval": "eval"}
-CONFIG_KINDS = ("terrain", "scan", "regrid", "eval")
 VERDICTS = {1: "pass", 0: "fail", None: "not judged"}
 
 
@@ -51,9 +50,12 @@ class Study:
                                     "later; make study-results updates the table")
 
     def _count_stale(self):
-        """Cases of the table whose metrics are older than the tools."""
+        """Cases of the table whose results are older than the tools."""
         missing = set(session.missing_targets(self.folder))
-        return sum(self.rows[case][-1] in missing for case in self.row_of)
+        return sum(not missing.isdisjoint(self.files_of(case)) for case in self.row_of)
+
+    def files_of(self, case):
+        return results.results_of(self.cases, self.rows[case])
 
     def value(self, case, column):
         """A case's value in a column of the table; None where the case or the value is not known."""
@@ -72,7 +74,7 @@ def report(folder, figures):
     study = Study(folder)
     numbers = FigureNumbers(study, figures)
     shown = range(min(len(study.rows), MOST_CASES))
-    chains = {case: study.chains.of(study.rows[case][-1]) for case in range(len(study.rows))}
+    chains = {case: study.chains.of(study.files_of(case)) for case in range(len(study.rows))}
     verdicts = {case: study.verdict(case, runs) for case, runs in chains.items()}
     config_table, run_table = ConfigTable(study.folder), RunTable(study)
     case_configs = [config_table.of_case(chains[case]) for case in shown]
@@ -214,19 +216,20 @@ class ConfigTable:
 
     def __init__(self, folder):
         self._folder, self._index, self._base = folder, {}, {}
-        self._changes = {kind: [] for kind in CONFIG_KINDS}
+        self._changes = {}
 
     def of_case(self, chain):
         """The index of each stage's configuration."""
         at = {run.kind: run.config for run in chain}
-        return [self._add(kind, at[kind]) for kind in CONFIG_KINDS]
+        return [self._add(kind, at[kind]) for kind in STAGES if kind in at]
 
     def _add(self, kind, name):
         if name not in self._index:
             tree = configs.without_folders(results.read_json(os.path.join(self._folder, name)))
             base = self._base.setdefault(kind, tree)
-            self._index[name] = len(self._changes[kind])
-            self._changes[kind].append(configs.changes(base, tree))
+            steps = self._changes.setdefault(kind, [])
+            self._index[name] = len(steps)
+            steps.append(configs.changes(base, tree))
         return self._index[name]
 
     def tree(self):
@@ -283,7 +286,7 @@ def reports(study, shown):
     """{case: name} of dem-eval's reports that lie beside the layers."""
     found = {}
     for case in shown:
-        name = "eval/" + os.path.basename(study.rows[case][-1])[:-5] + ".html"
+        name = "eval/" + os.path.basename(study.files_of(case)[0])[:-5] + ".html"
         if os.path.exists(os.path.join(study.folder, name)):
             found[str(case)] = name
     return found

@@ -15,6 +15,8 @@ from landfall.study import model, session
 
 REQUIREMENT_UNITS = {"coverage": "1", "hole_size": "bins", "hole_distance": "bins", "relative_elevation": "1",
                      "relative_horizontal": "1", "absolute_horizontal": "1"}
+# Per cent of the roughness limit.
+MARGINS = (10, 20)
 
 
 def read_cases(folder):
@@ -23,9 +25,15 @@ def read_cases(folder):
     if not os.path.exists(path):
         raise UsageError(f"{folder}: no planned study (no cases.json)")
     cases = read_json(path)
-    for *_, metrics in cases["cases"]:
-        session.inner_name(metrics)
+    for row in cases["cases"]:
+        for name in results_of(cases, row):
+            session.inner_name(name)
     return cases
+
+
+def results_of(cases, row):
+    """The files of a case's results, by its row of cases.json: metrics, and the score of a study that has one."""
+    return row[len(cases["axes"]):]
 
 
 def flatten(tree, prefix=""):
@@ -42,28 +50,53 @@ def flatten(tree, prefix=""):
     return flat
 
 
-def read_metrics(path):
+def read_result(folder, name):
+    """The numbers of one file of results: those of a score begin with score., those of the best of its sites with site."""
+    if session.kind_of(name) != "score":
+        return flatten(_read_json(folder, name))
+    score, sites = _read_json(folder, name), _read_json(folder, session.sites_of(name))["sites"]
+    best = {key: value for key, value in sites[0].items() if key != "rank"} if sites else {}
+    return {**flatten({**score, **shares_of(score["counts"]), **margins_of(score["roc"])}, "score."), **flatten(best, "site.")}
+
+
+def shares_of(counts):
+    """Of the places that are known in the map and in the truth, hazards in each; of all places, unknown ones."""
+    known = sum(counts.values()) - counts["unknown"]
+    return {"judged_hazard_frac": (counts["hazard_safe"] + counts["hazard_hazard"]) / known if known else None,
+            "true_hazard_frac": (counts["safe_hazard"] + counts["hazard_hazard"]) / known if known else None,
+            "unknown_frac": counts["unknown"] / (known + counts["unknown"])}
+
+
+def margins_of(roc):
+    """The score of a map that is judged by a lower roughness limit than the true ground, from the ROC's 21 limits."""
+    return {f"margin_{margin}_percent": {key: roc[key][(100 - margin) // 10] for key in ("missed_hazard_frac", "false_alarm_frac")}
+            for margin in MARGINS}
+
+
+def _read_json(folder, name):
+    path, expected = os.path.join(folder, name), session.FORMATS[session.kind_of(name)]
     try:
         with open(path, encoding="utf-8") as file:
             tree = json.load(file)
-        if tree["format"] != "landfall.metrics":
-            raise ValueError("\"format\" is not \"landfall.metrics\"")
+        if tree["format"] != expected:
+            raise ValueError(f"\"format\" is not \"{expected}\"")
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise DataError(f"{path}: {getattr(error, 'strerror', None) or error}") from error
     del tree["version"]
-    return flatten(tree)
+    return tree
 
 
 def rows_of(folder, cases, partial):
     """(number, axis values, metrics) of each case; with `partial`, of those that are done."""
     seen, rows = {}, []
-    for number, (*values, metrics) in enumerate(cases["cases"]):
-        path = os.path.join(folder, metrics)
-        if partial and not os.path.exists(path):
+    for number, row in enumerate(cases["cases"]):
+        names = results_of(cases, row)
+        if partial and not all(session.age_of(folder, name) for name in names):
             continue
-        if path not in seen:
-            seen[path] = read_metrics(path)
-        rows.append((number, values, seen[path]))
+        for name in names:
+            if name not in seen:
+                seen[name] = read_result(folder, name)
+        rows.append((number, row[:len(cases["axes"])], {key: value for name in names for key, value in seen[name].items()}))
     if not rows:
         raise DataError(f"{folder}: no case is done")
     return rows

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A study's folder: where each stage's files lie, and the rules by which Makefile.studies makes them.
 
-Terrains, truths and metrics stay. A scan or a DEM that is not kept is made within the recipe of the only stage that
+Terrains, truths, metrics, scores and sites stay. A scan or a DEM that is not kept is made within the recipe of the only stage that
 reads it, and removed after it; one that several stages read stays in shared/ until all of them are done.
 """
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from landfall.command import write_whole
-from landfall.study import names, stages
+from landfall.study import names, session, stages
 
-KEEPABLE = ("scan", "dem", "eval")
+KEEPABLE = ("scan", "dem", "eval", "hazard")
 MOST_SHARED = 16
 
 
@@ -35,6 +35,16 @@ class Layout:
     def layers(self, stage):
         return f"eval/{stage.id}.h5" if "eval" in self.keep else None
 
+    def score(self, stage):
+        return f"score/{stage.id}.json"
+
+    def hazards(self, stage):
+        return f"hazard/{stage.id}.h5" if "hazard" in self.keep else None
+
+    def results(self, stages_of_case):
+        """The files of a case's results that cases.json names; sites have the name of their score."""
+        return [of(stage) for of, stage in zip((self.metrics, self.score), stages_of_case)]
+
     def scan(self, stage):
         """None for one that is made within its reader's recipe."""
         return self._between("scan", stage)
@@ -52,7 +62,7 @@ def folders(graph):
     """All folders of a study."""
     tools = {tool for tool, _ in graph.configs}
     return [*(f"config/{tool}" for tool in sorted(tools)), "terrain", "truth", "scan", "dem", "eval", "metrics",
-            "shared", "readers", "log", "scratch"]
+            *(("hazard", "score", "sites") if graph.hazard else ()), "shared", "readers", "log", "scratch"]
 
 
 @dataclass
@@ -88,6 +98,7 @@ class Fragment:
         self.needs = {}  # output: all that it is made of, for targets.txt
         self.logs = {}  # metrics: the name of their recipe's log
         self.readers = {}  # file in shared/: those who read it
+        self.sources = {}  # scan or DEM: the Recipe that it is made by
         self.grouped = self.shared_scans() > MOST_SHARED and not layout.keep & {"scan", "dem"}
         for stage in graph.terrain.values():
             self.terrain(stage)
@@ -112,13 +123,19 @@ class Fragment:
                 self.dem(stage)
         for stage in self.graph.eval.values():
             self.eval(stage)
+        for stage in self.graph.hazard.values():
+            self.hazard(stage)
 
     def rule(self, kind, identity, outputs, recipe):
         """One explicit rule, with what it leaves for targets.txt and readers/."""
+        if self.graph.hazard:
+            recipe = self.sparing(recipe)
+        if kind in ("scan", "dem"):
+            self.sources[outputs[0]] = recipe
         targets = " ".join("$O/" + name for name in outputs)
         colon = " &:" if len(outputs) > 1 else ":"
         inputs = " ".join(dict.fromkeys([*("$O/" + name for name in recipe.inputs), *recipe.files]))
-        last = "".join(" | $O/" + name for name in recipe.order_only)
+        last = " |" * bool(recipe.order_only) + "".join(" $O/" + name for name in recipe.order_only)
         proofs = "".join(f" --output $O/{name}" for name in outputs)
         drops = "".join(f" --drop $O/{name}" for name in recipe.shared)
         self.lines.append(f"{targets}{colon} {inputs} $O/tools.txt{last}")
@@ -130,6 +147,17 @@ class Fragment:
             self.logs[name] = f"{kind}-{identity}"
         for name in recipe.shared:
             self.readers.setdefault(name, []).append(outputs[0])
+
+    def sparing(self, recipe):
+        """The recipe with what its scan or DEM is made of in place of that file, which is order-only: one that is made again for
+        another reader makes nothing else anew."""
+        spared = replace(recipe, inputs=[], order_only=[*recipe.order_only])
+        for name in recipe.inputs:
+            source = self.sources.get(name)
+            spared.inputs += source.inputs if source else [name]
+            spared.files = (*spared.files, *(source.files if source else ()))
+            spared.order_only += [name] if source else []
+        return spared
 
     # A recipe for each file
 
@@ -154,13 +182,14 @@ class Fragment:
         (self.kept if "dem" in self.layout.keep else self.transient).append(output)
 
     def eval(self, stage):
-        dem = self.layout.dem(stage.upstream)
-        if dem is None:
-            recipe = self.gridding(stage.upstream, None)
-        else:
-            recipe = Recipe([dem], shared=[dem] if dem.startswith("shared/") else [])
+        dem, recipe = self.reading(stage.upstream)
         self.judge(recipe, stage, dem)
         self.rule("metrics", stage.id, self.outputs(stage), recipe)
+
+    def hazard(self, stage):
+        dem, recipe = self.reading(stage.upstream)
+        self.find_hazards(recipe, stage, dem)
+        self.rule("score", stage.id, self.outputs(stage), recipe)
 
     def group(self, scan):
         """All that depends on a scan."""
@@ -168,15 +197,28 @@ class Fragment:
         for dem in scan.consumers:
             self.grid(recipe, dem, None, None)
             for stage in dem.consumers:
-                self.judge(recipe, stage, None)
+                judge = self.find_hazards if stage.id in self.graph.hazard else self.judge
+                judge(recipe, stage, None)
                 outputs += self.outputs(stage)
         self.rule("metrics", scan.id, outputs, recipe)
 
     def outputs(self, stage):
-        """The files that evaluating makes."""
-        return [name for name in (self.layout.metrics(stage), self.layout.layers(stage)) if name]
+        """The files that judging a DEM makes."""
+        if stage.id in self.graph.hazard:
+            score = self.layout.score(stage)
+            names = score, session.sites_of(score), self.layout.hazards(stage)
+        else:
+            names = self.layout.metrics(stage), self.layout.layers(stage)
+        return [name for name in names if name]
 
     # Parts of recipes
+
+    def reading(self, stage):
+        """(file, recipe) of a DEM that is read; the file is None for one that the recipe makes in scratch."""
+        dem = self.layout.dem(stage)
+        if dem is None:
+            return None, self.gridding(stage, None)
+        return dem, Recipe([dem], shared=[dem] if dem.startswith("shared/") else [])
 
     def scanning(self, stage, output):
         """Makes a scan or truth; an output of None lies in scratch."""
@@ -221,18 +263,27 @@ class Fragment:
         if layers:
             self.kept.append(layers)
 
+    def find_hazards(self, recipe, stage, dem):
+        config, score, layers = self.layout.config("hazard", stage), self.layout.score(stage), self.layout.hazards(stage)
+        terrain = self.layout.terrain(stage.upstream.upstream.upstream)
+        recipe.add([config, terrain], stage.files, f"hazard $O/{config} {_file(dem, '@')} $O/{terrain} $O/{score} "
+                   f"$O/{session.sites_of(score)} {_file(layers, '@')}")
+        if layers:
+            self.kept.append(layers)
+
     # The files of a plan
 
     def text(self, name, keep, bin_folder):
-        metrics = [self.layout.metrics(stage) for stage in self.graph.eval.values()]
+        scores = [self.layout.score(stage) for stage in self.graph.hazard.values()]
+        metrics = [*map(self.layout.metrics, self.graph.eval.values()), *scores, *map(session.sites_of, scores)]
         head = ["# Made by sweep.py plan: do not edit.", f"STUDY_NAME := {name}",
                 f"PLANNED_KEEP := {keep}", f"PLANNED_BIN := {bin_folder}", _names("METRICS", metrics),
                 _names("KEPT", self.kept), "", _special(".SECONDARY", self.transient), ".PRECIOUS: $(METRICS)"]
         return "\n".join([*head, *self.lines]) + "\n"
 
     def targets(self):
-        """A line for each set of metrics: its file, its log, all that is made for it."""
-        names = (self.layout.metrics(stage) for stage in self.graph.eval.values())
+        """A line for each set of metrics and each score: its file, its log, all that is made for it."""
+        names = [*map(self.layout.metrics, self.graph.eval.values()), *map(self.layout.score, self.graph.hazard.values())]
         rows = ([name, f"log/{self.logs[name]}.log", *self.needs[name]] for name in names)
         return "".join(" ".join(row) + "\n" for row in rows)
 
@@ -274,9 +325,9 @@ def names_text(study, graph):
 
 
 def cases_text(study, graph, layout, limits):
-    """cases.json: the axes, the limits that all cases share, and each case's values and metrics."""
+    """cases.json: the axes, the limits that all cases share, and each case's values and files of results."""
     description = {"description": study.description} if study.description else {}
     head = {"format": "landfall.cases", "version": 1, "name": study.name, "title": study.title, **description, "plot": study.plot,
             "limits": limits, "axes": axes_of(study)}
-    rows = [json.dumps([*values, layout.metrics(stage)], ensure_ascii=False) for values, stage in graph.cases]
+    rows = [json.dumps([*values, *layout.results(results)], ensure_ascii=False) for values, results in graph.cases]
     return json.dumps(head, indent=1, ensure_ascii=False)[:-2] + ',\n "cases": [\n  ' + ",\n  ".join(rows) + "\n ]\n}\n"

@@ -11,8 +11,19 @@ from landfall.errors import UsageError
 from landfall.schema import shown
 
 
+# Of the files that hold a case's results: their folders, and what "format" says in them.
+FORMATS = {"metrics": "landfall.metrics", "score": "landfall.hazard_score", "sites": "landfall.sites"}
+# Kinds of files that are counted; layers and sites are made together with metrics and score.
+KINDS = ("terrain", "truth", "scan", "dem", "metrics", "score")
+
+
+def sites_of(score):
+    """The file with the sites of a score."""
+    return "sites/" + score.removeprefix("score/")
+
+
 def kind_of(name):
-    """terrain, truth, scan, dem or metrics, by a file's name in the study's folder."""
+    """One of KINDS, eval, hazard or sites, by a file's name in the study's folder."""
     folder, file = name.split("/", 1)
     return file.rsplit(".", 2)[1] if folder == "shared" else folder
 
@@ -33,7 +44,7 @@ def age(path):
 
 
 def read_targets(folder):
-    """targets.txt: for each case's metrics, their log and the files that they are made of."""
+    """targets.txt: for each of the cases' metrics and scores, their log and the files that they are made of."""
     with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
         return [[inner_name(word) for word in line.split()] for line in file]
 
@@ -49,16 +60,22 @@ def name_of(folder, identity):
     return rest.split(b"\n", 1)[0].decode(errors="replace") if key else identity
 
 
+def age_of(folder, name):
+    """The age of a target; of a score, that of its sites if they are older."""
+    own = age(os.path.join(folder, name))
+    return min(own, age(os.path.join(folder, sites_of(name)))) if kind_of(name) == "score" else own
+
+
 def missing_targets(folder):
-    """Names of what is still to be made: metrics that are absent or older than the tools, and what they lack."""
+    """Names of what is still to be made: results that are absent or older than the tools, and what they lack."""
     tools = age(os.path.join(folder, "tools.txt"))
     missing, known = {}, {}
-    for metrics, _, *needs in read_targets(folder):
-        if age(os.path.join(folder, metrics)) >= tools:
+    for result, _, *needs in read_targets(folder):
+        if age_of(folder, result) >= tools:
             continue
-        for name in (*needs, metrics):
+        for name in (*needs, result):
             if name not in known:
-                known[name] = age(os.path.join(folder, name)) >= tools
+                known[name] = age_of(folder, name) >= tools
             if not known[name]:
                 missing[name] = True
     return list(missing)

@@ -2,6 +2,7 @@
 """What a study has to compute: each stage once, named by a hash of all that its content depends on.
 
     terrain -> (truth ->) scan -> dem -> metrics
+                                      -> score, sites
 
 Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`.
 """
@@ -16,7 +17,9 @@ from landfall.study import model
 # Keys of a scan that true ranges depend on; beside them, the seed where it moves the beams.
 TRUTH_KEYS = ("detector", "laser", "scanner", "mount", "trajectory")
 TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad")
-UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid"}
+UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid"}
+# Stages whose files are a case's results, in the order of its files.
+RESULTS = ("eval", "hazard")
 
 
 @dataclass
@@ -40,8 +43,9 @@ class Graph:
     scan: dict
     regrid: dict
     eval: dict
+    hazard: dict  # empty for a study without this stage
     configs: dict  # (tool, config_id): text of the file
-    cases: list  # of (values, eval Stage)
+    cases: list  # of (values, Stages of its results)
 
 
 def build(study):
@@ -52,12 +56,16 @@ def build(study):
 def cases_of(graph):
     """{id of a stage: numbers of the cases that it is made for}."""
     found = {}
-    for number, (_, stage) in enumerate(graph.cases):
-        while stage:
-            found.setdefault(stage.id, []).append(number)
-            if stage.truth:
-                found.setdefault(stage.truth.id, []).append(number)
-            stage = stage.upstream
+    for number, (_, results) in enumerate(graph.cases):
+        needed = {}
+        for stage in results:
+            while stage:
+                needed[stage.id] = True
+                if stage.truth:
+                    needed[stage.truth.id] = True
+                stage = stage.upstream
+        for identity in needed:
+            found.setdefault(identity, []).append(number)
     return found
 
 
@@ -110,9 +118,9 @@ def data_files(value):
 class _Builder:
     def __init__(self, study):
         self.study = study
-        self.graph = Graph({}, {}, {}, {}, {}, {}, [])
-        self.known = {stage: {} for stage in UPSTREAM}  # indices of the dimensions that matter: configuration
-        self.relevant = {stage: self.dimensions_of(stage) for stage in UPSTREAM}
+        self.graph = Graph({}, {}, {}, {}, {}, {}, {}, [])
+        self.known = {stage: {} for stage in study.base}  # indices of the dimensions that matter: configuration
+        self.relevant = {stage: self.dimensions_of(stage) for stage in study.base}
         for indices in study.cases():
             self.graph.cases.append((study.values(indices), self.add_case(indices)))
         self.share_truths()
@@ -123,10 +131,10 @@ class _Builder:
                 for dimension in self.study.dimensions]
 
     def add_case(self, indices):
-        stage = None
-        for name in UPSTREAM:
-            stage = self.add_stage(name, indices, stage)
-        return stage
+        made = {}
+        for name in self.study.base:
+            made[name] = self.add_stage(name, indices, made.get(UPSTREAM[name]))
+        return tuple(made[name] for name in RESULTS if name in made)
 
     def add_stage(self, name, indices, upstream):
         mine = tuple(index for index, matters in zip(indices, self.relevant[name]) if matters)

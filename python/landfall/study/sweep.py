@@ -28,7 +28,7 @@ from landfall.schema import read_json, shown
 from landfall.study import lock, model, names, reader, repair, rules, session, stages
 from landfall.study.names import counted
 
-TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval"}
+TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
 MOST_CHECKS_PER_AXIS = 100
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
@@ -41,7 +41,7 @@ def parse(arguments):
     plan.add_argument("study", metavar="STUDY.json")
     plan.add_argument("--out", metavar="DIR", required=True, help="the study's folder")
     plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
-    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval: files to keep; or all")
+    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval, hazard: files to keep; or all")
     plan.add_argument("--no-check", action="store_true", help="do not ask the tools whether they take the values")
     for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
         command = commands.add_parser(name, help=text)
@@ -79,7 +79,7 @@ def plan(options):
         raise UsageError(f"--out {options.out}: make cannot take this name")
     layout = rules.Layout(kept(options.keep))
     study = reader.read_study(options.study)
-    versions = tool_versions(options.bin)
+    versions = tool_versions(options.bin, study.base)
     if not options.no_check:
         check_with_tools(study, options.bin)
     graph = stages.build(study)
@@ -88,7 +88,8 @@ def plan(options):
         written = write_plan(options, study, graph, fragment, versions)
     print(f"{study.name}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
-          f"{counted(len(graph.eval), 'evaluation')}; {written} files written")
+          f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
+          f"; {written} files written")
 
 
 def write_plan(options, study, graph, fragment, versions):
@@ -130,9 +131,9 @@ def tool_output(folder, tool, *arguments, **options):
     return tools.run_tool(tools.find(tool, folder), *arguments, **options).stdout
 
 
-def tool_versions(folder):
-    """A line for each tool; what all outputs depend on."""
-    return "".join(tool_output(folder, tool, "--version") for tool in TOOLS.values())
+def tool_versions(folder, used):
+    """A line for the tool of each stage; what all outputs depend on."""
+    return "".join(tool_output(folder, TOOLS[stage], "--version") for stage in used)
 
 
 def common_limits(folder, graph):
@@ -161,13 +162,13 @@ def check_with_tools(study, folder):
 
 
 def ask(study, folder, indices, name, asked):
-    for stage, tool in TOOLS.items():
+    for stage in study.base:
         text = json.dumps(model.configuration(study, stage, indices))
         if (stage, text) in asked:
             continue
         asked.add((stage, text))
         try:
-            tool_output(folder, tool, "--check", "-c", "-", input=text)
+            tool_output(folder, TOOLS[stage], "--check", "-c", "-", input=text)
         except ToolError as error:
             raise UsageError(f"{study.path}: {name}: {error}") from error
 
@@ -211,7 +212,7 @@ def show(options):
     title = f"{study.name}, case {options.case}: " + ", ".join(f"{name} = {shown(value)}" for name, value in values)
     print("#!/bin/bash\n# " + "".join(character if character.isprintable() else "?" for character in title))
     print("set -euo pipefail")
-    for stage in TOOLS:
+    for stage in study.base:
         config = json.dumps(model.configuration(study, stage, indices), sort_keys=True)
         print(f"echo {shlex.quote(config)} > {stage}.json")
     regrid = "".join(" " + option for option in study.options.get("regrid", []))
@@ -219,6 +220,8 @@ def show(options):
           "scan-sim -c scan.json --terrain terrain.h5 -o scan.h5\n"
           f"regrid scan.h5 -c regrid.json --terrain terrain.h5 -o dem.h5{regrid}\n"
           "dem-eval dem.h5 -c eval.json -o eval.h5 --metrics metrics.json")
+    if "hazard" in study.base:
+        print("hazard-map dem.h5 -c hazard.json --terrain terrain.h5 -o hazards.h5 --score score.json --sites sites.json")
 
 
 # begin, free
@@ -246,7 +249,7 @@ def free(options):
 
 def status(options):
     cases = read_folder(options.folder)
-    done, failed, left = states(options.folder, [case[-1] for case in cases["cases"]])
+    done, failed, left = states(options.folder, [case[len(cases["axes"]):] for case in cases["cases"]])
     failures = sum(map(len, failed.values()))
     print(f"{len(done)} done, {failures} failed, {len(left)} left, of {counted(len(cases['cases']), 'case')}")
     by_values = names.CaseNames(cases["axes"], cases["cases"])
@@ -255,16 +258,17 @@ def status(options):
         print(f"{by_values.of_cases(numbers)}{count}: {reason}")
 
 
-def states(folder, metrics):
-    """Numbers of the cases that are done, {how a stage failed: numbers}, and of those that are left, by their metrics."""
+def states(folder, results):
+    """Numbers of the cases that are done, {how a stage failed: numbers}, and of those that are left, by the files of their results."""
     missing = set(session.missing_targets(folder))
     made_by = {name: [(need, log_of(need)) for need in needs] + [(name, log)] for name, log, *needs in session.read_targets(folder)}
     done, failed, left, reasons = [], {}, [], {}
-    for number, name in enumerate(metrics):
-        if name not in missing:
+    for number, of_case in enumerate(results):
+        lacking = [name for name in of_case if name in missing]
+        if not lacking:
             done.append(number)
             continue
-        logs = [log for need, log in made_by.get(name, []) if need in missing]
+        logs = list(dict.fromkeys(log for name in lacking for need, log in made_by.get(name, []) if need in missing))
         for log in logs:
             if log not in reasons:
                 reasons[log] = failure(folder, log)
@@ -305,6 +309,7 @@ def collect(options):
     # The table that make looks at comes last.
     results.write_h5(table, os.path.join(options.folder, "results.h5"), version)
     results.write_csv(table, os.path.join(options.folder, "results.csv"))
+    tidy(options)
     left_out = len(cases["cases"]) - len(rows)
     print(f"{os.path.join(options.folder, 'results.csv')}: {counted(len(rows), 'case')}, "
           f"{len(table.columns)} columns" + (f"; {left_out} not done" if left_out else ""))
@@ -331,7 +336,8 @@ def prune_folder(options):
         named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
     stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}
     count = size = 0
-    for top in ("config", "terrain", "truth", "scan", "dem", "eval", "metrics", "shared", "readers", "log", "scratch"):
+    for top in ("config", "terrain", "truth", "scan", "dem", "eval", "metrics", "hazard", "score", "sites", "shared", "readers", "log",
+                "scratch"):
         for folder, _, files in os.walk(os.path.join(options.folder, top)):
             for file in files:
                 path = os.path.join(folder, file)

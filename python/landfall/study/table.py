@@ -43,6 +43,17 @@ METRIC_NAMES = {
     "accuracy.absolute.horizontal.p95_m": "absolute horizontal error, 95 % of footprints below",
     "requirements.relative_elevation.value": "footprints over the relative elevation limit",
     "requirements.relative_horizontal.value": "footprints over the relative horizontal limit",
+    "score.missed_hazard_frac": "missed hazards, share of the true hazards",
+    "score.false_alarm_frac": "false alarms, share of the truly safe places",
+    "score.margin_10_percent.missed_hazard_frac": "missed hazards, roughness limit of the map 10 % lower",
+    "score.margin_10_percent.false_alarm_frac": "false alarms, roughness limit of the map 10 % lower",
+    "score.margin_20_percent.missed_hazard_frac": "missed hazards, roughness limit of the map 20 % lower",
+    "score.margin_20_percent.false_alarm_frac": "false alarms, roughness limit of the map 20 % lower",
+    "score.true_hazard_frac": "true hazards, share of the places",
+    "score.judged_hazard_frac": "hazards on the map, share of the places",
+    "score.unknown_frac": "unknown places, share of the region",
+    "site.p_touchdown": "probability of a safe touchdown at the best site",
+    "site.distance_to_hazard_m": "distance of the best site to a hazard",
 }
 
 

@@ -7,12 +7,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from landfall.study import figures
+from landfall.study.names import number
 from landfall.study.table import REQUIREMENTS
 
 MOST_ROWS = 60
 REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_distance": "hole\ndistance",
                      "relative_elevation": "relative\nelevation", "relative_horizontal": "relative\nhorizontal",
                      "absolute_horizontal": "absolute\nhorizontal", "all": "all"}
+HAZARD_NAMES = {"score.missed_hazard_frac": "missed\nhazards", "score.false_alarm_frac": "false\nalarms", "score.true_hazard_frac": "true\nhazards",
+                "score.judged_hazard_frac": "hazards\non the map", "score.unknown_frac": "unknown\nplaces",
+                "site.p_touchdown": "touchdown\non site 1"}
+BAR_COLOR = "#9DC3E6"
 
 
 def requirements_figure(results):
@@ -31,6 +36,20 @@ def shares_figure(results, quantile):
         axes, row, column, results.share_of_limit(point, name, quantile)))
 
 
+def hazards_figure(results, quantile):
+    """The score and the best site of each point; None for a study without hazard maps."""
+    names = [name for name in HAZARD_NAMES if name in results.columns]
+    if not any(name.startswith("score.") for name in names):
+        return None
+    largest = {name: figures.largest_value(results, name) for name in names}
+    note = "shares: missed of the true hazards, false alarms of the truly safe places, unknown of the region;\n" \
+        "hazards of the known places; touchdown: probability; bars: relative to the largest of the column"
+    if results.repeats() > 1:
+        note += f"; {figures.estimate_name(results, quantile).split(',', maxsplit=1)[0]}"
+    return table_figure(results, names, note, lambda axes, row, column, point, name: draw_value(
+        axes, row, column, results.estimate(point, name, quantile)[0], largest[name]))
+
+
 def table_figure(results, names, note, draw_cell):
     """A row for each point, a column for each requirement."""
     points = results.points if len(results.points) <= MOST_ROWS else figures.spread(results.points, MOST_ROWS)
@@ -43,7 +62,7 @@ def table_figure(results, names, note, draw_cell):
             draw_cell(axes, row, column, point, name)
     axes.set_xlim(-0.5, len(names) - 0.5)
     axes.set_ylim(len(points) - 0.5, -0.5)
-    axes.set_xticks(range(len(names)), [REQUIREMENT_NAMES[name] for name in names], fontsize=9)
+    axes.set_xticks(range(len(names)), [{**REQUIREMENT_NAMES, **HAZARD_NAMES}[name] for name in names], fontsize=9)
     axes.set_yticks(range(len(points)), labels, fontsize=8)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     for side in axes.spines.values():
@@ -72,6 +91,13 @@ def draw_share(axes, row, column, share):
     draw_cell_of(axes, row, column, "0.94", 1, "")
     text = f"{share:,.0f} times" if share >= 9.95 else f"{100 * share:.0f} %" if share >= 0.095 or share == 0 else f"{100 * share:.1g} %"
     draw_cell_of(axes, row, column, rate_color(share <= 1), min(share, 1), text)
+
+
+def draw_value(axes, row, column, value, largest):
+    """A share in per cent, with a bar as long as its share of the largest."""
+    draw_cell_of(axes, row, column, "0.94", 1, "not known" if math.isnan(value) else "")
+    if not math.isnan(value):
+        draw_cell_of(axes, row, column, BAR_COLOR, value / largest if largest else 0, f"{number(100 * value)} %")
 
 
 def draw_cell_of(axes, row, column, color, width, text):

@@ -1,0 +1,270 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Studies with a hazard stage: what shares its inputs, what is made again, and its columns in the table, the figures and the report."""
+import json
+import os
+import re
+import subprocess
+import unittest
+
+import h5py
+from case import BIN, LIMITS, ROOT, SIGMAS, StudyTest, read, study
+
+# pylint: disable=wrong-import-order
+from landfall.errors import UsageError
+from landfall.study import figures, names, reader, results, rules, stages, table, verdicts
+
+HAZARD = {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}
+CLEARANCES = {"key": "hazard.limits.roughness_m", "list": [0.2, 0.3]}
+STEPS = ("terrain", "scan", "regrid", "eval", "hazard")
+
+
+def hazard_study(*axes, hazard=None, **keys):
+    tree = study(*axes, **keys)
+    tree["base"]["hazard"] = HAZARD if hazard is None else hazard
+    return tree
+
+
+class Plans(StudyTest):
+    def graph(self, tree):
+        return stages.build(reader.read_study(self.write(tree)))
+
+    def counts(self, tree):
+        graph = self.graph(tree)
+        return [len(of_kind) for of_kind in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval, graph.hazard)]
+
+    def test_cases_share_all_but_the_hazard_map(self):
+        self.assertEqual(self.counts(hazard_study(CLEARANCES)), [1, 0, 1, 1, 1, 2])
+        self.assertEqual(self.counts(hazard_study(SIGMAS, LIMITS, CLEARANCES)), [1, 1, 3, 3, 6, 6])
+        self.assertEqual(self.counts(hazard_study()), [1, 0, 1, 1, 1, 1])
+        self.assertEqual(self.counts(study(SIGMAS)), [1, 1, 3, 3, 3, 0])
+
+    def test_each_stage_names_its_cases(self):
+        graph = self.graph(hazard_study(SIGMAS, CLEARANCES))
+        cases = stages.cases_of(graph)
+        self.assertEqual([cases[identity] for identity in graph.terrain], [[0, 1, 2, 3, 4, 5]])
+        self.assertEqual([cases[identity] for identity in graph.eval], [[0, 1], [2, 3], [4, 5]])
+        self.assertEqual([cases[identity] for identity in graph.hazard], [[number] for number in range(6)])
+
+    def test_keys_need_the_stage(self):
+        for tree, where in ((study(CLEARANCES), "axis roughness_m"), (study(set={"hazard.limits.slope_deg": 5}), "/set/hazard.limits.slope_deg"),
+                            (study(repeat={"count": 2, "draws": {"hazard.limits.slope_deg": {"uniform": [5, 10]}}}), "axis repeat"),
+                            (study({"name": "a", "variants": {"x": {"scan.seed": 1}, "y": {"hazard": {}}}}), "axis a")):
+            with self.assertRaisesRegex(UsageError, rf"{where}: hazard\S*: this study has no stage hazard; add it to \"base\""):
+                reader.read_study(self.write(tree))
+
+    def test_presets_and_files(self):
+        self.write({"limits": {"slope_deg": 7}}, "mine")
+        for base, expected in (("preset:jpl-2015", 0.353), ("mine.json", None)):
+            read_study = reader.read_study(self.write(hazard_study(hazard=base)))
+            self.assertEqual(read_study.base["hazard"]["limits"].get("roughness_m"), expected)
+            self.assertIn(base.removeprefix("preset:")[:4], read_study.files[-1])
+
+    def test_the_tool_checks_the_values(self):
+        path = self.write(hazard_study({"key": "hazard.limits.slope_deg", "list": [10, -1]}))
+        message = self.sweep("plan", path, "--out", self.out(), "--bin", BIN, code=2).stderr
+        self.assertRegex(message, r"slope_deg = -1: hazard-map: .*limits/slope_deg")
+
+    def test_a_study_without_the_stage_has_nothing_of_it(self):
+        self.plan(study(SIGMAS))
+        self.assertEqual(set(self.files()) & {"hazard", "score", "sites"}, set())
+        self.assertEqual(read(self.out("tools.txt")).count(b"\n"), 4)
+        self.assertNotIn(b"hazard", read(self.out("study.mk")))
+        self.assertEqual({len(row) for row in json.loads(read(self.out("cases.json")))["cases"]}, {2})
+
+    def test_a_dem_is_order_only_for_those_who_read_it(self):
+        """What it is made of stands in the rule instead."""
+        self.plan(hazard_study(SIGMAS))
+        text = read(self.out("study.mk")).decode()
+        for target in ("metrics", "score"):
+            found = re.findall(rf"(?m)^\$O/{target}/\S+.*?: (.*) \| (.*)$", text)
+            self.assertEqual(len(found), 3)
+            for inputs, last in found:
+                self.assertRegex(last, r"^\$O/shared/[0-9a-f]{16}\.dem\.h5$")
+                self.assertEqual(re.findall(r"\$O/(config/\w+|\w+)/", inputs)[:3], ["config/scan", "terrain", "config/regrid"])
+        self.assertEqual(text.count("$(call stage,score,"), 3)
+
+
+class Results(StudyTest):
+    def test_a_case_equals_the_chain_by_hand(self):
+        path = self.write(hazard_study(SIGMAS, CLEARANCES))
+        self.make("study-results", "-j2")
+        self.assertEqual([self.runs_of(step) for step in STEPS], [1, 4, 3, 3, 6])
+        self.assertEqual(self.files("shared") + self.files("scratch") + self.files("hazard"), [])
+        cases = json.loads(read(self.out("cases.json")))["cases"]
+        for number in (0, 3):
+            folder = self.path(f"by-hand-{number}")
+            os.mkdir(folder)
+            subprocess.run(["bash", "-c", self.sweep("show", path, number).stdout], cwd=folder, check=True,
+                           env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+            metrics, score = cases[number][-2:]
+            for stored, made in ((metrics, "metrics"), (score, "score"), ("sites/" + os.path.basename(score), "sites")):
+                self.assertEqual(read(self.out(stored)), read(os.path.join(folder, made + ".json")), (number, made))
+        self.check_row(self.rows()[3], cases[3][-1])
+
+    def check_row(self, row, score_name):
+        score = json.loads(read(self.out(score_name)))
+        site = json.loads(read(self.out("sites", os.path.basename(score_name))))["sites"][0]
+        counts = score["counts"]
+        hazards = counts["safe_hazard"] + counts["hazard_hazard"]
+        self.assertGreater(hazards, 0)
+        self.assertEqual(int(row["score.counts.safe_safe"]), counts["safe_safe"])
+        self.assertEqual(float(row["score.missed_hazard_frac"]), counts["safe_hazard"] / hazards)
+        self.assertEqual(float(row["score.true_hazard_frac"]), hazards / (sum(counts.values()) - counts["unknown"]))
+        self.assertEqual(float(row["score.unknown_frac"]), counts["unknown"] / sum(counts.values()))
+        limits = score["roc"]["roughness_limit_m"]
+        for margin in results.MARGINS:
+            at = min(range(len(limits)), key=lambda i: abs(limits[i] - 0.3 * (1 - margin / 100)))  # pylint: disable=cell-var-from-loop
+            self.assertAlmostEqual(limits[at], 0.3 * (1 - margin / 100), 9)
+            for key in ("missed_hazard_frac", "false_alarm_frac"):
+                self.assertEqual(float(row[f"score.margin_{margin}_percent.{key}"]), score["roc"][key][at])
+        for key in ("x_m", "z_m", "cost", "p_touchdown", "slope_deg", "roughness_m"):
+            self.assertEqual(float(row["site." + key]), site[key])
+        self.assertEqual(row["site.true_safe"], str(int(site["true_safe"])))
+        self.assertNotIn("site.rank", row)
+        with h5py.File(self.out("results.h5")) as file:
+            for name, unit in (("score.missed_hazard_frac", "1"), ("score.filled_truth_bins", "bins"), ("site.slope_deg", "deg"),
+                               ("site.roughness_m", "m"), ("site.p_touchdown", "1")):
+                self.assertEqual(file[name].attrs["units"], unit)
+
+    def test_a_case_without_a_safe_place(self):
+        """Its columns of the best site are empty."""
+        self.write(hazard_study({"key": "hazard.limits.slope_deg", "list": [10, 0.001]}, set={"scan.noise.range_sigma_m": 0.01}))
+        self.make("study-results")
+        first, second = self.rows()
+        self.assertGreater(float(first["site.p_touchdown"]), 0)
+        self.assertEqual({second[name] for name in second if name.startswith("site.")}, {""})
+        self.assertEqual(second["score.judged_hazard_frac"], "1.0")
+
+    def test_many_scans_and_kept_files_give_the_same_results(self):
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        self.write(hazard_study(many, CLEARANCES))
+        progress = self.make("study-results", "-j2").stdout
+        self.assertIn(f"[{2 + 3 * (rules.MOST_SHARED + 1)} done, 0 failed, 0 left]", progress)
+        self.assertEqual([self.runs_of(step) for step in STEPS], [1, 18, 17, 17, 34])
+        self.write(hazard_study({**many, "linspace": [0.01, 0.02, 2]}, CLEARANCES), "few")
+        self.make("study-results", "-j2", "KEEP=hazard,dem", study_name="few")
+        self.assertEqual([len(self.files(kind, study_name="few")) for kind in ("dem", "hazard", "score", "sites", "metrics", "shared")],
+                         [2, 4, 4, 4, 2, 0])
+        self.assertEqual(read(self.out("results.csv")).splitlines()[:5], read(self.out("results.csv", study_name="few")).splitlines())
+        for name in self.files("hazard", study_name="few"):
+            with h5py.File(self.out("hazard", name, study_name="few")) as file:
+                self.assertEqual(json.loads(file["score_json"].asstr()[()]),
+                                 json.loads(read(self.out("score", name[:-3] + ".json", study_name="few"))))
+
+
+class Repeats(StudyTest):
+    """What is made again."""
+
+    def stages_of(self, result):
+        return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
+
+    def test_another_limit_runs_only_hazard_map(self):
+        self.write(hazard_study(SIGMAS, CLEARANCES))
+        self.make("study-results", "-j2", "KEEP=dem")
+        first, rows = read(self.out("results.csv")), self.rows()
+        self.write(hazard_study(SIGMAS, {**CLEARANCES, "list": [0.2, 0.3, 0.4]}))
+        self.assertEqual(self.stages_of(self.make("study-results", "-j2", "KEEP=dem")), ["score"] * 3)
+        self.assertEqual([row["score.counts.safe_safe"] for row in self.rows() if row["roughness_m"] != "0.4"],
+                         [row["score.counts.safe_safe"] for row in rows])
+        self.write(hazard_study(SIGMAS, CLEARANCES))
+        self.assertEqual(self.stages_of(self.make("study-results", "KEEP=dem")), [])
+        self.assertEqual(read(self.out("results.csv")), first)
+
+    def test_another_configuration_without_kept_dems(self):
+        """The DEM is made for it again, and nothing else that reads the DEM."""
+        self.write(hazard_study({**SIGMAS, "list": [0.01]}, CLEARANCES))
+        self.make("study-results")
+        self.write(hazard_study({**SIGMAS, "list": [0.01]}, CLEARANCES, hazard={**HAZARD, "touchdown_sigma_m": 0.5}))
+        self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["dem", "score", "score"])
+        self.assertEqual(self.files("shared"), [])
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
+
+    def test_files_that_are_lost_or_damaged(self):
+        self.write(hazard_study(CLEARANCES))
+        self.make("study-results")
+        whole = {f"{folder}/{name}": read(self.out(folder, name)) for folder in ("score", "sites") for name in self.files(folder)}
+        for name in (min(whole), max(whole)):
+            for how in ("lost", "cut"):
+                with self.subTest(name=name, how=how):
+                    os.remove(self.out(name))
+                    if how == "cut":
+                        with open(self.out(name), "wb") as file:
+                            file.write(whole[name][:len(whole[name]) // 2])
+                    else:
+                        self.assertIn("1 done, 0 failed, 1 left, of 2 cases", self.make("study-status").stdout)
+                        self.assertEqual(len(self.partial_rows()), 1)
+                    result = self.make("study-results")
+                    self.assertEqual(self.stages_of(result), ["dem", "score"])
+                    self.assertEqual({name: read(self.out(name)) for name in whole}, whole)
+                    if how == "cut":
+                        self.assertRegex(result.stderr, rf"{name} is lost or damaged and is made again")
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
+
+    def partial_rows(self):
+        """The table of the finished cases; the whole one is made again by the next make."""
+        self.sweep("collect", "--partial", self.out())
+        rows = self.rows()
+        os.remove(self.out("results.csv"))
+        return rows
+
+    def test_prune_keeps_what_the_plan_names(self):
+        self.write(hazard_study(CLEARANCES))
+        self.make("study-results")
+        self.write(hazard_study({**CLEARANCES, "list": [0.2]}))
+        self.make("study-results")
+        self.assertRegex(self.sweep("prune", self.out()).stdout, r"\A[1-9]\d* files removed, ")
+        self.assertEqual([len(self.files(folder)) for folder in ("score", "sites", "metrics")], [1, 1, 1])
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
+
+    def test_a_failure(self):
+        """Legs shorter than two bins are refused when hazard-map sees the DEM; metrics are still made."""
+        self.write(hazard_study({"key": "hazard.lander.leg_radius_m", "list": [0.85, 0.15]}))
+        result = self.make("study-results", "-k", code=2)
+        self.assertRegex(result.stderr, r"FAILED \(exit 2\): score of leg radius 0\.15 m; the end of \S+\.log:\n +hazard-map: .*leg_radius_m")
+        self.assertEqual(len(self.files("metrics")), 1)
+        status = self.make("study-status").stdout
+        self.assertIn("1 done, 1 failed, 0 left, of 2 cases\n", status)
+        self.assertRegex(status, r"(?m)^leg radius 0\.15 m: exit 2 after .* s: hazard-map: ")
+        self.make("study-partial")
+        self.assertRegex(read(self.out("report.html")).decode(), r"log/score-[0-9a-f]{16}\.log")
+
+
+class Pages(StudyTest):
+    def test_figures_and_report(self):
+        metrics = ["score.missed_hazard_frac", "site.p_touchdown"]
+        self.write(hazard_study(SIGMAS, CLEARANCES, plot={"metrics": metrics}))
+        self.make("study", "-j2")
+        self.assertLessEqual({f"{metric}.png" for metric in metrics} | {"overview.png"}, set(self.files("figures")))
+        page = read(self.out("report.html")).decode()
+        tree = json.loads(re.search(r'id="study-data">(.*?)</script>', page, re.S)[1])
+        columns = {column["name"]: column for column in tree["columns"]}
+        self.assertTrue(all(columns[metric]["first"] for metric in metrics))
+        self.assertEqual(columns["score.missed_hazard_frac"]["label"], "missed hazards, share of the true hazards")
+        self.assertEqual(columns["score.missed_hazard_frac"]["values"],
+                         [float(f"{float(row['score.missed_hazard_frac']):.7g}") for row in self.rows()])
+        self.assertEqual(tree["configs"]["hazard"]["base"], {**HAZARD, "limits": {"roughness_m": 0.2}})
+        kinds = [tree["runs"][run][0] for run in tree["caseRuns"][0]]
+        self.assertEqual(kinds, ["terrain", "truth", "scan", "regrid", "eval", "hazard"])
+        self.assertIn("<td>hazard-map</td>", page)
+
+    def test_the_default_metrics_have_the_score(self):
+        self.write(hazard_study(SIGMAS))
+        self.make("study-results")
+        subprocess.run([os.path.join(ROOT, "python", "commands", "plot_study.py"), self.out("results.h5"), "-o", self.path("f")],
+                       check=True, capture_output=True)
+        self.assertLessEqual({"score.missed_hazard_frac.png", "score.false_alarm_frac.png", "hazards.png"}, set(os.listdir(self.path("f"))))
+        with h5py.File(self.out("results.h5")) as file:
+            read_results = table.Results(file)
+        figure = verdicts.hazards_figure(read_results, 0.5)
+        self.addCleanup(figures.plt.close, figure)
+        shown = {text.get_text() for text in figure.axes[0].texts}
+        for row in self.rows():
+            for name in ("score.missed_hazard_frac", "score.false_alarm_frac", "site.p_touchdown"):
+                self.assertIn(f"{names.number(100 * float(row[name]))} %", shown)
+        # The bar of the largest value has the width of its cell.
+        self.assertAlmostEqual(max(patch.get_width() for patch in figure.axes[0].patches), 0.96, 12)
+
+
+if __name__ == "__main__":
+    unittest.main()
