@@ -53,7 +53,8 @@ void expect_window_extremes(const Grid<double>& values, std::int64_t half_bins) 
       const Extremes expected = of_window(values, {row, col}, half_bins);
       const auto is_equal = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
       ASSERT_TRUE(is_equal(least.at({row, col}), expected.least)) << row << " " << col << " " << half_bins;
-      ASSERT_TRUE(is_equal(largest.at({row, col}), expected.largest)) << row << " " << col << " " << half_bins;
+      ASSERT_TRUE(is_equal(largest.at({row, col}), expected.largest))
+          << row << " " << col << " " << half_bins;
     }
 }
 
@@ -72,8 +73,8 @@ TEST(WindowExtremes, EqualAllBinsOfTheWindow) {
     for (const std::int64_t half_bins : {0, 1, 2, 5, 11, 200})
       for (const double hole_frac : {0.0, 0.1, 0.95})
         expect_window_extremes(
-            random_map({.resolution_m = 0.1, .first_row = 0, .first_col = 0, .rows = rows, .cols = cols}, ++seed,
-                       hole_frac),
+            random_map({.resolution_m = 0.1, .first_row = 0, .first_col = 0, .rows = rows, .cols = cols},
+                       ++seed, hole_frac),
             half_bins);
 }
 
