@@ -52,11 +52,14 @@ void require_fits(const HazardParameters& parameters, const GridSpec& spec) {
 Lander lander_for(const HazardParameters& parameters, double resolution_m) {
   Lander lander = parameters.lander;
   if (parameters.method == HazardMethod::contact) return lander;
-  const int least_bins = parameters.method == HazardMethod::lmeds ? 2 : 1;
-  if (lander.body_radius_m < least_bins * resolution_m - kTolerance)
+  const bool is_lmeds = parameters.method == HazardMethod::lmeds;
+  if (lander.body_radius_m < (is_lmeds ? 2 : 1) * resolution_m - kTolerance)
     throw UsageError("lander/body_radius_m: " + number_text(lander.body_radius_m) + " is less than " +
-                     (least_bins == 1 ? "1 bin" : "2 bins") + " of " + number_text(resolution_m) +
-                     " m, which this method needs");
+                     (is_lmeds ? "2 bins" : "1 bin") + " of " + number_text(resolution_m) +
+                     " m, and the method is " +
+                     (is_lmeds                                   ? "lmeds"
+                      : parameters.method == HazardMethod::plane ? "plane"
+                                                                 : "range_difference"));
   lander.leg_radius_m = std::max(lander.leg_radius_m, 2 * resolution_m);
   return lander;
 }
