@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/hazard_config.h"
 
+#include <string>
+
 namespace landfall {
 namespace {
 
@@ -10,6 +12,13 @@ Lander lander_of(const nlohmann::json& json) {
           .pad_diameter_m = json.at("pad_diameter_m"),
           .pad_height = json.at("pad_height") == "max" ? PadHeight::max : PadHeight::mean,
           .body_radius_m = json.at("body_radius_m")};
+}
+
+HazardMethod method_of(const std::string& name) {
+  if (name == "plane") return HazardMethod::plane;
+  if (name == "range_difference") return HazardMethod::range_difference;
+  if (name == "lmeds") return HazardMethod::lmeds;
+  return HazardMethod::contact;
 }
 
 SiteParameters sites_of(const nlohmann::json& json) {
@@ -25,7 +34,7 @@ SiteParameters sites_of(const nlohmann::json& json) {
 HazardParameters hazard_config(const nlohmann::json& resolved) {
   HazardParameters parameters;
   parameters.lander = lander_of(resolved.at("lander"));
-  parameters.method = resolved.at("method") == "contact" ? HazardMethod::contact : HazardMethod::plane;
+  parameters.method = method_of(resolved.at("method"));
   parameters.region_radius_m = resolved.at("region_radius_m");
   parameters.limits = {resolved.at("limits").at("slope_deg"), resolved.at("limits").at("roughness_m")};
   parameters.hole_fill_bins = resolved.at("hole_fill_bins");

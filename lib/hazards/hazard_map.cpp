@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -17,44 +18,104 @@ constexpr double kTolerance = 1e-9;  // bins, and metres
 
 struct Width {
   const char* key;
-  double bins;  ///< from the lander's centre to its outermost bin
+  const char* what;
+  double bins;  ///< from the place to the outermost bin that enters
 };
 
-/// The part of the lander that reaches furthest.
-Width widest(const Lander& lander, HazardMethod method, double resolution_m) {
-  const Width body = {"body_radius_m", std::floor((lander.body_radius_m + kTolerance) / resolution_m)};
-  if (method == HazardMethod::plane) return body;
-  const Width legs = {"leg_radius_m",
-                      std::floor(lander.leg_radius_m / resolution_m + 0.5 + kTolerance) +
-                          std::floor((lander.pad_diameter_m / 2 + kTolerance) / resolution_m)};
-  return legs.bins > body.bins ? legs : body;
+/// The part of the lander or of the windows that reaches furthest.
+Width widest(const HazardParameters& parameters, double resolution_m) {
+  const auto bins = [&](double radius_m) { return std::floor((radius_m + kTolerance) / resolution_m); };
+  const Lander& lander = parameters.lander;
+  const Width body = {"lander/body_radius_m", "a lander", bins(lander.body_radius_m)};
+  if (parameters.method == HazardMethod::contact) {
+    const Width legs = {
+        "lander/leg_radius_m", "a lander",
+        std::floor(lander.leg_radius_m / resolution_m + 0.5 + kTolerance) + bins(lander.pad_diameter_m / 2)};
+    return legs.bins > body.bins ? legs : body;
+  }
+  if (parameters.method != HazardMethod::range_difference) return body;
+  const double rock = bins(parameters.limits.roughness_m);
+  return {rock > body.bins ? "limits/roughness_m" : body.key, "a window", body.bins + rock + 1};
 }
 
 /// A stencil of more bins than the map would take any amount of memory, so that this is checked first.
-void require_fits(const Lander& lander, HazardMethod method, const GridSpec& spec) {
-  const Width width = widest(lander, method, spec.resolution_m);
+void require_fits(const HazardParameters& parameters, const GridSpec& spec) {
+  const Width width = widest(parameters, spec.resolution_m);
   if (2 * width.bins + 1 <= static_cast<double>(std::min(spec.rows, spec.cols))) return;
-  throw UsageError(std::string("lander/") + width.key + ": a lander of " + short_number(2 * width.bins + 1) +
+  throw UsageError(std::string(width.key) + ": " + width.what + " of " + short_number(2 * width.bins + 1) +
                    " bins across is larger than the map of " + std::to_string(spec.cols) + " x " +
                    std::to_string(spec.rows) + " bins of " + number_text(spec.resolution_m) + " m");
 }
 
-/// The least-squares plane needs bins on both sides of the centre, and no legs.
+/// Methods other than contact need bins on both sides of the centre, and no legs. With 5 samples the plane
+/// through any three of them would have a median of 0.
 Lander lander_for(const HazardParameters& parameters, double resolution_m) {
   Lander lander = parameters.lander;
   if (parameters.method == HazardMethod::contact) return lander;
-  if (lander.body_radius_m < resolution_m - kTolerance)
-    throw UsageError("lander/body_radius_m: " + number_text(lander.body_radius_m) +
-                     " is less than 1 bin of " + number_text(resolution_m) + " m, and the method is plane");
+  const bool is_lmeds = parameters.method == HazardMethod::lmeds;
+  if (lander.body_radius_m < (is_lmeds ? 2 : 1) * resolution_m - kTolerance)
+    throw UsageError("lander/body_radius_m: " + number_text(lander.body_radius_m) + " is less than " +
+                     (is_lmeds ? "2 bins" : "1 bin") + " of " + number_text(resolution_m) +
+                     " m, and the method is " +
+                     (is_lmeds                                   ? "lmeds"
+                      : parameters.method == HazardMethod::plane ? "plane"
+                                                                 : "range_difference"));
   lander.leg_radius_m = std::max(lander.leg_radius_m, 2 * resolution_m);
   return lander;
 }
 
-PlaceMeasures measure(const Grid<double>& z, const LanderStencil& lander, HazardMethod method,
-                      const BinMask& region, const ProgressCallback& progress) {
-  return method == HazardMethod::contact ? measure_contact(z, lander, region, progress)
-                                         : measure_plane(z, lander, region, progress);
-}
+/// Measures maps of one resolution by the method of the configuration.
+class Judge {
+ public:
+  Judge(const HazardParameters& parameters, double resolution_m)
+      : parameters_(parameters), lander_(lander_for(parameters, resolution_m), resolution_m) {
+    if (parameters.method != HazardMethod::range_difference) return;
+    windows_ = {lander_.body.half_bins(), rock_half_bins(parameters.limits.roughness_m, resolution_m)};
+    if (windows_.rock_half_bins >= 1) return;
+    throw UsageError("limits/roughness_m: " + number_text(parameters.limits.roughness_m) +
+                     " is less than 1 bin of " + number_text(resolution_m) +
+                     " m: rocks of this height have no window of range_difference");
+  }
+
+  [[nodiscard]] const LanderStencil& lander() const { return lander_; }
+
+  [[nodiscard]] PlaceMeasures measure(const Grid<double>& z, const BinMask& places,
+                                      const ProgressCallback& progress = {}) const {
+    switch (parameters_.method) {
+      case HazardMethod::contact:
+        return measure_contact(z, lander_, places, progress);
+      case HazardMethod::plane:
+        return measure_plane(z, lander_, places, progress);
+      case HazardMethod::range_difference:
+        return measure_range_difference(z, windows_, places, progress);
+      case HazardMethod::lmeds:
+        return measure_lmeds(z, lander_, places, progress);
+    }
+    throw std::logic_error("unknown hazard method");
+  }
+
+  /// The length over which the noise of a bin becomes a gradient: the legs' radius, the width of the window,
+  /// the root of the sum of dx^2 over the body, or the body's radius, over which a triple of samples extends.
+  [[nodiscard]] double slope_base_m() const {
+    const auto half_bins = static_cast<double>(lander_.body.half_bins());
+    switch (parameters_.method) {
+      case HazardMethod::contact:
+        return parameters_.lander.leg_radius_m;
+      case HazardMethod::plane:
+        return std::sqrt(static_cast<double>(lander_.body.squared_offsets())) * lander_.resolution_m;
+      case HazardMethod::range_difference:
+        return 2 * half_bins * lander_.resolution_m;
+      case HazardMethod::lmeds:
+        return half_bins * lander_.resolution_m;
+    }
+    throw std::logic_error("unknown hazard method");
+  }
+
+ private:
+  const HazardParameters& parameters_;
+  LanderStencil lander_;
+  RangeWindows windows_{};
+};
 
 [[noreturn]] void refuse_unknown(const Grid<double>& z, const BinMask& region,
                                  const HazardParameters& parameters) {
@@ -67,13 +128,6 @@ PlaceMeasures measure(const Grid<double>& z, const LanderStencil& lander, Hazard
   throw FormatError("nothing to judge: at each place" + where +
                     " a part of the lander lies on a bin without an elevation or beyond the map's border; " +
                     "scan more, or fill larger holes (hole_fill_bins)");
-}
-
-/// The length over which a lander's plane turns the noise of a bin into a gradient: the legs' radius, or the
-/// root of the sum of dx^2 over the body.
-double slope_base_m(const LanderStencil& lander, const HazardParameters& parameters) {
-  if (parameters.method == HazardMethod::contact) return parameters.lander.leg_radius_m;
-  return std::sqrt(static_cast<double>(lander.body.squared_offsets())) * lander.resolution_m;
 }
 
 /// 1 at safe places, 0 at others, unknown ones included.
@@ -151,28 +205,26 @@ PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
 HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
                       const PhaseRunner& phase) {
   const GridSpec& spec = input.z.spec();
-  require_fits(parameters.lander, parameters.method, spec);
-  const LanderStencil lander(lander_for(parameters, spec.resolution_m), spec.resolution_m);
+  require_fits(parameters, spec);
+  const Judge judge(parameters, spec.resolution_m);
   HazardMap map;
   map.region = clipped_circle(spec, parameters.region_radius_m);
   phase("judge", [&](const ProgressCallback& progress) {
-    map.measures = measure(input.z, lander, parameters.method, map.region, progress);
+    map.measures = judge.measure(input.z, map.region, progress);
   });
   map.safe = judge_places(map.measures, parameters.limits);
   const PlaceCounts counts = count_places(map.safe, map.region);
   if (counts.unknown == counts.all()) refuse_unknown(input.z, map.region, parameters);
   if (input.z_sigma)
     phase("probability", [&](const ProgressCallback&) {
-      map.p_safe = safe_probability(input.z, *input.z_sigma, lander, parameters.limits,
-                                    slope_base_m(lander, parameters), map.measures,
-                                    [&](const Grid<double>& z, const BinMask& places) {
-                                      return measure(z, lander, parameters.method, places, {});
-                                    });
+      map.p_safe = safe_probability(
+          input.z, *input.z_sigma, judge.lander(), parameters.limits, judge.slope_base_m(), map.measures,
+          [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); });
     });
   if (input.z_true)
     phase("judge the truth", [&](const ProgressCallback& progress) {
       HazardMap::Truth& truth = map.truth.emplace();
-      truth.measures = measure(*input.z_true, lander, parameters.method, map.region, progress);
+      truth.measures = judge.measure(*input.z_true, map.region, progress);
       truth.safe = judge_places(truth.measures, parameters.limits);
       truth.outcome = outcomes(map.safe, truth.safe);
       truth.score = score_hazards(map.measures, truth.measures, parameters.limits, map.region,

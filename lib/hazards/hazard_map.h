@@ -13,8 +13,8 @@
 
 namespace landfall {
 
-/// The plane of the lander at a place: measure_contact() or measure_plane().
-enum class HazardMethod { contact, plane };
+/// How slope and roughness of a place are measured: measure_contact() etc.
+enum class HazardMethod { contact, plane, range_difference, lmeds };
 
 struct HazardParameters {
   Lander lander;
@@ -92,8 +92,8 @@ struct PlaceCounts {
 
 /// Judges every place of the map within region_radius_m of the origin (clipped_circle()).
 ///
-/// Throws UsageError "lander/KEY: ..." for a lander that the map cannot hold or resolve, FormatError that
-/// says why if every place is unknown.
+/// Throws UsageError "lander/KEY: ..." or "limits/roughness_m: ..." for what the map cannot hold or resolve,
+/// FormatError that says why if every place is unknown.
 [[nodiscard]] HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
                                     const PhaseRunner& phase);
 

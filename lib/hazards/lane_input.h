@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <vector>
+
 #include "hazards/lander.h"
 #include "hazards/padded_map.h"
 #include "raster/region.h"
@@ -15,15 +19,34 @@ struct ContactInput {
   const BinMask& places;  ///< each known
 };
 
-/// What the lanes of measure_plane() need. Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 = sum
-/// dr^2.
-struct PlaneInput {
+/// What the lanes of a method need that fits one plane to the bins under the body.
+struct BodyInput {
   const PaddedMap& z;
   const Footprint& body;
   double resolution_m;
+  const BinMask& places;  ///< each known
+};
+
+/// What the lanes of measure_plane() need. Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 = sum
+/// dr^2.
+struct PlaneInput {
+  BodyInput ground;
   double count;   ///< bins under the body
   double square;  ///< sum dc^2
-  const BinMask& places;
+};
+
+/// Three samples, by number, and the gradient of the plane through them per rise of the second and of the
+/// third above the first.
+struct SampleTriple {
+  std::array<std::size_t, 3> samples;
+  std::array<double, 2> east, north;
+};
+
+/// What the lanes of measure_lmeds() need.
+struct LmedsInput {
+  BodyInput ground;
+  const std::vector<BinOffset>& samples;  ///< an odd number
+  const std::vector<SampleTriple>& triples;
 };
 
 }  // namespace landfall

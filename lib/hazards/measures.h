@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "base/progress.h"
@@ -36,6 +37,41 @@ struct PlaceMeasures {
 /// The least-squares plane of the bins under the body; roughness is the largest |z - plane| cos(slope). As
 /// measure_contact() otherwise, without pads.
 [[nodiscard]] PlaceMeasures measure_plane(const Grid<double>& z, const LanderStencil& lander,
+                                          const BinMask& places, const ProgressCallback& progress = {});
+
+/// Windows of measure_range_difference(): squares of 2 half + 1 bins, each half >= 1.
+struct RangeWindows {
+  std::int64_t lander_half_bins;  ///< of the body
+  std::int64_t rock_half_bins;
+};
+
+/// Whole bins in the radius of a rock that is a hemisphere of this height.
+[[nodiscard]] std::int64_t rock_half_bins(double height_m, double resolution_m);
+
+/// The differences of ranges in windows of the simple safe site selection (S4) by A. E. Johnson and A. B.
+/// Mandalia, NASA Tech Briefs NPO-49440. Of the map after a 3 x 3 median filter,
+///   SDR  = max - min over the square about the body, h bins to each side,
+///   RDR  = max - min over a square as wide as a rock, SRDR = max of RDR over the square about the body,
+///   slope = atan(SDR / (2 h s)), roughness = SRDR.
+/// On a plane that rises along x or y the slope is exact; along a diagonal its tangent is sqrt(2) times the
+/// true one, never less anywhere. The rise of a plane over the rock's window also counts as roughness. A
+/// place is known where all bins that enter are finite: h + the rock's half window + 1 to each side. O(1) per
+/// bin for any window.
+[[nodiscard]] PlaceMeasures measure_range_difference(const Grid<double>& z, const RangeWindows& windows,
+                                                     const BinMask& places,
+                                                     const ProgressCallback& progress = {});
+
+/// The plane with the least median of squared residuals (P. J. Rousseeuw, J. Am. Stat. Assoc. 79 (1984) 871),
+/// as A. E. Johnson, A. R. Klumpp, J. B. Collier and A. A. Wolf propose for hazards (J. Guidance, Control,
+/// and Dynamics 25(6), 2002): up to half of the bins may lie on rocks without an influence on it.
+///
+/// Candidates are the planes through 35 triples of samples: with half of them outliers, one triple has none
+/// with a probability of 1 - (1 - 0.5^3)^35 = 0.99. Samples are the bins under the body whose row and column,
+/// counted from the place, are multiples of max(1, floor(body's half width / 4)): 49 to 149 from a half width
+/// of 4 on. Triples, from a fixed seed, are the same at every place. The residual is z - plane. A plane
+/// replaces that of an earlier triple if its median is smaller by more than 1e-9 m. Roughness is the largest
+/// |z - plane| cos(slope) of all bins under the body, which reaches at least 2. As measure_plane() otherwise.
+[[nodiscard]] PlaceMeasures measure_lmeds(const Grid<double>& z, const LanderStencil& lander,
                                           const BinMask& places, const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -34,6 +34,12 @@ Reach Reach::of_contact(const LanderStencil& lander) {
   return Reach(std::move(offsets));
 }
 
+Reach Reach::of_square(std::int64_t half_bins) {
+  std::vector<BinOffset> offsets;
+  add(Footprint::square(half_bins), {}, offsets);
+  return Reach(std::move(offsets));
+}
+
 Reach::Reach(std::vector<BinOffset> offsets) {
   std::ranges::sort(offsets, [](const BinOffset& a, const BinOffset& b) {
     return a.rows != b.rows ? a.rows < b.rows : a.cols < b.cols;

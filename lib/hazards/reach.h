@@ -18,6 +18,9 @@ class Reach {
   /// Under the body or, in any yaw, a pad.
   [[nodiscard]] static Reach of_contact(const LanderStencil& lander);
 
+  /// In a square of 2 half_bins + 1 bins.
+  [[nodiscard]] static Reach of_square(std::int64_t half_bins);
+
   /// The largest offset of a row or column.
   [[nodiscard]] std::int64_t bins() const { return bins_; }
 

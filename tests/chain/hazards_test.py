@@ -22,9 +22,13 @@ CONFIG = {
 CASES = {
     "default": {}, "three legs": {"lander__legs": 3}, "mean pads": {"lander__pad_height": "mean", "lander__pad_diameter_m": 0.32},
     "small body": {"lander__body_radius_m": 0.19, "lander__leg_radius_m": 0.73}, "plane": {"method": "plane"},
+    "range difference": {"method": "range_difference", "limits__roughness_m": 0.15},
+    "larger rocks": {"method": "range_difference", "limits__roughness_m": 0.23, "lander__body_radius_m": 0.39},
+    "lmeds": {"method": "lmeds"}, "lmeds on a stride": {"method": "lmeds", "lander__body_radius_m": 0.95},
     "nothing filled": {"hole_fill_bins": 0}, "all filled": {"hole_fill_bins": 100000}, "no dispersion": {"touchdown_sigma_m": 0},
     "whole map": {"region_radius_m": 50, "sites__divert_radius_m": 20, "sites__count": 40, "sites__separation_m": 0},
 }
+METHODS = ("contact", "plane", "range_difference", "lmeds")
 SINGLE = {"rtol": 1e-7, "atol": 2e-9}  # the rounding to float32
 
 
@@ -122,11 +126,14 @@ class Maps(ChainTest):
         self.assertEqual({"slope_true", "roughness_true", "safe_true", "outcome"} & set(layers), set())
 
     def test_probability(self):
-        """With a sigma p_safe exists where the place is known; touchdown, sites and score follow it. The DEM's own map is preferred."""
+        """With a sigma p_safe exists where the place is known, by any method; touchdown, sites and score follow it. The DEM's own map is
+        preferred."""
         dem = self.path("sigmas.h5")
         self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID), "--terrain", self.chain.terrain, "--uncertainty",
                      "--range-sigma", "0.01", "--navigation-sigma", "position_m=0", "-o", dem)
-        for source, config in ((self.chain.dem, with_values(CONFIG, z_sigma_m=0.02)), (dem, with_values(CONFIG, z_sigma_m=900))):
+        cases = [(self.chain.dem, {"z_sigma_m": 0.02})] + [(dem, {"z_sigma_m": 900, "method": method}) for method in METHODS]
+        for source, values in cases:
+            config = with_values(CONFIG, limits__roughness_m=0.15, **values)
             layers, listed, score = self.hazards(source, config)
             p, safe = layers["p_safe"], layers["safe"]
             np.testing.assert_array_equal(np.isnan(p), safe == oracle.UNKNOWN)
@@ -169,14 +176,15 @@ class Maps(ChainTest):
         self.assertGreater(self.hazards(self.path("d.h5"), config)[2]["filled_truth_bins"], 0)
 
     def test_equal_bytes_for_any_number_of_threads(self):
-        made = []
-        for threads in (1, 2, 7):
-            out = [self.path(f"{threads}.{end}") for end in ("h5", "sites", "score")]
-            self.succeed("hazard-map", self.chain.dem, "-c", self.config(with_values(CONFIG, z_sigma_m=0.02)), "-t", threads, "-o", out[0],
-                         "--sites", out[1], "--score", out[2])
-            made.append([read_bytes(path) for path in out])
-        self.assertEqual(made[0], made[1])
-        self.assertEqual(made[0], made[2])
+        for method in METHODS:
+            made = []
+            for threads in (1, 2, 7):
+                out = [self.path(f"{threads}.{end}") for end in ("h5", "sites", "score")]
+                self.succeed("hazard-map", self.chain.dem, "-c", self.config(with_values(CONFIG, z_sigma_m=0.02, method=method, limits__roughness_m=0.1)),
+                             "-t", threads, "-o", out[0], "--sites", out[1], "--score", out[2], "-O")
+                made.append([read_bytes(path) for path in out])
+            self.assertEqual(made[0], made[1], method)
+            self.assertEqual(made[0], made[2], method)
 
 
 class Interface(ChainTest):
@@ -198,6 +206,11 @@ class Interface(ChainTest):
     def test_landers_that_the_map_cannot_hold(self):
         self.refuse_map(2, *self.arguments(lander__body_radius_m=5.2), words=["config.json: /lander/body_radius_m", "101 x 101", self.chain.dem])
         self.refuse_map(2, *self.arguments(lander__leg_radius_m=0.15), words=["/lander/leg_radius_m: 0.15 is less than 2 bins"])
+        for roughness, word in ((0.08, "0.08 is less than 1 bin"), (5, "a window of 113 bins across is larger than the map of 101 x 101")):
+            self.refuse_map(2, *self.arguments(method="range_difference", limits__roughness_m=roughness),
+                            words=["config.json: /limits/roughness_m: " + word, self.chain.dem])
+        for method in METHODS[1:]:
+            self.refuse_map(2, *self.arguments(method=method, lander__body_radius_m=0.09), words=["/lander/body_radius_m: 0.09 is less than", "bin"])
         for key, value in [("lander__pad_diameter_m", 0), ("limits__slope_deg", 0), ("limits__roughness_m", -0.1), ("lander__legs", 5)]:
             self.refuse_map(2, *self.arguments(**{key: value}), words=["config.json: /" + key.replace("__", "/"), str(value)])
 
@@ -287,12 +300,13 @@ class Interface(ChainTest):
 class JetPropulsionLaboratory(ToolTest):
     """Two sites of a competition, with the safe places that its organiser computed from the full-resolution terrain."""
 
-    def accuracy(self, site):
+    def accuracy(self, site, method):
         base = {"type": "dem", "path": os.path.join(DATA, f"jpl2015_{site}_dem.raw"), "horizontal_scale_m": 0.2,
                 "interpolation": "bilinear", "datum": "none", "center": [250.25, 250.25]}
         self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", "base=" + json.dumps(base), "--set",
                      'grid={"half_width_m": 49.7, "resolution_m": 0.1}')
-        self.succeed("hazard-map", self.path("t.h5"), "-c", "preset:jpl-2015", "--set", "region_radius_m=75", "-o", self.path("h.h5"), "-O")
+        self.succeed("hazard-map", self.path("t.h5"), "-c", "preset:jpl-2015", "--set", "region_radius_m=75", "--set", "method=" + method,
+                     "-o", self.path("h.h5"), "-O")
         layers = columns(self.path("h.h5"))
         pixel = lambda axis: np.round((layers[axis] + 50) / 0.1).astype(int)
         judged = np.zeros((1000, 1000), bool)
@@ -304,9 +318,9 @@ class JetPropulsionLaboratory(ToolTest):
         return (judged == truth).mean(), 2 * (judged & truth).sum() / (judged.sum() + truth.sum())
 
     def test_accuracy(self):
-        for site, accuracy, f1 in [("S0C0R10", 0.978, 0.985), ("S4C4R10", 0.980, 0.93)]:
-            with self.subTest(site):
-                found = self.accuracy(site)
+        for site, method, accuracy, f1 in [("S0C0R10", "contact", 0.978, 0.985), ("S4C4R10", "contact", 0.980, 0.93)]:
+            with self.subTest(site + " " + method):
+                found = self.accuracy(site, method)
                 self.assertGreaterEqual(found[0], accuracy)
                 self.assertGreaterEqual(found[1], f1)
 

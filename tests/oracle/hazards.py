@@ -4,8 +4,10 @@ import itertools
 
 import numpy as np
 
+from oracle.draws import uniform
 from oracle.evaluate import components
 
+LEAST_MEDIAN = 31  # the stream of random numbers
 HAZARD, SAFE, UNKNOWN = 0, 1, 2
 
 
@@ -72,8 +74,42 @@ def plane_of(pads, heights, s):
     return np.einsum("ij,jrc->irc", matrix, np.stack(heights))
 
 
+def range_differences(z, config, s):
+    """Slope and roughness by windows of the median-filtered map; NaN where a bin in a window is missing."""
+    square = lambda half: list(itertools.product(range(-half, half + 1), repeat=2))
+    body, rock = (int(np.floor((radius + 1e-9) / s)) for radius in (config["lander"]["body_radius_m"], config["limits"]["roughness_m"]))
+    smooth = np.median([shifted(z, *offset) for offset in square(1)], axis=0)
+    spread = lambda values, half: np.ptp([shifted(values, *offset) for offset in square(half)], axis=0)
+    rough = np.max([shifted(spread(smooth, rock), *offset) for offset in square(body)], axis=0)
+    slope = np.degrees(np.arctan(spread(smooth, body) / (2 * body * s)))
+    return np.where(np.isnan(rough), np.nan, slope), rough
+
+
+def median_plane(body):
+    """The plane of least median through one of 35 triples of samples, as (east, north, height) per bin."""
+    half = max(i for i, _ in body)
+    stride = max(1, half // 4)
+    samples = sorted(((i, j) for i, j in body if i % stride == 0 and j % stride == 0), key=lambda bin_: bin_[::-1])
+    heights = np.stack([body[bin_] for bin_ in samples])
+    draws = ([int(np.floor(uniform(1, LEAST_MEDIAN, draw, k) * len(samples))) for k in range(3)] for draw in itertools.count())
+    matrices = ((chosen, np.array([[*samples[k], 1] for k in chosen])) for chosen in draws)
+    triples = itertools.islice(((chosen, matrix) for chosen, matrix in matrices if round(np.linalg.det(matrix)) != 0), 35)
+    planes = np.stack([np.einsum("ij,jrc->irc", np.linalg.inv(matrix), heights[chosen]) for chosen, matrix in triples])
+    medians = np.stack([np.median(np.abs(heights - sum(np.multiply.outer(axis, p) for axis, p in zip([*zip(*samples), [1] * len(samples)], plane))),
+                                  axis=0) for plane in planes])
+    least, chosen = np.full(body[0, 0].shape, np.inf), np.full((3, *body[0, 0].shape), np.nan)
+    for plane, median in zip(planes, medians):
+        gain = least - median
+        assert not (abs(gain - 1e-9) < 1e-12).any(), "a median that rounding decides"
+        chosen = np.where(gain > 1e-9, plane, chosen)
+        least = np.where(gain > 1e-9, median, least)
+    return chosen
+
+
 def measures(z, config, s):
     """Slope in degrees and roughness of every place; NaN where it is unknown."""
+    if config["method"] == "range_difference":
+        return range_differences(z, config, s)
     lander = config["lander"]
     body = {offset: shifted(z, *offset) for offset in disc(lander["body_radius_m"], s)}
     slope, rough = np.full(z.shape, -np.inf), np.full(z.shape, -np.inf)
@@ -87,6 +123,9 @@ def measures(z, config, s):
     if config["method"] == "plane":
         matrix = np.linalg.pinv([[i * s, j * s, 1] for i, j in body])
         stand(np.einsum("ij,jrc->irc", matrix, np.stack(list(body.values()))), abs)
+    elif config["method"] == "lmeds":
+        east, north, height = median_plane(body)
+        stand((east / s, north / s, height), abs)
     else:
         under = np.stack([shifted(z, *offset) for offset in disc(lander["pad_diameter_m"] / 2, s)])
         pad = under.max(axis=0) if lander["pad_height"] == "max" else under.mean(axis=0)

@@ -73,6 +73,16 @@ TEST(HazardConfig, EachKeyHasItsMember) {
                expected);
 }
 
+TEST(HazardConfig, EachMethodHasItsName) {
+  const auto method = [](const std::string& name) {
+    return parameters_of(R"({"method": ")" + name + "\"}").method;
+  };
+  EXPECT_EQ(method("contact"), HazardMethod::contact);
+  EXPECT_EQ(method("plane"), HazardMethod::plane);
+  EXPECT_EQ(method("range_difference"), HazardMethod::range_difference);
+  EXPECT_EQ(method("lmeds"), HazardMethod::lmeds);
+}
+
 TEST(HazardConfig, AnUnknownSigmaIsNull) {
   EXPECT_EQ(parameters_of(R"({"z_sigma_m": null})").z_sigma_m, std::nullopt);
   EXPECT_THAT(refusal(R"({"z_sigma_m": 0})"), HasSubstr("h.json: /z_sigma_m: 0 is not in (0, 1000]"));
@@ -85,6 +95,7 @@ TEST(HazardConfig, ValuesOutOfBoundsAreRefused) {
   EXPECT_THAT(refusal(R"({"limits": {"slope_deg": 0}})"),
               HasSubstr("/limits/slope_deg: 0 is not in (0, 90]"));
   EXPECT_THAT(refusal(R"({"limits": {"roughness_m": -1}})"), HasSubstr("/limits/roughness_m: -1 is not"));
+  EXPECT_THAT(refusal(R"({"method": "median"})"), HasSubstr("/method: \"median\" is not one of"));
   EXPECT_THAT(refusal(R"({"region_radius_m": 0})"), HasSubstr("/region_radius_m: 0 is not"));
   EXPECT_THAT(refusal(R"({"hole_fill_bins": -1})"), HasSubstr("/hole_fill_bins: -1 is not"));
   EXPECT_THAT(refusal(R"({"sites": {"count": 0}})"), HasSubstr("/sites/count: 0 is not"));

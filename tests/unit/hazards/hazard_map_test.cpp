@@ -124,6 +124,45 @@ TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
               HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin"));
   parameters.lander.body_radius_m = 0.1;
   EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.method = HazardMethod::lmeds;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/body_radius_m: 0.1 is less than 2 bins"));
+  parameters.lander.body_radius_m = 0.2;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+}
+
+TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
+  HazardParameters parameters = small_lander();
+  parameters.method = HazardMethod::range_difference;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.limits.roughness_m = 0.6;  // 3 + 6 + 1 bins to each side
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.limits.roughness_m = 0.7;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
+            "usage: limits/roughness_m: a window of 23 bins across is larger than the map of 21 x 21 bins of "
+            "0.1 m");
+  parameters.limits.roughness_m = 0.09;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: limits/roughness_m: 0.09 is less than 1 bin of 0.1 m"));
+  parameters.limits.roughness_m = 0.3;
+  parameters.lander.body_radius_m = 0.8;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/body_radius_m: a window of 25 bins"));
+}
+
+TEST(MapHazards, EachMethodHasItsProbability) {
+  HazardInput input = level_ground(3, 0.1);
+  input.z.at({35, 35}) = input.z.at({35, 36}) = input.z.at({36, 35}) = input.z.at({36, 36}) = 0.5;
+  input.z.at({34, 35}) = 0.5;
+  input.z_sigma = Grid<double>(input.z.spec(), 0.01);
+  for (const HazardMethod method :
+       {HazardMethod::contact, HazardMethod::plane, HazardMethod::range_difference, HazardMethod::lmeds}) {
+    HazardParameters parameters = small_lander();
+    parameters.method = method;
+    const Grid<float> p = map_hazards(input, parameters, kAtOnce).p_safe.value();
+    EXPECT_GT(p.at({20, 20}), 0.99);
+    EXPECT_LT(p.at({35, 35}), 0.01);
+  }
 }
 
 TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
