@@ -14,7 +14,7 @@ Lander lander_of(const nlohmann::json& json) {
           .body_radius_m = json.at("body_radius_m")};
 }
 
-HazardMethod method_of(const std::string& name) {
+HazardMethod hazard_method(const std::string& name) {
   if (name == "plane") return HazardMethod::plane;
   if (name == "range_difference") return HazardMethod::range_difference;
   if (name == "lmeds") return HazardMethod::lmeds;
@@ -34,7 +34,7 @@ SiteParameters sites_of(const nlohmann::json& json) {
 HazardParameters hazard_config(const nlohmann::json& resolved) {
   HazardParameters parameters;
   parameters.lander = lander_of(resolved.at("lander"));
-  parameters.method = method_of(resolved.at("method"));
+  parameters.method = hazard_method(resolved.at("method"));
   parameters.region_radius_m = resolved.at("region_radius_m");
   parameters.limits = {resolved.at("limits").at("slope_deg"), resolved.at("limits").at("roughness_m")};
   parameters.hole_fill_bins = resolved.at("hole_fill_bins");
