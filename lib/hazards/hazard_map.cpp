@@ -202,8 +202,7 @@ PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
   return counts;
 }
 
-HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
-                      const PhaseRunner& phase) {
+HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, const PhaseRunner& phase) {
   const GridSpec& spec = input.z.spec();
   require_fits(parameters, spec);
   const Judge judge(parameters, spec.resolution_m);
@@ -218,8 +217,10 @@ HazardMap map_hazards(const HazardInput& input, const HazardParameters& paramete
   if (input.z_sigma)
     phase("probability", [&](const ProgressCallback&) {
       map.p_safe = safe_probability(
-          input.z, *input.z_sigma, judge.lander(), parameters.limits, judge.slope_base_m(), map.measures,
+          input.z, std::move(*input.z_sigma), judge.lander(), parameters.limits, judge.slope_base_m(),
+          map.measures,
           [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); });
+      input.z_sigma.reset();
     });
   if (input.z_true)
     phase("judge the truth", [&](const ProgressCallback& progress) {

@@ -90,11 +90,12 @@ struct PlaceCounts {
 };
 [[nodiscard]] PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region);
 
-/// Judges every place of the map within region_radius_m of the origin (clipped_circle()).
+/// Judges every place of the map within region_radius_m of the origin (clipped_circle()). Takes z_sigma out
+/// of the input, since its memory is needed.
 ///
 /// Throws UsageError "lander/KEY: ..." or "limits/roughness_m: ..." for what the map cannot hold or resolve,
 /// FormatError that says why if every place is unknown.
-[[nodiscard]] HazardMap map_hazards(const HazardInput& input, const HazardParameters& parameters,
+[[nodiscard]] HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters,
                                     const PhaseRunner& phase);
 
 /// The poses that give a place of the filled map its slope and roughness. None at an unknown place, and for a

@@ -5,20 +5,21 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "hazards/padded_map.h"
+#include "hazards/denoise.h"
 #include "raster/window_mean.h"
 
 namespace landfall {
 namespace {
 
 constexpr std::size_t kRowsPerPiece = 16;
-constexpr std::int64_t kReach = 2;
 constexpr double kCertain = 8;  // sigma
-constexpr std::size_t kReplicates = 2;
+constexpr std::size_t kReplicates = 3;
+constexpr std::int64_t kSampledRows = 4;
 constexpr std::uint64_t kSeed = 1;
 
 template <class Work>
@@ -26,64 +27,6 @@ void by_rows(std::int64_t rows, const Work& work) {
   parallel_for(static_cast<std::size_t>(rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) work(static_cast<std::int64_t>(row));
   });
-}
-
-/// The weight of a neighbour in the value at the centre of the least-squares quadratic surface through the 24
-/// bins around it: the first row of (A^T A)^-1 A^T. By symmetry the surface's terms in x, y and x y do not
-/// matter there, and those in x^2 and y^2 have one coefficient: with n = 24, sum x^2 = 50, sum x^4 = 170,
-/// sum x^2 y^2 = 100, the equations n a + 100 b = 1 and 50 a + 270 b = 0.
-double weight(std::int64_t rows, std::int64_t cols) {
-  constexpr double kDeterminant = 24.0 * 270 - 50.0 * 100;
-  return (270 - 50 * static_cast<double>(rows * rows + cols * cols)) / kDeterminant;
-}
-
-struct Neighbour {
-  BinOffset offset;
-  double weight;
-};
-
-std::vector<Neighbour> neighbours() {
-  std::vector<Neighbour> found;
-  for (std::int64_t row = -kReach; row <= kReach; ++row)
-    for (std::int64_t col = -kReach; col <= kReach; ++col)
-      if (row != 0 || col != 0) found.push_back({{row, col}, weight(row, col)});
-  return found;
-}
-
-/// What the bins around say of a bin: NaN where one is missing.
-struct Predictions {
-  PaddedMap z, noise;  ///< value, and its variance by the noise of the bins
-  PaddedMap excess;    ///< squared misfit of the bin less its expectation
-};
-
-Predictions predict(const Grid<double>& z_map, const Grid<double>& sigma_map) {
-  const GridSpec& spec = z_map.spec();
-  const PaddedMap z(z_map, kReach);
-  const PaddedMap sigma(sigma_map, kReach);
-  Predictions found{PaddedMap(spec, 1), PaddedMap(spec, 1), PaddedMap(spec, 1)};
-  const std::vector<Neighbour> around = neighbours();
-  by_rows(spec.rows, [&](std::int64_t row) {
-    double* const value = found.z.at(row, 0);
-    double* const noise = found.noise.at(row, 0);
-    double* const excess = found.excess.at(row, 0);
-    std::fill_n(value, spec.cols, 0);
-    std::fill_n(noise, spec.cols, 0);
-    for (const Neighbour& n : around) {
-      const double* const from = z.at(row + n.offset.rows, n.offset.cols);
-      const double* const sigma_from = sigma.at(row + n.offset.rows, n.offset.cols);
-      for (std::int64_t c = 0; c < spec.cols; ++c) {
-        value[c] += n.weight * from[c];
-        noise[c] += n.weight * n.weight * (sigma_from[c] * sigma_from[c]);
-      }
-    }
-    const double* const own = z.at(row, 0);
-    const double* const own_sigma = sigma.at(row, 0);
-    for (std::int64_t c = 0; c < spec.cols; ++c) {
-      const double misfit = own[c] - value[c];
-      excess[c] = misfit * misfit - (noise[c] + own_sigma[c] * own_sigma[c]);
-    }
-  });
-  return found;
 }
 
 /// The map with noise of its bins' sigma.
@@ -99,22 +42,24 @@ Grid<double> redrawn(const Grid<double>& z, const Grid<double>& sigma, std::size
   return result;
 }
 
-/// The changes of a measure when noise is drawn again; NaN where it was not taken.
-class Changes {
+/// The errors of a measure in the replicates; NaN where it was not taken.
+class Errors {
  public:
-  explicit Changes(const GridSpec& spec) : mean_(spec), mean_square_(spec) {}
+  explicit Errors(const GridSpec& spec) : mean_(spec), mean_square_(spec) {}
 
   /// Call kReplicates times, then average().
-  void add(const Grid<double>& before, const Grid<double>& after) {
-    for (std::size_t i = 0; i < before.spec().size(); ++i) {
-      const double change = after.values()[i] - before.values()[i];
-      mean_.values()[i] += change / kReplicates;
-      mean_square_.values()[i] += change * change / kReplicates;
+  void add(const Grid<float>& truth, const Grid<double>& measured) {
+    for (std::size_t i = 0; i < truth.spec().size(); ++i) {
+      const double error = measured.values()[i] - static_cast<double>(truth.values()[i]);
+      mean_.values()[i] += static_cast<float>(error / kReplicates);
+      mean_square_.values()[i] += static_cast<float>(error * error / kReplicates);
     }
   }
+
+  /// Over the places in the window about each; where there is none, over all.
   void average(const Footprint& window) {
-    mean_ = window_means(mean_, window).mean;
-    mean_square_ = window_means(mean_square_, window).mean;
+    average(mean_, window);
+    average(mean_square_, window);
   }
 
   /// Phi((limit - value + mean) / std).
@@ -127,7 +72,26 @@ class Changes {
   }
 
  private:
-  Grid<double> mean_, mean_square_;
+  static void average(Grid<float>& map, const Footprint& window) {
+    Grid<double> values(map.spec());
+    double sum = 0;
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < map.spec().size(); ++i) {
+      const double value = map.values()[i];
+      values.values()[i] = value;
+      if (std::isnan(value)) continue;
+      sum += value;
+      ++count;
+    }
+    const double all = count > 0 ? sum / static_cast<double>(count) : 0;
+    values = window_means(values, window).mean;
+    for (std::size_t i = 0; i < map.spec().size(); ++i) {
+      const double value = values.values()[i];
+      map.values()[i] = static_cast<float>(std::isnan(value) ? all : value);
+    }
+  }
+
+  Grid<float> mean_, mean_square_;
 };
 
 /// The mean variance of the bins in the window about each.
@@ -137,41 +101,34 @@ Grid<double> mean_variance(const Grid<double>& sigma, const Footprint& window) {
   return window_means(variance, window).mean;
 }
 
-}  // namespace
-
-DenoisedMap denoise(const Grid<double>& z, const Grid<double>& z_sigma) {
-  const GridSpec& spec = z.spec();
-  const Predictions predicted = predict(z, z_sigma);
-  DenoisedMap result{z, Grid<double>(spec)};
+/// Places of every kSampledRows-th row that are near an open place: what is averaged over a window need not
+/// be measured everywhere. A small window holds all.
+BinMask sampled(const BinMask& open, const Footprint& window) {
+  if (window.half_bins() < kSampledRows / 2) return open;
+  const GridSpec& spec = open.spec();
+  BinMask places(spec);
   by_rows(spec.rows, [&](std::int64_t row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const double sigma = z_sigma.at({row, col});
-      const double own = sigma * sigma;
-      double departure = 0;
-      for (std::int64_t r = -1; r <= 1; ++r)
-        for (std::int64_t c = -1; c <= 1; ++c) departure += predicted.excess.at(row + r, col + c)[0] / 9;
-      const double other = *predicted.noise.at(row, col) + std::max(departure, 0.0);
-      double& variance = result.variance.at({row, col});
-      variance = own;
-      if (!std::isfinite(departure) || !(other > 0)) continue;
-      double& height = result.z.at({row, col});
-      height += (*predicted.z.at(row, col) - height) * (own / (own + other));
-      variance = own * other / (own + other);
-    }
+    if (row % kSampledRows != 0) return;
+    const std::int64_t first = std::max<std::int64_t>(row - kSampledRows / 2, 0);
+    const std::int64_t last = std::min(row + kSampledRows / 2, spec.rows - 1);
+    for (std::int64_t near = first; near <= last; ++near)
+      for (std::int64_t col = 0; col < spec.cols; ++col) places.at({row, col}) |= open.at({near, col});
   });
-  return result;
+  return places;
 }
 
-Grid<float> safe_probability(const Grid<double>& z, const Grid<double>& z_sigma, const LanderStencil& lander,
-                             const HazardLimits& limits, double slope_base_m, const PlaceMeasures& measured,
-                             const MeasurePlaces& measure) {
-  const GridSpec& spec = z.spec();
-  const DenoisedMap denoised = denoise(z, z_sigma);
-  const Footprint square = Footprint::square(lander.body.half_bins());
+/// P where it is certain, and the places where it is not.
+struct Sorted {
+  Grid<float> p;
+  BinMask open;
+};
+
+Sorted sort_places(const PlaceMeasures& measured, const Grid<double>& z_sigma, const Footprint& window,
+                   const HazardLimits& limits, double slope_base_m) {
   constexpr double kDegrees = 180 / std::numbers::pi;
-  const Grid<double> variance = mean_variance(z_sigma, square);
-  Grid<float> p(spec, std::numeric_limits<float>::quiet_NaN());
-  BinMask open(spec);
+  const GridSpec& spec = z_sigma.spec();
+  const Grid<double> variance = mean_variance(z_sigma, window);
+  Sorted sorted{Grid<float>(spec, std::numeric_limits<float>::quiet_NaN()), BinMask(spec)};
   by_rows(spec.rows, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const BinIndex place{row, col};
@@ -182,33 +139,76 @@ Grid<float> safe_probability(const Grid<double>& z, const Grid<double>& z_sigma,
       const double steep =
           (measured.slope_deg.at(place) - limits.slope_deg) / (sigma / slope_base_m * kDegrees);
       if (rough > 1 || steep > 1)
-        p.at(place) = 0;
+        sorted.p.at(place) = 0;
       else if (rough < -1 && steep < -1)
-        p.at(place) = 1;
+        sorted.p.at(place) = 1;
       else
-        open.at(place) = 1;
+        sorted.open.at(place) = 1;
     }
   });
-  const PlaceMeasures expected = measure(denoised.z, open);
-  Changes slope(spec);
-  Changes roughness(spec);
+  return sorted;
+}
+
+struct MeasureErrors {
+  Errors slope, roughness;
+};
+
+/// Slope and roughness of the ground whose means over bins the denoised map holds.
+struct FloatMeasures {
+  Grid<float> slope_deg, roughness_m;
+};
+
+FloatMeasures measured_ground(const Grid<double>& denoised, Grid<double> relief_m, const BinMask& places,
+                              const MeasurePlaces& measure) {
+  const Grid<double> ground = sharpen(denoised, relief_m);
+  relief_m = Grid<double>();
+  const PlaceMeasures found = measure(ground, places);
+  FloatMeasures result{Grid<float>::unset(denoised.spec()), Grid<float>::unset(denoised.spec())};
+  const auto narrow = [](double value) { return static_cast<float>(value); };
+  std::ranges::transform(found.slope_deg.values(), result.slope_deg.values().begin(), narrow);
+  std::ranges::transform(found.roughness_m.values(), result.roughness_m.values().begin(), narrow);
+  return result;
+}
+
+/// The errors in replicates of the denoised map.
+MeasureErrors replicate_errors(const Grid<double>& denoised, SigmaParts sigma, const BinMask& places,
+                               const MeasurePlaces& measure) {
+  const GridSpec& spec = denoised.spec();
+  MeasureErrors errors{Errors(spec), Errors(spec)};
+  const FloatMeasures truth = measured_ground(denoised, std::exchange(sigma.relief_m, {}), places, measure);
   for (std::size_t k = 0; k < kReplicates; ++k) {
-    const PlaceMeasures again = measure(denoise(redrawn(denoised.z, z_sigma, k), z_sigma).z, open);
-    slope.add(expected.slope_deg, again.slope_deg);
-    roughness.add(expected.roughness_m, again.roughness_m);
+    const PlaceMeasures again = measure(denoise(redrawn(denoised, sigma.noise_m, k), sigma.noise_m), places);
+    errors.slope.add(truth.slope_deg, again.slope_deg);
+    errors.roughness.add(truth.roughness_m, again.roughness_m);
   }
-  slope.average(square);
-  roughness.average(square);
-  by_rows(spec.rows, [&](std::int64_t row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
+  return errors;
+}
+
+}  // namespace
+
+Grid<float> safe_probability(const Grid<double>& z, Grid<double> z_sigma, const LanderStencil& lander,
+                             const HazardLimits& limits, double slope_base_m, const PlaceMeasures& measured,
+                             const MeasurePlaces& measure) {
+  const Footprint square = Footprint::square(lander.body.half_bins());
+  Sorted sorted = sort_places(measured, z_sigma, square, limits, slope_base_m);
+  SigmaParts sigma = split_sigma(z_sigma, square);
+  z_sigma = Grid<double>();  // each map that is not needed any more makes room
+  const Grid<double> denoised = denoise(z, sigma.noise_m);
+  MeasureErrors errors = replicate_errors(denoised, std::move(sigma), sampled(sorted.open, square), measure);
+  errors.slope.average(square);
+  errors.roughness.average(square);
+  const PlaceMeasures expected = measure(denoised, sorted.open);
+  by_rows(z.spec().rows, [&](std::int64_t row) {
+    for (std::int64_t col = 0; col < z.spec().cols; ++col) {
       const BinIndex place{row, col};
-      if (open.at(place) == 0) continue;
-      p.at(place) = static_cast<float>(
-          roughness.probability(place, limits.roughness_m, expected.roughness_m.at(place)) *
-          slope.probability(place, limits.slope_deg, expected.slope_deg.at(place)));
+      if (sorted.open.at(place) == 0) continue;
+      const double rough =
+          errors.roughness.probability(place, limits.roughness_m, expected.roughness_m.at(place));
+      const double steep = errors.slope.probability(place, limits.slope_deg, expected.slope_deg.at(place));
+      sorted.p.at(place) = static_cast<float>(rough * steep);
     }
   });
-  return p;
+  return std::move(sorted.p);
 }
 
 }  // namespace landfall

@@ -31,7 +31,7 @@ HazardParameters small_lander() {
   return parameters;
 }
 
-std::string refusal(const HazardInput& input, const HazardParameters& parameters) {
+std::string refusal(HazardInput input, const HazardParameters& parameters) {
   try {
     static_cast<void>(map_hazards(input, parameters, kAtOnce));
   } catch (const Error& error) {
@@ -42,7 +42,8 @@ std::string refusal(const HazardInput& input, const HazardParameters& parameters
 
 // 21 x 21 bins; the lander reaches 3 bins.
 TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
-  const HazardMap map = map_hazards(level_ground(1, 0.1), small_lander(), kAtOnce);
+  HazardInput input = level_ground(1, 0.1);
+  const HazardMap map = map_hazards(input, small_lander(), kAtOnce);
   const PlaceCounts counts = count_places(map.safe, map.region);
   EXPECT_EQ(counts.safe, 15 * 15);
   EXPECT_EQ(counts.hazard, 0);
@@ -63,7 +64,8 @@ TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
 TEST(MapHazards, OnlyTheRegionIsJudged) {
   HazardParameters parameters = small_lander();
   parameters.region_radius_m = 0.2;  // i^2 + j^2 < 4
-  const HazardMap map = map_hazards(level_ground(1, 0.1), parameters, kAtOnce);
+  HazardInput input = level_ground(1, 0.1);
+  const HazardMap map = map_hazards(input, parameters, kAtOnce);
   EXPECT_EQ(count_places(map.safe, map.region).safe, 9);
   EXPECT_EQ(map.safe.at({10, 12}), 2);
   EXPECT_TRUE(std::isnan(map.measures.slope_deg.at({10, 12})));
@@ -154,9 +156,9 @@ TEST(MapHazards, EachMethodHasItsProbability) {
   HazardInput input = level_ground(3, 0.1);
   input.z.at({35, 35}) = input.z.at({35, 36}) = input.z.at({36, 35}) = input.z.at({36, 36}) = 0.5;
   input.z.at({34, 35}) = 0.5;
-  input.z_sigma = Grid<double>(input.z.spec(), 0.01);
   for (const HazardMethod method :
        {HazardMethod::contact, HazardMethod::plane, HazardMethod::range_difference, HazardMethod::lmeds}) {
+    input.z_sigma = Grid<double>(input.z.spec(), 0.01);
     HazardParameters parameters = small_lander();
     parameters.method = method;
     const Grid<float> p = map_hazards(input, parameters, kAtOnce).p_safe.value();

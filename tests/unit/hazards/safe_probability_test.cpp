@@ -47,54 +47,6 @@ Grid<double> rocky(const GridSpec& spec, std::uint64_t seed) {
   return z;
 }
 
-TEST(Denoise, SmoothGroundIsAveragedAndAnEdgeStays) {
-  const GridSpec spec = GridSpec::centered(5, 0.05);
-  const double sigma = 0.01;
-  Grid<double> truth(spec);
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const double x = spec.x(col);
-      const double y = spec.y(row);
-      truth.at({row, col}) = 0.3 * x - 0.2 * y + 0.05 * x * y + 0.1 * y * y + (x > 0.02 ? 1 : 0);
-    }
-  Grid<double> z = truth;
-  add_noise(z, sigma, 3);
-  const DenoisedMap found = denoise(z, Grid<double>(spec, sigma));
-  double smooth = 0;
-  double variance = 0;
-  int count = 0;
-  for (std::int64_t row = 10; row < spec.rows - 10; ++row)
-    for (std::int64_t col = 10; col < spec.cols - 10; ++col) {
-      const double from_step = std::abs(spec.x(col) - 0.025);
-      if (from_step < 0.06) {
-        EXPECT_NEAR(found.z.at({row, col}), z.at({row, col}), 0.1 * sigma);
-      }
-      if (from_step < 0.3) continue;
-      smooth += std::pow(found.z.at({row, col}) - truth.at({row, col}), 2);
-      variance += found.variance.at({row, col});
-      ++count;
-    }
-  // The sum of the squared weights is 1 / (25 / 6.4 - 1): a bin and its surface have 0.19 of the variance
-  // left, if the misfit is known; with 9 bins' estimate of it somewhat more.
-  EXPECT_LT(std::sqrt(smooth / count), 0.6 * sigma);
-  EXPECT_NEAR(std::sqrt(variance / smooth), 1, 0.1);
-}
-
-TEST(Denoise, WhereABinIsMissingTheMapStays) {
-  const GridSpec spec = GridSpec::centered(1, 0.1);
-  Grid<double> z(spec);
-  add_noise(z, 0.01, 5);
-  z.at({10, 10}) = std::numeric_limits<double>::quiet_NaN();
-  const DenoisedMap found = denoise(z, Grid<double>(spec, 0.01));
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      const bool is_near = std::max(std::abs(row - 10), std::abs(col - 10)) <= 3;
-      const bool is_border = std::min({row, col, 20 - row, 20 - col}) < 3;
-      if (row == 10 && col == 10) continue;
-      EXPECT_EQ(found.z.at({row, col}) == z.at({row, col}), is_near || is_border) << row << ' ' << col;
-    }
-}
-
 /// Pooled over sites and draws: in every bin of probability the truly safe share is the mean probability.
 TEST(SafeProbability, IsCalibratedOnRocks) {
   const GridSpec spec = GridSpec::centered(8, 0.05);

@@ -36,11 +36,14 @@ struct Case {
   Provenance provenance{.tool = "hazard-map", .config = {{"method", "contact"}}, .inputs = {{"dem", "f00"}}};
 
   [[nodiscard]] ReportData data(std::int64_t most_cells = kMaxCells) const {
-    const HazardMap map = map_hazards(input, parameters, kAtOnce);
-    return hazard_data({input, parameters, map}, "z_est", most_cells);
+    HazardInput judged = input;
+    const HazardMap map = map_hazards(judged, parameters, kAtOnce);
+    return hazard_data({judged, parameters, map}, "z_est", most_cells);
   }
   [[nodiscard]] std::string page(const std::string& title = {}) const {
-    return hazard_page({input, parameters, map_hazards(input, parameters, kAtOnce)}, provenance, title);
+    HazardInput judged = input;
+    const HazardMap map = map_hazards(judged, parameters, kAtOnce);
+    return hazard_page({judged, parameters, map}, provenance, title);
   }
 };
 
