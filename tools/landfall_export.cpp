@@ -17,6 +17,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-export dem.h5 -o dem.tif --layers z_est,count  GIS
   landfall-export eval.h5 -o eval.csv --layers fail
   landfall-export eval.h5 -o eval.png --layers rel_z        a picture
+  landfall-export hazards.h5 -o sites.gpkg --sites          GIS
 docs/user/landfall-export.md lists the formats for each kind of file.)";
 
 void bind(CLI::App& app, ExportOptions& o) {
@@ -24,7 +25,7 @@ void bind(CLI::App& app, ExportOptions& o) {
       ->type_name("FILE");
   app.add_option("--format", o.format,
                  "Output format; default: from the extension of the output; csv with -o -")
-      ->check(CLI::IsMember({"csv", "las", "ply", "png", "tif", "xmf"}));
+      ->check(CLI::IsMember({"csv", "gpkg", "las", "ply", "png", "tif", "xmf"}));
   app.add_option(
          "--layers", o.layers,
          "Layers of a grid, comma-separated, or all; a .png shows one layer, or for a scan one column "
@@ -41,7 +42,7 @@ void bind(CLI::App& app, ExportOptions& o) {
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 40U))
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "csv: also the points without a return");
-  app.add_flag("--sites", o.sites, "csv: the landing sites of a hazard map, not its layers");
+  app.add_flag("--sites", o.sites, "csv, gpkg: the landing sites of a hazard map, not its layers");
 }
 
 ExitCode run(cli::Session& session, const ExportOptions& o) {

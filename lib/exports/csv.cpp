@@ -36,36 +36,6 @@ void append_bins(const std::vector<NamedLayer>& layers, std::size_t every, std::
 
 }  // namespace
 
-void write_sites_csv(const LandfallFileReader& hazards, ByteSink& sink) {
-  const TableReader sites(hazards.root(), "sites", hazards.name());
-  const std::vector<ContentInfo> columns = site_columns_of(sites);
-  std::string headings;
-  for (const ContentInfo& column : columns)
-    headings += (headings.empty() ? "" : ",") + name_with_unit(column);
-  sink.write(headings + "\n");
-  const std::size_t rows = columns.empty() ? 0 : sites.row_count(columns.front().name);
-  std::vector<std::vector<double>> values(columns.size());
-  for (std::size_t first = 0; first < rows; first += kPieceLines) {
-    const std::size_t count = std::min(rows - first, kPieceLines);
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      values[c].resize(count);
-      sites.read(columns[c].name, first, std::span(values[c]));
-    }
-    std::string lines;
-    for (std::size_t row = 0; row < count; ++row) {
-      for (std::size_t c = 0; c < columns.size(); ++c) {
-        if (c > 0) lines += ',';
-        if (columns[c].type == h5::Type::float32)  // the shortest text for the float32
-          append_number(lines, static_cast<float>(values[c][row]));
-        else
-          append_number(lines, values[c][row]);
-      }
-      lines += '\n';
-    }
-    sink.write(lines);
-  }
-}
-
 void write_points_csv(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress) {
   std::string headings;

@@ -16,10 +16,6 @@ namespace landfall {
 void write_points_csv(const PointReader& points, const PointReader::Pass& pass, ByteSink& sink,
                       const ProgressCallback& progress = {});
 
-/// Writes the landing sites of a hazard map as comma-separated text: a header, then a line per site, the best
-/// first. Throws FormatError if the file has no sites.
-void write_sites_csv(const LandfallFileReader& hazards, ByteSink& sink);
-
 /// Writes layers of one grid (at least one) as comma-separated text: the header x_m, y_m and the layers'
 /// names, then a line per bin, row by row from the south, including bins without a value. Of these lines, the
 /// first and every N-th after it are written.

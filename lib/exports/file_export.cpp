@@ -14,6 +14,7 @@
 #include "exports/ply.h"
 #include "exports/point_reader.h"
 #include "exports/quick_look.h"
+#include "exports/sites.h"
 #include "exports/xdmf.h"
 #include "picture/png.h"
 #include "terrain/gdal/gdal_loader.h"
@@ -37,14 +38,18 @@ std::string format_of(const ExportOptions& o, const std::string& output) {
   std::string named;
   if (extension == ".xdmf") named = "xmf";
   if (extension == ".tiff") named = "tif";
-  for (const char* const known : {"csv", "las", "ply", "png", "tif", "xmf"})
+  for (const char* const known : {"csv", "gpkg", "las", "ply", "png", "tif", "xmf"})
     if (extension == std::string(".") + known) named = known;
   if (!named.empty() && !o.format.empty() && named != o.format)
     throw UsageError("output " + output + ": its extension contradicts --format " + o.format);
   if (!o.format.empty()) return o.format;
+  if (extension == ".geojson")
+    throw UsageError("output " + output +
+                     ": GeoJSON has longitude and latitude on WGS 84 only (RFC 7946); a .gpkg holds landing "
+                     "sites in their own frame");
   if (named.empty())
     throw UsageError("output " + output + ": extension '" + extension +
-                     "' is not one of .csv, .las, .ply, .png, .tif, .xmf; --format names one");
+                     "' is not one of .csv, .gpkg, .las, .ply, .png, .tif, .xmf; --format names one");
   return named;
 }
 
@@ -55,9 +60,14 @@ void require_possible(const LandfallFileReader& file, const std::string& format)
     throw UsageError(input + " is a mesh terrain, which can become .png; terrain-gen --from " + input +
                      " -o mesh.ply exports the mesh");
   const std::string kind = kind_of(file);
-  if (has(kind == "scan" ? "csv las ply png xmf" : "csv png tif xmf", format)) return;
+  const bool is_scan = kind == "scan";
+  const bool has_sites = kind == "hazards";
+  if (has(is_scan ? "csv las ply png xmf" : has_sites ? "csv gpkg png tif xmf" : "csv png tif xmf", format))
+    return;
   throw UsageError(input + " is a landfall." + kind + " file, which can become " +
-                   (kind == "scan" ? ".csv, .las, .ply, .png or .xmf" : ".csv, .png, .tif or .xmf") +
+                   (is_scan     ? ".csv, .las, .ply, .png or .xmf"
+                    : has_sites ? ".csv, .gpkg, .png, .tif or .xmf"
+                                : ".csv, .png, .tif or .xmf") +
                    "; not ." + format);
 }
 
@@ -74,7 +84,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                             {!o.position.empty(), "--position", "las ply xmf", ""},
                             {o.every != 1, "--every", "csv las ply", "csv"},
                             {o.keep_misses, "--keep-misses", "csv", ""},
-                            {o.sites, "--sites", "", "csv"}};
+                            {o.sites, "--sites", "", "csv gpkg"}};
   for (const Option& option : options)
     if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
       throw UsageError(std::string(option.name) + " does not apply to the export of a " +
@@ -82,6 +92,8 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
 }
 
 void require_sites(const ExportOptions& o, const std::string& kind) {
+  if (o.format == "gpkg" && !o.sites)
+    throw UsageError("a .gpkg holds the landing sites of a hazard map: add --sites");
   if (!o.sites) return;
   if (kind != "hazards") throw UsageError("--sites: " + o.input + " is not a hazard map");
   if (!o.layers.empty() || o.every != 1) throw UsageError("--sites goes with neither --layers nor --every");
@@ -182,6 +194,8 @@ void FileExport::write(const OutputOptions& output, const std::string& tool,
                        const ProgressCallback& progress) const {
   if (options_.format == "tif") return export_geotiff(options_, output, tool, progress);
   if (options_.format == "png") return export_picture(options_, output, progress);
+  if (options_.format == "gpkg")
+    return write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output);
   const auto write_to = [&](ByteSink&& sink) {
     if (options_.sites)
       write_sites_csv(LandfallFileReader(options_.input, {"hazards"}), sink);

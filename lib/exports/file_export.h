@@ -13,13 +13,13 @@ namespace landfall {
 /// The part of a landfall file to export, and the format. Empty members have defaults.
 struct ExportOptions {
   std::string input;
-  std::string format;                ///< "csv", "las", "ply", "png", "tif" or "xmf"
+  std::string format;                ///< "csv", "gpkg", "las", "ply", "png", "tif" or "xmf"
   std::vector<std::string> layers;   ///< of a grid; of a scan, for an image, a column or "count"
   std::vector<std::string> columns;  ///< of a scan's points
   std::string position;              ///< of a scan's points: "est" or "true"
   std::size_t every = 1;             ///< points, or lines of a .csv: the first and every N-th after it
   bool keep_misses = false;          ///< of a scan, only as .csv
-  bool sites = false;                ///< of a hazard map, only as .csv: its landing sites, no layers
+  bool sites = false;                ///< of a hazard map, as .csv or .gpkg: its landing sites, no layers
 };
 
 /// The export of one file: by default in the format of the output's extension, or as .csv to standard output

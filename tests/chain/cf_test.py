@@ -75,7 +75,7 @@ def groups(group):
 
 
 class Rules(ChainTest):
-    """Of the tiny chain in its local frame, a plan, DEMs with every layer, and terrains and a DEM on maps of bodies."""
+    """Of the tiny chain in its local frame, a plan, DEMs with every layer, and terrains, a DEM and a hazard map on maps of bodies."""
 
     @classmethod
     def setUpClass(cls):
@@ -88,7 +88,9 @@ class Rules(ChainTest):
                 "polar.nc": ["terrain-gen", "--from", os.path.join(RASTERS, "polar_stereographic.tif"), "--half-width", "10",
                              "--resolution", "0.5"],
                 "polar_scan.h5": ["scan-sim", "--terrain", path("polar.nc"), "-c", chain.config("scan-sim")],
-                "polar_dem.nc": ["regrid", path("polar_scan.h5"), "-c", chain.config("regrid"), "--terrain", path("polar.nc")]}
+                "polar_dem.nc": ["regrid", path("polar_scan.h5"), "-c", chain.config("regrid"), "--terrain", path("polar.nc")],
+                "hazards.nc": ["hazard-map", chain.dem, "--set", "region_radius_m=4", "--set", "z_sigma_m=0.02"],
+                "polar_hazards.nc": ["hazard-map", path("polar.nc"), "--set", "lander.leg_radius_m=1.5"]}
         for name, (tool, *arguments) in made.items():
             result = run(tool, *arguments, "-o", path(name))
             if result.returncode:
@@ -193,7 +195,8 @@ class Rules(ChainTest):
                 named.setdefault(path, set()).add(name)
         self.assertEqual(named, {"/z_est": {"count", "weight_sum", "z_spread", "z_sigma_abs", "z_sigma_rel"},
                                  "/z_corrected": {"count", "z_corrected_sigma_abs", "z_corrected_sigma_rel"}} |
-                         {f"/{what}_{axis}": {"fail"} for what in ("abs", "rel") for axis in "xyz"})
+                         {f"/{what}_{axis}": {"fail"} for what in ("abs", "rel") for axis in "xyz"} |
+                         {f"/{what}{of}": {"safe" + of} for what in ("slope", "roughness") for of in ("", "_true")})
 
     def test_3_5_flags(self):
         seen = 0
@@ -241,7 +244,7 @@ class Rules(ChainTest):
             crs = file.variables[name]
             self.assertEqual(crs.dimensions, ())
             self.check_mapping(attributes(crs))
-        self.assertLessEqual({"/z", "/z_est", "/count"}, mapped)
+        self.assertLessEqual({"/z", "/z_est", "/count", "/safe", "/cost"}, mapped)
 
     def check_mapping(self, crs):
         self.assertIn(crs["grid_mapping_name"], APPENDIX_F)
@@ -254,7 +257,7 @@ class Rules(ChainTest):
             self.assertEqual(isinstance(value, str), name in texts, name)
 
     def test_5_6_a_local_frame_has_no_grid_mapping(self):
-        for path in (self.chain.terrain, self.chain.dem, self.chain.eval, self.chain.path("plan.h5")):
+        for path in (self.chain.terrain, self.chain.dem, self.chain.eval, self.chain.path("plan.h5"), self.chain.path("hazards.nc")):
             with netCDF4.Dataset(path) as file:
                 self.assertEqual([name for name, variable in variables(file) if "grid_mapping" in variable.ncattrs()], [])
                 self.assertRegex(file["crs"].crs_wkt, r"^ENGCRS\[")

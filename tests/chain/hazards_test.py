@@ -3,6 +3,8 @@
 """hazard-map against an independent implementation of its definitions (tests/oracle/hazards.py), its refusals, and JPL's sites."""
 import json
 import os
+import subprocess
+import sys
 import unittest
 
 import h5py
@@ -294,6 +296,61 @@ class Interface(ChainTest):
             self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.csv"), *options, words=[word])
         self.refuse(2, "landfall-export", self.chain.dem, "-o", self.path("s.csv"), "--sites", words=["not a hazard map"])
         self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.tif"), "--sites", words=["--sites does not apply"])
+
+    def points(self, path):
+        """Frame, geometries and attributes of the layer `sites` of a GeoPackage, by OGR."""
+        program = """import json, sys
+from osgeo import ogr
+ogr.UseExceptions()
+file = ogr.Open(sys.argv[1])  # a layer lives as long as its file
+[layer] = [file.GetLayer(i) for i in range(file.GetLayerCount())]
+print(json.dumps([layer.GetName(), layer.GetSpatialRef().ExportToWkt(["FORMAT=WKT2_2019"]),
+                  [[f.geometry().GetPoint(), f.items()] for f in layer]]))"""
+        result = subprocess.run([sys.executable, "-c", program, path], capture_output=True, text=True, timeout=100, check=False)
+        if "No module named 'osgeo'" in result.stderr:
+            self.skipTest("python3-gdal is not installed")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        return json.loads(result.stdout)
+
+    def test_sites_as_geopackage(self):
+        self.succeed("hazard-map", *self.arguments("--sites", self.path("sites.json")))
+        for name in ("a.gpkg", "b.gpkg"):
+            self.succeed("landfall-export", self.path("h.h5"), "-o", self.path(name), "--sites")
+        self.assertEqual(read_bytes(self.path("a.gpkg")), read_bytes(self.path("b.gpkg")))
+        self.assertEqual(self.entries(), ["a.gpkg", "b.gpkg", "config.json", "h.h5", "sites.json"])
+        layer, frame, points = self.points(self.path("a.gpkg"))
+        self.assertEqual(layer, "sites")
+        self.assertIn('ENGCRS["landfall site frame"', frame)
+        listed = json.loads(read_bytes(self.path("sites.json")))["sites"]
+        self.assertEqual(len(points), 4)
+        for (position, found), site in zip(points, listed):
+            self.assertEqual(position, [site[axis + "_m"] for axis in "xyz"])
+            self.assertEqual(list(found), ["rank", "cost", "p_touchdown", "slope_degree", "roughness_m", "distance_to_hazard_m", "true_safe"])
+            for key, value in found.items():
+                expected = site[key.replace("slope_degree", "slope_deg")]
+                self.assertEqual(np.float32(value) if key in ("cost", "p_touchdown", "distance_to_hazard_m") else value, expected, key)
+
+    def test_a_geopackage_has_the_frame_of_a_map(self):
+        raster = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters", "polar_stereographic.tif")
+        self.succeed("terrain-gen", "--from", raster, "--half-width", "10", "--resolution", "0.5", "-o", self.path("moon.h5"))
+        self.succeed("hazard-map", self.path("moon.h5"), "-o", self.path("h.h5"), "--set", "limits.slope_deg=80", "--set", "lander.leg_radius_m=1.5",
+                     "--set", "limits.roughness_m=50")
+        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("s.gpkg"), "--sites")
+        _, frame, points = self.points(self.path("s.gpkg"))
+        self.assertRegex(frame, r"(?s)PROJCRS.*Polar Stereographic")
+        self.assertGreater(len(points), 0)
+
+    def test_no_site_is_an_empty_layer(self):
+        self.succeed("hazard-map", *self.arguments("--set", "limits.slope_deg=0.001"))
+        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("s.gpkg"), "--sites")
+        self.assertEqual(self.points(self.path("s.gpkg"))[2], [])
+
+    def test_geopackages_that_are_refused(self):
+        self.succeed("hazard-map", *self.arguments())
+        for source, options, words in [(self.path("h.h5"), [], ["--sites"]), (self.chain.dem, ["--sites"], ["landfall.dem", "not .gpkg"]),
+                                       (self.path("h.h5"), ["--sites", "--layers", "safe"], ["--layers"])]:
+            self.refuse(2, "landfall-export", source, "-o", self.path("s.gpkg"), *options, words=words, output=self.path("s.gpkg"))
+        self.refuse(2, "landfall-export", self.path("h.h5"), "-o", self.path("s.geojson"), "--sites", words=["WGS 84", ".gpkg"])
 
 
 @unittest.skipUnless(os.path.isdir(DATA), f"no {DATA}")

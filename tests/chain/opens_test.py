@@ -60,7 +60,7 @@ class Opens(ChainTest):
             result = run(tool, *arguments)
             if result.returncode:
                 raise AssertionError(result.stderr)
-        cls.grids = [chain.terrain, chain.dem, chain.eval, cls.plan, cls.one, cls.gap]
+        cls.grids = [chain.terrain, chain.dem, chain.eval, cls.plan, cls.one, cls.gap, chain.hazards]
 
     def output_of(self, *command):
         if not shutil.which(command[0]):
@@ -84,7 +84,8 @@ class Opens(ChainTest):
             self.skipTest(f"python3-{module} is not installed")
 
     def test_the_elevation_comes_first(self):
-        for path, first in ((self.chain.terrain, "z"), (self.chain.dem, "z_est"), (self.one, "z_est"), (self.plan, "count")):
+        for path, first in ((self.chain.terrain, "z"), (self.chain.dem, "z_est"), (self.one, "z_est"), (self.plan, "count"),
+                            (self.chain.hazards, "slope")):
             with self.subTest(path):
                 self.assertEqual(next(iter(layers(path))), first)
                 self.assertIn(gmt_name(path, first), self.output_of("gmt", "grdinfo", path))
@@ -106,7 +107,8 @@ class Opens(ChainTest):
             self.assertEqual([name for name, item in file.items() if "actual_range" in item.attrs], ["count"])
 
     def test_landfall_info_prints_the_names_that_gdal_and_gmt_open(self):
-        expected = {self.chain.terrain: "z", self.chain.dem: "z_est", self.chain.eval: "e_z", self.plan: "count", self.one: "z_est"}
+        expected = {self.chain.terrain: "z", self.chain.dem: "z_est", self.chain.eval: "e_z", self.plan: "count", self.one: "z_est",
+                    self.chain.hazards: "slope"}
         for path, layer in expected.items():
             with self.subTest(path):
                 names = self.info(path)["opens_as"]
@@ -129,13 +131,14 @@ class Opens(ChainTest):
         self.assertEqual((info["bands"][0]["unit"], info["bands"][0]["noDataValue"]), ("m", "NaN"))
 
     def test_every_grid_may_be_called_nc(self):
-        terrain, scan, dem, evaluation = map(self.path, ["t.nc", "s.h5", "d.nc", "e.nc"])
+        terrain, scan, dem, evaluation, hazards = map(self.path, ["t.nc", "s.h5", "d.nc", "e.nc", "h.nc"])
         self.succeed("terrain-gen", *self.chain.inputs("terrain-gen"), "-o", terrain)
         self.succeed("scan-sim", "-c", self.chain.config("scan-sim"), "--terrain", terrain, "-o", scan)
         self.succeed("regrid", scan, "-c", self.chain.config("regrid"), "--terrain", terrain, "-o", dem)
         self.succeed("dem-eval", dem, "-c", self.chain.config("dem-eval"), "-o", evaluation)
+        self.succeed("hazard-map", dem, "-c", self.chain.config("hazard-map"), "-o", hazards)
         self.succeed("terrain-gen", "--from", terrain, "-o", self.path("t.tif"))
-        for made, known in ((terrain, self.chain.terrain), (dem, self.chain.dem), (evaluation, self.chain.eval)):
+        for made, known in ((terrain, self.chain.terrain), (dem, self.chain.dem), (evaluation, self.chain.eval), (hazards, self.chain.hazards)):
             with open(made, "rb") as a, open(known, "rb") as b:
                 self.assertEqual(a.read(), b.read())  # the name changes nothing
 
@@ -151,8 +154,9 @@ class Opens(ChainTest):
 for name in sys.argv[1:]:
     with rasterio.open(name) as layer:
         print(layer.driver, layer.width, *[round(v, 9) for v in layer.transform[:6]], layer.nodata, layer.read(1).shape)"""
-        found = self.python(program, self.info(self.chain.dem)["opens_as"]["gdal"], self.one).splitlines()
-        self.assertEqual(found, ["netCDF 101 0.1 0.0 -5.05 0.0 -0.1 5.05 nan (101, 101)"] * 2)
+        names = [self.info(path)["opens_as"]["gdal"] for path in (self.chain.dem, self.chain.hazards)]
+        found = self.python(program, *names, self.one).splitlines()
+        self.assertEqual(found, ["netCDF 101 0.1 0.0 -5.05 0.0 -0.1 5.05 nan (101, 101)"] * 3)
 
     def on_a_map(self):
         """A terrain on a map of the Moon."""
@@ -226,6 +230,18 @@ printf('%d %.17g %d %.17g\\n', numel(s.points.z_est), s.points.z_est(4), columns
                     self.assertEqual(file[name][...], text, name)
                 self.assertEqual(file.title, landfall_title(path))
                 self.output_of("ncdump", path)
+
+    def test_xarray_reads_layers_and_sites_of_a_hazard_map(self):
+        self.need("xarray")
+        program = """import sys, xarray
+with xarray.open_dataset(sys.argv[1], engine="netcdf4") as file:
+    print(*file.safe.dims, int((file.safe == 1).sum()), file.safe.attrs["flag_meanings"])
+with xarray.open_dataset(sys.argv[1], group="sites", engine="netcdf4") as sites:
+    print(*sites["rank"].values, float(sites["x"][0]))"""
+        with h5py.File(self.chain.hazards) as file:
+            expected = [f"y x {(file['safe'][()] == 1).sum()} hazard safe unknown",
+                        " ".join(map(str, [*file["sites/rank"][()], float(file["sites/x"][0])]))]
+        self.assertEqual(self.python(program, self.chain.hazards).splitlines(), expected)
 
     def test_xarray_reads_every_text(self):
         self.need("xarray")

@@ -110,6 +110,7 @@ def make_chain():
     run_quietly("regrid", "scan.h5", "-c", "regrid.json", "-o", "no_truth_dem.h5")
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "-o", "eval.h5")
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "--metrics-only", "-o", "metrics_only.h5")
+    run_quietly("hazard-map", "dem.h5", "-o", "hazards.h5")
     write("tetra.obj", TETRAHEDRON)
     run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
 

@@ -16,7 +16,7 @@ The catalogue lacks messages that no command line provokes:
 - sizes beyond 2^31 vertices, triangles, pulses or returns of a DEM or in a bin of a plan, rows beyond 10^8, blocks of more than 256 MiB;
 - failures of the system during a run (a compressor without memory, a failing HDF5 call, a file that shrinks while it is
   read, an output that appears during the run, a refused rename or thread), which tests/faults provokes;
-- a GDAL without its COG driver, a plugin of another version, and a file without read permission, because root can read it.
+- a GDAL without its COG or GPKG driver, a plugin of another version, and a file without read permission, because root can read it.
 """
 import json
 import os

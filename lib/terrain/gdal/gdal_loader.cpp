@@ -118,4 +118,10 @@ void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
   output.commit();
 }
 
+void write_geopackage(const OutputOptions& options, const PointLayer& layer) {
+  OutputPath output(options.path, options.overwrite);
+  plugin().write_geopackage_points(output.temporary().string(), layer);
+  output.commit();
+}
+
 }  // namespace landfall

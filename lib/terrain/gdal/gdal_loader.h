@@ -8,6 +8,7 @@
 #include "output/output_path.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/point_layer.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
@@ -66,5 +67,9 @@ namespace landfall {
 /// Throws UsageError if the output exists, IoError with GDAL's reason, or if the plugin is missing.
 void write_geotiff(const OutputOptions& options, const GeotiffContent& content,
                    const ProgressCallback& progress = {});
+
+/// Writes points with z and their attributes as one layer of a GeoPackage in the site's frame, a local one
+/// included. Its time of change is 1970, so that equal points give equal bytes. Otherwise as write_geotiff().
+void write_geopackage(const OutputOptions& options, const PointLayer& layer);
 
 }  // namespace landfall

@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "raster/grid_spec.h"
 #include "terrain/gdal/geotiff.h"
+#include "terrain/gdal/point_layer.h"
 #include "terrain/gdal/raster_links.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_fit.h"
@@ -23,6 +24,7 @@ struct GdalPlugin {
   std::vector<std::string> (*dem_files)(const DemBase& dem, RasterLinks links);
   void (*write_geotiff)(const std::string& path, const GeotiffContent& content, const GeotiffOptions& options,
                         const ProgressCallback& progress);
+  void (*write_geopackage_points)(const std::string& path, const PointLayer& layer);
 };
 
 /// The name of the plugin's one object, of type GdalPlugin.

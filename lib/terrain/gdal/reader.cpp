@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "terrain/gdal/geopackage_writer.h"
 #include "terrain/gdal/geotiff_writer.h"
 #include "terrain/gdal/open_raster.h"
 #include "terrain/gdal/plugin.h"
@@ -234,6 +235,10 @@ SiteSize fit_dem_site(const DemBase& dem, const SiteRequest& request, RasterLink
 }  // namespace landfall
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
-const landfall::GdalPlugin landfall_gdal_plugin{
-    LANDFALL_VERSION,       &landfall::read_dem,      &landfall::fit_dem_site,
-    &landfall::named_files, &landfall::all_dem_files, &landfall::write_cloud_optimized_geotiff};
+const landfall::GdalPlugin landfall_gdal_plugin{LANDFALL_VERSION,
+                                                &landfall::read_dem,
+                                                &landfall::fit_dem_site,
+                                                &landfall::named_files,
+                                                &landfall::all_dem_files,
+                                                &landfall::write_cloud_optimized_geotiff,
+                                                &landfall::write_geopackage_points};

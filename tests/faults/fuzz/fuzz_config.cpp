@@ -2,15 +2,16 @@
 // Configurations: JSON text and --set, as the tools take them up to the work itself.
 //
 // An input is a letter (t: terrain-gen, i: terrain-gen with the options of an import, s: scan-sim, r: regrid,
-// u: regrid --uncertainty, e: dem-eval), the configuration, and any number of further texts, each after a
-// zero byte: assignments for --set; for i the values of the import's options first; for u those of
-// --navigation-sigma.
+// u: regrid --uncertainty, e: dem-eval, h: hazard-map), the configuration, and any number of further texts,
+// each after a zero byte: assignments for --set; for i the values of the import's options first; for u those
+// of --navigation-sigma.
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "base/utf8.h"
 #include "config/dem_config.h"
+#include "config/hazard_config.h"
 #include "config/import_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
@@ -117,6 +118,13 @@ void use_eval(const JsonSource& source) {
   static_cast<void>(region_mask_source(resolved));
 }
 
+void use_hazards(const JsonSource& source) {
+  const HazardParameters parameters = hazard_config(resolve(source, "hazard"));
+  const Lander& lander = parameters.lander;
+  static_cast<void>(LanderStencil(
+      lander, std::max({lander.leg_radius_m, lander.body_radius_m, lander.pad_diameter_m}) / 20));
+}
+
 void use(std::uint8_t tool, const std::string& text, const Texts& texts) {
   if (!std::all_of(texts.begin(), texts.end(), is_utf8)) return;  // refused before anything is read
   switch (tool) {
@@ -132,6 +140,8 @@ void use(std::uint8_t tool, const std::string& text, const Texts& texts) {
       return use_uncertainty(text, texts);
     case 'e':
       return use_eval(source_of(text, texts));
+    case 'h':
+      return use_hazards(source_of(text, texts));
     default:
       return;
   }

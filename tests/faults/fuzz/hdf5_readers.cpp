@@ -12,6 +12,7 @@
 #include "exports/quick_look.h"
 #include "files/evaluation_file.h"
 #include "files/file_description.h"
+#include "files/hazard_file.h"
 #include "files/number_table.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
@@ -103,6 +104,12 @@ void export_grid(const Path& path) {
   write_layers_csv(grid.read(grid.choose({"all"})), 1, sink);
 }
 
+/// What hazard-map takes from a DEM or a terrain.
+void read_hazards_of(const Path& path) {
+  static_cast<void>(read_hazard_source(path, true));
+  static_cast<void>(read_truth_centroids(path));
+}
+
 void draw(const Path& path) { static_cast<void>(quick_look(path, "")); }
 
 void read_table(const Path& path) {
@@ -116,7 +123,7 @@ std::vector<Hdf5Reader> readers_of(const std::string& kind) {
     return {describe, read_terrain_file, read_large_terrain, export_grid, draw};
   if (kind == "scan") return {describe, read_scan, read_ranges, read_origin, export_points, draw};
   if (kind == "table") return {read_table};
-  if (kind == "dem") return {describe, judge_dem, export_grid, draw};
+  if (kind == "dem") return {describe, judge_dem, export_grid, draw, read_hazards_of};
   return {describe, export_grid, draw};
 }
 

@@ -14,11 +14,13 @@
 #include <stdexcept>
 
 #include "config/dem_config.h"
+#include "config/hazard_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/terrain_config.h"
 #include "files/dem_file.h"
 #include "files/evaluation_file.h"
+#include "files/hazard_file.h"
 #include "files/mesh_terrain_file.h"
 #include "files/plan_file.h"
 #include "files/scan_gridding.h"
@@ -139,6 +141,22 @@ void make_evaluation(const fs::path& path, const fs::path& dem_path) {
   writer.finish(evaluate(std::move(dem.layers), evaluation_config(provenance.config, "config"), {&writer}));
 }
 
+/// With every layer: the terrain is its own truth, and has a sigma.
+void make_hazards(const fs::path& path, const fs::path& terrain_path) {
+  Provenance provenance = provenance_of("hazard-map", "hazard",
+                                        {{"lander", {{"leg_radius_m", 2}, {"body_radius_m", 1}}},
+                                         {"limits", {{"slope_deg", 30}, {"roughness_m", 1}}},
+                                         {"sites", {{"separation_m", 1}}}});
+  add_input(provenance, "terrain", terrain_path, "terrain");
+  const HazardSource source = read_hazard_source(terrain_path, true);
+  const GridSpec& spec = source.z.spec();
+  const HazardMap map = map_hazards({source.z, source.z, BinMask(spec), Grid<double>(spec, 0.05)},
+                                    hazard_config(provenance.config),
+                                    [](const std::string& /*name*/, const auto& part) { part({}); });
+  LandfallFileWriter file({path}, "hazards", provenance);
+  write_hazards(file, map, source.crs_wkt);
+}
+
 void make_plan(const fs::path& path) {
   constexpr double kRadius_m = 3;
   const Provenance provenance = provenance_of("scan-sim", "scan", scan_json());
@@ -201,11 +219,12 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* list) {
 }
 
 void unchunk_tables(hid_t file, const std::vector<std::string>& objects) {
-  constexpr std::array kKept = {"/points/x_est", "/points/pulse", "/points/status",
-                                "/pulses/t",     "/features/x",   "/features/kind"};
+  constexpr std::array kKept = {"/points/x_est", "/points/pulse",  "/points/status", "/pulses/t",
+                                "/features/x",   "/features/kind", "/sites/cost"};
   for (const std::string& path : objects) {
     const bool in_table = path.starts_with("/points/") || path.starts_with("/pulses/") ||
-                          path.starts_with("/detector/") || path.starts_with("/features/");
+                          path.starts_with("/detector/") || path.starts_with("/features/") ||
+                          path.starts_with("/sites/");
     if (in_table && std::find(kKept.begin(), kKept.end(), path) == kKept.end()) unchunk(file, path);
   }
 }
@@ -239,12 +258,13 @@ Made make() {
   const Provenance scan = make_scan(folder / "scan.h5", folder / "terrain.h5");
   make_dem(folder / "dem.h5", folder / "scan.h5", folder / "terrain.h5");
   make_evaluation(folder / "eval.h5", folder / "dem.h5");
+  make_hazards(folder / "hazards.h5", folder / "terrain.h5");
   make_plan(folder / "plan.h5");
   make_table(folder / "table.h5");
   return {{load("terrain", folder / "terrain.h5"), load("mesh", folder / "mesh.h5"),
            load("scan", folder / "scan.h5"), load("dem", folder / "dem.h5"),
            load("evaluation", folder / "eval.h5"), load("plan", folder / "plan.h5"),
-           load("table", folder / "table.h5")},
+           load("table", folder / "table.h5"), load("hazards", folder / "hazards.h5")},
           scan};
 }
 

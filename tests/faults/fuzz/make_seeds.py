@@ -18,8 +18,8 @@ import struct
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-TOOLS = {"terrain-gen": "t", "scan-sim": "s", "regrid": "r", "dem-eval": "e"}
-SCHEMAS = {"terrain": "t", "scan": "s", "regrid": "r", "eval": "e"}
+TOOLS = {"terrain-gen": "t", "scan-sim": "s", "regrid": "r", "dem-eval": "e", "hazard-map": "h"}
+SCHEMAS = {"terrain": "t", "scan": "s", "regrid": "r", "eval": "e", "hazard": "h"}
 
 
 def schema(name: str):
@@ -90,7 +90,7 @@ def configs():
             yield config(letter, value)
     for path in sorted((ROOT / "studies").rglob("*.json")):
         kind = path.name.split(".")[-2]
-        letter = {"terrain": "t", "scan": "s", "regrid": "r", "evaluation": "e"}.get(kind)
+        letter = {"terrain": "t", "scan": "s", "regrid": "r", "evaluation": "e", "hazard": "h"}.get(kind)
         if letter:
             yield config(letter, path.read_text())
     for page in sorted((ROOT / "docs").rglob("*.md")):
@@ -99,7 +99,7 @@ def configs():
     yield config("i", {"grid": {"half_width_m": 5}}, "site.tif", "", "3,4", "", "", "", "", "2", "", "1", "seed=3")
     yield config("i", {}, "site.obj")
     yield config("i", {"grid": 5}, *[""] * 8, "60")
-    for letter, key in itertools.product("srte", ["seed", "x" * 3000, "seed.x", "seed=" + "x" * 3000]):
+    for letter, key in itertools.product("srteh", ["seed", "x" * 3000, "seed.x", "seed=" + "x" * 3000]):
         yield config(letter, {}, key if "=" in key else key + "=1")
     yield config("u", {"uncertainty": {"range_sigma_m": 0.02}}, "velocity_mps=0.3,0.3,0.7", "position_m=1")
 
@@ -150,7 +150,7 @@ def meshes():
 
 def hdf5_files():
     """Each file with each of its readers, unchanged and with one edit of each kind."""
-    for file, reader in itertools.product(range(7), range(6)):
+    for file, reader in itertools.product(range(8), range(6)):
         yield bytes([file, reader])
         for edit in range(15):
             yield bytes([file, reader, edit, 3 + edit, 1, 2, 5, 1, 9, 0, 1])

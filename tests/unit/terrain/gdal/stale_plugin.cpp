@@ -3,4 +3,5 @@
 #include "terrain/gdal/plugin.h"
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;
-const landfall::GdalPlugin landfall_gdal_plugin{"0.0.0", nullptr, nullptr, nullptr, nullptr, nullptr};
+const landfall::GdalPlugin landfall_gdal_plugin{"0.0.0", nullptr, nullptr, nullptr,
+                                                nullptr, nullptr, nullptr};

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exports/sites.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/number_text.h"
+#include "files/contents.h"
+#include "files/grid_file.h"
+#include "terrain/gdal/gdal_loader.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::size_t kPieceLines = 8192;  // in memory at a time
+
+}  // namespace
+
+void write_sites_csv(const LandfallFileReader& hazards, ByteSink& sink) {
+  const TableReader sites(hazards.root(), "sites", hazards.name());
+  const std::vector<ContentInfo> columns = site_columns_of(sites);
+  std::string headings;
+  for (const ContentInfo& column : columns)
+    headings += (headings.empty() ? "" : ",") + name_with_unit(column);
+  sink.write(headings + "\n");
+  const std::size_t rows = columns.empty() ? 0 : sites.row_count(columns.front().name);
+  std::vector<std::vector<double>> values(columns.size());
+  for (std::size_t first = 0; first < rows; first += kPieceLines) {
+    const std::size_t count = std::min(rows - first, kPieceLines);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      values[c].resize(count);
+      sites.read(columns[c].name, first, std::span(values[c]));
+    }
+    std::string lines;
+    for (std::size_t row = 0; row < count; ++row) {
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (c > 0) lines += ',';
+        if (columns[c].type == h5::Type::float32)  // the shortest text for the float32
+          append_number(lines, static_cast<float>(values[c][row]));
+        else
+          append_number(lines, values[c][row]);
+      }
+      lines += '\n';
+    }
+    sink.write(lines);
+  }
+}
+
+void write_sites_geopackage(const LandfallFileReader& hazards, const OutputOptions& output) {
+  const TableReader sites(hazards.root(), "sites", hazards.name());
+  PointLayer layer;
+  layer.name = "sites";
+  layer.crs_wkt = GridLayerReader(hazards).crs_wkt();
+  for (const ContentInfo& column : site_columns_of(sites)) {
+    std::vector<double> values(sites.row_count(column.name));
+    sites.read(column.name, 0, std::span(values));
+    if (column.name == "x")
+      layer.x_m = std::move(values);
+    else if (column.name == "y")
+      layer.y_m = std::move(values);
+    else if (column.name == "z")
+      layer.z_m = std::move(values);
+    else
+      layer.columns.push_back({name_with_unit(column), std::move(values),
+                               column.type != h5::Type::float32 && column.type != h5::Type::float64});
+  }
+  if (layer.x_m.empty() && layer.columns.empty()) hazards.fail("has no sites");
+  const auto is_short = [&](const auto& values) { return values.size() != layer.x_m.size(); };
+  if (is_short(layer.y_m) || is_short(layer.z_m) ||
+      std::ranges::any_of(layer.columns, [&](const PointLayer::Column& c) { return is_short(c.values); }))
+    hazards.fail("has sites whose columns differ in length");
+  write_geopackage(output, layer);
+}
+
+}  // namespace landfall
