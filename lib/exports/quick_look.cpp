@@ -2,8 +2,10 @@
 #include "exports/quick_look.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <string_view>
 
 #include "base/error.h"
@@ -12,6 +14,7 @@
 #include "exports/point_reader.h"
 #include "files/evaluation_file.h"
 #include "files/terrain_file.h"
+#include "hazards/safety.h"
 #include "returns/columns.h"
 
 namespace landfall {
@@ -30,7 +33,49 @@ bool keeps_greatest(const ContentInfo& content) {
   return content.type == h5::Type::int8 || content.name == "hole_id";
 }
 
+struct PlaceClass {
+  std::int8_t value;
+  MapClass drawn;
+};
+
+/// The classes of a layer of a hazard map, from the best to the worst for a lander; other layers have none.
+std::vector<PlaceClass> classes_of(const GridSource& grid, const ContentInfo& layer) {
+  if (grid.kind() != "hazards" || layer.type != h5::Type::int8) return {};
+  const auto item = [](auto value, const char* name, std::uint32_t color) {
+    return PlaceClass{static_cast<std::int8_t>(value), {name, color}};
+  };
+  if (is_among(layer.name, {"safe", "safe_true"}))
+    return {item(Safety::safe, "safe", kSafeColor), item(Safety::unknown, "unknown", kUnknownColor),
+            item(Safety::hazard, "hazard", kHazardColor)};
+  if (layer.name == "outcome")
+    return {item(HazardOutcome::safe_found, "safe found", kSafeColor),
+            item(HazardOutcome::unknown, "unknown", kUnknownColor),
+            item(HazardOutcome::false_alarm, "false alarm", kFalseAlarmColor),
+            item(HazardOutcome::hazard_found, "hazard found", kHazardColor),
+            item(HazardOutcome::missed_hazard, "missed hazard", kMarkColor)};
+  return {};
+}
+
+RgbImage class_picture(const GridSource& grid, const ContentInfo& layer,
+                       const std::vector<PlaceClass>& classes, const ProgressCallback& progress) {
+  // Bins get the rank of their class, so that the greatest of a pixel is the worst; 0 for no class.
+  std::array<std::int8_t, 256> ranks{};
+  MapStyle style{layer.name, ""};
+  for (const PlaceClass& c : classes) {
+    style.classes.push_back(c.drawn);
+    ranks.at(static_cast<std::uint8_t>(c.value)) = static_cast<std::int8_t>(style.classes.size());
+  }
+  auto bins = std::get<Grid<std::int8_t>>(grid.read(layer, progress));
+  for (std::int8_t& bin : bins.values()) bin = ranks.at(static_cast<std::uint8_t>(bin));
+  PixelMap map = reduce(bins, Reduction::greatest, kMaxPixels);
+  for (double& value : map.values) value = value > 0 ? value - 1 : std::numeric_limits<double>::quiet_NaN();
+  if (map.pixel_m > grid.spec().resolution_m) style.title += ", the worst class of a pixel";
+  return map_picture(map, style);
+}
+
 RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const ProgressCallback& progress) {
+  const std::vector<PlaceClass> classes = classes_of(grid, layer);
+  if (!classes.empty()) return class_picture(grid, layer, classes, progress);
   const Reduction reduction = keeps_greatest(layer) ? Reduction::greatest : Reduction::mean;
   LayerReducer reducer(grid.spec(), reduction, kMaxPixels);
   grid.read_strips(

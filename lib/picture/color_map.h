@@ -29,4 +29,10 @@ inline constexpr std::size_t kColorMaps = 4;
 inline constexpr std::uint32_t kNoValueColor = 0xc8c8c8;  ///< unlike any colour of the maps
 inline constexpr std::uint32_t kMarkColor = 0xff00ff;     ///< bins that stand out from every map
 
+/// The classes of places to land on; missed hazards have kMarkColor.
+inline constexpr std::uint32_t kSafeColor = 0xcfe4f2;
+inline constexpr std::uint32_t kHazardColor = 0xe69f00;
+inline constexpr std::uint32_t kFalseAlarmColor = 0x0072b2;
+inline constexpr std::uint32_t kUnknownColor = 0x8c8c8c;
+
 }  // namespace landfall

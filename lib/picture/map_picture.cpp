@@ -103,6 +103,12 @@ Rgb shaded(Rgb color, double shade) {
   return {part(color.r), part(color.g), part(color.b)};
 }
 
+/// Of a finite value.
+Rgb flat_color(double value, const MapStyle& style, const std::array<double, 2>& range) {
+  if (!style.classes.empty()) return rgb_of(style.classes.at(static_cast<std::size_t>(value)).color);
+  return color_of((value - range[0]) / (range[1] - range[0]), style.colors);
+}
+
 void draw_map(RgbImage& image, const PixelMap& map, const MapStyle& style, const Layout& layout,
               const std::array<double, 2>& range) {
   const std::vector<double> shades = style.relief ? hillshade(map) : std::vector<double>();
@@ -111,7 +117,7 @@ void draw_map(RgbImage& image, const PixelMap& map, const MapStyle& style, const
       const double value = map.at(row, col);
       Rgb color = rgb_of(kNoValueColor);
       if (std::isfinite(value)) {
-        color = color_of((value - range[0]) / (range[1] - range[0]), style.colors);
+        color = flat_color(value, style, range);
         if (style.relief) color = shaded(color, shades[static_cast<std::size_t>(row * map.cols + col)]);
       }
       fill(image, {layout.top + row * layout.zoom, layout.left + col * layout.zoom, layout.zoom, layout.zoom},
@@ -154,6 +160,19 @@ std::vector<double> limits_on(const MapStyle& style, const std::array<double, 2>
   return limits;
 }
 
+/// A sample of a colour and its name.
+void draw_sample(RgbImage& image, std::int64_t top, std::int64_t left, const MapClass& item) {
+  const Rectangle swatch{top, left, kTextHeight - 2, kBarWidth};
+  fill(image, swatch, rgb_of(item.color));
+  outline(image, swatch);
+  draw_text(image, {top - 1, left + kBarWidth + kGap}, item.name, kInk);
+}
+
+const MapClass& no_value() {
+  static const MapClass item{"no value", kNoValueColor};
+  return item;
+}
+
 void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
               const std::array<double, 2>& range) {
   const Rectangle bar{layout.top, layout.right() + 3 * kGap, layout.frame_height - 2 * kTextHeight,
@@ -175,16 +194,32 @@ void draw_bar(RgbImage& image, const MapStyle& style, const Layout& layout,
     fill(image, {row - 2, bar.left - kGap, 5, bar.width + kGap}, kPaper);
     fill(image, {row - 1, bar.left - kGap, 3, bar.width + kGap}, kInk);
   }
-  const Rectangle swatch{layout.bottom() - kTextHeight, bar.left, kTextHeight - 2, kBarWidth};
-  fill(image, swatch, rgb_of(kNoValueColor));
-  outline(image, swatch);
-  draw_text(image, {swatch.top - 1, bar.left + bar.width + kGap}, "no value", kInk);
+  draw_sample(image, layout.bottom() - kTextHeight, bar.left, no_value());
 }
 
-void draw_texts(RgbImage& image, const PixelMap& map, const MapStyle& style,
-                const std::array<double, 2>& range) {
-  const std::string unit = style.unit.empty() || style.unit == "1" ? "" : " (" + style.unit + ")";
-  draw_text(image, {kGap, kGap}, style.title + unit, kInk);
+/// The classes that a legend lists: those of the style, the last first, and "no value" if a pixel has none.
+std::vector<MapClass> listed_classes(const PixelMap& map, const MapStyle& style) {
+  std::vector<MapClass> classes(style.classes.rbegin(), style.classes.rend());
+  if (finite_values(map).size() < map.values.size()) classes.push_back(no_value());
+  return classes;
+}
+
+void draw_legend(RgbImage& image, const std::vector<MapClass>& classes, const Layout& layout) {
+  std::int64_t top = layout.top;
+  for (const MapClass& item : classes) {
+    draw_sample(image, top, layout.right() + 3 * kGap, item);
+    top += kTextHeight + kGap;
+  }
+}
+
+/// From the frame to the right border of the picture.
+std::int64_t right_width(const std::vector<MapClass>& classes) {
+  std::int64_t width = 190;  // of a colour bar and its labels
+  for (const MapClass& item : classes) width = std::max(width, 5 * kGap + kBarWidth + text_width(item.name));
+  return width;
+}
+
+std::string range_text(const PixelMap& map, const MapStyle& style, const std::array<double, 2>& range) {
   const std::vector<double> values = finite_values(map);
   std::string text = "no value anywhere";
   if (!values.empty()) {
@@ -195,7 +230,13 @@ void draw_texts(RgbImage& image, const PixelMap& map, const MapStyle& style,
   }
   if (style.limit)
     text += std::string(", limit ") + (style.colors == Colors::error ? "+-" : "") + text_of(*style.limit, 4);
-  draw_text(image, {2 * kGap + kTextHeight, kGap}, text, kInk);
+  return text;
+}
+
+void draw_titles(RgbImage& image, const MapStyle& style, const std::string& second) {
+  const std::string unit = style.unit.empty() || style.unit == "1" ? "" : " (" + style.unit + ")";
+  draw_text(image, {kGap, kGap}, style.title + unit, kInk);
+  draw_text(image, {2 * kGap + kTextHeight, kGap}, second, kInk);
 }
 
 }  // namespace
@@ -237,14 +278,19 @@ std::vector<double> ticks(double low, double high, int count) {
 
 RgbImage map_picture(const PixelMap& map, const MapStyle& style) {
   const Layout layout = layout_of(map);
-  const std::array<double, 2> range = color_range(map, style);
-  constexpr std::int64_t kRight = 190;  // width of the colour bar and its labels
-  RgbImage image(static_cast<std::size_t>(layout.right() + kRight),
+  const bool has_classes = !style.classes.empty();
+  const auto range = has_classes ? std::array<double, 2>{} : color_range(map, style);
+  const auto legend = has_classes ? listed_classes(map, style) : std::vector<MapClass>();
+  RgbImage image(static_cast<std::size_t>(layout.right() + right_width(legend)),
                  static_cast<std::size_t>(layout.bottom() + 2 * kTextHeight + 4 * kGap), kPaper);
   draw_map(image, map, style, layout, range);
   draw_axes(image, map, layout);
-  draw_bar(image, style, layout, range);
-  draw_texts(image, map, style, range);
+  if (has_classes)
+    draw_legend(image, legend, layout);
+  else
+    draw_bar(image, style, layout, range);
+  draw_titles(image, style,
+              has_classes ? "pixels of " + text_of(map.pixel_m, 4) + " m" : range_text(map, style, range));
   return image;
 }
 

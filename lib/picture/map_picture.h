@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,12 @@
 #include "raster/rgb_image.h"
 
 namespace landfall {
+
+/// A class of pixels, which has a name and a colour instead of a number on a scale.
+struct MapClass {
+  std::string name;
+  std::uint32_t color;  ///< 0xRRGGBB
+};
 
 /// The style and labels of a map.
 struct MapStyle {
@@ -22,6 +29,8 @@ struct MapStyle {
   bool from_zero = false;  ///< a magnitude whose scale begins at zero
   std::optional<double> limit =
       std::nullopt;  ///< lies within the scale and is marked on it, for errors also its negative
+  /// If there are any, the map's values are their indices, and a legend replaces the colour bar.
+  std::vector<MapClass> classes = {};
 };
 
 /// The values at the ends of the colour bar (D241). Of errors, and of magnitudes from zero: the 99.5 %
@@ -33,8 +42,9 @@ struct MapStyle {
 /// Round numbers, about `count` of them, within [low, high].
 [[nodiscard]] std::vector<double> ticks(double low, double high, int count);
 
-/// Draws the map with its title, least and greatest pixel, axes in metres and a colour bar. Small maps are
-/// enlarged by an integer factor, to 600 pixels or more on the longer side.
+/// Draws the map with its title, least and greatest pixel (of classes: the size of a pixel), axes in metres
+/// and a colour bar or legend. Small maps are enlarged by an integer factor, to 600 pixels or more on the
+/// longer side.
 [[nodiscard]] RgbImage map_picture(const PixelMap& map, const MapStyle& style);
 
 }  // namespace landfall

@@ -19,13 +19,6 @@ constexpr int kMeasureSteps =
     2000;  // of slopes and roughnesses, whose digits of noise would enlarge the file
 constexpr int kCostSteps = 5000;
 
-// The colours of plot_hazards.py.
-constexpr const char* kSafeColor = "#cfe4f2";
-constexpr const char* kHazardColor = "#e69f00";
-constexpr const char* kMissedColor = "#ff00ff";
-constexpr const char* kAlarmColor = "#0072b2";
-constexpr const char* kUnknownColor = "#8c8c8c";
-
 std::int64_t bit(Safety value) { return std::int64_t{1} << static_cast<int>(value); }
 std::int64_t bit(HazardOutcome value) { return std::int64_t{1} << static_cast<int>(value); }
 
@@ -46,8 +39,8 @@ std::vector<LayerClass> safety_classes(const PlaceCounts& counts) {
 
 std::vector<LayerClass> outcome_classes(const HazardScore::Counts& counts) {
   using enum HazardOutcome;
-  return {{bit(missed_hazard), "missed hazard", kMissedColor, counts.safe_hazard, true},
-          {bit(false_alarm), "false alarm", kAlarmColor, counts.hazard_safe, true},
+  return {{bit(missed_hazard), "missed hazard", kMarkColor, counts.safe_hazard, true},
+          {bit(false_alarm), "false alarm", kFalseAlarmColor, counts.hazard_safe, true},
           {bit(hazard_found), "hazard found", kHazardColor, counts.hazard_hazard},
           {bit(unknown), "unknown", kUnknownColor, counts.unknown},
           {bit(safe_found), "safe found", kSafeColor, counts.safe_safe}};

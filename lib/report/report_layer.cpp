@@ -2,7 +2,9 @@
 #include "report/report_layer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "picture/color_map.h"
@@ -105,11 +107,20 @@ const char* name_of(Rule rule) {
   return "";
 }
 
+std::string css_color(std::uint32_t color) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%06x", static_cast<unsigned>(color));
+  return text.data();
+}
+
 Json classes_json(const std::vector<LayerClass>& classes) {
   Json list = Json::array();
   for (const LayerClass& c : classes)
-    list.push_back(
-        {{"bits", c.bit}, {"text", c.text}, {"color", c.color}, {"count", c.count}, {"is_mark", c.is_mark}});
+    list.push_back({{"bits", c.bit},
+                    {"text", c.text},
+                    {"color", css_color(c.color)},
+                    {"count", c.count},
+                    {"is_mark", c.is_mark}});
   return list;
 }
 

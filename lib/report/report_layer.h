@@ -28,9 +28,9 @@ enum class Style {
 struct LayerClass {
   std::int64_t bit = 1;
   std::string text;
-  std::string color;       ///< "#rrggbb"
-  std::int64_t count = 0;  ///< bins that have it
-  bool is_mark = false;    ///< single bins are enlarged where few have it
+  std::uint32_t color = 0;  ///< 0xRRGGBB
+  std::int64_t count = 0;   ///< bins that have it
+  bool is_mark = false;     ///< single bins are enlarged where few have it
 };
 
 /// A layer as stored in the report.

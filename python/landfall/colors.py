@@ -30,6 +30,8 @@ def parts(rrggbb):
 
 NO_VALUE = parts(0xc8c8c8)  # unlike any colour of the maps
 MARK = parts(0xff00ff)      # bins that stand out from every map
+# The classes of places to land on; missed hazards have the colour MARK.
+SAFE, HAZARD, FALSE_ALARM, UNKNOWN = parts(0xcfe4f2), parts(0xe69f00), parts(0x0072b2), parts(0x8c8c8c)
 
 
 def table(name):

@@ -9,8 +9,13 @@ import unittest
 
 import h5py
 import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
 
 from harness import REGRID, ChainTest, ToolTest, columns, read_bytes, run, with_values
+from landfall import plot_hazards
 from oracle import hazards as oracle
 from oracle.evaluate import region_of
 
@@ -277,8 +282,21 @@ class Interface(ChainTest):
         self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.csv"), "--layers", "safe,slope")
         header = read_bytes(self.path("h.csv")).split(b"\n", 1)[0]
         self.assertEqual(header, b"x_m,y_m,safe,slope_degree")
-        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.png"))
         self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.tif"), "--layers", "safe,p_touchdown")
+
+    def test_pictures_have_the_colours_of_the_figures(self):
+        self.succeed("hazard-map", *self.arguments("--view", self.path("safe.png")))
+        self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("outcome.png"), "--layers", "outcome")
+        for layer, least in (("safe", 3), ("outcome", 4)):
+            with h5py.File(self.path("h.h5")) as file:
+                classes = file[layer][()]
+            self.assertGreaterEqual(len(np.unique(classes)), least)
+            rows, cols = classes.shape
+            zoom = 600 // max(rows, cols)
+            # The map begins at (88, 120), from the north (lib/picture/map_picture.cpp).
+            image = imread(self.path(layer + ".png"))[88:88 + zoom * rows:zoom, 120:120 + zoom * cols:zoom, :3][::-1]
+            expected = np.array([to_rgb(color) for _, (_, color) in sorted(plot_hazards.CLASSES[layer].items())])[classes]
+            np.testing.assert_allclose(image, expected, atol=1e-6)
 
     def test_sites_as_csv(self):
         self.succeed("hazard-map", *self.arguments("--sites", self.path("sites.json")))

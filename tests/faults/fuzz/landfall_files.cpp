@@ -150,8 +150,8 @@ void make_hazards(const fs::path& path, const fs::path& terrain_path) {
   add_input(provenance, "terrain", terrain_path, "terrain");
   const HazardSource source = read_hazard_source(terrain_path, true);
   const GridSpec& spec = source.z.spec();
-  const HazardMap map = map_hazards({source.z, source.z, BinMask(spec), Grid<double>(spec, 0.05)},
-                                    hazard_config(provenance.config),
+  HazardInput input{source.z, source.z, BinMask(spec), Grid<double>(spec, 0.05)};
+  const HazardMap map = map_hazards(input, hazard_config(provenance.config),
                                     [](const std::string& /*name*/, const auto& part) { part({}); });
   LandfallFileWriter file({path}, "hazards", provenance);
   write_hazards(file, map, source.crs_wkt);

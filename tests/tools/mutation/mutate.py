@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mutation testing of lib/gridding, lib/evaluation, lib/error_models and lib/geometry.
+"""Mutation testing of lib/gridding, lib/evaluation, lib/error_models, lib/geometry and lib/hazards.
 
     mutate.py write | build | trace | run | chain | report     in this order; each continues where it was stopped
 
@@ -24,11 +24,12 @@ ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), 
 WORK = os.path.join(ROOT, "build", "mutation")
 SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")  # {key of a mutant: why it survives}
 DATABASE = os.path.join(ROOT, "build", "dev", "compile_commands.json")
-LIBRARIES = ["geometry", "error_models", "gridding", "evaluation"]
+LIBRARIES = ["geometry", "error_models", "gridding", "evaluation", "hazards"]
 # Headers of lib/geometry are included everywhere. Their mutants are built separately, with few tests, so that the rest of
 # the project need not be built again.
 TREES = {"sources": lambda file: not re.match(r"lib/geometry/.*\.h", file), "headers": lambda file: re.match(r"lib/geometry/.*\.h", file)}
-TESTS = {"sources": ["geometry_test", "error_models_test", "gridding_test", "evaluation_test", "simulation_test", "config_test"],
+TESTS = {"sources": ["geometry_test", "error_models_test", "gridding_test", "evaluation_test", "simulation_test", "config_test",
+                     "hazards_test"],
          "headers": ["geometry_test", "error_models_test"]}
 SEED = 20261121
 SLOWEST_S = 20  # slower tests are excluded, because they would run for thousands of mutants
@@ -71,10 +72,10 @@ def write_sources():
 
 def build(targets):
     """Builds the trees. Mutants that do not compile are excluded, and the build is repeated."""
-    for tree in TREES:
-        while True:
+    for tree, names in targets.items():
+        while names:
             mutants = write_sources()
-            status, log = build_tree(tree, targets.get(tree, []))
+            status, log = build_tree(tree, names)
             refused = refusals(log, [m for m in mutants if m["tree"] == tree], tree)
             dropped = load("dropped.json", {})
             save("dropped.json", {**dropped, **refused})
@@ -88,13 +89,12 @@ def build(targets):
 def build_tree(tree, targets):
     folder = path(tree, "build", "dev")
     if not os.path.exists(folder + "/build.ninja"):
-        subprocess.run(["cmake", "--preset", "dev", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"], cwd=path(tree), check=True,
-                       stdout=subprocess.DEVNULL)
+        # The tests of the mutated libraries have options of their own, which the precompiled headers of all tests do not have.
+        subprocess.run(["cmake", "--preset", "dev", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"],
+                       cwd=path(tree), check=True, stdout=subprocess.DEVNULL)
     with open(path(tree + ".log"), "w", encoding="utf-8") as file:
-        # Without this setting ccache does not cache units with precompiled headers.
-        environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
         status = subprocess.run(["cmake", "--build", folder, "--", "-k", "0", *targets], stdout=file, stderr=subprocess.STDOUT,
-                                env=environment, check=False).returncode
+                                check=False).returncode
     with open(path(tree + ".log"), encoding="utf-8") as file:
         return status, file.read()
 
@@ -244,8 +244,8 @@ def main():
         for row in sorted(collections.Counter((m["file"].split("/")[1], m["kind"]) for m in mutants).items()):
             print(*row)
     elif options.step == "build":
-        names = options.names
-        build({tree: [n for n in names if n in TESTS[tree] or n in TOOLS and tree == "sources"] or TESTS[tree] for tree in TREES})
+        names = options.names or [name for tests in TESTS.values() for name in tests]
+        build({tree: [n for n in names if n in TESTS[tree] or n in TOOLS and tree == "sources"] for tree in TREES})
     elif options.step == "trace":
         trace(options.names, options.workers)
     elif options.step == "run":

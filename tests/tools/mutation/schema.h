@@ -220,9 +220,10 @@ T value_in_array(T constant) {
   return __builtin_expect(flags[id] != kOff, 0) && switched(id) ? other_value(constant) : constant;
 }
 
-/// A returned value: its negation for a truth value, 0 for a number (1 for 0), what T{} is for others.
+/// A returned value: its negation for a truth value, 0 for a number (1 for 0), what T{} is for others. It is
+/// always inlined, because a function for another instruction set would return vectors in another place.
 template <int id, class T>
-constexpr T returned(T value) {
+[[gnu::always_inline]] constexpr T returned(T value) {
   if constexpr (std::same_as<T, bool>) {
     if (on<id>()) return !value;
   } else if constexpr (std::is_arithmetic_v<T>) {

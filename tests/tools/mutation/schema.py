@@ -36,7 +36,9 @@ def find_points(root, library, database, cache):
     folder = os.path.join(root, "lib", library)
     found = {}
     for path in sorted(glob.glob(folder + "/*.cpp") + glob.glob(folder + "/*.h")):
-        found[os.path.relpath(path, root)] = found_in(path, compile_arguments(database, folder), cache)
+        # A header of Highway's is compiled once for each instruction set; alone, it has none to be repeated for.
+        alone = ["-DHWY_COMPILE_ONLY_STATIC"] if path.endswith("-inl.h") else []
+        found[os.path.relpath(path, root)] = found_in(path, compile_arguments(database, folder) + alone, cache)
     return found
 
 

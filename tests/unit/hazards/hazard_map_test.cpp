@@ -67,6 +67,7 @@ TEST(MapHazards, OnlyTheRegionIsJudged) {
   HazardInput input = level_ground(1, 0.1);
   const HazardMap map = map_hazards(input, parameters, kAtOnce);
   EXPECT_EQ(count_places(map.safe, map.region).safe, 9);
+  EXPECT_EQ(count_places(map.safe, map.region).all(), 9);
   EXPECT_EQ(map.safe.at({10, 12}), 2);
   EXPECT_TRUE(std::isnan(map.measures.slope_deg.at({10, 12})));
   EXPECT_TRUE(std::isnan(map.p_touchdown.at({10, 12})));
@@ -179,6 +180,44 @@ TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
   const GridSpec aside{.resolution_m = 0.1, .first_row = 100, .first_col = 0, .rows = 20, .cols = 20};
   EXPECT_EQ(refusal({Grid<double>(aside), std::nullopt, BinMask(aside), std::nullopt}, parameters),
             "format: nothing to judge: no bin of the map lies within 0.05 m of the origin");
+}
+
+// The only elevation lies in the first bin of the map.
+TEST(MapHazards, ALoneElevationIsNamed) {
+  HazardInput input = level_ground(1, 0.1);
+  for (double& z : input.z.values()) z = kNan;
+  input.z.at({0, 0}) = 0;
+  EXPECT_THAT(refusal(input, small_lander()), HasSubstr("nothing to judge: at each place within"));
+}
+
+TEST(MapHazards, ASiteHasTheValuesOfItsPlace) {
+  HazardInput input = level_ground(2, 0.1);
+  for (std::int64_t row = 0; row < 41; ++row)
+    for (std::int64_t col = 0; col < 41; ++col)
+      input.z.at({row, col}) = 0.01 * static_cast<double>(row + (row * col) % 3);
+  input.z.at({20, 20}) = 1;
+  input.z_sigma = Grid<double>(input.z.spec(), 0.02);
+  input.z_true = input.z;
+  HazardParameters parameters = small_lander();
+  parameters.touchdown_sigma_m = 0.1;
+  parameters.sites = {.count = 3, .separation_m = 0.5, .divert_radius_m = 1.5};
+  const HazardMap map = map_hazards(input, parameters, kAtOnce);
+  ASSERT_EQ(map.sites.size(), 3U);
+  for (const LandingSite& site : map.sites) {
+    EXPECT_EQ(site.x_m, input.z.spec().x(site.bin.col));
+    EXPECT_EQ(site.y_m, input.z.spec().y(site.bin.row));
+    EXPECT_EQ(site.z_m, input.z.at(site.bin));
+    EXPECT_EQ(site.cost, map.cost.at(site.bin));
+    EXPECT_EQ(site.p_touchdown, map.p_touchdown.at(site.bin));
+    EXPECT_EQ(site.p_safe, map.p_safe->at(site.bin));
+    EXPECT_EQ(site.slope_deg, map.measures.slope_deg.at(site.bin));
+    EXPECT_EQ(site.roughness_m, map.measures.roughness_m.at(site.bin));
+    EXPECT_EQ(site.distance_to_hazard_m, map.distance_to_hazard.at(site.bin));
+    EXPECT_EQ(site.truth, Safety::safe);
+    EXPECT_NE(site.cost, 0);
+    EXPECT_NE(site.slope_deg, 0);
+    EXPECT_NE(site.roughness_m, 0);
+  }
 }
 
 // The ring of the hole lies 1 bin around it: the truth there was taken 0.01 m east and 0.02 m south of the

@@ -59,6 +59,15 @@ TEST(HoleFilling, HolesAtTheBorderStay) {
   EXPECT_TRUE(small_holes(z, 0).empty());
 }
 
+TEST(HoleFilling, AHoleThatTouchesACornerOfTheMapStays) {
+  const GridSpec spec{1, 0, 0, 5, 5};
+  for (const BinIndex corner : {BinIndex{0, 0}, BinIndex{0, 4}, BinIndex{4, 0}, BinIndex{4, 4}}) {
+    Grid<double> z(spec);
+    z.at(corner) = z.at({corner.row == 0 ? 1 : 3, corner.col == 0 ? 1 : 3}) = kNan;
+    EXPECT_TRUE(small_holes(z, 10).empty());
+  }
+}
+
 TEST(HoleFilling, AnotherLayerIsMeanedOverTheSameRing) {
   Grid<double> z = ramp();
   Grid<double> x = ramp();

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "base/error.h"
 
@@ -36,6 +37,21 @@ TEST(LanderStencil, ThePapersFootprint) {
   EXPECT_EQ(lander.yaws[0], (PadOffsets{{{0, 17}, {17, 0}, {0, -17}, {-17, 0}}}));
   EXPECT_EQ(lander.body.bin_count(), 901);
   EXPECT_EQ(lander.pad.half_bins(), 2);
+}
+
+// 2.5 bins less half of the tolerance of 1e-9 bins, and less twice that tolerance.
+TEST(LanderStencil, APadNearTheBorderOfTwoBinsStandsOnTheFartherOne) {
+  EXPECT_EQ(LanderStencil({.leg_radius_m = 0.25 - 0.5e-10}, 0.1).yaws[0][0], (BinOffset{0, 3}));
+  EXPECT_EQ(LanderStencil({.leg_radius_m = 0.25 - 2e-10}, 0.1).yaws[0][0], (BinOffset{0, 2}));
+}
+
+// A quarter of a turn is 20 bins long, and half of the tolerance of 1e-9 more; and twice that tolerance more.
+TEST(LanderStencil, TheNumberOfYawsHasATolerance) {
+  const auto yaws = [](double quarter_bins) {
+    return LanderStencil({.leg_radius_m = quarter_bins * 0.1 / (std::numbers::pi / 2)}, 0.1).yaws.size();
+  };
+  EXPECT_EQ(yaws(20 + 0.5e-9), 20U);
+  EXPECT_EQ(yaws(20 + 2e-9), 21U);
 }
 
 TEST(LanderStencil, ThreeLegsStandAtEqualAngles) {

@@ -51,6 +51,9 @@ void check_pose(const Grid<double>& z, const LanderStencil& lander, BinIndex pla
       ASSERT_GE(above, -1e-9);
   }
   ASSERT_EQ(touching, 3);
+  const double step_rad = 2 * std::numbers::pi / lander.legs / static_cast<double>(lander.yaws.size());
+  const BinOffset& first = lander.yaws.at(static_cast<std::size_t>(std::lround(pose.yaw_rad / step_rad)))[0];
+  ASSERT_EQ(pose.pads[0].bin, (BinIndex{place.row + first.rows, place.col + first.cols}));
 }
 
 TEST(Pose, HasTheSlopeAndRoughnessOfTheLayers) {

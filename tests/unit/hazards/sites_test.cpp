@@ -64,6 +64,7 @@ TEST(DistanceToHazard, IsEuclideanAndInTheRegion) {
   const Grid<float> distance = distance_to_hazard(safe, region);
   EXPECT_EQ(distance.at(spec.bin_of(0, 0)), 0);
   EXPECT_FLOAT_EQ(distance.at(spec.bin_of(4, 3)), 5);
+  EXPECT_FLOAT_EQ(distance.at({0, 0}), std::hypot(5.0F, 5.0F));
   EXPECT_TRUE(std::isnan(distance.at(spec.bin_of(3, 4))));
 }
 
