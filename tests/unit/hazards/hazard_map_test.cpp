@@ -123,8 +123,12 @@ TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
   parameters.method = HazardMethod::plane;
   EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.lander.body_radius_m = 0.099;
-  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
-              HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin"));
+  EXPECT_THAT(
+      refusal(level_ground(1, 0.1), parameters),
+      HasSubstr("usage: lander/body_radius_m: 0.099 is less than 1 bin of 0.1 m, and the method is plane"));
+  parameters.method = HazardMethod::range_difference;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("and the method is range_difference"));
+  parameters.method = HazardMethod::plane;
   parameters.lander.body_radius_m = 0.1;
   EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.method = HazardMethod::lmeds;

@@ -67,6 +67,7 @@ TEST(LanderStencil, RefusesWhatCannotStand) {
   EXPECT_THAT(refusal({.legs = 5}), ThrowsMessage<UsageError>(HasSubstr("lander/legs: 5 is not 3 or 4")));
   EXPECT_THAT(refusal({.leg_radius_m = 0.09}),
               ThrowsMessage<UsageError>(HasSubstr("lander/leg_radius_m: 0.09 is less than 2 bins")));
+  EXPECT_THAT(refusal({.leg_radius_m = NAN}), ThrowsMessage<UsageError>(HasSubstr("lander/leg_radius_m")));
   EXPECT_THAT(refusal({.pad_diameter_m = 0}),
               ThrowsMessage<UsageError>(HasSubstr("lander/pad_diameter_m: 0 is not > 0")));
   EXPECT_THAT(refusal({.body_radius_m = NAN}), ThrowsMessage<UsageError>(HasSubstr("lander/body_radius_m")));

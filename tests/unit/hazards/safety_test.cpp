@@ -89,6 +89,7 @@ TEST(HazardScore, BrierAndReliability) {
   EXPECT_EQ(score.reliability[2].count, 2);
   EXPECT_DOUBLE_EQ(*score.reliability[2].safe_frac, 0.5);
   EXPECT_DOUBLE_EQ(score.reliability[2].p_low, 0.2);
+  EXPECT_DOUBLE_EQ(score.reliability[2].p_high, 0.3);
   EXPECT_EQ(score.reliability[9].count, 1);
   EXPECT_FALSE(score.reliability[0].safe_frac);
 }
