@@ -20,7 +20,7 @@ CITED = re.compile(r"(?<![\w./-])(?:bench|cmake|examples|lib|packaging|python|sc
 # Records of past runs, with the file names of that time.
 RECORDS = {"docs/quality/coverage.md", "docs/quality/fuzzing.md", "docs/quality/mutation.md"}
 # Paths below an installation prefix, or made by a build.
-ELSEWHERE = re.compile(r"lib/(landfall|cmake|python3)(/|$)|bench/bench_(eval|grid|rays)$")
+ELSEWHERE = re.compile(r"lib/(landfall|cmake|python3)(/|$)|bench/bench_(eval|grid|hazards|rays)$")
 LANGUAGES = {"sh", "python", "json", "csv", "text", "cpp", "cmake", ""}
 
 

@@ -10,6 +10,7 @@
 #include "exports/csv.h"
 #include "exports/las.h"
 #include "exports/quick_look.h"
+#include "exports/sites.h"
 #include "files/evaluation_file.h"
 #include "files/file_description.h"
 #include "files/hazard_file.h"
@@ -110,6 +111,11 @@ void read_hazards_of(const Path& path) {
   static_cast<void>(read_truth_centroids(path));
 }
 
+void export_sites(const Path& path) {
+  NoSink sink;
+  write_sites_csv(LandfallFileReader(path, {"hazards"}), sink);
+}
+
 void draw(const Path& path) { static_cast<void>(quick_look(path, "")); }
 
 void read_table(const Path& path) {
@@ -124,6 +130,7 @@ std::vector<Hdf5Reader> readers_of(const std::string& kind) {
   if (kind == "scan") return {describe, read_scan, read_ranges, read_origin, export_points, draw};
   if (kind == "table") return {read_table};
   if (kind == "dem") return {describe, judge_dem, export_grid, draw, read_hazards_of};
+  if (kind == "hazards") return {describe, export_grid, draw, export_sites};
   return {describe, export_grid, draw};
 }
 
