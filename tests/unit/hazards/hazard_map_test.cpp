@@ -40,6 +40,20 @@ std::string refusal(HazardInput input, const HazardParameters& parameters) {
   return "accepted";
 }
 
+TEST(HazardParameters, DefaultsAreThoseOfTheDocumentation) {
+  const HazardParameters parameters;
+  EXPECT_EQ(parameters.region_radius_m, 50);
+  EXPECT_EQ(parameters.hole_fill_bins, 10);
+  EXPECT_EQ(parameters.touchdown_sigma_m, 1);
+  EXPECT_EQ(parameters.limits.slope_deg, 10);
+  EXPECT_EQ(parameters.limits.roughness_m, 0.3);
+  EXPECT_EQ(parameters.sites.count, 5);
+  EXPECT_EQ(parameters.sites.separation_m, 5);
+  EXPECT_EQ(parameters.sites.divert_radius_m, 40);
+  EXPECT_EQ(parameters.sites.divert_weight, 0.1);
+  EXPECT_EQ(parameters.sites.min_p, 0.99);
+}
+
 // 21 x 21 bins; the lander reaches 3 bins.
 TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
   HazardInput input = level_ground(1, 0.1);
@@ -113,6 +127,9 @@ TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
               HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
   parameters.method = HazardMethod::plane;  // has no legs
   EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.lander.body_radius_m = 1.1;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/body_radius_m: a lander of 23"));
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
