@@ -15,7 +15,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kPieceLines = 8192;  // in memory at a time
+constexpr std::size_t kSitesPerPiece = 8192;  // in memory at a time
 
 }  // namespace
 
@@ -28,8 +28,8 @@ void write_sites_csv(const LandfallFileReader& hazards, ByteSink& sink) {
   sink.write(headings + "\n");
   const std::size_t rows = columns.empty() ? 0 : sites.row_count(columns.front().name);
   std::vector<std::vector<double>> values(columns.size());
-  for (std::size_t first = 0; first < rows; first += kPieceLines) {
-    const std::size_t count = std::min(rows - first, kPieceLines);
+  for (std::size_t first = 0; first < rows; first += kSitesPerPiece) {
+    const std::size_t count = std::min(rows - first, kSitesPerPiece);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       values[c].resize(count);
       sites.read(columns[c].name, first, std::span(values[c]));
