@@ -14,7 +14,7 @@ LEVELS = {
     "geometry": 1, "raster": 1, "output": 1, "returns": 1,
     "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
-    "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
+    "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4, "campaign": 4,
     "config": 5, "files": 5,
     "scene": 6, "exports": 6, "host": 6, "report": 6,
     "cli": 7,
@@ -24,7 +24,7 @@ LEVELS = {
 ONLY_IN = {
     r"CGAL/": {"ray"},
     r"boost/(?!numeric/odeint/|math/)": {"ray"},
-    r"boost/math/": {"terrain"},
+    r"boost/math/": {"terrain", "campaign"},
     r"boost/numeric/odeint/": {"trajectory"},
     r"(gdal|ogr|cpl_|vrt)": {"terrain/gdal"},
     r"(hdf5\.h|hdf5_hl\.h|H5)": {"hdf5", "files"},

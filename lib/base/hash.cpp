@@ -3,8 +3,6 @@
 
 #include <xxhash.h>
 
-#include <array>
-#include <cstdint>
 #include <cstdio>
 #include <new>
 
@@ -35,11 +33,16 @@ Hash& Hash::update(std::string_view text) {
   return update(std::as_bytes(std::span(text)));
 }
 
-std::string Hash::hex() const {
+std::array<std::uint64_t, 2> Hash::words() const {
   const XXH128_hash_t digest = XXH3_128bits_digest(impl_->state);
+  return {digest.high64, digest.low64};
+}
+
+std::string Hash::hex() const {
+  const auto [high, low] = words();
   std::array<char, 33> text{};
-  std::snprintf(text.data(), text.size(), "%016llx%016llx", static_cast<unsigned long long>(digest.high64),
-                static_cast<unsigned long long>(digest.low64));
+  std::snprintf(text.data(), text.size(), "%016llx%016llx", static_cast<unsigned long long>(high),
+                static_cast<unsigned long long>(low));
   return text.data();
 }
 

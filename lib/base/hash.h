@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,6 +23,8 @@ class Hash {
   Hash& update(std::span<const std::byte> bytes);
   /// Adds the text and its length, so that ("ab", "c") and ("a", "bc") differ.
   Hash& update(std::string_view text);
+  /// The high and the low 64 bits.
+  [[nodiscard]] std::array<std::uint64_t, 2> words() const;
   /// 32 lower-case hexadecimal digits.
   [[nodiscard]] std::string hex() const;
 

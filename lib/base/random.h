@@ -31,6 +31,7 @@ enum class RandomStream : std::uint64_t {
   line_population = 24,
   map_noise = 30,
   least_median = 31,
+  variation = 40,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key
