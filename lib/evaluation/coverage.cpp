@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "evaluation/fail_flag.h"
 #include "raster/distance_transform.h"
 
 namespace landfall {
@@ -37,16 +38,18 @@ HoleSizeHistogram histogram(const std::vector<Hole>& holes) {
   return result;
 }
 
-/// Computes the largest distance of each hole and counts the bins beyond the limit.
-void measure_distances(Coverage& coverage, double limit_bins) {
+/// Computes the largest distance of each hole and returns the number of bins beyond the limit.
+std::int64_t measure_distances(Coverage& coverage, double limit_bins) {
+  std::int64_t beyond = 0;
   for (std::size_t i = 0; i < coverage.invalid.spec().size(); ++i) {
     const std::int32_t id = coverage.hole_id.values()[i];
     if (id == 0) continue;
     const double distance = distance_bins(coverage.squared_distance.values()[i]);
     Hole& hole = coverage.holes[static_cast<std::size_t>(id - 1)];
     hole.largest_distance_bins = std::max(hole.largest_distance_bins, distance);
-    if (distance > limit_bins) ++coverage.metrics.distance_over_limit_count;
+    if (distance > limit_bins) ++beyond;
   }
+  return beyond;
 }
 
 }  // namespace
@@ -59,19 +62,41 @@ Coverage assess_coverage(const Grid<double>& z_est, const BinMask& region, const
   result.hole_id = std::move(labels.id);
   result.holes = std::move(labels.holes);
   result.squared_distance = squared_distance(valid);
-  measure_distances(result, limits.distance_bins);
+  const std::int64_t beyond = measure_distances(result, limits.distance_bins);
+  result.metrics = coverage_metrics(result.holes, count_set(region), limits);
+  result.metrics.distance_over_limit_count = beyond;
+  return result;
+}
 
-  CoverageMetrics& metrics = result.metrics;
-  metrics.invalid_count = count_set(result.invalid);
-  metrics.invalid_frac = static_cast<double>(metrics.invalid_count) / static_cast<double>(count_set(region));
-  metrics.hole_count = std::ssize(result.holes);
-  for (const Hole& hole : result.holes) {
+CoverageMetrics coverage_metrics(const std::vector<Hole>& holes, std::int64_t region_bins,
+                                 const EvaluationLimits& limits) {
+  CoverageMetrics metrics;
+  metrics.hole_count = std::ssize(holes);
+  for (const Hole& hole : holes) {
+    metrics.invalid_count += hole.size_bins;
     metrics.largest_hole_bins = std::max(metrics.largest_hole_bins, hole.size_bins);
     metrics.max_distance_bins = std::max(metrics.max_distance_bins, hole.largest_distance_bins);
     if (hole.size_bins > limits.hole_bins) ++metrics.holes_over_limit;
   }
-  metrics.hole_size_histogram = histogram(result.holes);
-  return result;
+  metrics.invalid_frac = static_cast<double>(metrics.invalid_count) / static_cast<double>(region_bins);
+  metrics.hole_size_histogram = histogram(holes);
+  return metrics;
+}
+
+std::int8_t coverage_flags(const Hole& hole, double bin_distance, const EvaluationLimits& limits) {
+  std::int8_t flags = 0;
+  if (hole.size_bins > limits.hole_bins) set_flag(flags, fail_hole_size);
+  if (bin_distance > limits.distance_bins) set_flag(flags, fail_distance);
+  return flags;
+}
+
+void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
+  for (std::size_t i = 0; i < fail.spec().size(); ++i) {
+    const std::int32_t id = coverage.hole_id.values()[i];
+    if (id != 0)
+      fail.values()[i] |= coverage_flags(coverage.holes[static_cast<std::size_t>(id - 1)],
+                                         distance_bins(coverage.squared_distance.values()[i]), limits);
+  }
 }
 
 }  // namespace landfall

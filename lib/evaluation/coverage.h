@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "raster/holes.h"
 #include "evaluation/metrics.h"
+#include "raster/holes.h"
 
 namespace landfall {
 
@@ -24,5 +24,15 @@ struct Coverage {
 /// distances.
 [[nodiscard]] Coverage assess_coverage(const Grid<double>& z_est, const BinMask& region,
                                        const EvaluationLimits& limits);
+
+/// All metrics but distance_over_limit_count, from all holes of the region with their distances.
+[[nodiscard]] CoverageMetrics coverage_metrics(const std::vector<Hole>& holes, std::int64_t region_bins,
+                                               const EvaluationLimits& limits);
+
+/// The FailFlag bits of an invalid bin: of its hole, and of its distance to the nearest valid bin.
+[[nodiscard]] std::int8_t coverage_flags(const Hole& hole, double bin_distance,
+                                         const EvaluationLimits& limits);
+/// Sets these bits in the invalid bins.
+void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Grid<std::int8_t>& fail);
 
 }  // namespace landfall

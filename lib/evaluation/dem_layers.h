@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "raster/region.h"
 #include "raster/grid.h"
+#include "raster/region.h"
 
 namespace landfall {
 
@@ -25,5 +25,8 @@ struct DemLayers {
   /// Which bins are judged, for RegionShape::mask.
   std::optional<BinMask> region_mask = std::nullopt;
 };
+
+/// Throws FormatError, naming the layer, when layers differ in grid or hold an infinite value.
+void check_layers(const DemLayers& dem);
 
 }  // namespace landfall

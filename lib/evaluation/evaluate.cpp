@@ -3,49 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/coverage.h"
-#include "raster/distance_transform.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/piecewise.h"
+#include "raster/distance_transform.h"
 
 namespace landfall {
 namespace {
-
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
-void check_layer(const char* name, const Grid<double>& layer, const GridSpec& spec) {
-  if (layer.spec() != spec) throw FormatError(std::string(name) + ": its grid differs from that of z_est");
-  const auto first_infinite = [&](std::size_t begin, std::size_t end) {
-    const auto values = layer.values().subspan(begin, end - begin);
-    const auto found = std::ranges::find_if(values, [](double v) { return std::isinf(v); });
-    return found == values.end() ? kNone : begin + static_cast<std::size_t>(found - values.begin());
-  };
-  const std::vector<std::size_t> pieces = by_piece(spec.size(), first_infinite);
-  const std::size_t index = *std::ranges::min_element(pieces);
-  if (index == kNone) return;
-  const auto cols = static_cast<std::size_t>(spec.cols);
-  throw FormatError(std::string(name) + ": the value in row " + std::to_string(index / cols) + ", column " +
-                    std::to_string(index % cols) + " is infinite");
-}
-
-void check_layers(const DemLayers& dem) {
-  const GridSpec& spec = dem.z_est.spec();
-  check_layer("z_est", dem.z_est, spec);
-  if (dem.z_corrected) check_layer("z_corrected", *dem.z_corrected, spec);
-  if (!dem.truth) return;
-  check_layer("x_true", dem.truth->x, spec);
-  check_layer("y_true", dem.truth->y, spec);
-  check_layer("z_true", dem.truth->z, spec);
-}
 
 Grid<float> to_float(const Grid<double>& grid) {
   auto result = Grid<float>::unset(grid.spec());
@@ -62,25 +32,11 @@ Grid<float> distance_layer(const Grid<std::int64_t>& squared) {
   return result;
 }
 
-void set_flag(std::int8_t& flags, FailFlag flag) { flags = static_cast<std::int8_t>(flags | flag); }
-
 /// NaN, the value of a footprint without valid bins, exceeds no limit.
 void flag_above(const Grid<double>& values, double limit, FailFlag flag, Grid<std::int8_t>& fail) {
   for_each_index(fail.values().size(), [&](std::size_t i) {
     if (values.values()[i] > limit) set_flag(fail.values()[i], flag);
   });
-}
-
-void flag_coverage(const Coverage& coverage, const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
-  for (std::size_t i = 0; i < fail.spec().size(); ++i) {
-    const std::int32_t id = coverage.hole_id.values()[i];
-    if (id == 0) continue;
-    std::int8_t& flags = fail.values()[i];
-    if (coverage.holes[static_cast<std::size_t>(id - 1)].size_bins > limits.hole_bins)
-      set_flag(flags, fail_hole_size);
-    if (distance_bins(coverage.squared_distance.values()[i]) > limits.distance_bins)
-      set_flag(flags, fail_distance);
-  }
 }
 
 RegionMetrics describe(const EvaluationParameters& parameters, const BinMask& region) {
@@ -192,27 +148,16 @@ void take_coverage(Coverage coverage, const EvaluationLimits& limits, const Sink
   result.region = std::move(layers.in_region);
 }
 
-/// Throws UsageError for a region that does not fit the DEM, FormatError for a mask that has another grid or
-/// no bin.
-BinMask judged_region(const DemLayers& dem, const EvaluationParameters& parameters) {
-  const GridSpec& spec = dem.z_est.spec();
-  if (parameters.region_shape == RegionShape::circle)
-    return circular_region(spec, parameters.region_radius_m);
-  if (parameters.region_shape == RegionShape::square)
-    return square_region(spec, parameters.region_half_width_m);
-  if (!dem.region_mask || dem.region_mask->spec() != spec)
-    throw FormatError("region/path: its grid differs from that of z_est");
-  if (count_set(*dem.region_mask) == 0) throw FormatError("region/path: no bin of the mask is set");
-  return *dem.region_mask;
-}
-
 }  // namespace
 
 Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const Sinks& sinks,
                     const ProgressCallback& progress) {
   check(parameters);
   check_layers(dem);
-  Evaluation result{.metrics = {}, .holes = {}, .region = judged_region(dem, parameters)};
+  Evaluation result{
+      .metrics = {},
+      .holes = {},
+      .region = judged_region(parameters, dem.z_est.spec(), dem.region_mask ? &*dem.region_mask : nullptr)};
   Metrics& metrics = result.metrics;
   metrics.region = describe(parameters, result.region);
   Grid<std::int8_t> fail(dem.z_est.spec());

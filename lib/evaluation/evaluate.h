@@ -6,21 +6,12 @@
 
 #include "base/progress.h"
 #include "evaluation/accuracy.h"
-#include "raster/holes.h"
+#include "evaluation/fail_flag.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
+#include "raster/holes.h"
 
 namespace landfall {
-
-/// Bits of the layer `fail`: why a bin or the footprint centred on it misses a requirement.
-enum FailFlag : std::int8_t {
-  fail_relative_x = 1,
-  fail_relative_y = 2,
-  fail_relative_z = 4,
-  fail_absolute_horizontal = 8,
-  fail_hole_size = 16,  ///< every bin of a hole over the limit
-  fail_distance = 32,
-};
 
 struct CoverageLayers {
   BinMask in_region;

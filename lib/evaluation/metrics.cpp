@@ -20,6 +20,17 @@ std::optional<double> violations(std::initializer_list<RelativeMetrics> axes) {
 
 RequirementMetrics judge(const CoverageMetrics& coverage, const std::optional<AccuracyMetrics>& accuracy,
                          const EvaluationLimits& limits) {
+  if (!accuracy) return judge_values(coverage, std::nullopt, limits);
+  const AccuracyMetrics::Relative& relative = accuracy->relative;
+  return judge_values(coverage,
+                      AccuracyValues{violations({relative.z}), violations({relative.x, relative.y}),
+                                     accuracy->absolute.horizontal.within_limit_frac},
+                      limits);
+}
+
+RequirementMetrics judge_values(const CoverageMetrics& coverage,
+                                const std::optional<AccuracyValues>& accuracy,
+                                const EvaluationLimits& limits) {
   RequirementMetrics result;
   result.coverage = {coverage.invalid_frac, limits.invalid_frac, {}};
   result.hole_size = {
@@ -27,10 +38,9 @@ RequirementMetrics judge(const CoverageMetrics& coverage, const std::optional<Ac
   result.hole_distance = {coverage.max_distance_bins, limits.distance_bins, {}};
   result.absolute_horizontal.limit = limits.absolute_horizontal_frac;
   if (accuracy) {
-    const AccuracyMetrics::Relative& relative = accuracy->relative;
-    result.relative_elevation.value = violations({relative.z});
-    result.relative_horizontal.value = violations({relative.x, relative.y});
-    result.absolute_horizontal.value = accuracy->absolute.horizontal.within_limit_frac;
+    result.relative_elevation.value = accuracy->relative_elevation;
+    result.relative_horizontal.value = accuracy->relative_horizontal;
+    result.absolute_horizontal.value = accuracy->absolute_horizontal;
   }
   for (const RequirementInfo& info : kRequirementInfo) {
     Requirement& r = result.*info.requirement;

@@ -221,6 +221,16 @@ struct Metrics {
                                        const std::optional<AccuracyMetrics>& accuracy,
                                        const EvaluationLimits& limits);
 
+/// The values of the accuracy requirements; empty without a footprint to judge.
+struct AccuracyValues {
+  std::optional<double> relative_elevation;
+  std::optional<double> relative_horizontal;
+  std::optional<double> absolute_horizontal;
+};
+[[nodiscard]] RequirementMetrics judge_values(const CoverageMetrics& coverage,
+                                              const std::optional<AccuracyValues>& accuracy,
+                                              const EvaluationLimits& limits);
+
 /// Whether all requirements pass; null if one is null, even if another fails.
 [[nodiscard]] std::optional<bool> overall_pass(const RequirementMetrics& requirements);
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parameter_check.h"
 
 namespace landfall {
@@ -36,6 +37,16 @@ Footprint footprint_of(const EvaluationParameters& parameters, double resolution
   return parameters.footprint_shape == FootprintShape::square
              ? Footprint::square(static_cast<std::int64_t>(half))
              : Footprint::disc(static_cast<std::int64_t>(half * half));
+}
+
+BinMask judged_region(const EvaluationParameters& parameters, const GridSpec& dem, const BinMask* mask) {
+  if (parameters.region_shape == RegionShape::circle) return circular_region(dem, parameters.region_radius_m);
+  if (parameters.region_shape == RegionShape::square)
+    return square_region(dem, parameters.region_half_width_m);
+  if (mask == nullptr || mask->spec() != dem)
+    throw FormatError("region/path: its grid differs from that of z_est");
+  if (count_set(*mask) == 0) throw FormatError("region/path: no bin of the mask is set");
+  return *mask;
 }
 
 }  // namespace landfall

@@ -7,6 +7,7 @@
 
 #include "base/fields.h"
 #include "raster/footprint.h"
+#include "raster/region.h"
 
 namespace landfall {
 
@@ -50,5 +51,10 @@ void check(const EvaluationParameters& parameters);
 /// bins up to h = floor(R) along either axis, R = footprint_m / (2 resolution_m) + 1e-9; the disc holds i^2 +
 /// j^2 <= R^2. The slack of 1e-9 bins absorbs the division's rounding. Throws UsageError if h exceeds 2^20.
 [[nodiscard]] Footprint footprint_of(const EvaluationParameters& parameters, double resolution_m);
+
+/// The bins that are judged; `mask` holds those of RegionShape::mask. Throws UsageError for a region that
+/// does not fit the DEM, FormatError for a mask that is missing, has another grid or no bin.
+[[nodiscard]] BinMask judged_region(const EvaluationParameters& parameters, const GridSpec& dem,
+                                    const BinMask* mask);
 
 }  // namespace landfall

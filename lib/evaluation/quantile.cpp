@@ -17,7 +17,7 @@ double value_at_rank(std::span<double> values, const QuantileRank& rank) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank.below);
   std::nth_element(values.begin(), at, values.end());
   if (rank.frac == 0) return *at;
-  return *at + rank.frac * (*std::min_element(at + 1, values.end()) - *at);
+  return interpolate(*at, *std::min_element(at + 1, values.end()), rank.frac);
 }
 
 double quantile_in_place(std::span<double> values, double q) {

@@ -17,6 +17,11 @@ struct QuantileRank {
 /// n >= 1, q in [0, 1].
 [[nodiscard]] QuantileRank quantile_rank(std::size_t n, double q);
 
+/// The value between two neighbouring order statistics. Never beyond `above`: frac < 1.
+[[nodiscard]] inline double interpolate(double below, double above, double frac) {
+  return below + frac * (above - below);
+}
+
 /// The value at a rank of enough values, which the function reorders. O(n).
 [[nodiscard]] double value_at_rank(std::span<double> values, const QuantileRank& rank);
 

@@ -129,7 +129,7 @@ inline double Walk::settle(BinIndex bin, const OrderStatistics& found) {
     return std::max(found.below, 0.0);
   }
   outcome_.smallest = std::min(outcome_.smallest, found.below);
-  result_.at(bin) = rank_.frac == 0 ? found.below : found.below + rank_.frac * (found.above - found.below);
+  result_.at(bin) = rank_.frac == 0 ? found.below : interpolate(found.below, found.above, rank_.frac);
   return found.below;
 }
 
