@@ -89,17 +89,22 @@ PulseBatch Simulation::simulate(PulseSpan pulses) const {
 
 void Simulation::replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
                         PointContent content) const {
+  batch.resize(static_cast<std::size_t>(pulses.count), pixel_count(), content);
+  replay_slots(pulses, ranges_true_m, 0, batch);
+}
+
+void Simulation::replay_slots(PulseSpan pulses, std::span<const double> ranges_true_m, std::size_t first_slot,
+                              PulseBatch& batch) const {
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   const std::size_t pixels = pixel_count();
   const auto count = static_cast<std::size_t>(pulses.count);
   if (ranges_true_m.size() != count * pixels)
     throw FormatError("replay: " + std::to_string(ranges_true_m.size()) + " ranges where " +
                       std::to_string(count * pixels) + " are needed");
-  batch.resize(count, pixels, content);
   PulseWorkspace workspace;
   for (std::size_t i = 0; i < count; ++i)
     simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)),
-                      ranges_true_m.subspan(i * pixels, pixels), i, batch, workspace);
+                      ranges_true_m.subspan(i * pixels, pixels), first_slot + i, batch, workspace);
 }
 
 }  // namespace landfall

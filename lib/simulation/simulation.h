@@ -73,6 +73,10 @@ class Simulation {
   /// miss; only the errors are drawn anew. Throws FormatError where the number of ranges does not fit.
   void replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
               PointContent content = PointContent::all) const;
+  /// replay() into the slots from `first_slot` on of a batch that has been resized. Several threads may fill
+  /// different slots at the same time.
+  void replay_slots(PulseSpan pulses, std::span<const double> ranges_true_m, std::size_t first_slot,
+                    PulseBatch& batch) const;
 
  private:
   [[nodiscard]] PulseInput pulse(std::int64_t k) const;
