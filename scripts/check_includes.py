@@ -14,10 +14,11 @@ LEVELS = {
     "geometry": 1, "raster": 1, "output": 1, "returns": 1,
     "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
-    "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4, "campaign": 4,
-    "config": 5, "files": 5,
-    "scene": 6, "exports": 6, "host": 6, "report": 6,
-    "cli": 7,
+    "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
+    "campaign": 5,
+    "config": 6, "files": 6,
+    "scene": 7, "exports": 7, "host": 7, "report": 7,
+    "cli": 8,
 }
 
 # Header pattern -> folders or subfolders that may include it. Headers that are not listed may be included anywhere.

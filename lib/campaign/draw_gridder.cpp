@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "campaign/draw_gridder.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace landfall {
+namespace {
+
+/// Enough points that a pass on all threads costs more than its start.
+constexpr std::int64_t kPointsPerPass = std::int64_t{1} << 20U;
+constexpr std::int64_t kPointsPerPiece = 16384;
+
+DrawnDem dem_of(const Accumulator& bins, const GridSpec& grid, const TerrainSurface& terrain,
+                TruthAt truth_at) {
+  DrawnDem dem{{.z_est = Grid<double>::unset(grid),
+                .truth = TrueLayers{Grid<double>::unset(grid), Grid<double>::unset(grid),
+                                    Grid<double>::unset(grid)}},
+               Grid<std::int32_t>::unset(grid)};
+  const auto elevation = [&](double x_m, double y_m) { return terrain.elevation(x_m, y_m); };
+  parallel_for(static_cast<std::size_t>(grid.rows), 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<BinValues> row(static_cast<std::size_t>(grid.cols));
+    for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
+      bins.values({r, 0}, row);
+      for (std::int64_t c = 0; c < grid.cols; ++c) {
+        const BinIndex bin{r, c};
+        const BinValues& values = row[static_cast<std::size_t>(c)];
+        dem.layers.z_est.at(bin) = values.z_est;
+        dem.layers.truth->x.at(bin) = values.x_true;
+        dem.layers.truth->y.at(bin) = values.y_true;
+        dem.layers.truth->z.at(bin) = true_elevation(values, grid, bin, elevation, truth_at);
+        dem.count.at(bin) = values.count;
+      }
+    }
+  });
+  return dem;
+}
+
+}  // namespace
+
+DrawGridder::DrawGridder(std::span<const double> ranges_true_m, const TerrainSurface& terrain,
+                         const GridSpec& grid)
+    : ranges_true_m_(ranges_true_m), terrain_(terrain), grid_(grid) {}
+
+DrawnDem DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
+  const std::unique_ptr<Accumulator> bins = make_accumulator(method, grid_);
+  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
+  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kPointsPerPass / pixels);
+  do {
+    for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
+      fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
+      // No layer of the DEM that is judged needs the times of the returns.
+      no_times_.resize(std::max(no_times_.size(), batch_.points.size()));
+      bins->add(GridPoints::of(batch_.points, std::span(no_times_).first(batch_.points.size())));
+    }
+  } while (bins->end_pass());
+  return dem_of(*bins, grid_, terrain_, truth_at);
+}
+
+void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
+  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
+  batch_.resize(static_cast<std::size_t>(pulses.count), static_cast<std::size_t>(pixels));
+  const std::int64_t per_piece = std::max<std::int64_t>(1, kPointsPerPiece / pixels);
+  parallel_for(static_cast<std::size_t>((pulses.count + per_piece - 1) / per_piece), 1,
+               [&](std::size_t begin, std::size_t end) {
+                 const std::int64_t slot = static_cast<std::int64_t>(begin) * per_piece;
+                 const std::int64_t count =
+                     std::min(static_cast<std::int64_t>(end) * per_piece, pulses.count) - slot;
+                 const PulseSpan piece{pulses.first + slot, count};
+                 simulation.replay_slots(piece,
+                                         ranges_true_m_.subspan(static_cast<std::size_t>(piece.first * pixels),
+                                                                static_cast<std::size_t>(count * pixels)),
+                                         static_cast<std::size_t>(slot), batch_);
+               });
+  batch_.keep_returns();
+}
+
+}  // namespace landfall

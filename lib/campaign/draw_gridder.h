@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "evaluation/dem_layers.h"
+#include "gridding/layers.h"
+#include "gridding/method.h"
+#include "raster/grid.h"
+#include "simulation/simulation.h"
+#include "terrain/surface.h"
+
+namespace landfall {
+
+/// The DEM of one draw, as regrid writes it and dem-eval reads it: the same bits.
+struct DrawnDem {
+  DemLayers layers;           ///< with truth
+  Grid<std::int32_t> count;   ///< returns of each bin
+};
+
+/// Redraws the errors of a scan on its true ranges and grids the returns, without files: scan-sim
+/// --ranges-from and regrid in memory, by the same simulation and gridding. On all threads; the result does
+/// not depend on their number. Memory beside the ranges: 2^20 points, and the sums of the method.
+class DrawGridder {
+ public:
+  /// `ranges_true_m` holds one range per pixel and pulse, NaN for a miss (RangeFile). Both must outlive this
+  /// object.
+  DrawGridder(std::span<const double> ranges_true_m, const TerrainSurface& terrain, const GridSpec& grid);
+
+  /// `simulation` has as many pulses and pixels as the ranges. Throws FormatError where it has not.
+  [[nodiscard]] DrawnDem draw(const Simulation& simulation, Method method, TruthAt truth_at);
+
+ private:
+  void fill(const Simulation& simulation, PulseSpan pulses);
+
+  std::span<const double> ranges_true_m_;
+  const TerrainSurface& terrain_;
+  GridSpec grid_;
+  PulseBatch batch_;  ///< its memory is reused
+  std::vector<double> no_times_;
+};
+
+}  // namespace landfall

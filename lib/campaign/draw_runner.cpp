@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "campaign/draw_runner.h"
+
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "evaluation/evaluate.h"
+
+namespace landfall {
+namespace {
+
+Grid<double> elevations_of(const TerrainSurface& terrain, const GridSpec& grid) {
+  auto map = Grid<double>::unset(grid);
+  parallel_for(static_cast<std::size_t>(grid.rows), 16, [&](std::size_t begin, std::size_t end) {
+    for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)
+      for (std::int64_t col = 0; col < grid.cols; ++col)
+        map.at({row, col}) = terrain.elevation(grid.x(col), grid.y(row));
+  });
+  return map;
+}
+
+/// Adds the verdicts on footprints to the maps.
+class VerdictSink final : public LayerSink {
+ public:
+  explicit VerdictSink(DrawMaps& maps) : maps_(maps) {}
+  void take(const CoverageLayers& /*layers*/) override {}
+  void take(Axis /*axis*/, const AxisLayers& /*layers*/) override {}
+  void take(const Grid<std::int8_t>& fail) override { maps_.add_verdicts(fail); }
+
+ private:
+  DrawMaps& maps_;
+};
+
+}  // namespace
+
+DrawRunner::DrawRunner(CampaignScene scene, bool with_maps)
+    : scene_(std::move(scene)), gridder_(scene_.ranges_true_m, scene_.terrain, scene_.grid) {
+  if (with_maps) z_true_map_ = elevations_of(scene_.terrain, scene_.grid);
+}
+
+DrawMetrics DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
+  const Simulation simulation(std::move(setup.scan), nullptr, &scene_.terrain);
+  DrawnDem dem = gridder_.draw(simulation, setup.method, setup.truth_at);
+  if (maps != nullptr) maps->add_dem(dem, *z_true_map_);
+  if (kind == MetricsKind::verdict) {
+    const Verdict verdict = decide(dem.layers, scene_.region, setup.evaluation);
+    if (maps != nullptr) maps->add_verdicts(verdict.fail);
+    return verdict.metrics;
+  }
+  if (setup.evaluation.region_shape == RegionShape::mask) dem.layers.region_mask = scene_.region;
+  std::optional<VerdictSink> sink;
+  if (maps != nullptr) sink.emplace(*maps);
+  const std::vector<LayerSink*> sinks = sink ? std::vector<LayerSink*>{&*sink} : std::vector<LayerSink*>{};
+  return evaluate(std::move(dem.layers), setup.evaluation, sinks).metrics;
+}
+
+}  // namespace landfall

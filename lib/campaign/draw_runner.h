@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <variant>
+
+#include "campaign/draw_gridder.h"
+#include "campaign/draw_maps.h"
+#include "evaluation/metrics.h"
+#include "evaluation/parameters.h"
+#include "evaluation/verdict.h"
+
+namespace landfall {
+
+/// The metrics of a draw that are computed.
+enum class MetricsKind {
+  full,     ///< all of metrics.json
+  verdict,  ///< what decides the six requirements: no percentiles, several times faster
+};
+
+/// What the draws of a campaign share.
+struct CampaignScene {
+  std::span<const double> ranges_true_m;  ///< one per pixel and pulse, NaN for a miss
+  const TerrainSurface& terrain;
+  GridSpec grid;
+  BinMask region;  ///< judged_region(), which no draw changes
+};
+
+/// By MetricsKind.
+using DrawMetrics = std::variant<Metrics, DecisiveMetrics>;
+
+/// The configuration of one draw.
+struct DrawSetup {
+  ScanModel scan;  ///< with the draw's seed
+  Method method = Method::bilinear_nearest;
+  TruthAt truth_at = TruthAt::bin_center;
+  EvaluationParameters evaluation;
+};
+
+/// Runs draws one after the other, each on all threads: replays, grids and judges in memory. Memory does not
+/// depend on the number of draws.
+class DrawRunner {
+ public:
+  /// The scene's data must outlive this object. With maps H at the bins' centres is computed once.
+  DrawRunner(CampaignScene scene, bool with_maps);
+
+  /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
+  /// bit. Adds the draw to `maps` unless it is null. Throws as Simulation, DrawGridder and evaluate() do.
+  [[nodiscard]] DrawMetrics run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
+
+ private:
+  CampaignScene scene_;
+  DrawGridder gridder_;
+  std::optional<Grid<double>> z_true_map_;
+};
+
+}  // namespace landfall

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace landfall {
+
+/// One number of each draw.
+struct DrawColumn {
+  std::string name;  ///< the varied key, or the dotted path of the metric in metrics.json
+  std::vector<double> values;
+  friend bool operator==(const DrawColumn&, const DrawColumn&) = default;
+};
+
+/// The draws of a campaign or of a part of it, a row each.
+struct DrawTable {
+  std::int64_t first = 0;           ///< number of the first draw
+  std::vector<std::int64_t> seeds;
+  std::vector<DrawColumn> varied;
+  std::vector<DrawColumn> metrics;  ///< NaN for a number that metrics.json has as null
+  std::vector<std::int8_t> pass;    ///< 1: all six requirements passed
+
+  [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(seeds.size()); }
+  /// Number after the last draw.
+  [[nodiscard]] std::int64_t end() const { return first + size(); }
+  friend bool operator==(const DrawTable&, const DrawTable&) = default;
+};
+
+/// Appends `next`, whose first draw follows the last one of `table` and which has the same columns.
+void append(DrawTable& table, const DrawTable& next);
+
+/// The metric "requirements.NAME.pass"; throws std::out_of_range if the table has none.
+[[nodiscard]] const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement);
+
+}  // namespace landfall
