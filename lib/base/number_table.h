@@ -28,6 +28,11 @@ class NumberTable {
     return columns_.empty() ? 0 : columns_.begin()->second.size();
   }
   [[nodiscard]] bool has(const std::string& column) const { return columns_.contains(column); }
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, values] : columns_) names.push_back(name);
+    return names;
+  }
   /// The column must exist.
   [[nodiscard]] const std::vector<double>& column(const std::string& name) const { return columns_.at(name); }
   /// Throws FormatError "file: what".
@@ -46,6 +51,7 @@ class NumberTable {
 struct TableColumns {
   std::vector<std::string> required = {};
   std::vector<std::string> optional = {};
+  bool all = false;  ///< every column of the file, by whatever name
 };
 
 /// Reads the table of a component that is defined by a file. `role` is the role of the table in the

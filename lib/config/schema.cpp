@@ -230,8 +230,12 @@ class Resolver {
   void resolve_object(const Json& schema, Json& value, const std::string& pointer) {
     const Json no_properties = Json::object();
     const Json& properties = schema.contains("properties") ? schema["properties"] : no_properties;
-    for (const auto& [key, unused] : value.items())
-      if (!properties.contains(key)) fail_unknown_key(properties, key, pointer);
+    const Json others = schema.value("additionalProperties", Json(false));
+    for (auto& [key, inner] : value.items()) {
+      if (properties.contains(key)) continue;
+      if (others == false) fail_unknown_key(properties, key, pointer);
+      if (others.is_object()) resolve(others, inner, pointer + "/" + key);
+    }
     if (schema.contains("required"))
       for (const Json& key : schema["required"])
         if (!value.contains(key.get<std::string>())) fail(pointer, "needs the key " + key.dump());

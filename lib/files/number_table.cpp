@@ -14,6 +14,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/regular_file.h"
+#include "hdf5/dataset_list.h"
 #include "hdf5/table.h"
 
 namespace landfall {
@@ -78,6 +79,15 @@ class CsvReader {
     for (const std::string& name : wanted.required)
       if (!take_column(names, name)) fail("the header has no column " + name);
     for (const std::string& name : wanted.optional) take_column(names, name);
+    if (!wanted.all) return;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string name(names[i]);
+      if (name.empty()) fail("column " + std::to_string(i + 1) + " has no name");
+      if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
+          names.begin() + static_cast<std::ptrdiff_t>(i))
+        fail("column " + shown_word(names[i]) + " is given twice");
+      columns_.push_back({name, i, {}});
+    }
   }
 
   bool take_column(const std::vector<std::string_view>& names, const std::string& name) {
@@ -125,6 +135,8 @@ NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wan
   for (const std::string& name : wanted.required) read(name);
   for (const std::string& name : wanted.optional)
     if (table.has(name)) read(name);
+  if (wanted.all)
+    for (const DatasetEntry& dataset : list_datasets(file.get())) read(dataset.name);
   return {path.string(), std::move(columns)};
 }
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/number_table.h"
+#include "campaign/draw_runner.h"
+#include "campaign/sprt.h"
+#include "campaign/variation.h"
+
+namespace landfall {
+
+/// The configurations of the stages of one draw: resolved, with the draw's seed and values.
+struct DrawStages {
+  nlohmann::json scan;
+  nlohmann::json regrid;
+  nlohmann::json eval;
+};
+
+/// A campaign (docs/user/monte-carlo.md).
+class DrawsConfig {
+ public:
+  /// `resolved` is the configuration of monte-carlo, `scanned` the resolved configuration of the traced scan;
+  /// `samples` may be null. Throws UsageError that begins with `name`: for a configuration of a stage that its
+  /// schema refuses, a varied key that does not exist, is no number, or changes the rays, the grid or the judged
+  /// region, a key that both `vary` and the samples have; FormatError for samples without a row or with a
+  /// value that is not finite.
+  DrawsConfig(const nlohmann::json& resolved, std::string name, const nlohmann::json& scanned,
+              const NumberTable* samples);
+
+  [[nodiscard]] std::int64_t draw_count() const { return draw_count_; }
+  [[nodiscard]] MetricsKind metrics() const { return metrics_; }
+  [[nodiscard]] bool has_layers() const { return has_layers_; }
+  /// Empty for the rule `fixed`.
+  [[nodiscard]] const std::optional<SprtParameters>& sprt() const { return sprt_; }
+  /// The varied keys in the order of their names.
+  [[nodiscard]] std::vector<std::string> varied_keys() const;
+  /// The stages before a draw changes them.
+  [[nodiscard]] const DrawStages& stages() const { return stages_; }
+  /// With all defaults, for the provenance; samples are not part of it.
+  [[nodiscard]] nlohmann::json json() const { return json_; }
+
+  /// The values of the varied keys in a draw.
+  [[nodiscard]] std::vector<double> values(std::int64_t draw) const;
+  [[nodiscard]] std::int64_t seed(std::int64_t draw) const { return seed_ + draw; }
+  /// Throws UsageError, naming draw and key, for a value that the stage's schema refuses.
+  [[nodiscard]] DrawStages stages(std::int64_t draw) const;
+
+ private:
+  void add_variation(const std::string& key, Variation<double> variation);
+  void take_samples(const NumberTable& samples);
+
+  std::string name_;
+  nlohmann::json json_;
+  std::int64_t draw_count_;
+  MetricsKind metrics_;
+  bool has_layers_;
+  std::optional<SprtParameters> sprt_;
+  std::int64_t seed_ = 0;
+  DrawStages stages_;
+  std::map<std::string, Variation<double>> vary_;
+};
+
+}  // namespace landfall
