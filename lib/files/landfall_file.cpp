@@ -19,6 +19,7 @@ std::string title_of(const std::string& kind) {
   if (kind == "terrain") return "True terrain of a landing site";
   if (kind == "scan") return "Simulated scanning-lidar returns";
   if (kind == "dem") return "Digital elevation model gridded from lidar returns";
+  if (kind == "draws") return "Draws of a scan's errors";
   if (kind == "hazards") return "Landing hazards and sites";
   if (kind == "plan") return "Ground coverage that a scan would have on flat ground";
   return "Evaluation of a digital elevation model against landing requirements";

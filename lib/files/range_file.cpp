@@ -100,9 +100,9 @@ RangeFile::RangeFile(const std::filesystem::path& path)
     file_.fail("/points/range_true and /points/pixel differ in length");
 }
 
-void RangeFile::require_match(const Provenance& provenance) const {
+void RangeFile::require_match(const Provenance& provenance, const std::string& option) const {
   const auto refuse = [&](const std::string& what) {
-    throw UsageError("--ranges-from " + file_.name() + ": " + what);
+    throw UsageError(option + file_.name() + ": " + what);
   };
   const nlohmann::json& theirs = file_.config();
   if (!theirs.is_object() || file_.chain().empty()) refuse("does not say how it was made");
@@ -120,17 +120,17 @@ void RangeFile::require_match(const Provenance& provenance) const {
   if (inputs_of_truth(step.value("inputs", nlohmann::json())) !=
       inputs_of_truth(provenance.as_step().at("inputs")))
     refuse("its terrain or a table (trajectory, pixels, ...) differs from this run's");
-  require_complete_ranges();
+  require_complete_ranges(option);
 }
 
-void RangeFile::require_complete_ranges() const {
+void RangeFile::require_complete_ranges(const std::string& option) const {
   if (!loses_nothing(file_.config()) && !misses_kept())
     throw UsageError(
-        "--ranges-from " + file_.name() +
+        option + file_.name() +
         ": the ranges of its dropped and dead pixels are missing; make it with --keep-misses, or with "
         "/noise/dropout_frac and /noise/dead_pixel_frac 0");
   if (points_.element_size(kRange) != sizeof(double))
-    throw UsageError("--ranges-from " + file_.name() + ": its ranges are in single precision (--float32)");
+    throw UsageError(option + file_.name() + ": its ranges are in single precision (--float32)");
 }
 
 bool RangeFile::misses_kept() const {

@@ -27,12 +27,15 @@ class RangeFile {
   /// laser, scanner, mount, trajectory (including the bytes of its table), rotation of the true beams and
   /// terrain as in `provenance`, and holds the true range of every pixel that hit, in double precision: made
   /// with --keep-misses, or with neither dropouts nor dead pixels.
-  void require_match(const Provenance& provenance) const;
+  /// `option` begins the message.
+  void require_match(const Provenance& provenance, const std::string& option = "--ranges-from ") const;
 
   /// True if a scan with these errors has rows for the same pixels and pulses, with the same truth: both
   /// scans keep their misses, or neither loses a pixel that hit; and neither has false returns.
   [[nodiscard]] bool has_rows_of(const nlohmann::json& config, bool keep_misses) const;
   [[nodiscard]] const TableReader& points() const { return points_; }
+  [[nodiscard]] const LandfallFileReader& file() const { return file_; }
+  [[nodiscard]] std::size_t pulse_count() const { return pulse_count_; }
 
   /// The terrain that was scanned.
   [[nodiscard]] TerrainIdentity terrain() const;
@@ -52,7 +55,7 @@ class RangeFile {
     [[nodiscard]] bool hold_every_pixel(std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   };
 
-  void require_complete_ranges() const;
+  void require_complete_ranges(const std::string& option) const;
   [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t most);
   /// Sorts ranges from row order to pixel order.
   [[nodiscard]] std::vector<double> by_pixel(const PulseRows& rows, std::span<const double> range_m,

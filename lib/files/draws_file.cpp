@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/draws_file.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "campaign/pass_rate.h"
+#include "evaluation/piecewise.h"
+#include "files/contents.h"
+#include "files/field_json.h"
+#include "files/grid_file.h"
+#include "files/metrics_json.h"
+#include "hdf5/dataset_list.h"
+#include "hdf5/table.h"
+
+namespace landfall {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kFirstDraw = "first_draw";
+
+Grid<float> layer_of(const GridSpec& spec, const auto& value) {
+  auto layer = Grid<float>::unset(spec);
+  for_each_index(spec.size(), [&](std::size_t i) { layer.values()[i] = static_cast<float>(value(i)); });
+  return layer;
+}
+
+void write_layers(LandfallFileWriter& file, const Draws& draws, const std::string& crs_wkt) {
+  const DrawMaps& maps = *draws.maps;
+  const GridSpec& spec = maps.spec();
+  const auto n = static_cast<double>(maps.draws);
+  GridLayerWriter layers(file, spec, crs_wkt);
+  layers.write("p_invalid", layer_of(spec, [&](std::size_t i) { return maps.invalid.values()[i] / n; }),
+               {"1", "share of the draws in which the bin has no elevation"});
+  const auto share = [&](const Grid<std::int32_t>& count) {
+    return layer_of(spec, [&](std::size_t i) {
+      return draws.region->values()[i] != 0 ? count.values()[i] / n : kNan;
+    });
+  };
+  const std::string footprint = "share of the draws in which the footprint exceeds the limit of the ";
+  layers.write("p_fail_rel_x", share(maps.fail_rel_x), {"1", footprint + "relative error of x"});
+  layers.write("p_fail_rel_y", share(maps.fail_rel_y), {"1", footprint + "relative error of y"});
+  layers.write("p_fail_rel_z", share(maps.fail_rel_z), {"1", footprint + "relative error of z"});
+  layers.write("p_fail_absolute", share(maps.fail_absolute), {"1", footprint + "absolute horizontal error"});
+  layers.write("e_z_mean", layer_of(spec, [&](std::size_t i) { return maps.e_z.mean_m(i); }),
+               {"m", "mean of z_true - z_est over the draws"});
+  layers.write("e_z_std", layer_of(spec, [&](std::size_t i) { return maps.e_z.std_m(i); }),
+               {"m", "standard deviation of z_true - z_est over the draws"});
+  layers.write("e_map_std", layer_of(spec, [&](std::size_t i) { return maps.e_map.std_m(i); }),
+               {"m", "standard deviation over the draws of the true elevation at the bin centre less z_est"});
+  layers.write("count_mean",
+               layer_of(spec, [&](std::size_t i) { return static_cast<double>(maps.count.values()[i]) / n; }),
+               {"1", "mean number of returns in the bin"});
+  layers.write("in_region", *draws.region, {"1", "whether the bin is judged", {0, 1}, "no yes"});
+}
+
+/// The sums that merge adds: a row per bin, in the order of the grid.
+void write_state(const LandfallFileWriter& file, const DrawMaps& maps) {
+  using enum h5::Type;
+  std::vector<ColumnSpec> columns;
+  std::vector<ColumnRows> rows;
+  const auto add = [&](const std::string& name, auto values, const std::string& units,
+                       const std::string& text) {
+    using T = typename decltype(values)::value_type;
+    columns.push_back({name, h5::TypeOf<T>::value, units, text});
+    rows.emplace_back(std::span<const T>(values));
+  };
+  add("invalid", maps.invalid.values(), "1", "draws in which the bin has no elevation");
+  add("fail_rel_x", maps.fail_rel_x.values(), "1", "draws in which the footprint exceeds the limit of x");
+  add("fail_rel_y", maps.fail_rel_y.values(), "1", "draws in which the footprint exceeds the limit of y");
+  add("fail_rel_z", maps.fail_rel_z.values(), "1", "draws in which the footprint exceeds the limit of z");
+  add("fail_absolute", maps.fail_absolute.values(), "1",
+      "draws in which the footprint exceeds the horizontal limit");
+  add("count", maps.count.values(), "1", "returns");
+  std::array<std::array<std::vector<std::int64_t>, 2>, 2> words;
+  std::size_t which = 0;
+  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
+    auto& [low, high] = words.at(which++);
+    low.resize(maps.spec().size());
+    high.resize(maps.spec().size());
+    for_each_index(low.size(), [&, sums = sums](std::size_t i) {
+      low[i] = static_cast<std::int64_t>(sums->squares.values()[i].low);
+      high[i] = sums->squares.values()[i].high;
+    });
+    const std::string prefix(name);
+    add(prefix + "_count", sums->count.values(), "1", "draws in which the bin has this error");
+    add(prefix + "_sum", sums->sum.values(), "2^-30 m", "sum of the error");
+    add(prefix + "_squares_low", std::span(std::as_const(low)), "2^-60 m^2",
+        "sum of the squares of the error: lower 64 bits, unsigned");
+    add(prefix + "_squares_high", std::span(std::as_const(high)), "2^4 m^2",
+        "sum of the squares of the error: upper 64 bits");
+  }
+  write_table(file.root(), "state", std::move(columns), rows, file.compression());
+}
+
+void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
+  using enum h5::Type;
+  std::vector<ColumnSpec> columns = {{"seed", int64, "1", "seed of the draw"}};
+  std::vector<ColumnRows> rows = {std::span(table.seeds)};
+  for (const DrawColumn& column : table.varied) {
+    columns.push_back({column.name, float64, "", "value of this key of the configuration"});
+    rows.emplace_back(std::span(column.values));
+  }
+  for (const DrawColumn& column : table.metrics) {
+    columns.push_back({column.name, float64, "", "metric of metrics.json"});
+    rows.emplace_back(std::span(column.values));
+  }
+  columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
+  rows.emplace_back(std::span(table.pass));
+  write_table(file.root(), "draws", std::move(columns), rows, file.compression());
+  h5::write_attribute(h5::open_group(file.root(), "draws").get(), kFirstDraw, table.first);
+}
+
+/// Varied keys begin with the name of their stage; no metric does.
+bool is_varied(const std::string& name) {
+  static constexpr std::array kStages = {"scan.", "regrid.", "eval."};
+  return std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
+}
+
+template <class T>
+void read_into(const TableReader& table, const std::string& column, std::span<T> values) {
+  table.read(column, 0, values);
+}
+
+DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::int64_t draws) {
+  const TableReader table(file.root(), "state", file.name());
+  if (table.row_count("invalid") != spec.size()) file.fail("/state does not fit the grid");
+  DrawMaps maps(spec);
+  maps.draws = draws;
+  read_into(table, "invalid", maps.invalid.values());
+  read_into(table, "fail_rel_x", maps.fail_rel_x.values());
+  read_into(table, "fail_rel_y", maps.fail_rel_y.values());
+  read_into(table, "fail_rel_z", maps.fail_rel_z.values());
+  read_into(table, "fail_absolute", maps.fail_absolute.values());
+  read_into(table, "count", maps.count.values());
+  std::vector<std::int64_t> low(spec.size());
+  std::vector<std::int64_t> high(spec.size());
+  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
+    const std::string prefix(name);
+    read_into(table, prefix + "_count", sums->count.values());
+    read_into(table, prefix + "_sum", sums->sum.values());
+    read_into(table, prefix + "_squares_low", std::span(low));
+    read_into(table, prefix + "_squares_high", std::span(high));
+    for (std::size_t i = 0; i < low.size(); ++i)
+      sums->squares.values()[i] = {static_cast<std::uint64_t>(low[i]), high[i]};
+  }
+  return maps;
+}
+
+DrawTable read_rows(const LandfallFileReader& file) {
+  const TableReader table(file.root(), "draws", file.name());
+  DrawTable result;
+  const auto first = h5::read_number_attribute(table.group(), kFirstDraw);
+  if (!first) file.fail("/draws has no attribute first_draw");
+  result.first = static_cast<std::int64_t>(*first);
+  const std::size_t size = table.row_count("seed");
+  result.seeds.resize(size);
+  result.pass.resize(size);
+  read_into(table, "seed", std::span(result.seeds));
+  read_into(table, "pass", std::span(result.pass));
+  for (const DatasetEntry& dataset : list_datasets(table.group())) {
+    if (dataset.name == "seed" || dataset.name == "pass") continue;
+    if (table.row_count(dataset.name) != size) file.fail(table.path_of(dataset.name) + " has another length than seed");
+    DrawColumn column{dataset.name, std::vector<double>(size)};
+    read_into(table, dataset.name, std::span(column.values));
+    (is_varied(dataset.name) ? result.varied : result.metrics).push_back(std::move(column));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<NamedNumber> flat_metrics(const DrawMetrics& metrics) {
+  std::vector<NamedNumber> flat;
+  const auto visit = [&](const auto& self, const std::string& path, const Json& value) -> void {
+    if (value.is_object()) {
+      for (const auto& [key, inner] : value.items()) self(self, path.empty() ? key : path + "." + key, inner);
+    } else if (!value.is_array() && !value.is_string() && path != "pass") {
+      flat.emplace_back(path, value.is_number()    ? value.get<double>()
+                              : value.is_boolean() ? static_cast<double>(value.get<bool>())
+                                                   : kNan);
+    }
+  };
+  const Metrics* const full = std::get_if<Metrics>(&metrics);
+  visit(visit, "", full != nullptr ? metrics_json(*full) : fields_json(std::get<DecisiveMetrics>(metrics)));
+  return flat;
+}
+
+Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) {
+  const auto rate_json = [&](const std::string& name, const PassRate& rate) {
+    const ProbabilityInterval interval = wilson(rate);
+    return Json{{"requirement", name},
+                {"passed", rate.k},
+                {"draws", rate.n},
+                {"wilson_low", interval.low},
+                {"wilson_high", interval.high},
+                {"exact_lower_bound", exact_lower_bound(rate)}};
+  };
+  Json rates = Json::array();
+  for (const RequirementInfo& info : kRequirementInfo) {
+    const std::vector<double>& passes = pass_column(table, info.name).values;
+    rates.push_back(rate_json(info.name, {std::ranges::count(passes, 1.0), table.size()}));
+  }
+  rates.push_back(rate_json("all", {std::ranges::count(table.pass, 1), table.size()}));
+  Json verdict = {{"format", "landfall.draws_verdict"}, {"version", 1}, {"confidence", 0.95}};
+  if (sprt) {
+    constexpr std::array kStates = {"running", "accepted", "rejected"};
+    verdict["sprt"] = kStates.at(static_cast<std::size_t>(*sprt));
+    verdict["note"] = "intervals are not valid after stopping";
+  }
+  verdict["rates"] = std::move(rates);
+  return verdict;
+}
+
+void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdict,
+                 const std::string& crs_wkt) {
+  if (draws.maps) write_layers(file, draws, crs_wkt);
+  write_rows(file, draws.table);
+  h5::write_text(file.root(), {"verdict_json", "how many draws passed each requirement"}, verdict.dump(2));
+  if (draws.maps) write_state(file, *draws.maps);
+  file.commit();
+}
+
+DrawsInput read_draws(const std::filesystem::path& path) {
+  const LandfallFileReader file(path, {"draws"});
+  DrawsInput input{{read_rows(file), std::nullopt, std::nullopt}, {}, file.file_id(), file.chain()};
+  if (!has_grid(file)) return input;
+  const GridLayerReader layers(file);
+  input.crs_wkt = layers.crs_wkt();
+  input.draws.region = layers.read<std::int8_t>("in_region");
+  input.draws.maps = read_state(file, layers.spec(), input.draws.table.size());
+  return input;
+}
+
+}  // namespace landfall

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "campaign/draw_maps.h"
+#include "campaign/draw_runner.h"
+#include "campaign/draw_table.h"
+#include "campaign/sprt.h"
+#include "files/landfall_file.h"
+#include "raster/region.h"
+
+namespace landfall {
+
+/// What a campaign, or a part of one, has drawn.
+struct Draws {
+  DrawTable table;
+  std::optional<DrawMaps> maps;
+  std::optional<BinMask> region;  ///< the judged bins; with maps
+};
+
+/// A number of a draw by its dotted path in metrics.json.
+using NamedNumber = std::pair<std::string, double>;
+
+/// The numbers of metrics.json without arrays and texts: null as NaN, true as 1. `pass` is not among them.
+[[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawMetrics& metrics);
+
+/// How many draws passed each requirement and all six, with Wilson's 95 % interval and the exact one-sided
+/// lower bound. With the state of a sequential test the results decided the number of draws: both are then not
+/// valid, and marked so.
+[[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt);
+
+/// Writes draws.h5 (docs/user/files/draws.md) and commits it. `verdict` is stored as text.
+void write_draws(LandfallFileWriter& file, const Draws& draws, const nlohmann::ordered_json& verdict,
+                 const std::string& crs_wkt);
+
+/// A file of draws, complete or a part.
+struct DrawsInput {
+  Draws draws;
+  std::string crs_wkt;
+  std::string file_id;
+  nlohmann::json chain;  ///< its last step made the file
+};
+
+/// Throws FormatError.
+[[nodiscard]] DrawsInput read_draws(const std::filesystem::path& path);
+
+}  // namespace landfall
