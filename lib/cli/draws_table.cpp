@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/draws_table.h"
+
+#include <cstdint>
+
+#include "base/number_text.h"
+#include "cli/print.h"
+
+namespace landfall::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Probabilities near 1 need their last digits.
+std::string p_text(const Json& p) { return print("%.4f", p.get<double>()); }
+
+std::string rate_line(const Json& rate) {
+  const auto passed = rate.at("passed").get<std::int64_t>();
+  const auto draws = rate.at("draws").get<std::int64_t>();
+  return print("%-20s %8s of %-8s %-17s %s\n", rate.at("requirement").get<std::string>().c_str(),
+               grouped(passed).c_str(), grouped(draws).c_str(),
+               (p_text(rate.at("wilson_low")) + " .. " + p_text(rate.at("wilson_high"))).c_str(),
+               p_text(rate.at("exact_lower_bound")).c_str());
+}
+
+}  // namespace
+
+std::string draws_table(const Json& verdict) {
+  std::string text = print("%-20s %8s    %-8s %-17s %s\n", "requirement", "passed", "draws", "Wilson 95 %",
+                           "at least, 95 %");
+  for (const Json& rate : verdict.at("rates")) text += rate_line(rate);
+  if (verdict.contains("sprt"))
+    text += "sequential test: " + verdict.at("sprt").get<std::string>() + "; " +
+            verdict.at("note").get<std::string>() + "\n";
+  return text;
+}
+
+std::string draws_summary(const Json& verdict) {
+  const Json& all = verdict.at("rates").back();
+  const auto passed = all.at("passed").get<std::int64_t>();
+  const auto draws = all.at("draws").get<std::int64_t>();
+  std::string text = grouped(passed) + " of " + grouped(draws) + " draws pass all requirements";
+  if (verdict.contains("sprt")) return text + "; sequential test: " + verdict.at("sprt").get<std::string>();
+  return text + "; passes with a probability of at least " + p_text(all.at("exact_lower_bound")) + " (95 %)";
+}
+
+}  // namespace landfall::cli

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/campaign.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "config/scan_config.h"
+#include "evaluation/evaluate.h"
+#include "files/evaluation_file.h"
+#include "files/number_table.h"
+
+namespace landfall {
+namespace {
+
+/// The provenance that scan-sim --ranges-from would have.
+Provenance scan_provenance(const nlohmann::json& scan, const Scene& scene) {
+  Provenance provenance{.tool = "scan-sim", .config = scan};
+  static_cast<void>(scan_model(scan, "scan", recording_table_loader(provenance)));
+  provenance.add_input("terrain", scene.file_id, scene.chain);
+  return provenance;
+}
+
+/// Refuses draws whose rays differ from the scan's, before any is run.
+void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsConfig& config,
+                       const DrawSpan& span) {
+  Provenance provenance = scan_provenance(config.stages().scan, scene);
+  for (std::int64_t draw = span.first; draw < span.end; ++draw) {
+    provenance.config = config.stages(draw).scan;
+    scan.require_match(provenance, "");
+  }
+}
+
+std::vector<double, LargeAllocator<double>> read_ranges(const RangeFile& scan, const ProgressCallback& progress) {
+  constexpr std::int64_t kPulsesPerPiece = 4096;
+  RangeFile file(scan.file().name());
+  const nlohmann::json& detector = scan.file().config().at("detector");
+  const auto pixels = detector.at("rows").get<std::size_t>() * detector.at("columns").get<std::size_t>();
+  const auto pulses = static_cast<std::int64_t>(scan.pulse_count());
+  std::vector<double, LargeAllocator<double>> ranges(scan.pulse_count() * pixels);
+  for (std::int64_t first = 0; first < pulses; first += kPulsesPerPiece) {
+    const std::vector<double> piece =
+        file.ranges_m({first, std::min(kPulsesPerPiece, pulses - first)}, pixels);
+    std::ranges::copy(piece, ranges.begin() + first * static_cast<std::int64_t>(pixels));
+    report(progress, static_cast<double>(first) / static_cast<double>(pulses));
+  }
+  return ranges;
+}
+
+void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& row) {
+  if (columns.empty())
+    for (const auto& [name, value] : row) columns.push_back({name, {}});
+  for (std::size_t i = 0; i < row.size(); ++i) columns.at(i).values.push_back(row[i].second);
+}
+
+}  // namespace
+
+Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
+                   const DrawSpan& span, Provenance& provenance, const ProgressCallback& progress)
+    : config_(config), regrid_(regrid_config(config.stages().regrid, "monte-carlo: /regrid")) {
+  provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
+  scene_ = open_scene({.terrain = terrain, .use = SceneUse::surface});
+  provenance.add_input("terrain", scene_.file_id, scene_.chain);
+  const GridSpec& grid = regrid_.grid;
+  if (scene_.window)
+    scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  require_same_rays(scan, scene_, config, span);
+  ranges_true_m_ = read_ranges(scan, progress);
+  std::optional<BinMask> mask;
+  if (const auto source = region_mask_source(config.stages().eval)) {
+    RegionMask read = read_region_mask(source->path, source->layer, grid);
+    provenance.add_input("region", read.file_id, nlohmann::json::array());
+    mask = std::move(read.mask);
+  }
+  region_ = judged_region(evaluation_config(config.stages().eval, "monte-carlo: /eval"), grid, mask ? &*mask : nullptr);
+  runner_ = std::make_unique<DrawRunner>(CampaignScene{ranges_true_m_, *scene_.surface, grid, region_}, config.has_layers());
+}
+
+Draws Campaign::empty(std::int64_t first) const {
+  Draws draws;
+  draws.table.first = first;
+  for (const std::string& key : config_.varied_keys()) draws.table.varied.push_back({key, {}});
+  if (config_.has_layers()) {
+    draws.maps.emplace(regrid_.grid);
+    draws.region = region_;
+  }
+  return draws;
+}
+
+DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const {
+  const std::string name = "draw " + std::to_string(draw);
+  Provenance tables;  // those of the scan, which are recorded already
+  const RegridConfig regrid = regrid_config(stages.regrid, name);
+  return {scan_model(stages.scan, name, recording_table_loader(tables)), regrid.method, regrid.truth_at,
+          evaluation_config(stages.eval, name)};
+}
+
+void Campaign::run_next(Draws& draws) {
+  DrawTable& table = draws.table;
+  const std::int64_t draw = table.end();
+  const std::vector<double> values = config_.values(draw);
+  const DrawMetrics metrics = runner_->run(setup_of(config_.stages(draw), draw), config_.metrics(),
+                                       draws.maps ? &*draws.maps : nullptr);
+  const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, metrics);
+  add_to(table.metrics, flat_metrics(metrics));
+  for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);
+  table.pass.push_back(pass.value_or(false) ? 1 : 0);
+  table.seeds.push_back(config_.seed(draw));
+}
+
+}  // namespace landfall

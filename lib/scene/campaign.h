@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/large_memory.h"
+#include "campaign/draw_runner.h"
+#include "config/dem_config.h"
+#include "config/draws_config.h"
+#include "files/draws_file.h"
+#include "files/range_file.h"
+#include "scene/scene.h"
+
+namespace landfall {
+
+/// The draws first .. end - 1.
+struct DrawSpan {
+  std::int64_t first = 0;
+  std::int64_t end = 0;
+};
+
+/// A campaign over one traced scan: its inputs in memory, and its draws.
+class Campaign {
+ public:
+  /// Reads the true ranges (8 bytes per ray) and the terrain, and adds both to the inputs of `provenance`.
+  /// Throws UsageError, naming the key, unless every draw of `span` has the rays of the scan; FormatError as
+  /// the readers do, or for a terrain other than the one that was scanned.
+  Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config, const DrawSpan& span,
+           Provenance& provenance, const ProgressCallback& progress);
+
+  [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
+  /// No draw yet, from draw `first` on.
+  [[nodiscard]] Draws empty(std::int64_t first) const;
+  /// Runs the draw after the last one of `draws`, and adds it. The result of each draw depends on its number
+  /// only.
+  void run_next(Draws& draws);
+
+ private:
+  [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
+
+  const DrawsConfig& config_;
+  Scene scene_;
+  std::vector<double, LargeAllocator<double>> ranges_true_m_;
+  RegridConfig regrid_;
+  BinMask region_;
+  std::unique_ptr<DrawRunner> runner_;
+};
+
+}  // namespace landfall

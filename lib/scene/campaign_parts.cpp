@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/campaign_parts.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+
+namespace landfall {
+namespace {
+
+/// A part's step in its own history, without what differs between parts.
+nlohmann::json campaign_of(const DrawsInput& part) {
+  nlohmann::json step = part.chain.back();
+  step.erase("options");
+  step.erase("file_id");
+  return step;
+}
+
+struct Part {
+  std::string path;
+  DrawsInput input;
+  [[nodiscard]] const DrawTable& table() const { return input.draws.table; }
+};
+
+std::string range_text(const Part& part) {
+  return part.path + " (draws " + std::to_string(part.table().first) + ":" + std::to_string(part.table().end()) +
+         ")";
+}
+
+void require_one_campaign(const std::vector<Part>& parts) {
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    if (campaign_of(parts[i].input) != campaign_of(parts[0].input))
+      throw UsageError(parts[i].path + ": is not of the same campaign as " + parts[0].path +
+                       ": its version, configuration or inputs differ");
+}
+
+/// The parts in order must be draws 0 .. count - 1.
+void require_whole(const std::vector<Part>& parts, std::int64_t count) {
+  if (parts.front().table().first != 0)
+    throw UsageError(range_text(parts.front()) + ": draws 0:" + std::to_string(parts.front().table().first) +
+                     " are missing");
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::int64_t before = parts[i - 1].table().end();
+    const std::int64_t first = parts[i].table().first;
+    if (first < before) throw UsageError(range_text(parts[i]) + ": overlaps " + range_text(parts[i - 1]));
+    if (first > before)
+      throw UsageError(range_text(parts[i]) + ": draws " + std::to_string(before) + ":" + std::to_string(first) +
+                       " are missing");
+  }
+  if (const std::int64_t end = parts.back().table().end(); end != count)
+    throw UsageError(range_text(parts.back()) + ": draws " + std::to_string(end) + ":" + std::to_string(count) +
+                     " are missing");
+}
+
+}  // namespace
+
+CampaignState::CampaignState(const std::filesystem::path& output, Provenance provenance, std::int64_t first)
+    : path_(output.parent_path() / ("." + output.filename().string() + ".state")),
+      provenance_(std::move(provenance)),
+      first_(first) {}
+
+Provenance CampaignState::provenance_of(const DrawTable& table) const {
+  Provenance provenance = provenance_;
+  provenance.options = part_options(table.first, table.end());
+  return provenance;
+}
+
+std::optional<Draws> CampaignState::load(const std::function<void(const std::string&)>& warn) const {
+  if (!std::filesystem::exists(path_)) return std::nullopt;
+  try {
+    DrawsInput input = read_draws(path_);
+    if (input.draws.table.first == first_ && input.file_id == provenance_of(input.draws.table).file_id())
+      return std::move(input.draws);
+    warn(path_.string() + ": is of another campaign and is not used");
+  } catch (const Error& error) {
+    warn(std::string(error.what()) + "; the campaign begins anew");
+  }
+  return std::nullopt;
+}
+
+void CampaignState::save(const Draws& draws, const std::string& crs_wkt) const {
+  LandfallFileWriter file({path_, true, 1}, "draws", provenance_of(draws.table));
+  write_draws(file, draws, verdict_json(draws.table, std::nullopt), crs_wkt);
+}
+
+void CampaignState::remove() const noexcept {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
+
+nlohmann::json part_options(std::int64_t first, std::int64_t end) {
+  return {{"draws", std::to_string(first) + ":" + std::to_string(end)}};
+}
+
+MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& provenance) {
+  std::vector<Part> parts;
+  for (const std::string& path : paths) parts.push_back({path, read_draws(path)});
+  std::ranges::stable_sort(parts, {}, [](const Part& part) { return part.table().first; });
+  require_one_campaign(parts);
+  const nlohmann::json& step = parts.front().input.chain.back();
+  provenance.config = step.at("config");
+  if (provenance.config.at("stop").at("type") != "fixed")
+    throw UsageError(paths.front() + ": a campaign with a sequential test has no parts");
+  require_whole(parts, provenance.config.at("draws"));
+  for (const nlohmann::json& input : step.at("inputs"))
+    provenance.inputs.push_back({input.at("role"), input.at("file_id")});
+  provenance.chain = parts.front().input.chain;
+  provenance.chain.erase(provenance.chain.size() - 1);
+  MergedDraws merged{std::move(parts.front().input.draws), parts.front().input.crs_wkt};
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const Draws& next = parts[i].input.draws;
+    append(merged.draws.table, next.table);
+    if (merged.draws.maps) merged.draws.maps->merge(*next.maps);
+  }
+  return merged;
+}
+
+}  // namespace landfall

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "base/progress.h"
+#include "output/output_path.h"
+#include "scene/campaign.h"
+#include "scene/campaign_parts.h"
+
+namespace landfall {
+
+/// What a campaign is made from.
+struct CampaignSources {
+  std::string scan;     ///< scan.h5
+  std::string terrain;  ///< terrain.h5
+  std::string samples;  ///< a table of values; empty: none
+};
+
+struct CampaignOutput {
+  OutputOptions file;
+  Provenance provenance;    ///< with the configuration of the campaign; inputs are added later
+  std::string config_name;  ///< for messages
+  PhaseRunner phase;
+  std::function<void(const std::string&)> warn;
+  std::function<void(const std::string&)> log;
+  std::function<double()> clock_s;
+};
+
+struct CampaignResult {
+  nlohmann::ordered_json verdict;  ///< verdict_json()
+  double draws_per_s = 0;          ///< of this run
+};
+
+/// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written beside the
+/// output (CampaignState); a run of the same campaign begins there. The state is removed when the output is complete.
+/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the draws or of a sequential test.
+CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
+                            CampaignOutput output);
+
+}  // namespace landfall
