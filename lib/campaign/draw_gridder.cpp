@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <memory>
-#include <utility>
+#include <type_traits>
 
 #include "base/parallel.h"
 
@@ -11,32 +11,20 @@ namespace landfall {
 namespace {
 
 /// Enough points that a pass on all threads costs more than its start.
-constexpr std::int64_t kPointsPerPass = std::int64_t{1} << 20U;
+constexpr std::int64_t kPointsPerPass = std::int64_t{1} << 19U;
 constexpr std::int64_t kPointsPerPiece = 16384;
 
-DrawnDem dem_of(const Accumulator& bins, const GridSpec& grid, const TerrainSurface& terrain,
-                TruthAt truth_at) {
-  DrawnDem dem{{.z_est = Grid<double>::unset(grid),
-                .truth = TrueLayers{Grid<double>::unset(grid), Grid<double>::unset(grid),
-                                    Grid<double>::unset(grid)}},
-               Grid<std::int32_t>::unset(grid)};
-  const auto elevation = [&](double x_m, double y_m) { return terrain.elevation(x_m, y_m); };
-  parallel_for(static_cast<std::size_t>(grid.rows), 16, [&](std::size_t begin, std::size_t end) {
-    std::vector<BinValues> row(static_cast<std::size_t>(grid.cols));
-    for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
-      bins.values({r, 0}, row);
-      for (std::int64_t c = 0; c < grid.cols; ++c) {
-        const BinIndex bin{r, c};
-        const BinValues& values = row[static_cast<std::size_t>(c)];
-        dem.layers.z_est.at(bin) = values.z_est;
-        dem.layers.truth->x.at(bin) = values.x_true;
-        dem.layers.truth->y.at(bin) = values.y_true;
-        dem.layers.truth->z.at(bin) = true_elevation(values, grid, bin, elevation, truth_at);
-        dem.count.at(bin) = values.count;
-      }
-    }
-  });
-  return dem;
+/// Memory for every bin; its values are not set.
+void require_layers(DrawnDem& dem, const GridSpec& grid) {
+  const auto require = [&](auto& layer) {
+    if (layer.spec() != grid) layer = std::remove_reference_t<decltype(layer)>::unset(grid);
+  };
+  if (!dem.layers.truth) dem.layers.truth.emplace();
+  require(dem.layers.z_est);
+  require(dem.layers.truth->x);
+  require(dem.layers.truth->y);
+  require(dem.layers.truth->z);
+  require(dem.count);
 }
 
 }  // namespace
@@ -45,8 +33,8 @@ DrawGridder::DrawGridder(std::span<const double> ranges_true_m, const TerrainSur
                          const GridSpec& grid)
     : ranges_true_m_(ranges_true_m), terrain_(terrain), grid_(grid) {}
 
-DrawnDem DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
-  const std::unique_ptr<Accumulator> bins = make_accumulator(method, grid_);
+DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
+  Accumulator& bins = empty_bins(method);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kPointsPerPass / pixels);
   do {
@@ -54,10 +42,40 @@ DrawnDem DrawGridder::draw(const Simulation& simulation, Method method, TruthAt 
       fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
       // No layer of the DEM that is judged needs the times of the returns.
       no_times_.resize(std::max(no_times_.size(), batch_.points.size()));
-      bins->add(GridPoints::of(batch_.points, std::span(no_times_).first(batch_.points.size())));
+      bins.add(GridPoints::of(batch_.points, std::span(no_times_).first(batch_.points.size())));
     }
-  } while (bins->end_pass());
-  return dem_of(*bins, grid_, terrain_, truth_at);
+  } while (bins.end_pass());
+  take_values(truth_at);
+  return dem_;
+}
+
+Accumulator& DrawGridder::empty_bins(Method method) {
+  if (!bins_ || method != method_ || !bins_->clear()) {
+    bins_.reset();  // the old bins first, so that both never exist at once
+    bins_ = make_accumulator(method, grid_);
+    method_ = method;
+  }
+  return *bins_;
+}
+
+void DrawGridder::take_values(TruthAt truth_at) {
+  require_layers(dem_, grid_);
+  const auto elevation = [&](double x_m, double y_m) { return terrain_.elevation(x_m, y_m); };
+  parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
+    for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
+      bins_->values({r, 0}, row);
+      for (std::int64_t c = 0; c < grid_.cols; ++c) {
+        const BinIndex bin{r, c};
+        const BinValues& values = row[static_cast<std::size_t>(c)];
+        dem_.layers.z_est.at(bin) = values.z_est;
+        dem_.layers.truth->x.at(bin) = values.x_true;
+        dem_.layers.truth->y.at(bin) = values.y_true;
+        dem_.layers.truth->z.at(bin) = true_elevation(values, grid_, bin, elevation, truth_at);
+        dem_.count.at(bin) = values.count;
+      }
+    }
+  });
 }
 
 void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {

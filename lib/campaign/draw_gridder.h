@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "evaluation/dem_layers.h"
+#include "gridding/accumulator.h"
 #include "gridding/layers.h"
 #include "gridding/method.h"
 #include "raster/grid.h"
@@ -21,24 +24,31 @@ struct DrawnDem {
 
 /// Redraws the errors of a scan on its true ranges and grids the returns, without files: scan-sim
 /// --ranges-from and regrid in memory, by the same simulation and gridding. On all threads; the result does
-/// not depend on their number. Memory beside the ranges: 2^20 points, and the sums of the method.
+/// not depend on their number. Memory beside the ranges: 2^19 points, and the sums of the method.
 class DrawGridder {
  public:
   /// `ranges_true_m` holds one range per pixel and pulse, NaN for a miss (RangeFile). Both must outlive this
   /// object.
   DrawGridder(std::span<const double> ranges_true_m, const TerrainSurface& terrain, const GridSpec& grid);
 
-  /// `simulation` has as many pulses and pixels as the ranges. Throws FormatError where it has not.
-  [[nodiscard]] DrawnDem draw(const Simulation& simulation, Method method, TruthAt truth_at);
+  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation` has as
+  /// many pulses and pixels as the ranges: throws FormatError where it has not.
+  [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at);
 
  private:
+  [[nodiscard]] Accumulator& empty_bins(Method method);
   void fill(const Simulation& simulation, PulseSpan pulses);
+  void take_values(TruthAt truth_at);
 
   std::span<const double> ranges_true_m_;
   const TerrainSurface& terrain_;
   GridSpec grid_;
-  PulseBatch batch_;  ///< its memory is reused
+  // Reused by all draws: the system clears fresh memory, which costs as much as gridding.
+  PulseBatch batch_;
   std::vector<double> no_times_;
+  std::unique_ptr<Accumulator> bins_;
+  Method method_ = Method::bilinear_nearest;  ///< of the bins
+  DrawnDem dem_;
 };
 
 }  // namespace landfall

@@ -41,7 +41,7 @@ DrawRunner::DrawRunner(CampaignScene scene, bool with_maps)
 
 DrawMetrics DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
   const Simulation simulation(std::move(setup.scan), nullptr, &scene_.terrain);
-  DrawnDem dem = gridder_.draw(simulation, setup.method, setup.truth_at);
+  DrawnDem& dem = gridder_.draw(simulation, setup.method, setup.truth_at);
   if (maps != nullptr) maps->add_dem(dem, *z_true_map_);
   if (kind == MetricsKind::verdict) {
     const Verdict verdict = decide(dem.layers, scene_.region, setup.evaluation);
@@ -52,7 +52,7 @@ DrawMetrics DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
   std::optional<VerdictSink> sink;
   if (maps != nullptr) sink.emplace(*maps);
   const std::vector<LayerSink*> sinks = sink ? std::vector<LayerSink*>{&*sink} : std::vector<LayerSink*>{};
-  return evaluate(std::move(dem.layers), setup.evaluation, sinks).metrics;
+  return evaluate(std::exchange(dem.layers, {}), setup.evaluation, sinks).metrics;
 }
 
 }  // namespace landfall

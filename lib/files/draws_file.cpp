@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -59,44 +61,73 @@ void write_layers(LandfallFileWriter& file, const Draws& draws, const std::strin
   layers.write("in_region", *draws.region, {"1", "whether the bin is judged", {0, 1}, "no yes"});
 }
 
+/// One column of the state, and its rows piece by piece.
+struct StateColumn {
+  ColumnSpec spec;
+  std::function<ColumnRows(std::size_t begin, std::size_t count)> rows;
+};
+
 /// The sums that merge adds: a row per bin, in the order of the grid.
-void write_state(const LandfallFileWriter& file, const DrawMaps& maps) {
-  using enum h5::Type;
-  std::vector<ColumnSpec> columns;
-  std::vector<ColumnRows> rows;
-  const auto add = [&](const std::string& name, auto values, const std::string& units,
-                       const std::string& text) {
-    using T = typename decltype(values)::value_type;
-    columns.push_back({name, h5::TypeOf<T>::value, units, text});
-    rows.emplace_back(std::span<const T>(values));
-  };
-  add("invalid", maps.invalid.values(), "1", "draws in which the bin has no elevation");
-  add("fail_rel_x", maps.fail_rel_x.values(), "1", "draws in which the footprint exceeds the limit of x");
-  add("fail_rel_y", maps.fail_rel_y.values(), "1", "draws in which the footprint exceeds the limit of y");
-  add("fail_rel_z", maps.fail_rel_z.values(), "1", "draws in which the footprint exceeds the limit of z");
-  add("fail_absolute", maps.fail_absolute.values(), "1",
-      "draws in which the footprint exceeds the horizontal limit");
-  add("count", maps.count.values(), "1", "returns");
-  std::array<std::array<std::vector<std::int64_t>, 2>, 2> words;
-  std::size_t which = 0;
-  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
-    auto& [low, high] = words.at(which++);
-    low.resize(maps.spec().size());
-    high.resize(maps.spec().size());
-    for_each_index(low.size(), [&, sums = sums](std::size_t i) {
-      low[i] = static_cast<std::int64_t>(sums->squares.values()[i].low);
-      high[i] = sums->squares.values()[i].high;
-    });
-    const std::string prefix(name);
-    add(prefix + "_count", sums->count.values(), "1", "draws in which the bin has this error");
-    add(prefix + "_sum", sums->sum.values(), "2^-30 m", "sum of the error");
-    add(prefix + "_squares_low", std::span(std::as_const(low)), "2^-60 m^2",
-        "sum of the squares of the error: lower 64 bits, unsigned");
-    add(prefix + "_squares_high", std::span(std::as_const(high)), "2^4 m^2",
-        "sum of the squares of the error: upper 64 bits");
+class StateTable {
+ public:
+  explicit StateTable(const DrawMaps& maps) : maps_(maps) {
+    const std::string footprint = "draws in which the footprint exceeds the limit of ";
+    add("invalid", maps.invalid, "1", "draws in which the bin has no elevation");
+    add("fail_rel_x", maps.fail_rel_x, "1", footprint + "the relative error of x");
+    add("fail_rel_y", maps.fail_rel_y, "1", footprint + "the relative error of y");
+    add("fail_rel_z", maps.fail_rel_z, "1", footprint + "the relative error of z");
+    add("fail_absolute", maps.fail_absolute, "1", footprint + "the absolute horizontal error");
+    add("count", maps.count, "1", "returns");
+    add("e_z", maps.e_z);
+    add("e_map", maps.e_map);
   }
-  write_table(file.root(), "state", std::move(columns), rows, file.compression());
-}
+
+  /// In pieces, so that little memory is needed beside the maps.
+  void write(const LandfallFileWriter& file) {
+    constexpr std::size_t kPieceRows = 4 * kTableChunkRows;
+    std::vector<ColumnSpec> specs;
+    for (const StateColumn& column : columns_) specs.push_back(column.spec);
+    TableWriter table(file.root(), "state", std::move(specs), file.compression());
+    for (std::size_t begin = 0; begin < maps_.spec().size(); begin += kPieceRows) {
+      const std::size_t count = std::min(kPieceRows, maps_.spec().size() - begin);
+      std::vector<ColumnRows> rows;
+      for (const StateColumn& column : columns_) rows.push_back(column.rows(begin, count));
+      table.append(rows);
+    }
+    table.finish();
+  }
+
+ private:
+  template <class T>
+  void add(const std::string& name, const Grid<T>& values, const std::string& units, const std::string& text) {
+    columns_.push_back({{name, h5::TypeOf<T>::value, units, text}, [&values](std::size_t begin, std::size_t count) {
+                          return ColumnRows(values.values().subspan(begin, count));
+                        }});
+  }
+
+  void add(const std::string& name, const ErrorSums& sums) {
+    add(name + "_count", sums.count, "1", "draws in which the bin has this error");
+    add(name + "_sum", sums.sum, "2^-30 m", "sum of the error");
+    const auto word = [&](const std::string& suffix, const std::string& text, auto value) {
+      auto& values = words_.emplace_back(std::make_unique<std::vector<std::int64_t>>());
+      columns_.push_back({{name + suffix, h5::Type::int64, "2^-60 m^2", text},
+                          [&sums, value, buffer = values.get()](std::size_t begin, std::size_t count) {
+                            buffer->resize(count);
+                            for (std::size_t i = 0; i < count; ++i)
+                              (*buffer)[i] = value(sums.squares.values()[begin + i]);
+                            return ColumnRows(std::span<const std::int64_t>(*buffer));
+                          }});
+    };
+    word("_squares_low", "sum of the squares of the error modulo 2^64, two's complement",
+         [](const WideSum& sum) { return static_cast<std::int64_t>(sum.low); });
+    word("_squares_high", "sum of the squares of the error divided by 2^64, rounded down",
+         [](const WideSum& sum) { return sum.high; });
+  }
+
+  const DrawMaps& maps_;
+  std::vector<StateColumn> columns_;
+  std::vector<std::unique_ptr<std::vector<std::int64_t>>> words_;
+};
 
 void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   using enum h5::Type;
@@ -222,7 +253,7 @@ void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdi
   if (draws.maps) write_layers(file, draws, crs_wkt);
   write_rows(file, draws.table);
   h5::write_text(file.root(), {"verdict_json", "how many draws passed each requirement"}, verdict.dump(2));
-  if (draws.maps) write_state(file, *draws.maps);
+  if (draws.maps) StateTable(*draws.maps).write(file);
   file.commit();
 }
 

@@ -53,6 +53,9 @@ class Accumulator {
   /// Valid after the last pass.
   virtual void values(BinIndex first, std::span<BinValues> out) const = 0;
 
+  /// Forgets all returns, so that the memory can be used for another DEM; false for a method that cannot.
+  virtual bool clear() { return false; }
+
   static constexpr std::int64_t kMaxReturns = std::numeric_limits<std::int32_t>::max();
 
   [[nodiscard]] const GridSpec& spec() const { return spec_; }
@@ -70,6 +73,7 @@ class Accumulator {
       throw FormatError("more than " + std::to_string(kMaxReturns) +
                         " returns lie in the grid, the most that one DEM can count; give fewer scans");
   }
+  void clear_counts() { inside_count_ = outside_count_ = 0; }
 
  private:
   GridSpec spec_;

@@ -32,6 +32,7 @@ class WeightedMeanAccumulator final : public Accumulator {
 
   void add(const GridPoints& points) override;
   void values(BinIndex first, std::span<BinValues> out) const override;
+  bool clear() override;
 
   /// Row-major, y ascending.
   [[nodiscard]] std::span<const BinSums> bins() const { return bins_.values(); }

@@ -93,9 +93,9 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   output.phase("draw", [&](const ProgressCallback& progress) { loop.run(draws, progress); });
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
-  output.phase("write", [&](const ProgressCallback&) {
-    write_draws(file, draws, result.verdict, campaign->crs_wkt());
-  });
+  const std::string crs_wkt = campaign->crs_wkt();
+  campaign.reset();  // its memory is not needed to write the maps
+  output.phase("write", [&](const ProgressCallback&) { write_draws(file, draws, result.verdict, crs_wkt); });
   state.remove();
   return result;
 }
