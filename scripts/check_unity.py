@@ -4,16 +4,17 @@
 
 usage: check_unity.py REPOSITORY
 
-Which units share an object changes with each new file: so any two units of a library are compared, and each with the constants
-of the library's headers. Functions may share a name where their parameters differ, aliases where they are equal. A name that
-collides in another way is seen by the compiler of preset release alone.
+Which units share an object, and in which order, changes with each new file: so any two units of a library are compared, and
+each with the constants of the library's headers. Functions may share a name where the numbers of their parameters differ,
+aliases where they are equal. A name that collides in another way is seen by the compiler of preset release alone.
 """
 import collections
 import pathlib
 import re
 import sys
 
-LIBRARY = re.compile(r"landfall_library\((\w+)\s+UNITY\b(.*?)\)", re.S)
+TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\()(\w+)(.*?)\)", re.S)
+SETTING = re.compile(r"set\((\w+)([^)]*)\)")
 HEADER_CONSTANT = re.compile(r"^inline constexpr \S+ (k\w+)", re.M)
 FUNCTION = re.compile(r"(?:[^=(]|operator\W+)*\([^;]*\)[^;]*\{\}$")  # with its body
 NOISE = re.compile(r"""//[^\n]*|/\*.*?\*/|^[ \t]*\#(?:\\\n|[^\n])*  # comments, preprocessor
@@ -25,18 +26,15 @@ def without_noise(text: str) -> str:
     return NOISE.sub(lambda match: '""' if match["literal"] else " ", text)
 
 
-def split(text: str):
-    """The parts of `text` between commas, up to the bracket that closes it, and what follows that."""
-    depth, parts = 0, [""]
+def count_to_bracket(text: str):
+    """How many parts between commas `text` has up to the bracket that closes it, and what follows that."""
+    depth, count = 0, 1
     for place, character in enumerate(text):
         depth += {"(": 1, "<": 1, "{": 1, ")": -1, ">": -1, "}": -1}.get(character, 0)
         if depth < 0:
-            return parts, text[place + 1:]
-        if depth == 0 and character == ",":
-            parts.append("")
-        else:
-            parts[-1] += character
-    return parts, ""
+            return count, text[place + 1:]
+        count += depth == 0 and character == ","
+    return count, ""
 
 
 def declarations(text: str):
@@ -57,27 +55,19 @@ def declarations(text: str):
 
 def meaning(text: str):
     """The name that a declaration introduces, and its kind with what tells it from others of that name."""
-    types = []
     while match := re.match(r"template\s*<", text):
-        names, text = split(text[match.end():])
-        types += [re.search(r"(\w+)\s*(?:=.*)?$", name)[1] for name in names]
-        text = text.strip()
-    if match := re.match(r"using (?:.*::)?(\w+)(?: =|$)", text):
+        text = count_to_bracket(text[match.end():])[1].strip()
+    if match := re.match(r"(?:using|namespace) (\w+) =", text) or re.match(r"using .*?(\w+)$", text):
         return match[1], ("alias", text)
     if match := re.match(r"(?:enum class|enum|struct|class|union|concept) (\w+)", text):
         return match[1], ("type",)
     if match := re.match(r"[^={]*?(operator[^(]+|\w+)\s*\(", text):
-        of_parameters = [re.sub(r"(?<=[\w&*>]) ?\b\w+$", "", part.split("=")[0].strip()) for part in split(text[match.end():])[0]]
-        for place, name in enumerate(types):
-            of_parameters = [re.sub(rf"\b{name}\b", f"<{place}>", part) for part in of_parameters]
-        return match[1], ("function", tuple(of_parameters))
+        return match[1], ("function", count_to_bracket(text[match.end():])[0])
     return re.search(r"(\w+)(?: ?\[[^]]*\])* ?$", re.split("[={]", text)[0])[1], ("variable",)
 
 
 def collide(one, other) -> bool:
-    if one[0] != other[0]:
-        return True
-    return one != other if one[0] == "alias" else one == other
+    return one[0] != other[0] or (one != other if one[0] == "alias" else one == other)
 
 
 def collisions(library: str, files, headers):
@@ -99,8 +89,12 @@ def collisions(library: str, files, headers):
 
 def violations(root: pathlib.Path):
     for list_file in sorted(root.glob("lib/*/CMakeLists.txt")):
-        for library, arguments in LIBRARY.findall(re.sub(r"#.*", "", list_file.read_text())):
-            sources, alone = re.search(r"SOURCES\b(.*?)\bLINKS", arguments, re.S), re.search(r"ALONE\b([\w\s./]*)", arguments)
+        text = re.sub(r"#.*", "", list_file.read_text())
+        for name, value in SETTING.findall(text):
+            text = text.replace("${" + name + "}", value)
+        for library, arguments in TARGET.findall(text):
+            sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
+            alone = re.search(r"ALONE((?:\s+[\w/]+\.cpp)+)", arguments)
             together = [name for name in sources[1].split() if name.endswith(".cpp") and name not in (alone[1].split() if alone else [])]
             yield from collisions(library, [list_file.parent / name for name in together], sorted(list_file.parent.rglob("*.h")))
 

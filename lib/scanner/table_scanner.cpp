@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTableRounding_s = 1e-9;
 
-void check(const std::vector<AngleSample>& samples, const std::string& name) {
+void check_samples(const std::vector<AngleSample>& samples, const std::string& name) {
   require_timed_rows<AngleSample>(samples, name, [](const AngleSample& s) {
     return std::isfinite(s.angles.angle_1_rad) && std::isfinite(s.angles.angle_2_rad);
   });
@@ -39,7 +39,7 @@ TableScanner::TableScanner(std::vector<AngleSample> samples, const std::optional
                            std::string name)
     : samples_(std::move(samples)), name_(std::move(name)) {
   if (mirror) mirror_.emplace(mirror->incidence_rad, mirror->fold_azimuth_rad);
-  check(samples_, name_);
+  check_samples(samples_, name_);
 }
 
 void TableScanner::refuse(const PulseTime& pulse, const std::string& what) const {

@@ -33,10 +33,10 @@ class Unity(unittest.TestCase):
         for one, other in [
                 ("constexpr double kPi = 3;", "constexpr int kPi = 3;"),
                 ("double f(const A& a, int b = g({1, 2})) { return 1; }", "int f(const A& x, int) { return b; }"),
-                ("template <class T> void f(T visit) {}", "template <typename Visit> void f(Visit v) {}"),
+                ("double f(const A& a) { return 1; }", "template <class B, class C> double f(const std::map<B, C>&) { return 1; }"),
                 ("constexpr A kAll[] = {{1, f(2)}};\nstruct B { int a; };", "constexpr C kAll[2] = {};"),
                 ("struct Row {\n int a;\n};", "using Row = int;"),
-                ("using Row = double;", "using Row = int;"),
+                ("using Row = std::vector<double>;", "using Row = a::Row;"),
                 ("int row() { return 1; }", "int row = 0;"),
                 ("constexpr auto k = g([](auto a) { return a; }, 1);\nint f() { return 0; }", "void f() {}")]:
             self.assertEqual(self.checked(one, other), 1, (one, other))
@@ -44,7 +44,7 @@ class Unity(unittest.TestCase):
 
     def test_names_that_do_not(self):
         for one, other in [
-                ("double f(const A& a) { return 1; }", "double f(const B& a) { return 1; }"),
+                ("double f(const A& a) { return 1; }", "double f(const B& a, std::map<int, int> b) { return 1; }"),
                 ("using Json = nlohmann::json;", "using Json = nlohmann::json;"),
                 ("int f() { int row = 1; return row; }", "int g() { int row = 1; return row; }  // int f() {}"),
                 ('constexpr const char* kText = "}; int f() {}";', "int f() { return '}'; }"),
@@ -52,8 +52,12 @@ class Unity(unittest.TestCase):
             self.assertEqual(self.checked(one, other), 0, (one, other))
 
     def test_only_units_that_are_compiled_together_matter(self):
+        alone_first = "landfall_library(some UNITY ALONE {} SOURCES one.cpp other.cpp LINKS)"
+        self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", alone_first.format("third.cpp")), 1)
+        plugin = "set(all one.cpp other.cpp)\nadd_library(some MODULE ${all})\nlandfall_unity_groups(some SOURCES ${all})"
+        self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", plugin), 1)
         for library in ["landfall_library(some SOURCES one.cpp other.cpp LINKS)",
-                        "landfall_library(some UNITY ALONE other.cpp SOURCES one.cpp other.cpp LINKS)",
+                        alone_first.format("other.cpp"),
                         "landfall_library(some UNITY SOURCES one.cpp other.cpp LINKS ALONE other.cpp)"]:
             self.assertEqual(self.checked("int f() { return 1; }", "int f() { return 2; }", library), 0, library)
 
