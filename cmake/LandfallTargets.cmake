@@ -62,18 +62,18 @@ function(landfall_uses_precompiled_strings target)
   endif()
 endfunction()
 
-# landfall_builds_fast(target): a target whose time nobody waits for, but for that of its compilation.
+# landfall_builds_fast(target): a target without loops that are worth more than the time of its compilation.
 function(landfall_builds_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): compiles up to eight sources at a time.
+# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): compiles up to 16 sources at a time.
 function(landfall_unity_groups target)
   cmake_parse_arguments(arg "" "" "SOURCES;APART;ALONE" ${ARGN})
   list(REMOVE_ITEM arg_SOURCES ${arg_APART} ${arg_ALONE})
   foreach(group SOURCES APART)
     list(LENGTH arg_${group} count)
-    math(EXPR groups "(${count} + 7) / 8")
+    math(EXPR groups "(${count} + 15) / 16")
     set(place 0)
     foreach(source IN LISTS arg_${group})
       math(EXPR number "${place} * ${groups} / ${count}")
@@ -91,7 +91,7 @@ endfunction()
 # A static library landfall::<module> that may include exactly what it links. UNITY: most of its time is that of headers, so
 # that LANDFALL_UNITY compiles several of its units together; scripts/check_unity.py finds names that would collide. APART:
 # units that need libraries which the linker of a host simulator (lib/host) has not; they are compiled apart from those that
-# the lidar needs. ALONE: units that include themselves once per instruction set.
+# the lidar needs. ALONE: units that include themselves once per instruction set, or a header that no other unit shall see.
 function(landfall_library module)
   cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
   add_library(landfall_${module} STATIC ${arg_SOURCES})
