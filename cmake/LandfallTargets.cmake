@@ -62,17 +62,38 @@ function(landfall_uses_precompiled_strings target)
   endif()
 endfunction()
 
-# landfall_builds_fast(target): a target whose time nobody waits for, but for that of its compilation.
+# landfall_builds_fast(target): a target without loops that are worth more than the time of its compilation.
 function(landfall_builds_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# landfall_library(module [UNITY] SOURCES a.cpp ... LINKS landfall::geometry Eigen3::Eigen ... [PRIVATE_LINKS ...]
-#                  [PRECOMPILED name])
+# landfall_unity_groups(target SOURCES a.cpp ... APART b.cpp ... ALONE c.cpp ...): compiles up to 16 sources at a time.
+function(landfall_unity_groups target)
+  cmake_parse_arguments(arg "" "" "SOURCES;APART;ALONE" ${ARGN})
+  list(REMOVE_ITEM arg_SOURCES ${arg_APART} ${arg_ALONE})
+  foreach(group SOURCES APART)
+    list(LENGTH arg_${group} count)
+    math(EXPR groups "(${count} + 15) / 16")
+    set(place 0)
+    foreach(source IN LISTS arg_${group})
+      math(EXPR number "${place} * ${groups} / ${count}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${number})
+      math(EXPR place "${place} + 1")
+    endforeach()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # g++ takes unnamed namespaces of files that another one includes for those of headers.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# landfall_library(module [UNITY [APART b.cpp ...] [ALONE c.cpp ...]] SOURCES a.cpp ... LINKS landfall::geometry ...
+#                  [PRIVATE_LINKS ...] [PRECOMPILED name])
 # A static library landfall::<module> that may include exactly what it links. UNITY: most of its time is that of headers, so
-# that LANDFALL_UNITY compiles eight of its units at a time; their unnamed namespaces must not collide.
+# that LANDFALL_UNITY compiles several of its units together; scripts/check_unity.py finds names that would collide. APART:
+# units that need libraries which the linker of a host simulator (lib/host) has not; they are compiled apart from those that
+# the lidar needs. ALONE: units that include themselves once per instruction set, or a header that no other unit shall see.
 function(landfall_library module)
-  cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(arg "UNITY" "PRECOMPILED" "SOURCES;LINKS;PRIVATE_LINKS;APART;ALONE" ${ARGN})
   add_library(landfall_${module} STATIC ${arg_SOURCES})
   add_library(landfall::${module} ALIAS landfall_${module})
   target_link_libraries(landfall_${module} PUBLIC landfall_flags ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
@@ -81,9 +102,7 @@ function(landfall_library module)
     landfall_uses_precompiled_strings(landfall_${module})
   endif()
   if(arg_UNITY AND LANDFALL_UNITY)
-    set_target_properties(landfall_${module} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    # g++ takes unnamed namespaces of files that another one includes for those of headers.
-    target_compile_options(landfall_${module} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+    landfall_unity_groups(landfall_${module} SOURCES ${arg_SOURCES} APART ${arg_APART} ALONE ${arg_ALONE})
   endif()
 endfunction()
 

@@ -15,34 +15,34 @@ using Number = std::optional<double>;
 
 std::string centimetres(const Number& metres) { return metres ? print("%.3f", 100 * *metres) : "-"; }
 
-std::string line(const char* name, const std::array<Number, 3>& metres) {
+std::string axes_line(const char* name, const std::array<Number, 3>& metres) {
   return print("  %-36s %10s %10s %10s\n", name, centimetres(metres[0]).c_str(),
                centimetres(metres[1]).c_str(), centimetres(metres[2]).c_str());
 }
 
 /// Selects one number of each axis.
 template <class Axes, class Axis>
-std::string line(const char* name, const Axes& axes, Number Axis::*member) {
-  return line(name, {axes.x.*member, axes.y.*member, axes.z.*member});
+std::string axes_line(const char* name, const Axes& axes, Number Axis::*member) {
+  return axes_line(name, {axes.x.*member, axes.y.*member, axes.z.*member});
 }
 
 std::string accuracy_lines(const AccuracyMetrics& m, const EvaluationLimits& limits) {
   return print("\nOver footprints of %ld x %ld bins, cm:        x          y          z\n", m.footprint_bins,
                m.footprint_bins) +
-         line("absolute error, 95th percentile", m.absolute, &AbsoluteMetrics::p95_m) +
-         line("absolute error, largest", m.absolute, &AbsoluteMetrics::max_m) +
-         line("relative error, 95th percentile", m.relative, &RelativeMetrics::p95_m) +
-         line("relative error, largest", m.relative, &RelativeMetrics::max_m) +
-         line("relative error, limit",
+         axes_line("absolute error, 95th percentile", m.absolute, &AbsoluteMetrics::p95_m) +
+         axes_line("absolute error, largest", m.absolute, &AbsoluteMetrics::max_m) +
+         axes_line("relative error, 95th percentile", m.relative, &RelativeMetrics::p95_m) +
+         axes_line("relative error, largest", m.relative, &RelativeMetrics::max_m) +
+         axes_line("relative error, limit",
               {limits.relative_horizontal_m, limits.relative_horizontal_m, limits.relative_elevation_m});
 }
 
 std::string statistics_lines(const StatisticsMetrics& m) {
   return print("\n%-40s          x          y          z\n", "Over bins of the region, cm:") +
-         line("mean", m, &ErrorStatistics::mean_m) + line("standard deviation", m, &ErrorStatistics::std_m) +
-         line("root mean square", m, &ErrorStatistics::rmse_m) +
-         line("median", m, &ErrorStatistics::median_m) + line("NMAD", m, &ErrorStatistics::nmad_m) +
-         line("LE90", m, &ErrorStatistics::le90_m) +
+         axes_line("mean", m, &ErrorStatistics::mean_m) + axes_line("standard deviation", m, &ErrorStatistics::std_m) +
+         axes_line("root mean square", m, &ErrorStatistics::rmse_m) +
+         axes_line("median", m, &ErrorStatistics::median_m) + axes_line("NMAD", m, &ErrorStatistics::nmad_m) +
+         axes_line("LE90", m, &ErrorStatistics::le90_m) +
          print("  %-36s %10s\n", "horizontal: CE90", centimetres(m.horizontal.ce90_m).c_str());
 }
 

@@ -13,8 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
-
 /// The number of an optional key, or `otherwise`.
 double number_or(const Json& json, const char* key, double otherwise) {
   return json.contains(key) ? number(json, key) : otherwise;

@@ -29,7 +29,7 @@ RingPattern ring(const Json& json, const std::string& /*owner*/) {
                      radians(json, "first_azimuth_deg"), feature_shape(json.at("feature"))};
 }
 
-constexpr PatternMaker kPatterns[] = {
+constexpr PatternMaker kFeaturePatterns[] = {
     {"ring", made<ring>},
     {"golombek_rocks", made<golombek_rocks>},
     {"power_law_rocks", made<power_law_rocks>},
@@ -37,12 +37,12 @@ constexpr PatternMaker kPatterns[] = {
     {"craters", made<craters>},
     {"lines", made<lines>},
 };
-static_assert(std::size(kPatterns) == std::variant_size_v<FeaturePattern> + 1);  // rocks have two types
+static_assert(std::size(kFeaturePatterns) == std::variant_size_v<FeaturePattern> + 1);  // rocks have two types
 
 }  // namespace
 
 FeaturePattern feature_pattern(const Json& pattern, const std::string& owner) {
-  for (const PatternMaker& maker : kPatterns)
+  for (const PatternMaker& maker : kFeaturePatterns)
     if (pattern.at("type") == maker.type) return maker.make(pattern, owner);
   throw std::logic_error("no maker for " + pattern.at("type").dump());
 }

@@ -35,7 +35,7 @@ Json pair_of(const std::string& text, const char* option) {
   return {number_of(text.substr(0, comma), option), number_of(text.substr(comma + 1), option)};
 }
 
-Json base_of(const ImportOptions& options) {
+Json imported_base(const ImportOptions& options) {
   Json base = {{"type", "dem"}, {"path", options.from}};
   if (!options.center.empty()) base["center"] = pair_of(options.center, "--center");
   if (!options.center_pixel.empty()) base["center_pixel"] = pair_of(options.center_pixel, "--center-pixel");
@@ -49,7 +49,7 @@ Json base_of(const ImportOptions& options) {
   return base;
 }
 
-std::optional<double> number_at(const Json& grid, const char* key) {
+std::optional<double> optional_number(const Json& grid, const char* key) {
   if (!grid.is_object() || !grid.contains(key)) return std::nullopt;
   return grid.at(key).get<double>();
 }
@@ -92,7 +92,7 @@ void apply_import(JsonSource& source, const ImportOptions& options) {
     if (source.value.contains("base"))
       throw UsageError(source.name +
                        ": /base: the configuration has a base and --from makes one; remove one");
-    source.value["base"] = base_of(options);
+    source.value["base"] = imported_base(options);
   }
   set_in_grid(source, "half_width_m", options.half_width, "--half-width");
   set_in_grid(source, "resolution_m", options.resolution, "--resolution");
@@ -116,7 +116,7 @@ void complete_import(JsonSource& source, const ImportOptions& options, const Sit
   // have defaults here.
   const Json resolved = resolve_config(source, embedded_schema("terrain"));
   const Json grid = source.value.value("grid", Json::object());
-  const SiteRequest request{number_at(grid, "half_width_m"), number_at(grid, "resolution_m")};
+  const SiteRequest request{optional_number(grid, "half_width_m"), optional_number(grid, "resolution_m")};
   if (request.half_width_m && request.resolution_m) return;
   const SiteSize size = fit(dem_base(resolved.at("base")), request);
   if (!request.half_width_m) source.value["grid"]["half_width_m"] = plain(size.half_width_m);

@@ -12,9 +12,11 @@ namespace landfall {
 
 inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
+inline double number(const nlohmann::json& owner, const char* key) { return owner.at(key).get<double>(); }
+
 /// The value of a key in degrees, converted to radians.
 inline double radians(const nlohmann::json& owner, const char* key_deg) {
-  return kRadiansPerDegree * owner.at(key_deg).get<double>();
+  return kRadiansPerDegree * number(owner, key_deg);
 }
 
 /// An array of two numbers, or one number that is used for both.

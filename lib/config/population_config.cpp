@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-double number(const Json& json, const char* key) { return json.at(key).get<double>(); }
-
 SitePoint center_of(const Json& json) { return {number(json, "x_m"), number(json, "y_m")}; }
 
 Region region_of(const Json& json) {

@@ -8,7 +8,7 @@
 namespace landfall {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 /// Of `count` windows centred on consecutive bins from `first`, those that hold a bin: begin .. end - 1.
 struct WindowRange {
@@ -99,8 +99,8 @@ void collect_tails(const Grid<double>& error, const Tile& reached, const TailBou
 
 void ErrorTail::build(const Tile& tile, const Footprint& footprint) {
   sort_.sort(bins);
-  values_.assign(bins.size() + 2 * kPad, kInfinity);
-  std::fill_n(values_.end() - kPad, kPad, -kInfinity);
+  values_.assign(bins.size() + 2 * kPad, kEndless);
+  std::fill_n(values_.end() - kPad, kPad, -kEndless);
   std::ranges::transform(bins, values_.begin() + kPad, &TailBin::value);
   words_ = values_.size() / 64 + 1;
   tile_ = tile;

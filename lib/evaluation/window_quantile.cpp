@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kRowsPerPiece = 4;
+constexpr std::size_t kQuantileRows = 4;
 
 /// Below this bound no sum of errors and no difference from a mean overflows.
 constexpr double kLargestError = 0x1p900;
@@ -32,7 +32,7 @@ Grid<double> window_quantile_naive(const WindowQuantileInput& input, const Progr
       for (std::int64_t col = 0; col < spec.cols; ++col)
         if (is_pending(input, result, {row, col})) result.at({row, col}) = selection.at({row, col});
   };
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, piece, progress);
+  parallel_for(static_cast<std::size_t>(spec.rows), kQuantileRows, piece, progress);
   return result;
 }
 

@@ -21,7 +21,7 @@ const std::vector<std::int8_t> kSafetyValues = {0, 1, 2};
 constexpr const char* kSafetyMeanings = "hazard safe unknown";
 
 template <class T>
-Json number(const std::optional<T>& value) {
+Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
@@ -51,7 +51,7 @@ void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, cons
 
 /// The value of(site) for each site; NaN for none.
 template <class Of>
-auto column(const std::vector<LandingSite>& sites, const Of& of) {
+auto site_column(const std::vector<LandingSite>& sites, const Of& of) {
   std::vector<std::decay_t<std::invoke_result_t<Of, const LandingSite&>>> values;
   for (const LandingSite& site : sites) values.push_back(of(site));
   return values;
@@ -65,16 +65,16 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   const std::vector<LandingSite>& sites = map.sites;
   std::vector<std::int32_t> rank;
   while (rank.size() < sites.size()) rank.push_back(static_cast<std::int32_t>(rank.size() + 1));
-  const auto x = column(sites, [](const LandingSite& s) { return s.x_m; });
-  const auto y = column(sites, [](const LandingSite& s) { return s.y_m; });
-  const auto z = column(sites, [](const LandingSite& s) { return s.z_m; });
-  const auto cost = column(sites, [](const LandingSite& s) { return s.cost; });
-  const auto p_touchdown = column(sites, [](const LandingSite& s) { return s.p_touchdown; });
-  const auto p_safe = column(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
-  const auto slope = column(sites, [](const LandingSite& s) { return s.slope_deg; });
-  const auto roughness = column(sites, [](const LandingSite& s) { return s.roughness_m; });
-  const auto distance = column(sites, [](const LandingSite& s) { return or_nan(s.distance_to_hazard_m); });
-  const auto truth = column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
+  const auto x = site_column(sites, [](const LandingSite& s) { return s.x_m; });
+  const auto y = site_column(sites, [](const LandingSite& s) { return s.y_m; });
+  const auto z = site_column(sites, [](const LandingSite& s) { return s.z_m; });
+  const auto cost = site_column(sites, [](const LandingSite& s) { return s.cost; });
+  const auto p_touchdown = site_column(sites, [](const LandingSite& s) { return s.p_touchdown; });
+  const auto p_safe = site_column(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
+  const auto slope = site_column(sites, [](const LandingSite& s) { return s.slope_deg; });
+  const auto roughness = site_column(sites, [](const LandingSite& s) { return s.roughness_m; });
+  const auto distance = site_column(sites, [](const LandingSite& s) { return or_nan(s.distance_to_hazard_m); });
+  const auto truth = site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
   using enum h5::Type;
   std::vector<ColumnSpec> columns = {
       {"rank", int32, "1", "rank of the site, 1 is the best"},
@@ -169,10 +169,10 @@ Json sites_json(const HazardMap& map) {
                      {"z_m", site.z_m},
                      {"cost", site.cost},
                      {"p_touchdown", site.p_touchdown},
-                     {"p_safe", number(site.p_safe)},
+                     {"p_safe", or_null(site.p_safe)},
                      {"slope_deg", site.slope_deg},
                      {"roughness_m", site.roughness_m},
-                     {"distance_to_hazard_m", number(site.distance_to_hazard_m)},
+                     {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
                      {"true_safe", true_safe(site.truth)}});
   return {{"format", "landfall.sites"}, {"version", 1}, {"sites", std::move(sites)}};
 }
@@ -183,8 +183,8 @@ Json score_json(const HazardScore& score) {
               {"false_alarm_frac", Json::array()}};
   for (const HazardScore::RocPoint& point : score.roc) {
     roc["roughness_limit_m"].push_back(point.roughness_limit_m);
-    roc["missed_hazard_frac"].push_back(number(point.rates.missed_hazard_frac));
-    roc["false_alarm_frac"].push_back(number(point.rates.false_alarm_frac));
+    roc["missed_hazard_frac"].push_back(or_null(point.rates.missed_hazard_frac));
+    roc["false_alarm_frac"].push_back(or_null(point.rates.false_alarm_frac));
   }
   Json reliability = {{"p_low", Json::array()},
                       {"p_high", Json::array()},
@@ -194,7 +194,7 @@ Json score_json(const HazardScore& score) {
     reliability["p_low"].push_back(bin.p_low);
     reliability["p_high"].push_back(bin.p_high);
     reliability["count"].push_back(bin.count);
-    reliability["safe_frac"].push_back(number(bin.safe_frac));
+    reliability["safe_frac"].push_back(or_null(bin.safe_frac));
   }
   const HazardScore::Counts& counts = score.counts;
   return {{"format", "landfall.hazard_score"},
@@ -206,10 +206,10 @@ Json score_json(const HazardScore& score) {
             {"hazard_hazard", counts.hazard_hazard},
             {"unknown", counts.unknown}}},
           {"filled_truth_bins", score.filled_truth_bins},
-          {"missed_hazard_frac", number(score.rates.missed_hazard_frac)},
-          {"false_alarm_frac", number(score.rates.false_alarm_frac)},
+          {"missed_hazard_frac", or_null(score.rates.missed_hazard_frac)},
+          {"false_alarm_frac", or_null(score.rates.false_alarm_frac)},
           {"roc", std::move(roc)},
-          {"brier", number(score.brier)},
+          {"brier", or_null(score.brier)},
           {"reliability", std::move(reliability)}};
 }
 

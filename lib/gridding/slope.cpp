@@ -9,7 +9,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::size_t kSlopeRows = 16;
 constexpr std::int64_t kLargestRadius = 3;
 constexpr int kEnoughBins = 6;
 constexpr int kFewestBins = 3;
@@ -77,7 +77,7 @@ Plane fit(const PlaneSums& s) {
 
 /// Calls set(bin, sums) for each bin that holds a return.
 template <class Set>
-void for_each_filled_bin(const WeightedMeanAccumulator& bins, Set set,
+void set_filled_bins(const WeightedMeanAccumulator& bins, Set set,
                          const ProgressCallback& progress = {}) {
   const GridSpec& spec = bins.spec();
   const auto visit = [&](std::size_t begin, std::size_t end) {
@@ -87,7 +87,7 @@ void for_each_filled_bin(const WeightedMeanAccumulator& bins, Set set,
         if (sums.count > 0) set(BinIndex{row, col}, sums);
       }
   };
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, visit, progress);
+  parallel_for(static_cast<std::size_t>(spec.rows), kSlopeRows, visit, progress);
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ PlaneFit fit_plane(const WeightedMeanAccumulator& bins, BinIndex bin) {
 
 Grid<Slope> slope_layer(const WeightedMeanAccumulator& bins, const ProgressCallback& progress) {
   Grid<Slope> slopes(bins.spec());
-  for_each_filled_bin(
+  set_filled_bins(
       bins, [&](BinIndex bin, const BinSums&) { slopes.at(bin) = fit_plane(bins, bin).slope; }, progress);
   return slopes;
 }

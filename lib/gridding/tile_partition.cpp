@@ -11,8 +11,8 @@ namespace landfall {
 namespace {
 
 constexpr int kMaxPartBits = 6;
-constexpr std::size_t kPointsPerPiece = std::size_t{1} << 14U;
-static_assert(kPointsPerPiece % kPointsPerWord == 0);
+constexpr std::size_t kPointsPerTilePiece = std::size_t{1} << 14U;
+static_assert(kPointsPerTilePiece % kPointsPerWord == 0);
 
 /// The number of tiles for each part along a row of the grid, unless tiles become too small: more tiles
 /// balance the work of the parts, but spread the points of a scanner's image over more of them.
@@ -36,7 +36,7 @@ void TilePartition::assign(std::span<const double> x_m, std::span<const double> 
   assert(x_m.size() == y_m.size());
   words_ = (x_m.size() + kPointsPerWord - 1) / kPointsPerWord;
   bits_.resize(words_ * part_count());
-  parallel_for(x_m.size(), kPointsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(x_m.size(), kPointsPerTilePiece, [&](std::size_t begin, std::size_t end) {
     find_parts(spec_, tiling_, x_m.subspan(begin, end - begin), y_m.subspan(begin, end - begin), words_,
                &bits_[begin / kPointsPerWord]);
   });

@@ -13,7 +13,7 @@ namespace landfall {
 namespace {
 
 /// The number of points per pass: the partition's own memory stays below 8 MB for any size of batch.
-constexpr std::size_t kPointsPerPass = std::size_t{1} << 20U;
+constexpr std::size_t kPointsPerMeanPass = std::size_t{1} << 20U;
 
 /// Parts per thread: more parts balance the work, but scatter the points of each part more.
 constexpr std::size_t kPartsPerThread = 2;
@@ -76,8 +76,8 @@ bool WeightedMeanAccumulator::clear() {
 
 void WeightedMeanAccumulator::add(const GridPoints& points) {
   std::size_t outside = 0;
-  for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPass) {
-    const GridPoints piece = points.subset(begin, std::min(kPointsPerPass, points.size() - begin));
+  for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerMeanPass) {
+    const GridPoints piece = points.subset(begin, std::min(kPointsPerMeanPass, points.size() - begin));
     outside += thread_count() == 1 ? add_returns(piece, spec(), weights_, bins_.values()) : add_piece(piece);
   }
   count_points(points.size(), outside);
@@ -121,7 +121,7 @@ std::size_t WeightedMeanAccumulator::add_part(const GridPoints& points, std::spa
 
 void WeightedMeanAccumulator::values(BinIndex first, std::span<BinValues> out) const {
   const std::span<const BinSums> sums = bins().subspan(spec().index(first), out.size());
-  std::ranges::transform(sums, out.begin(), values_of);
+  std::ranges::transform(sums, out.begin(), [](const BinSums& bin) { return values_of(bin); });
 }
 
 }  // namespace landfall

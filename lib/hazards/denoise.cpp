@@ -14,8 +14,8 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kRowsPerPiece = 32;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kDenoisedRows = 32;
 constexpr std::int64_t kReach = 2;
 /// Returns in a bin vary by more than the mean of 1 / sigma^2 tells.
 constexpr double kNoiseSpread = 1.3;
@@ -23,7 +23,7 @@ constexpr double kNoiseSpread = 1.3;
 /// Calls work(begin, end) for pieces of a map's rows, on all threads.
 template <class Work>
 void by_pieces(std::int64_t rows, const Work& work) {
-  parallel_for(static_cast<std::size_t>(rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(rows), kDenoisedRows, [&](std::size_t begin, std::size_t end) {
     work(static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end));
   });
 }
@@ -36,7 +36,7 @@ class Band {
         end_row_(end_row),
         margin_(margin),
         pitch_(cols + 2 * margin),
-        values_(static_cast<std::size_t>((end_row - first_row) * pitch_), kNan) {}
+        values_(static_cast<std::size_t>((end_row - first_row) * pitch_), kUnknown) {}
 
   void copy(const Grid<double>& map) {
     const std::int64_t end = std::min(end_row_, map.spec().rows);
@@ -126,7 +126,7 @@ SigmaParts split_sigma(const Grid<double>& z_sigma, const Footprint& window) {
       for (std::int64_t col = 0; col < spec.cols; ++col) {
         const double sigma = z_sigma.at({row, col});
         const double value = 1 / (sigma * sigma);
-        precision.at({row, col}) = std::isfinite(value) ? value : kNan;
+        precision.at({row, col}) = std::isfinite(value) ? value : kUnknown;
       }
   });
   SigmaParts parts{window_means(precision, window).mean, std::move(precision)};

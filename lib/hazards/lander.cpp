@@ -11,16 +11,16 @@
 namespace landfall {
 namespace {
 
-constexpr double kTolerance = 1e-9;  // bins, and metres
+constexpr double kLanderTolerance = 1e-9;  // bins, and metres
 
 /// The nearest integer, halves away from zero.
 std::int64_t nearest(double bins) {
-  const double whole = std::floor(std::abs(bins) + 0.5 + kTolerance);
+  const double whole = std::floor(std::abs(bins) + 0.5 + kLanderTolerance);
   return static_cast<std::int64_t>(bins < 0 ? -whole : whole);
 }
 
 Footprint disc(double radius_m, double resolution_m) {
-  const double bins = (radius_m + kTolerance) / resolution_m;
+  const double bins = (radius_m + kLanderTolerance) / resolution_m;
   return Footprint::disc(static_cast<std::int64_t>(std::floor(bins * bins)));
 }
 
@@ -35,7 +35,7 @@ const Lander& checked(const Lander& lander, double resolution_m) {
   require_positive("leg_radius_m", lander.leg_radius_m);
   require_positive("pad_diameter_m", lander.pad_diameter_m);
   require_positive("body_radius_m", lander.body_radius_m);
-  if (lander.leg_radius_m < 2 * resolution_m - kTolerance)
+  if (lander.leg_radius_m < 2 * resolution_m - kLanderTolerance)
     throw UsageError("lander/leg_radius_m: " + number_text(lander.leg_radius_m) + " is less than 2 bins of " +
                      number_text(resolution_m) + " m");
   return lander;
@@ -66,7 +66,7 @@ LanderStencil::LanderStencil(const Lander& lander, double resolution)
       pad(disc(lander.pad_diameter_m / 2, resolution)),
       body(disc(lander.body_radius_m, resolution)) {
   const double sector = 2 * std::numbers::pi / legs;
-  const double count = std::ceil(sector * lander.leg_radius_m / resolution - kTolerance);
+  const double count = std::ceil(sector * lander.leg_radius_m / resolution - kLanderTolerance);
   for (int m = 0; m < static_cast<int>(count); ++m)
     yaws.push_back(pads(lander, resolution, m * sector / count));
 }

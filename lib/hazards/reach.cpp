@@ -10,7 +10,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::size_t kReachRows = 16;
 
 void add(const Footprint& footprint, const BinOffset& centre, std::vector<BinOffset>& offsets) {
   for (std::int64_t row = -footprint.half_bins(); row <= footprint.half_bins(); ++row)
@@ -59,7 +59,7 @@ BinMask Reach::known(const PaddedMap& z, const BinMask& places) const {
   const std::int64_t width = z.cols() + 2 * margin + 1;
   const std::int64_t height = z.rows() + 2 * margin;
   std::vector<std::int32_t, LargeAllocator<std::int32_t>> missing(static_cast<std::size_t>(width * height));
-  parallel_for(static_cast<std::size_t>(height), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(height), kReachRows, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const double* const values = z.at(static_cast<std::int64_t>(i) - margin, -margin);
       std::int32_t* const row = &missing[i * static_cast<std::size_t>(width)];
@@ -68,7 +68,7 @@ BinMask Reach::known(const PaddedMap& z, const BinMask& places) const {
     }
   });
   BinMask known(places.spec());
-  parallel_for(static_cast<std::size_t>(z.rows()), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(z.rows()), kReachRows, [&](std::size_t begin, std::size_t end) {
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
       const std::span<std::int8_t> target = known.row(row);
       std::ranges::copy(places.row(row), target.begin());

@@ -16,7 +16,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::size_t kRedrawnRows = 16;
 constexpr double kCertain = 8;  // sigma
 constexpr std::size_t kReplicates = 3;
 constexpr std::int64_t kSampledRows = 4;
@@ -24,7 +24,7 @@ constexpr std::uint64_t kSeed = 1;
 
 template <class Work>
 void by_rows(std::int64_t rows, const Work& work) {
-  parallel_for(static_cast<std::size_t>(rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(rows), kRedrawnRows, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) work(static_cast<std::int64_t>(row));
   });
 }

@@ -20,7 +20,7 @@
 namespace landfall {
 namespace {
 
-std::size_t length(const ColumnRows& rows) {
+std::size_t rows_in(const ColumnRows& rows) {
   return std::visit([](auto span) { return span.size(); }, rows);
 }
 
@@ -131,7 +131,7 @@ TableWriter::ChunkPtr TableWriter::empty_chunk() {
 std::vector<TableWriter::ChunkPtr> TableWriter::take(std::span<const ColumnRows> rows) {
   if (rows.size() != columns_.size()) throw std::logic_error("a table row needs every column");
   std::vector<ChunkPtr> full;
-  const std::size_t count = length(rows.front());
+  const std::size_t count = rows_in(rows.front());
   for (std::size_t begin = 0; begin < count;) {
     if (!filling_) {
       filling_ = empty_chunk();

@@ -13,7 +13,7 @@ namespace landfall {
 namespace {
 
 constexpr std::size_t kColumnsPerPiece = 64;
-constexpr std::size_t kRowsPerPiece = 16;
+constexpr std::size_t kDistanceRows = 16;
 
 /// Exceeds any distance in the grid: the value of a column without a set bin.
 std::int64_t beyond(const GridSpec& spec) { return spec.rows + spec.cols; }
@@ -98,7 +98,7 @@ Grid<std::int64_t> squared_distance(const BinMask& set) {
         scan_columns(set, {static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end)}, distance);
       });
   const std::int64_t far = beyond(spec);
-  parallel_for(static_cast<std::size_t>(spec.rows), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(spec.rows), kDistanceRows, [&](std::size_t begin, std::size_t end) {
     RowEnvelope envelope;
     for (std::size_t row = begin; row < end; ++row) {
       const std::span<std::int64_t> values = distance.row(static_cast<std::int64_t>(row));

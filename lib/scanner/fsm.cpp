@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-void check(const FsmParameters& p) {
+void check_fsm(const FsmParameters& p) {
   require_angle(p.max_deflection_rad > 0 && p.max_deflection_rad < std::numbers::pi - 2 * p.incidence_rad,
                 {"", "max_deflection_deg"}, p.max_deflection_rad, "positive and below 180 - 2 incidence_deg");
   require_finite({"", "pivot_m"}, p.pivot_m.v);
@@ -25,7 +25,7 @@ Fsm::Fsm(const FsmParameters& parameters)
       mirror_(parameters.incidence_rad, parameters.fold_azimuth_rad),
       limit_(parameters.max_deflection_rad),
       timing_(parameters.timing) {
-  check(parameters);
+  check_fsm(parameters);
 }
 
 ScannerState Fsm::state(const PulseContext& pulse) const {

@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-void check(const PalmerParameters& p) {
+void check_palmer(const PalmerParameters& p) {
   require_angle(p.tilt_rad >= 0 && p.tilt_rad + p.incidence_rad < pi / 2, {"", "tilt_deg"}, p.tilt_rad,
                 ">= 0 and below 90 - incidence_deg");
   require_positive({"", "rate_hz"}, p.rate_hz);
@@ -24,7 +24,7 @@ Palmer::Palmer(const PalmerParameters& parameters)
     : parameters_(parameters),
       mirror_(parameters.incidence_rad, parameters.fold_azimuth_rad),
       tilted_(mirror_.normal({parameters.tilt_rad, 0}).v) {
-  check(parameters);
+  check_palmer(parameters);
 }
 
 ScannerState Palmer::state(const PulseContext& pulse) const {

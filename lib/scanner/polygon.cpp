@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-void check(const PolygonParameters& p) {
+void check_polygon(const PolygonParameters& p) {
   require(p.facets >= 2 && p.facets <= 1000, {"", "facets"}, p.facets, "in 2..1000");
   require_positive({"", "rate_hz"}, p.rate_hz);
   require_finite({"", "phase_deg"}, p.phase_rad);
@@ -36,7 +36,7 @@ double triangle(double turns) { return 1 - 4 * std::abs(from_nearest(turns)); }
 }  // namespace
 
 Polygon::Polygon(const PolygonParameters& parameters) : parameters_(parameters) {
-  check(parameters);
+  check_polygon(parameters);
   const Eigen::Matrix3d azimuth = rotation_matrix({0, 0, parameters.line_azimuth_rad});
   line_ = azimuth.col(0);
   across_line_ = azimuth.col(1);

@@ -36,7 +36,7 @@ const RisleyParameters& checked(const RisleyParameters& parameters) {
 /// Degrees for messages, rounded to 1e-6.
 double degrees(double angle_rad) { return std::round(angle_rad * (180 / pi) * 1e6) / 1e6; }
 
-[[noreturn]] void refuse_aim(std::int64_t pulse, const Vector3d& aim,
+[[noreturn]] void refuse_reach(std::int64_t pulse, const Vector3d& aim,
                              const std::optional<RisleyReach>& reach) {
   std::ostringstream message;
   message << "scanner: pulse " << pulse << " aims "
@@ -103,7 +103,7 @@ Risley::Risley(const RisleyParameters& parameters)
 RisleyAngles Risley::follow(const PulseContext& pulse, RisleyBranch branch) const {
   if (!pulse.aim) return {};
   const auto angles = steering_.angles(*pulse.aim, branch);
-  if (!angles) refuse_aim(pulse.time.pulse, pulse.aim->v, steering_.reach());
+  if (!angles) refuse_reach(pulse.time.pulse, pulse.aim->v, steering_.reach());
   return *angles;
 }
 

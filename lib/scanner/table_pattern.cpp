@@ -15,7 +15,7 @@ namespace {
 constexpr double kTimeSlack_s = 1e-9;
 constexpr double kClosed_m = 1e-3;
 
-void check(const TablePatternParameters& parameters, const std::string& name) {
+void check_table(const TablePatternParameters& parameters, const std::string& name) {
   require_timed_rows<AimSample>(parameters.samples, name, [](const AimSample& s) {
     return std::isfinite(s.x_m) && std::isfinite(s.y_m);
   });
@@ -47,7 +47,7 @@ std::vector<AimSample> aim_samples(const NumberTable& table) {
 
 TablePattern::TablePattern(TablePatternParameters parameters, const std::string& name)
     : Pattern(parameters.compensated), parameters_(std::move(parameters)) {
-  check(parameters_, name);
+  check_table(parameters_, name);
 }
 
 std::optional<Point<DemFrame>> TablePattern::ground_aim(const PulseTime& pulse) const {

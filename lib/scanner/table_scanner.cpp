@@ -14,9 +14,9 @@
 namespace landfall {
 namespace {
 
-constexpr double kTimeRounding_s = 1e-9;
+constexpr double kTableRounding_s = 1e-9;
 
-void check(const std::vector<AngleSample>& samples, const std::string& name) {
+void check_samples(const std::vector<AngleSample>& samples, const std::string& name) {
   require_timed_rows<AngleSample>(samples, name, [](const AngleSample& s) {
     return std::isfinite(s.angles.angle_1_rad) && std::isfinite(s.angles.angle_2_rad);
   });
@@ -39,7 +39,7 @@ TableScanner::TableScanner(std::vector<AngleSample> samples, const std::optional
                            std::string name)
     : samples_(std::move(samples)), name_(std::move(name)) {
   if (mirror) mirror_.emplace(mirror->incidence_rad, mirror->fold_azimuth_rad);
-  check(samples_, name_);
+  check_samples(samples_, name_);
 }
 
 void TableScanner::refuse(const PulseTime& pulse, const std::string& what) const {
@@ -51,7 +51,7 @@ TiltAngles TableScanner::angles(const PulseTime& pulse) const {
   const double first_s = samples_.front().t_s;
   const double last_s = samples_.back().t_s;
   const double wanted_s = pulse.since_start_s;
-  if (!(wanted_s >= first_s - kTimeRounding_s && wanted_s <= last_s + kTimeRounding_s))
+  if (!(wanted_s >= first_s - kTableRounding_s && wanted_s <= last_s + kTableRounding_s))
     refuse(pulse, "is outside the table, which goes from " + number_text(first_s) + " to " +
                       number_text(last_s) + " s");
   const double t_s = std::clamp(wanted_s, first_s, last_s);

@@ -20,7 +20,7 @@ constexpr std::uint64_t kFurtherDraws = 8;
 constexpr std::uint64_t kPlaceDraws = 16;  // two for each attempt
 static_assert(kPlaceDraws + 2 * kAttempts <= std::uint64_t{1} << kDrawBits);
 
-std::uint64_t key_of(int exponent, std::size_t number) {
+std::uint64_t draw_key(int exponent, std::size_t number) {
   return static_cast<std::uint64_t>(exponent + 2000) << 40U | static_cast<std::uint64_t>(number);
 }
 
@@ -117,7 +117,7 @@ std::vector<ScatteredObject> PopulationSampler::draw(const Octave& octave) const
   std::vector<double> densities;
   double events = 0;
   for (std::size_t i = 0;; ++i) {
-    events -= std::log(1 - random_.uniform(key_of(octave.exponent, i), seed_ << kDrawBits | kSizeDraw));
+    events -= std::log(1 - random_.uniform(draw_key(octave.exponent, i), seed_ << kDrawBits | kSizeDraw));
     densities.push_back(at_top + events / octave.box.area_m2());
     if (!(densities.back() < at_bottom)) break;
   }
@@ -125,7 +125,7 @@ std::vector<ScatteredObject> PopulationSampler::draw(const Octave& octave) const
   std::vector<ScatteredObject> objects(densities.size());
   parallel_for(objects.size(), kObjectsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint64_t key = key_of(octave.exponent, i);
+      const std::uint64_t key = draw_key(octave.exponent, i);
       objects[i] = {draw_point(key, 0, octave.box),
                     diameter_m(population_.law, densities[i], octave.diameters), key};
     }

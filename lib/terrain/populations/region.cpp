@@ -13,7 +13,7 @@ Box box_about(const SitePoint& center, double half_x_m, double half_y_m) {
   return {center.x_m - half_x_m, center.x_m + half_x_m, center.y_m - half_y_m, center.y_m + half_y_m};
 }
 
-Box box_of(const RectangleRegion& r) { return box_about(r.center, r.width_m / 2, r.length_m / 2); }
+Box bounds(const RectangleRegion& r) { return box_about(r.center, r.width_m / 2, r.length_m / 2); }
 
 void validate_center(const SitePoint& center, const std::string& owner) {
   require_finite({owner, "x_m"}, center.x_m);
@@ -41,7 +41,7 @@ struct Bounds {
   const Box& site;
 
   Box operator()(const SiteRegion& /*region*/) const { return site; }
-  Box operator()(const RectangleRegion& r) const { return site.common(box_of(r)); }
+  Box operator()(const RectangleRegion& r) const { return site.common(bounds(r)); }
   Box operator()(const AnnulusRegion& r) const {
     return site.common(box_about(r.center, r.outer_radius_m, r.outer_radius_m));
   }
@@ -51,7 +51,7 @@ struct Contains {
   const SitePoint& point;
 
   bool operator()(const SiteRegion& /*region*/) const { return true; }
-  bool operator()(const RectangleRegion& r) const { return box_of(r).contains(point); }
+  bool operator()(const RectangleRegion& r) const { return bounds(r).contains(point); }
   bool operator()(const AnnulusRegion& r) const {
     const double distance_m = std::hypot(point.x_m - r.center.x_m, point.y_m - r.center.y_m);
     return distance_m >= r.inner_radius_m && distance_m <= r.outer_radius_m;

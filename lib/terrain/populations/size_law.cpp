@@ -14,8 +14,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// E_2(x) = exp(-x) - x E_1(x), which loses a factor of x in precision; computing N(>D), which falls as
 /// exp(-x), from D loses the same. long double would differ between processors.
 double exponential_integral_2(double x) {
@@ -55,7 +53,7 @@ double PowerLaw::diameter_m(double density_per_m2, const DiameterRange& range) c
 }
 
 double PowerLaw::area_fraction(const DiameterRange& range) const {
-  return kPi / 4 * coefficient * exponent * power_integral(1 - exponent, range);
+  return std::numbers::pi / 4 * coefficient * exponent * power_integral(1 - exponent, range);
 }
 
 GolombekLaw GolombekLaw::covering(double area_fraction, double diameter_m, const std::string& owner) {
@@ -79,7 +77,7 @@ void GolombekLaw::validate(const std::string& owner) const {
 
 double GolombekLaw::density_per_m2(double diameter_m) const {
   const double q = q_per_m();
-  return 4 * k * q / kPi * exponential_integral_2(q * diameter_m) / diameter_m;
+  return 4 * k * q / std::numbers::pi * exponential_integral_2(q * diameter_m) / diameter_m;
 }
 
 double GolombekLaw::diameter_m(double density_per_m2, const DiameterRange& range) const {

@@ -12,7 +12,6 @@
 namespace landfall {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBorderTolerance = 1e-6;  // pixels; georeferences carry no more than 9 to 12 digits
 
 /// How far beyond the first and the last pixel centre a method reaches.
@@ -97,7 +96,7 @@ void extend(PixelBox& box, const PixelPosition& p) {
 }  // namespace
 
 double interpolate(const DemSamples& samples, Interpolation method, const PixelPosition& pixel) {
-  if (!inside(samples.size, method, pixel)) return kNan;
+  if (!inside(samples.size, method, pixel)) return std::numeric_limits<double>::quiet_NaN();
   const auto [rows, cols] = samples.size;
   if (method == Interpolation::nearest)
     return weighted(samples, nearest_taps(pixel.row, rows), nearest_taps(pixel.col, cols));

@@ -23,7 +23,7 @@ constexpr std::int64_t kMaxNodes = std::int64_t{1} << 30U;  // 8 GiB of elevatio
 constexpr std::size_t kStripRows = 16;
 constexpr std::int64_t kBorderRows = 2;
 
-TerrainModel checked(TerrainModel model, const GridSpec& spec) {
+TerrainModel fitting_model(TerrainModel model, const GridSpec& spec) {
   validate(model, spec);
   return model;
 }
@@ -117,7 +117,7 @@ ProgressCallback step_of(const ProgressCallback& progress, std::size_t step, std
 }
 
 /// Joins the last rows of one grid and the first rows of the grid north of it.
-Grid<double> joined(const Grid<double>& south, const Grid<double>& north) {
+Grid<double> joined_rows(const Grid<double>& south, const Grid<double>& north) {
   GridSpec spec = south.spec();
   spec.rows += kBorderRows;
   Grid<double> both(spec);
@@ -151,7 +151,7 @@ void validate(const TerrainModel& model, const GridSpec& spec) {
 
 TerrainStrips::TerrainStrips(TerrainModel model, const GridSpec& spec, const DemLoader& load_dem,
                              const StripSize& size, const ProgressCallback& progress)
-    : model_(checked(std::move(model), spec)), spec_(spec), size_(size), field_(model_, spec) {
+    : model_(fitting_model(std::move(model), spec)), spec_(spec), size_(size), field_(model_, spec) {
   for (const Base& base : model_.bases) {
     const auto* const dem = std::get_if<DemBase>(&base);
     if (dem == nullptr) continue;
@@ -259,7 +259,7 @@ void TerrainStrips::require_relief() const {
 
 void TerrainStrips::seat(Grid<double>& strip) {
   const CellOrigin origin = is_whole() ? CellOrigin() : CellOrigin::of_windows(spec_, 0);
-  if (border_) field_.seat(TriangulatedGrid(joined(*border_, strip), origin));
+  if (border_) field_.seat(TriangulatedGrid(joined_rows(*border_, strip), origin));
   if (!is_whole()) border_ = last_rows(strip);
   TriangulatedGrid ground(std::move(strip), origin);
   field_.seat(ground);

@@ -1,0 +1,109 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks that units which LANDFALL_UNITY compiles together do not give one name two meanings in their unnamed namespaces.
+
+usage: check_unity.py REPOSITORY
+
+Which units share an object, and in which order, changes with each new file: so any two units of a library are compared, and
+each with the constants of the library's headers. Functions may share a name where the numbers of their parameters differ,
+aliases where they are equal. A name that collides in another way is seen by the compiler of preset release alone.
+"""
+import collections
+import pathlib
+import re
+import sys
+
+TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\()(\w+)(.*?)\)", re.S)
+SETTING = re.compile(r"set\((\w+)([^)]*)\)")
+HEADER_CONSTANT = re.compile(r"^inline constexpr \S+ (k\w+)", re.M)
+FUNCTION = re.compile(r"(?:[^=(]|operator\W+)*\([^;]*\)[^;]*\{\}$")  # with its body
+NOISE = re.compile(r"""//[^\n]*|/\*.*?\*/|^[ \t]*\#(?:\\\n|[^\n])*  # comments, preprocessor
+                       |(?P<literal>R"(?P<mark>\w*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|(?<!\w)'(?:\\.|[^'\\\n])+')""", re.S | re.M | re.X)
+
+
+def without_noise(text: str) -> str:
+    """Without comments, preprocessor lines and the contents of literals."""
+    return NOISE.sub(lambda match: '""' if match["literal"] else " ", text)
+
+
+def count_to_bracket(text: str):
+    """How many parts between commas `text` has up to the bracket that closes it, and what follows that."""
+    depth, count = 0, 1
+    for place, character in enumerate(text):
+        depth += {"(": 1, "<": 1, "{": 1, ")": -1, ">": -1, "}": -1}.get(character, 0)
+        if depth < 0:
+            return count, text[place + 1:]
+        count += depth == 0 and character == ","
+    return count, ""
+
+
+def declarations(text: str):
+    """(enclosing namespace, declaration) of the unnamed namespaces, with {} for what stands in braces."""
+    for opening in re.finditer(r"\bnamespace\s*\{", text):
+        enclosing = re.findall(r"\bnamespace\s+([\w:]+)\s*\{", text[:opening.start()])
+        depth, declaration = 1, ""
+        for character in text[opening.end():]:
+            depth += {"{": 1, "}": -1}.get(character, 0)
+            if depth == 0:
+                break
+            if depth == 1 and character != ";" or depth == 2 and character == "{":
+                declaration += character
+            if depth == 1 and (character == ";" or character == "}" and FUNCTION.match(declaration)):
+                yield enclosing[-1], " ".join(declaration.split())
+                declaration = ""
+
+
+def meaning(text: str):
+    """The name that a declaration introduces, and its kind with what tells it from others of that name."""
+    while match := re.match(r"template\s*<", text):
+        text = count_to_bracket(text[match.end():])[1].strip()
+    if match := re.match(r"(?:using|namespace) (\w+) =", text) or re.match(r"using .*?(\w+)$", text):
+        return match[1], ("alias", text)
+    if match := re.match(r"(?:enum class|enum|struct|class|union|concept) (\w+)", text):
+        return match[1], ("type",)
+    if match := re.match(r"[^={]*?(operator[^(]+|\w+)\s*\(", text):
+        return match[1], ("function", count_to_bracket(text[match.end():])[0])
+    return re.search(r"(\w+)(?: ?\[[^]]*\])* ?$", re.split("[={]", text)[0])[1], ("variable",)
+
+
+def collide(one, other) -> bool:
+    return one[0] != other[0] or (one != other if one[0] == "alias" else one == other)
+
+
+def collisions(library: str, files, headers):
+    known = collections.defaultdict(list)
+    for header in headers:
+        for name in HEADER_CONSTANT.findall(header.read_text()):
+            known[name].append((header, ("variable",)))
+    for file in files:
+        for namespace, declaration in declarations(without_noise(file.read_text())):
+            if declaration.startswith("static_assert"):
+                continue
+            name, what = meaning(declaration)
+            # A header's constant is known by its name alone.
+            for other, other_what in known[name] + known[namespace, name]:
+                if other != file and collide(what, other_what):
+                    yield f"{library}: {name} stands in {other} and in {file}"
+            known[namespace, name].append((file, what))
+
+
+def violations(root: pathlib.Path):
+    for list_file in sorted(root.glob("lib/*/CMakeLists.txt")):
+        text = re.sub(r"#.*", "", list_file.read_text())
+        for name, value in SETTING.findall(text):
+            text = text.replace("${" + name + "}", value)
+        for library, arguments in TARGET.findall(text):
+            sources = re.search(r"SOURCES\b(.*?)(\bLINKS|$)", arguments, re.S)
+            alone = re.search(r"ALONE((?:\s+[\w/]+\.cpp)+)", arguments)
+            together = [name for name in sources[1].split() if name.endswith(".cpp") and name not in (alone[1].split() if alone else [])]
+            yield from collisions(library, [list_file.parent / name for name in together], sorted(list_file.parent.rglob("*.h")))
+
+
+def main():
+    found = list(violations(pathlib.Path(sys.argv[1])))
+    print("\n".join(found) if found else "units that are compiled together have names of their own")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
