@@ -35,19 +35,16 @@ WindowJudge::Outcome WindowJudge::judge(const TileErrors& errors, const View<con
   tile_ = {0, 0, region.rows, region.cols};
   fail_ = fail;
   outcome_ = {};
-  const View<std::int8_t> pending = shaped(pending_, tile_.rows, tile_.cols);
-  for (std::int64_t row = 0; row < tile_.rows; ++row)
-    std::copy_n(region.row(row), tile_.cols, pending.row(row));
-  count_values();
-  if (outcome_.footprints == 0) return outcome_;
+  count_values(region);
   const ErrorRange& range = errors.range();
   // Every mean lies between the errors, but for its rounding error.
-  if (range.highest - range.lowest + mean_error_ <= rule_.limit_m * (1 - 0x1p-50)) return outcome_;
+  if (outcome_.footprints == 0 || range.highest - range.lowest + mean_error_ <= rule_.limit_m * (1 - 0x1p-50))
+    return outcome_;
+  find_pending(region);
   estimate_means();
   const Pending all = pending_windows(tile_);
-  if (range.highest - all.means.lowest <= rule_.limit_m && all.means.highest - range.lowest <= rule_.limit_m)
-    return outcome_;
-  judge_windows(tile_);
+  if (range.highest - all.means.lowest > rule_.limit_m || all.means.highest - range.lowest > rule_.limit_m)
+    judge_windows(tile_);
   return outcome_;
 }
 
@@ -56,40 +53,36 @@ View<const double> WindowJudge::reach(const Rectangle& windows) const {
                                 windows.cols + 2 * errors_->half_cols());
 }
 
-/// Counts the values of each window; a window without any is not pending.
-void WindowJudge::count_values() {
+/// Counts the values of each window and the windows of the region that have one.
+void WindowJudge::count_values(const View<const std::int8_t>& region) {
   const View<const double> errors = errors_->errors();
-  const View<std::int64_t> value_counts = shaped(value_counts_, tile_.rows, tile_.cols);
   const std::int64_t half = rule_.footprint.half_bins();
-  const std::int64_t whole = rule_.footprint.bin_count();
-  const bool is_full =
-      errors_->missing() == 0 && errors_->half_rows() == half && errors_->half_cols() == half;
-  const View<std::uint64_t> counts = shaped(counts_, tile_.rows, tile_.cols);
-  if (!is_full) {
+  is_full_ = errors_->missing() == 0 && errors_->half_rows() == half && errors_->half_cols() == half;
+  if (!is_full_) {
     const View<std::uint64_t> packed = shaped(packed_, errors.rows, errors.cols);
     static_cast<void>(count_deviations(errors, {0, 0}, kInfinity, packed));
-    window_sums(packed, rule_.footprint, counts);
+    window_sums(packed, rule_.footprint, shaped(value_counts_, tile_.rows, tile_.cols));
   }
-  for (std::int64_t row = 0; row < tile_.rows; ++row) {
-    for (std::int64_t col = 0; col < tile_.cols; ++col) {
-      const std::int64_t n = is_full ? whole : PackedCounts{counts.at(row, col)}.valid();
-      value_counts.at(row, col) = n;
-      std::int8_t& pending = pending_[index({row, col})];
-      if (n == 0) pending = 0;
-      outcome_.footprints += pending != 0 ? 1 : 0;
-    }
-  }
+  for (std::int64_t row = 0; row < tile_.rows; ++row)
+    for (std::int64_t col = 0; col < tile_.cols; ++col)
+      outcome_.footprints += region.at(row, col) != 0 && has_value(row, col) ? 1 : 0;
   const auto rows = static_cast<double>(errors.rows);
   const auto cols = static_cast<double>(errors.cols);
   // Twice the bound of window_sums(), for the rounding of the exact mean and of the division.
   mean_error_ = 0x1p-50 * rows * cols * (rows + cols) * errors_->range().largest() + 1e-300;
 }
 
+void WindowJudge::find_pending(const View<const std::int8_t>& region) {
+  const View<std::int8_t> pending = shaped(pending_, tile_.rows, tile_.cols);
+  for (std::int64_t row = 0; row < tile_.rows; ++row)
+    for (std::int64_t col = 0; col < tile_.cols; ++col)
+      pending.at(row, col) = region.at(row, col) != 0 && has_value(row, col) ? 1 : 0;
+}
+
 void WindowJudge::estimate_means() {
-  const View<double> means = shaped(means_, tile_.rows, tile_.cols);
-  window_sums(errors_->filled(), rule_.footprint, means);
-  const std::size_t size = static_cast<std::size_t>(tile_.rows * tile_.cols);
-  for (std::size_t i = 0; i < size; ++i) means_[i] /= static_cast<double>(value_counts_[i]);
+  window_sums(errors_->filled(), rule_.footprint, shaped(means_, tile_.rows, tile_.cols));
+  const auto size = static_cast<std::size_t>(tile_.rows * tile_.cols);
+  for (std::size_t i = 0; i < size; ++i) means_[i] /= static_cast<double>(value_count(i));
 }
 
 WindowJudge::Pending WindowJudge::pending_windows(const Rectangle& windows) const {
@@ -99,7 +92,7 @@ WindowJudge::Pending WindowJudge::pending_windows(const Rectangle& windows) cons
       const std::size_t i = index({row, col});
       if (pending_[i] == 0) continue;
       ++result.count;
-      result.fewest = std::min(result.fewest, value_counts_[i]);
+      result.fewest = std::min(result.fewest, value_count(i));
       result.means.lowest = std::min(result.means.lowest, means_[i]);
       result.means.highest = std::max(result.means.highest, means_[i]);
     }
