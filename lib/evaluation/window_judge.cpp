@@ -14,7 +14,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Chosen for speed; none of them changes a result.
-constexpr std::int64_t kSmallestEdge = 8;  // of a rectangle of windows that is not split further
+constexpr std::int64_t kSmallestEdge = 8;   // of a rectangle of windows that is not split further
+constexpr std::int64_t kManyUndecided = 4;  // one window of a tile in so many: exact means of all of them
 constexpr std::int64_t kListCost = 2;  // of a value in the list of a window, in bins counted for a quarter
 
 template <class T>
@@ -35,6 +36,7 @@ WindowJudge::Outcome WindowJudge::judge(const TileErrors& errors, const View<con
   tile_ = {0, 0, region.rows, region.cols};
   fail_ = fail;
   outcome_ = {};
+  has_all_exact_ = false;
   count_values(region);
   const ErrorRange& range = errors.range();
   // Every mean lies between the errors, but for its rounding error.
@@ -119,7 +121,7 @@ void WindowJudge::judge_windows(const Rectangle& windows) {
   if (is_small || undecided * list <= kListCost * errors.rows * errors.cols)
     judge_by_list(windows, counts);
   else
-    judge_quarters(windows);
+    judge_quarters(windows, undecided);
 }
 
 void WindowJudge::drop(const Rectangle& windows) {
@@ -151,7 +153,12 @@ std::int64_t WindowJudge::decide_by_counts(const Rectangle& windows, const View<
   return undecided;
 }
 
-void WindowJudge::judge_quarters(const Rectangle& windows) {
+void WindowJudge::judge_quarters(const Rectangle& windows, std::int64_t undecided) {
+  const bool is_tile = windows.rows == tile_.rows && windows.cols == tile_.cols;
+  if (is_tile && undecided * kManyUndecided >= tile_.rows * tile_.cols) {
+    find_exact_means(windows);
+    has_all_exact_ = true;
+  }
   const std::int64_t rows = split_edge(windows.rows);
   const std::int64_t cols = split_edge(windows.cols);
   for (std::int64_t row = 0; row < windows.rows; row += rows)
@@ -176,19 +183,26 @@ void WindowJudge::list_uncertain(const Rectangle& windows) {
   }
 }
 
-void WindowJudge::judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts) {
-  list_uncertain(windows);
+/// Computes the exact means of these windows, unless those of the whole tile are known.
+void WindowJudge::find_exact_means(const Rectangle& windows) {
+  if (has_all_exact_) return;
   const View<const double> errors = reach(windows);
   auto grid = Grid<double>::unset({1, 0, 0, errors.rows, errors.cols});
   for (std::int64_t row = 0; row < errors.rows; ++row)
     std::copy_n(errors.row(row), errors.cols, grid.row(row).begin());
-  const WindowMeans exact = window_means(grid, rule_.footprint);
+  exact_means_ = window_means(grid, rule_.footprint).mean;
+  exact_first_ = {windows.row - errors_->half_rows(), windows.col - errors_->half_cols()};
+}
+
+void WindowJudge::judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts) {
+  list_uncertain(windows);
+  find_exact_means(windows);
   for (std::int64_t row = 0; row < windows.rows; ++row) {
     for (std::int64_t col = 0; col < windows.cols; ++col) {
       const Place window{windows.row + row, windows.col + col};
       if (!is_pending(window)) continue;
       ++outcome_.by_list;
-      const double mean = exact.mean.at({row + errors_->half_rows(), col + errors_->half_cols()});
+      const double mean = exact_means_.at({window.row - exact_first_.row, window.col - exact_first_.col});
       decide(window, exceeds(window, mean, PackedCounts{counts.at(row, col)}));
     }
   }

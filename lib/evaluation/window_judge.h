@@ -82,7 +82,8 @@ class WindowJudge {
   void judge_windows(const Rectangle& windows);
   void drop(const Rectangle& windows);
   [[nodiscard]] std::int64_t decide_by_counts(const Rectangle& windows, const View<std::uint64_t>& counts);
-  void judge_quarters(const Rectangle& windows);
+  void judge_quarters(const Rectangle& windows, std::int64_t undecided);
+  void find_exact_means(const Rectangle& windows);
   void list_uncertain(const Rectangle& windows);
   void judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts);
   [[nodiscard]] bool exceeds(Place window, double mean, const PackedCounts& counts);
@@ -105,6 +106,9 @@ class WindowJudge {
   double mean_error_ = 0;             ///< at most, of means_
   std::vector<std::int8_t> pending_;  ///< by window of the tile
   std::vector<double> means_;         ///< likewise
+  Grid<double> exact_means_;          ///< of windows from exact_first_ on
+  Place exact_first_{};
+  bool has_all_exact_ = false;  ///< of the whole tile
   bool is_full_ = false;
   std::int64_t whole_;                       ///< bins of the footprint
   std::vector<std::uint64_t> value_counts_;  ///< likewise, unless is_full_
