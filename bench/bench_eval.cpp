@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Eq. 12 over the paper's map, 3,141,521 windows of 35 x 35 bins and discs of 35 bins, one thread: a
 // selection in each window, on some rows only, against the shared tails. The ratios of their rates come last.
-// The whole evaluation (metrics only) of maps of 501 to 4001 bins on a side shows how its time grows.
+// The whole evaluation (metrics only) of maps of 501 to 4001 bins on a side shows how its time grows;
+// verdicts alone, of 2001 bins on a side with limits that most footprints keep, that half of them keep, or
+// none.
 //   bench_eval [dem.h5] [--benchmark_filter=noise ...]
 // With a DEM of 2001 x 2001 bins of 0.05 m, that DEM's three axes instead of the synthetic maps.
 // Times move with whatever else the machine does: each method's best of three repetitions counts.
@@ -21,9 +23,10 @@
 #include "base/random.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/evaluate.h"
-#include "raster/region.h"
+#include "evaluation/verdict.h"
 #include "evaluation/window_quantile.h"
 #include "files/evaluation_file.h"
+#include "raster/region.h"
 
 namespace landfall {
 namespace {
@@ -132,9 +135,8 @@ void measure(benchmark::State& state, const Scene& scene, const Method& method) 
   state.SetItemsProcessed(count_set(region) * state.iterations());
 }
 
-/// A DEM of noise, its region as large as fits.
-void measure_evaluation(benchmark::State& state) {
-  const std::int64_t half = state.range(0);
+/// A DEM of noise.
+DemLayers noisy_dem(std::int64_t half) {
   const GridSpec spec{0.05, -half, -half, 2 * half + 1, 2 * half + 1};
   DemLayers dem{.z_est = Grid<double>(spec),
                 .truth = TrueLayers{Grid<double>(spec), Grid<double>(spec), Grid<double>(spec)}};
@@ -146,10 +148,27 @@ void measure_evaluation(benchmark::State& state) {
       dem.truth->z.values()[i] = kSigma_m * kNormal.normal(i);
     }
   }
+  return dem;
+}
+
+/// The region is as large as fits.
+void measure_evaluation(benchmark::State& state) {
+  const DemLayers dem = noisy_dem(state.range(0));
   EvaluationParameters parameters;
-  parameters.region_radius_m = 0.05 * static_cast<double>(half);
+  parameters.region_radius_m = 0.05 * static_cast<double>(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(evaluate(dem, parameters).metrics.pass);
-  state.SetItemsProcessed(static_cast<std::int64_t>(spec.size()) * state.iterations());
+  state.SetItemsProcessed(static_cast<std::int64_t>(dem.z_est.spec().size()) * state.iterations());
+}
+
+/// The limit of z in millimetres: its 95th percentile in a footprint is 65 mm.
+void measure_verdict(benchmark::State& state) {
+  const DemLayers dem = noisy_dem(state.range(0));
+  EvaluationParameters parameters;
+  parameters.region_radius_m = 0.05 * static_cast<double>(state.range(0));
+  parameters.limits.relative_elevation_m = 0.001 * static_cast<double>(state.range(1));
+  const BinMask region = judged_region(parameters, dem.z_est.spec(), nullptr);
+  for (auto _ : state) benchmark::DoNotOptimize(decide(dem, region, parameters).metrics.pass);
+  state.SetItemsProcessed(static_cast<std::int64_t>(dem.z_est.spec().size()) * state.iterations());
 }
 
 /// Keeps each benchmark's best rate beside what the console shows.
@@ -215,6 +234,12 @@ int main(int argc, char** argv) {
       ->Arg(2000)
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
+  benchmark::RegisterBenchmark("verdict", measure_verdict)
+      ->Args({1000, 100})
+      ->Args({1000, 65})
+      ->Args({1000, 30})
+      ->Unit(benchmark::kMillisecond)
+      ->MeasureProcessCPUTime();
   BestRates rates;
   benchmark::RunSpecifiedBenchmarks(&rates);
   for (const char* const prefix : {"", "disc_"}) rates.print_ratios(scenes, prefix);

@@ -83,7 +83,7 @@ TileVerdict TileJudge::judge(const Tile& tile) {
   result.x = judge_x_.judge(x_, region, fail);
   result.y = judge_y_.judge(y_, region, fail);
   result.z = judge_z_.judge(z_, region, fail);
-  judge_horizontal(tile, result.horizontal);
+  judge_horizontal(tile, result.x.footprints, result.horizontal);
   return result;
 }
 
@@ -101,8 +101,8 @@ bool TileJudge::has_infinite_layer(const Tile& tile) const {
 }
 
 /// The footprints whose hypot(abs_x, abs_y) exceeds the limit: all of the tile, none, or those whose means
-/// say so.
-void TileJudge::judge_horizontal(const Tile& tile, WindowJudge::Outcome& outcome) {
+/// say so. `footprints` have a value in x.
+void TileJudge::judge_horizontal(const Tile& tile, std::int64_t footprints, WindowJudge::Outcome& outcome) {
   if (x_.range().valid == 0 || y_.range().valid == 0) return;
   const Magnitudes x = magnitudes(judge_x_.bounds_of_means());
   const Magnitudes y = magnitudes(judge_y_.bounds_of_means());
@@ -110,6 +110,10 @@ void TileJudge::judge_horizontal(const Tile& tile, WindowJudge::Outcome& outcome
   const bool is_within = std::hypot(x.largest, y.largest) * (1 + kSlack) <= limits_.absolute_horizontal_m;
   const bool is_beyond = std::hypot(x.smallest, y.smallest) * (1 - kSlack) > limits_.absolute_horizontal_m;
   if (!is_within && !is_beyond) return judge_means(tile, outcome);
+  if (is_within && judge_x_.is_full() && judge_y_.is_full()) {
+    outcome.footprints = footprints;
+    return;
+  }
   const GridSpec& spec = region_.spec();
   const View<const std::int8_t> region = part(region_.values().data(), spec, tile);
   const View<std::int8_t> fail = part(fail_.values().data(), spec, tile);

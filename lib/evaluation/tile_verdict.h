@@ -38,7 +38,7 @@ class TileJudge {
  private:
   [[nodiscard]] bool is_outside(const Tile& tile) const;
   [[nodiscard]] bool has_infinite_layer(const Tile& tile) const;
-  void judge_horizontal(const Tile& tile, WindowJudge::Outcome& outcome);
+  void judge_horizontal(const Tile& tile, std::int64_t footprints, WindowJudge::Outcome& outcome);
   void judge_means(const Tile& tile, WindowJudge::Outcome& outcome);
 
   const DemLayers& dem_;

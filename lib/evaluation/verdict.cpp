@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "evaluation/coverage.h"
 #include "evaluation/evaluate.h"
+#include "evaluation/sparse_coverage.h"
 #include "evaluation/tile_verdict.h"
 
 namespace landfall {
@@ -104,9 +104,7 @@ Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationPara
   } else {
     check_layers(dem);
   }
-  const Coverage coverage = assess_coverage(dem.z_est, region, parameters.limits);
-  flag_coverage(coverage, parameters.limits, result.fail);
-  metrics.coverage = coverage.metrics;
+  metrics.coverage = judge_coverage(dem.z_est, region, parameters.limits, result.fail);
   metrics.requirements = judge_values(metrics.coverage, values, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);
   return result;

@@ -14,7 +14,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Chosen for speed; none of them changes a result.
-constexpr std::int64_t kSmallestEdge = 8;  // of a rectangle of windows that is not split further
+constexpr std::int64_t kSmallestEdge = 8;   // of a rectangle of windows that is not split further
+constexpr std::int64_t kManyUndecided = 4;  // one window of a tile in so many: exact means of all of them
 constexpr std::int64_t kListCost = 2;  // of a value in the list of a window, in bins counted for a quarter
 
 template <class T>
@@ -35,19 +36,17 @@ WindowJudge::Outcome WindowJudge::judge(const TileErrors& errors, const View<con
   tile_ = {0, 0, region.rows, region.cols};
   fail_ = fail;
   outcome_ = {};
-  const View<std::int8_t> pending = shaped(pending_, tile_.rows, tile_.cols);
-  for (std::int64_t row = 0; row < tile_.rows; ++row)
-    std::copy_n(region.row(row), tile_.cols, pending.row(row));
-  count_values();
-  if (outcome_.footprints == 0) return outcome_;
+  has_all_exact_ = false;
+  count_values(region);
   const ErrorRange& range = errors.range();
   // Every mean lies between the errors, but for its rounding error.
-  if (range.highest - range.lowest + mean_error_ <= rule_.limit_m * (1 - 0x1p-50)) return outcome_;
+  if (outcome_.footprints == 0 || range.highest - range.lowest + mean_error_ <= rule_.limit_m * (1 - 0x1p-50))
+    return outcome_;
+  find_pending(region);
   estimate_means();
   const Pending all = pending_windows(tile_);
-  if (range.highest - all.means.lowest <= rule_.limit_m && all.means.highest - range.lowest <= rule_.limit_m)
-    return outcome_;
-  judge_windows(tile_);
+  if (range.highest - all.means.lowest > rule_.limit_m || all.means.highest - range.lowest > rule_.limit_m)
+    judge_windows(tile_);
   return outcome_;
 }
 
@@ -56,40 +55,36 @@ View<const double> WindowJudge::reach(const Rectangle& windows) const {
                                 windows.cols + 2 * errors_->half_cols());
 }
 
-/// Counts the values of each window; a window without any is not pending.
-void WindowJudge::count_values() {
+/// Counts the values of each window and the windows of the region that have one.
+void WindowJudge::count_values(const View<const std::int8_t>& region) {
   const View<const double> errors = errors_->errors();
-  const View<std::int64_t> value_counts = shaped(value_counts_, tile_.rows, tile_.cols);
   const std::int64_t half = rule_.footprint.half_bins();
-  const std::int64_t whole = rule_.footprint.bin_count();
-  const bool is_full =
-      errors_->missing() == 0 && errors_->half_rows() == half && errors_->half_cols() == half;
-  const View<std::uint64_t> counts = shaped(counts_, tile_.rows, tile_.cols);
-  if (!is_full) {
+  is_full_ = errors_->missing() == 0 && errors_->half_rows() == half && errors_->half_cols() == half;
+  if (!is_full_) {
     const View<std::uint64_t> packed = shaped(packed_, errors.rows, errors.cols);
     static_cast<void>(count_deviations(errors, {0, 0}, kInfinity, packed));
-    window_sums(packed, rule_.footprint, counts);
+    window_sums(packed, rule_.footprint, shaped(value_counts_, tile_.rows, tile_.cols));
   }
-  for (std::int64_t row = 0; row < tile_.rows; ++row) {
-    for (std::int64_t col = 0; col < tile_.cols; ++col) {
-      const std::int64_t n = is_full ? whole : PackedCounts{counts.at(row, col)}.valid();
-      value_counts.at(row, col) = n;
-      std::int8_t& pending = pending_[index({row, col})];
-      if (n == 0) pending = 0;
-      outcome_.footprints += pending != 0 ? 1 : 0;
-    }
-  }
+  for (std::int64_t row = 0; row < tile_.rows; ++row)
+    for (std::int64_t col = 0; col < tile_.cols; ++col)
+      outcome_.footprints += region.at(row, col) != 0 && has_value(row, col) ? 1 : 0;
   const auto rows = static_cast<double>(errors.rows);
   const auto cols = static_cast<double>(errors.cols);
   // Twice the bound of window_sums(), for the rounding of the exact mean and of the division.
   mean_error_ = 0x1p-50 * rows * cols * (rows + cols) * errors_->range().largest() + 1e-300;
 }
 
+void WindowJudge::find_pending(const View<const std::int8_t>& region) {
+  const View<std::int8_t> pending = shaped(pending_, tile_.rows, tile_.cols);
+  for (std::int64_t row = 0; row < tile_.rows; ++row)
+    for (std::int64_t col = 0; col < tile_.cols; ++col)
+      pending.at(row, col) = region.at(row, col) != 0 && has_value(row, col) ? 1 : 0;
+}
+
 void WindowJudge::estimate_means() {
-  const View<double> means = shaped(means_, tile_.rows, tile_.cols);
-  window_sums(errors_->filled(), rule_.footprint, means);
-  const std::size_t size = static_cast<std::size_t>(tile_.rows * tile_.cols);
-  for (std::size_t i = 0; i < size; ++i) means_[i] /= static_cast<double>(value_counts_[i]);
+  window_sums(errors_->filled(), rule_.footprint, shaped(means_, tile_.rows, tile_.cols));
+  const auto size = static_cast<std::size_t>(tile_.rows * tile_.cols);
+  for (std::size_t i = 0; i < size; ++i) means_[i] /= static_cast<double>(value_count(i));
 }
 
 WindowJudge::Pending WindowJudge::pending_windows(const Rectangle& windows) const {
@@ -99,7 +94,7 @@ WindowJudge::Pending WindowJudge::pending_windows(const Rectangle& windows) cons
       const std::size_t i = index({row, col});
       if (pending_[i] == 0) continue;
       ++result.count;
-      result.fewest = std::min(result.fewest, value_counts_[i]);
+      result.fewest = std::min(result.fewest, value_count(i));
       result.means.lowest = std::min(result.means.lowest, means_[i]);
       result.means.highest = std::max(result.means.highest, means_[i]);
     }
@@ -126,7 +121,7 @@ void WindowJudge::judge_windows(const Rectangle& windows) {
   if (is_small || undecided * list <= kListCost * errors.rows * errors.cols)
     judge_by_list(windows, counts);
   else
-    judge_quarters(windows);
+    judge_quarters(windows, undecided);
 }
 
 void WindowJudge::drop(const Rectangle& windows) {
@@ -158,7 +153,12 @@ std::int64_t WindowJudge::decide_by_counts(const Rectangle& windows, const View<
   return undecided;
 }
 
-void WindowJudge::judge_quarters(const Rectangle& windows) {
+void WindowJudge::judge_quarters(const Rectangle& windows, std::int64_t undecided) {
+  const bool is_tile = windows.rows == tile_.rows && windows.cols == tile_.cols;
+  if (is_tile && undecided * kManyUndecided >= tile_.rows * tile_.cols) {
+    find_exact_means(windows);
+    has_all_exact_ = true;
+  }
   const std::int64_t rows = split_edge(windows.rows);
   const std::int64_t cols = split_edge(windows.cols);
   for (std::int64_t row = 0; row < windows.rows; row += rows)
@@ -183,19 +183,26 @@ void WindowJudge::list_uncertain(const Rectangle& windows) {
   }
 }
 
-void WindowJudge::judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts) {
-  list_uncertain(windows);
+/// Computes the exact means of these windows, unless those of the whole tile are known.
+void WindowJudge::find_exact_means(const Rectangle& windows) {
+  if (has_all_exact_) return;
   const View<const double> errors = reach(windows);
   auto grid = Grid<double>::unset({1, 0, 0, errors.rows, errors.cols});
   for (std::int64_t row = 0; row < errors.rows; ++row)
     std::copy_n(errors.row(row), errors.cols, grid.row(row).begin());
-  const WindowMeans exact = window_means(grid, rule_.footprint);
+  exact_means_ = window_means(grid, rule_.footprint).mean;
+  exact_first_ = {windows.row - errors_->half_rows(), windows.col - errors_->half_cols()};
+}
+
+void WindowJudge::judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts) {
+  list_uncertain(windows);
+  find_exact_means(windows);
   for (std::int64_t row = 0; row < windows.rows; ++row) {
     for (std::int64_t col = 0; col < windows.cols; ++col) {
       const Place window{windows.row + row, windows.col + col};
       if (!is_pending(window)) continue;
       ++outcome_.by_list;
-      const double mean = exact.mean.at({row + errors_->half_rows(), col + errors_->half_cols()});
+      const double mean = exact_means_.at({window.row - exact_first_.row, window.col - exact_first_.col});
       decide(window, exceeds(window, mean, PackedCounts{counts.at(row, col)}));
     }
   }

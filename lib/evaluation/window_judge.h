@@ -38,7 +38,7 @@ class WindowJudge {
     std::int64_t by_quantile = 0;  ///< and by the quantile itself
   };
 
-  explicit WindowJudge(const Rule& rule) : rule_(rule) {}
+  explicit WindowJudge(const Rule& rule) : rule_(rule), whole_(rule.footprint.bin_count()) {}
 
   /// Judges the windows about the bins of a tile that the region holds. Sets the flag of those that exceed
   /// the limit. The magnitudes of the errors are at most 2^900.
@@ -51,8 +51,10 @@ class WindowJudge {
     return {errors_->range().lowest - mean_error_, errors_->range().highest + mean_error_};
   }
   [[nodiscard]] bool has_value(std::int64_t row, std::int64_t col) const {
-    return value_counts_[index({row, col})] > 0;
+    return value_count(index({row, col})) > 0;
   }
+  /// Whether every bin that the windows reach has a value.
+  [[nodiscard]] bool is_full() const { return is_full_; }
 
  private:
   struct Rectangle {
@@ -72,14 +74,16 @@ class WindowJudge {
     MeanRange means{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   };
 
-  void count_values();
+  void count_values(const View<const std::int8_t>& region);
+  void find_pending(const View<const std::int8_t>& region);
   void estimate_means();
   [[nodiscard]] View<const double> reach(const Rectangle& windows) const;
   [[nodiscard]] Pending pending_windows(const Rectangle& windows) const;
   void judge_windows(const Rectangle& windows);
   void drop(const Rectangle& windows);
   [[nodiscard]] std::int64_t decide_by_counts(const Rectangle& windows, const View<std::uint64_t>& counts);
-  void judge_quarters(const Rectangle& windows);
+  void judge_quarters(const Rectangle& windows, std::int64_t undecided);
+  void find_exact_means(const Rectangle& windows);
   void list_uncertain(const Rectangle& windows);
   void judge_by_list(const Rectangle& windows, const View<std::uint64_t>& counts);
   [[nodiscard]] bool exceeds(Place window, double mean, const PackedCounts& counts);
@@ -87,6 +91,9 @@ class WindowJudge {
   [[nodiscard]] bool quantile_exceeds(Place window, double mean, double frac) const;
   void decide(Place window, bool fails);
   [[nodiscard]] bool is_pending(Place window) const { return pending_[index(window)] != 0; }
+  [[nodiscard]] std::int64_t value_count(std::size_t i) const {
+    return is_full_ ? whole_ : PackedCounts{value_counts_[i]}.valid();
+  }
   [[nodiscard]] std::size_t index(Place window) const {
     return static_cast<std::size_t>(window.row * tile_.cols + window.col);
   }
@@ -97,9 +104,14 @@ class WindowJudge {
   View<std::int8_t> fail_;
   Outcome outcome_;
   double mean_error_ = 0;             ///< at most, of means_
-  std::vector<std::int8_t> pending_;  ///< these three by window of the tile
-  std::vector<std::int64_t> value_counts_;
-  std::vector<double> means_;
+  std::vector<std::int8_t> pending_;  ///< by window of the tile
+  std::vector<double> means_;         ///< likewise
+  Grid<double> exact_means_;          ///< of windows from exact_first_ on
+  Place exact_first_{};
+  bool has_all_exact_ = false;  ///< of the whole tile
+  bool is_full_ = false;
+  std::int64_t whole_;                       ///< bins of the footprint
+  std::vector<std::uint64_t> value_counts_;  ///< likewise, unless is_full_
   std::vector<std::uint64_t> packed_, counts_;
   std::vector<Value> uncertain_;  ///< values that depend on the mean
 };

@@ -50,19 +50,40 @@ class LabelSets {
   std::vector<std::int32_t> parent_{0};  // label 0 is the background
 };
 
-/// The label of a bin from its neighbours already visited: west and the three in the row below.
-std::int32_t provisional_label(const Grid<std::int32_t>& labels, BinIndex bin, LabelSets& sets) {
-  std::int32_t label = 0;
-  const BinIndex neighbours[] = {
-      {bin.row, bin.col - 1}, {bin.row - 1, bin.col - 1}, {bin.row - 1, bin.col}, {bin.row - 1, bin.col + 1}};
-  for (const BinIndex neighbour : neighbours) {
-    if (!labels.spec().contains(neighbour)) continue;
-    const std::int32_t other = labels.at(neighbour);
-    if (other == 0 || other == label) continue;
-    label = label == 0 ? other : sets.unite(label, other);
+/// The labels of set bins in row-major order, from those of their neighbours already visited: west and the
+/// three in the row below.
+class BinLabeller {
+ public:
+  BinLabeller(std::span<const std::uint32_t> bins, std::int64_t cols)
+      : bins_(bins), cols_(cols), labels_(bins.size()) {}
+
+  /// Final ids by bin.
+  std::vector<std::int32_t> run() {
+    for (std::size_t i = 0; i < bins_.size(); ++i) labels_[i] = provisional_label(i);
+    const std::vector<std::int32_t> ids = sets_.final_ids();
+    for (std::int32_t& label : labels_) label = ids[static_cast<std::size_t>(label)];
+    return std::move(labels_);
   }
-  return label == 0 ? sets.add() : label;
-}
+
+ private:
+  std::int32_t provisional_label(std::size_t i) {
+    const std::int64_t index = bins_[i];
+    const std::int64_t col = index % cols_;
+    const std::int64_t west_below = index - cols_ - (col > 0 ? 1 : 0);
+    const std::int64_t east_below = index - cols_ + (col + 1 < cols_ ? 1 : 0);
+    while (bins_[below_] < west_below) ++below_;
+    std::int32_t label = col > 0 && i > 0 && bins_[i - 1] == index - 1 ? labels_[i - 1] : 0;
+    for (std::size_t k = below_; bins_[k] <= east_below; ++k)
+      if (labels_[k] != label) label = label == 0 ? labels_[k] : sets_.unite(label, labels_[k]);
+    return label == 0 ? sets_.add() : label;
+  }
+
+  std::span<const std::uint32_t> bins_;
+  std::int64_t cols_;
+  std::vector<std::int32_t> labels_;
+  LabelSets sets_;
+  std::size_t below_ = 0;  ///< the first bin not before the south-western neighbour
+};
 
 /// Adds the bin; the centroid fields hold sums of columns and rows until finish().
 void add_bin(Hole& hole, BinIndex bin) {
@@ -83,28 +104,26 @@ void finish(Hole& hole, const GridSpec& spec) {
 
 }  // namespace
 
-HoleLabels label_holes(const BinMask& mask) {
-  const GridSpec& spec = mask.spec();
-  HoleLabels result{Grid<std::int32_t>::unset(spec), {}};
-  LabelSets sets;
-  for (std::int64_t row = 0; row < spec.rows; ++row)
-    for (std::int64_t col = 0; col < spec.cols; ++col)
-      result.id.at({row, col}) =
-          mask.at({row, col}) != 0 ? provisional_label(result.id, {row, col}, sets) : 0;
-
-  const std::vector<std::int32_t> ids = sets.final_ids();
-  result.holes.resize(static_cast<std::size_t>(*std::max_element(ids.begin(), ids.end())));
-  for (std::int64_t row = 0; row < spec.rows; ++row) {
-    for (std::int64_t col = 0; col < spec.cols; ++col) {
-      std::int32_t& id = result.id.at({row, col});
-      if (id == 0) continue;
-      id = ids[static_cast<std::size_t>(id)];
-      Hole& hole = result.holes[static_cast<std::size_t>(id - 1)];
-      hole.id = id;
-      add_bin(hole, {row, col});
-    }
+BinLabels label_bins(const GridSpec& spec, std::span<const std::uint32_t> bins) {
+  BinLabels result{BinLabeller(bins, spec.cols).run(), {}};
+  if (bins.empty()) return result;
+  result.holes.resize(static_cast<std::size_t>(std::ranges::max(result.id)));
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    Hole& hole = result.holes[static_cast<std::size_t>(result.id[i] - 1)];
+    hole.id = result.id[i];
+    add_bin(hole, {bins[i] / spec.cols, bins[i] % spec.cols});
   }
   for (Hole& hole : result.holes) finish(hole, spec);
+  return result;
+}
+
+HoleLabels label_holes(const BinMask& mask) {
+  std::vector<std::uint32_t> bins;
+  for (std::size_t i = 0; i < mask.values().size(); ++i)
+    if (mask.values()[i] != 0) bins.push_back(static_cast<std::uint32_t>(i));
+  BinLabels labels = label_bins(mask.spec(), bins);
+  HoleLabels result{Grid<std::int32_t>(mask.spec()), std::move(labels.holes)};
+  for (std::size_t i = 0; i < bins.size(); ++i) result.id.values()[bins[i]] = labels.id[i];
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "raster/region.h"
@@ -21,13 +22,22 @@ struct Hole {
   friend bool operator==(const Hole&, const Hole&) = default;
 };
 
+/// The components of some bins of a grid.
+struct BinLabels {
+  std::vector<std::int32_t> id;  ///< by bin
+  std::vector<Hole> holes;       ///< hole k has id k + 1
+};
+
+/// Labels the 8-connected components of bins, which are given by their row-major indices, ascending: with a
+/// union-find over provisional labels, in linear time for any shape. Distances are left 0.
+[[nodiscard]] BinLabels label_bins(const GridSpec& spec, std::span<const std::uint32_t> bins);
+
 struct HoleLabels {
   Grid<std::int32_t> id;    ///< 0 where the mask is 0
   std::vector<Hole> holes;  ///< hole k has id k + 1
 };
 
-/// Labels the 8-connected components of a mask with two passes over the bins and a union-find over the
-/// provisional labels: linear time for any shape. Distances are left 0.
+/// Labels the 8-connected components of a mask (label_bins()).
 [[nodiscard]] HoleLabels label_holes(const BinMask& mask);
 
 }  // namespace landfall

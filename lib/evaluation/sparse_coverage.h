@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "evaluation/coverage.h"
+
+namespace landfall {
+
+/// The metrics of assess_coverage() and the flags of flag_coverage(), without its layers. Fast where invalid
+/// bins are few and near a valid one: each is labelled and measured by itself; others take assess_coverage().
+[[nodiscard]] CoverageMetrics judge_coverage(const Grid<double>& z_est, const BinMask& region,
+                                             const EvaluationLimits& limits, Grid<std::int8_t>& fail);
+
+}  // namespace landfall

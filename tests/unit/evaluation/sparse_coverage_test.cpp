@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// judge_coverage() against assess_coverage().
+#include "evaluation/sparse_coverage.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "raster/masks.h"
+
+namespace landfall {
+namespace {
+
+void expect_equal(const Grid<double>& z_est, const BinMask& region, const EvaluationLimits& limits) {
+  const Coverage dense = assess_coverage(z_est, region, limits);
+  Grid<std::int8_t> expected(z_est.spec(), 1);
+  flag_coverage(dense, limits, expected);
+  Grid<std::int8_t> fail(z_est.spec(), 1);
+  EXPECT_EQ(judge_coverage(z_est, region, limits, fail), dense.metrics);
+  EXPECT_TRUE(std::ranges::equal(fail.values(), expected.values()));
+}
+
+Grid<double> with_holes(const BinMask& holes) {
+  Grid<double> z_est(holes.spec(), 3);
+  for (std::size_t i = 0; i < z_est.values().size(); ++i)
+    if (holes.values()[i] != 0) z_est.values()[i] = std::numeric_limits<double>::quiet_NaN();
+  return z_est;
+}
+
+TEST(JudgeCoverage, EqualsTheDenseResult) {
+  constexpr GridSpec spec{1, -30, -40, 61, 81};
+  for (const double frac : {0.0, 0.001, 0.05, 0.11, 0.2, 0.5, 0.95, 1.0}) {
+    const Grid<double> z_est = with_holes(testing_masks::random_mask(spec, frac, 3));
+    expect_equal(z_est, BinMask(spec, 1), {.hole_bins = 2, .distance_bins = 0.5});
+    expect_equal(z_est, circular_region(spec, 25), {.hole_bins = 1});
+    expect_equal(z_est, testing_masks::random_mask(spec, 0.3, 4), {});
+  }
+}
+
+// A square of 2 half - 1 bins: the centre of the second is too far from a valid bin for the short search.
+TEST(JudgeCoverage, SmallAndLargeHoles) {
+  constexpr GridSpec spec{1, 0, 0, 90, 90};
+  for (const std::int64_t half : {3, 14, 40}) {
+    BinMask hole(spec);
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col)
+        hole.at({row, col}) = std::max(std::abs(row - 44), std::abs(col - 5)) < half ? 1 : 0;
+    expect_equal(with_holes(hole), BinMask(spec, 1), {.distance_bins = 4});
+  }
+}
+
+}  // namespace
+}  // namespace landfall
