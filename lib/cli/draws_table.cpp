@@ -9,12 +9,12 @@
 namespace landfall::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using VerdictJson = nlohmann::ordered_json;
 
 /// Probabilities near 1 need their last digits.
-std::string p_text(const Json& p) { return print("%.4f", p.get<double>()); }
+std::string p_text(const VerdictJson& p) { return print("%.4f", p.get<double>()); }
 
-std::string rate_line(const Json& rate) {
+std::string rate_line(const VerdictJson& rate) {
   const auto passed = rate.at("passed").get<std::int64_t>();
   const auto draws = rate.at("draws").get<std::int64_t>();
   return print("%-20s %8s of %-8s %-17s %s\n", rate.at("requirement").get<std::string>().c_str(),
@@ -25,18 +25,18 @@ std::string rate_line(const Json& rate) {
 
 }  // namespace
 
-std::string draws_table(const Json& verdict) {
+std::string draws_table(const VerdictJson& verdict) {
   std::string text = print("%-20s %8s    %-8s %-17s %s\n", "requirement", "passed", "draws", "Wilson 95 %",
                            "at least, 95 %");
-  for (const Json& rate : verdict.at("rates")) text += rate_line(rate);
+  for (const VerdictJson& rate : verdict.at("rates")) text += rate_line(rate);
   if (verdict.contains("sprt"))
     text += "sequential test: " + verdict.at("sprt").get<std::string>() + "; " +
             verdict.at("note").get<std::string>() + "\n";
   return text;
 }
 
-std::string draws_summary(const Json& verdict) {
-  const Json& all = verdict.at("rates").back();
+std::string draws_summary(const VerdictJson& verdict) {
+  const VerdictJson& all = verdict.at("rates").back();
   const auto passed = all.at("passed").get<std::int64_t>();
   const auto draws = all.at("draws").get<std::int64_t>();
   std::string text = grouped(passed) + " of " + grouped(draws) + " draws pass all requirements";

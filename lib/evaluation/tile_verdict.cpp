@@ -9,7 +9,7 @@ namespace landfall {
 namespace {
 
 /// Below this bound no sum of errors and no difference from a mean overflows.
-constexpr double kLargestError = 0x1p900;
+constexpr double kLargestUsual = 0x1p900;
 
 template <class T>
 View<T> part(T* values, const GridSpec& spec, const Tile& tile) {
@@ -74,7 +74,7 @@ TileVerdict TileJudge::judge(const Tile& tile) {
   for (TileErrors* const errors : {&x_, &y_, &z_}) {
     errors->load(tile);
     const ErrorRange& range = errors->range();
-    if (range.has_infinite || !(range.largest() <= kLargestError)) result.has_unusual = true;
+    if (range.has_infinite || !(range.largest() <= kLargestUsual)) result.has_unusual = true;
   }
   if (result.has_unusual) return result;
   const GridSpec& spec = region_.spec();

@@ -72,7 +72,7 @@ std::optional<double> violations(const WindowJudge::Outcome& a, const WindowJudg
   return static_cast<double>(a.violations + b.violations);
 }
 
-AccuracyValues values_of(const TileVerdict& verdict) {
+AccuracyValues accuracy_of(const TileVerdict& verdict) {
   AccuracyValues result;
   if (verdict.z.footprints > 0) result.relative_elevation = violations(verdict.z);
   if (verdict.x.footprints > 0 && verdict.y.footprints > 0)
@@ -97,7 +97,7 @@ Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationPara
   if (dem.truth) {
     const TileVerdict verdict = judge_tiles(dem, region, parameters, footprint, result.fail);
     if (verdict.has_unusual) return decide_by_evaluation(dem, region, parameters);
-    values = values_of(verdict);
+    values = accuracy_of(verdict);
     DecisiveMetrics::Accuracy& accuracy = metrics.accuracy.emplace();
     accuracy.absolute.horizontal.within_limit_frac = values->absolute_horizontal;
     accuracy.relative = {{verdict.x.violations}, {verdict.y.violations}, {verdict.z.violations}};

@@ -11,10 +11,10 @@
 namespace landfall {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 // Chosen for speed; none of them changes a result.
-constexpr std::int64_t kSmallestEdge = 8;   // of a rectangle of windows that is not split further
+constexpr std::int64_t kSmallestSplit = 8;   // of a rectangle of windows that is not split further
 constexpr std::int64_t kManyUndecided = 4;  // one window of a tile in so many: exact means of all of them
 constexpr std::int64_t kListCost = 2;  // of a value in the list of a window, in bins counted for a quarter
 
@@ -26,7 +26,7 @@ View<T> shaped(std::vector<T>& values, std::int64_t rows, std::int64_t cols) {
 }
 
 /// Half an edge, or the whole edge if the half would be too small.
-std::int64_t split_edge(std::int64_t edge) { return edge <= kSmallestEdge ? edge : (edge + 1) / 2; }
+std::int64_t split_edge(std::int64_t edge) { return edge <= kSmallestSplit ? edge : (edge + 1) / 2; }
 
 }  // namespace
 
@@ -62,7 +62,7 @@ void WindowJudge::count_values(const View<const std::int8_t>& region) {
   is_full_ = errors_->missing() == 0 && errors_->half_rows() == half && errors_->half_cols() == half;
   if (!is_full_) {
     const View<std::uint64_t> packed = shaped(packed_, errors.rows, errors.cols);
-    static_cast<void>(count_deviations(errors, {0, 0}, kInfinity, packed));
+    static_cast<void>(count_deviations(errors, {0, 0}, kNoLimit, packed));
     window_sums(packed, rule_.footprint, shaped(value_counts_, tile_.rows, tile_.cols));
   }
   for (std::int64_t row = 0; row < tile_.rows; ++row)
@@ -116,7 +116,7 @@ void WindowJudge::judge_windows(const Rectangle& windows) {
   window_sums(packed, rule_.footprint, counts);
   const std::int64_t undecided = decide_by_counts(windows, counts);
   if (undecided == 0) return;
-  const bool is_small = windows.rows <= kSmallestEdge && windows.cols <= kSmallestEdge;
+  const bool is_small = windows.rows <= kSmallestSplit && windows.cols <= kSmallestSplit;
   const std::int64_t list = totals.possible - totals.certain;
   if (is_small || undecided * list <= kListCost * errors.rows * errors.cols)
     judge_by_list(windows, counts);
@@ -229,7 +229,7 @@ bool WindowJudge::holds(Place window, Place value) const {
 /// The limit lies between the two order statistics, which are then the values next to it.
 bool WindowJudge::quantile_exceeds(Place window, double mean, double frac) const {
   double below = 0;
-  double above = kInfinity;
+  double above = kNoLimit;
   for (std::int64_t offset = -errors_->half_rows(); offset <= errors_->half_rows(); ++offset) {
     const std::int64_t half = std::min(rule_.footprint.half_width(offset), errors_->half_cols());
     const double* const errors =
