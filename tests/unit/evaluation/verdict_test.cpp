@@ -218,6 +218,15 @@ TEST(Decide, LimitsThatValuesHit) {
   }
 }
 
+// One of nine values exceeds the limit, and the quantile lies between it and the next.
+TEST(Decide, OneWrongElevation) {
+  DemLayers dem = perfect(5);
+  dem.truth->z.at({5, 5}) += 0.9;
+  EvaluationParameters parameters = small();
+  parameters.limits.relative_elevation_m = 0.2;
+  EXPECT_EQ(expect_exact(dem, parameters).metrics.requirements.relative_elevation.value, 9);
+}
+
 TEST(Decide, AbsoluteErrorsAtTheLimit) {
   DemLayers dem = perfect(20);
   for (double& x : dem.truth->x.values()) x += 3;
