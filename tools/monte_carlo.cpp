@@ -120,6 +120,7 @@ ExitCode run(cli::Session& session, const Options& o) {
       run_campaign(sources, part, {output, session.provenance(), session.config_name(), session.phases(),
                                    [&](const std::string& text) { session.warn(text); },
                                    [&](const std::string& text) { session.log(text); },
+                                   [&](const std::string& text) { session.note(text); },
                                    [&] { return session.elapsed_s(); }});
   session.count("draws_per_s", result.draws_per_s);
   return conclude(session, o, result.verdict);

@@ -47,12 +47,14 @@ void ProgressBar::update(double fraction) {
   if (now - drawn_s_ < 0.1) return;
   drawn_s_ = now;
   const double elapsed = now - start_s_;
-  draw(fraction,
-       fraction > 0.01 && elapsed > 0.5 ? "ETA " + seconds_text(elapsed * (1 - fraction) / fraction) : "");
+  std::string tail =
+      fraction > 0.01 && elapsed > 0.5 ? "ETA " + seconds_text(elapsed * (1 - fraction) / fraction) : "";
+  if (!note_.empty()) tail += (tail.empty() ? "" : "  ") + note_;
+  draw(fraction, tail);
 }
 
 void ProgressBar::finish() {
-  draw(1, seconds_text(wall_seconds() - start_s_));
+  draw(1, seconds_text(wall_seconds() - start_s_) + (note_.empty() ? "" : "  " + note_));
   std::fputs("\n", stderr);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 namespace landfall::cli {
 
@@ -20,6 +21,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void update(double fraction);
+  /// Shows a text behind the remaining time from the next update on.
+  void note(std::string text) { note_ = std::move(text); }
   /// Call when the phase succeeded: its line remains. Otherwise the line is erased.
   void finish();
 
@@ -29,6 +32,7 @@ class ProgressBar {
   std::string phase_;
   double start_s_;
   double drawn_s_ = -1;
+  std::string note_;
 };
 
 }  // namespace landfall::cli

@@ -410,13 +410,19 @@ void Session::name_misfit(const std::string& file, const std::function<void()>& 
   }
 }
 
+void Session::note(const std::string& text) {
+  if (bar_ != nullptr) bar_->note(text);
+}
+
 double Session::phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work) {
   const double wall = wall_seconds();
   const double cpu = cpu_seconds();
   const bool shown = !options_.quiet && options_.progress.value_or(isatty(STDERR_FILENO) != 0);
   if (shown) {
     ProgressBar bar(name);
+    bar_ = &bar;
     work([&bar](double fraction) { bar.update(fraction); });
+    bar_ = nullptr;
     bar.finish();
   } else {
     work({});

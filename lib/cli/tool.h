@@ -46,6 +46,7 @@ struct CommonOptions {
 };
 
 struct Tool;
+class ProgressBar;
 class RunLog;
 
 /// The resources of one run of a tool.
@@ -80,6 +81,8 @@ class Session {
   /// Runs one phase of the work: shows its progress on a terminal and records its wall and CPU time for
   /// --json. Returns its wall time, seconds.
   double phase(const std::string& name, const std::function<void(const ProgressCallback&)>& work);
+  /// Shows a text beside the progress of the running phase, if that is shown.
+  void note(const std::string& text);
   /// phase() as a function, for modules that run the phases themselves.
   [[nodiscard]] PhaseRunner phases() {
     return [this](const auto& name, const auto& work) { phase(name, work); };
@@ -120,6 +123,7 @@ class Session {
   nlohmann::json warnings_ = nlohmann::json::array();
   std::vector<std::pair<std::string, std::string>> outputs_;  ///< option and path of each claimed output
   double start_s_;
+  ProgressBar* bar_ = nullptr;  ///< of the running phase, if it is shown
 };
 
 /// The declaration of a tool in its source file.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/campaign_run.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -26,21 +27,23 @@ DrawSpan checked_span(const std::optional<DrawSpan>& part, const DrawsConfig& co
 class DrawLoop {
  public:
   DrawLoop(Campaign& campaign, const DrawSpan& span, std::optional<Sprt> sprt, const CampaignState& state,
-           const std::function<double()>& clock_s)
-      : campaign_(campaign), span_(span), sprt_(std::move(sprt)), state_(state), clock_s_(clock_s) {}
+           const CampaignOutput& output)
+      : campaign_(campaign), span_(span), sprt_(std::move(sprt)), state_(state), output_(output) {}
 
   void run(Draws& draws, const ProgressCallback& progress) {
     if (sprt_)
       for (const std::int8_t pass : draws.table.pass) sprt_->add(pass == 1);
-    double saved_s = clock_s_();
+    double saved_s = output_.clock_s();
     while (!is_done(draws)) {
       campaign_.run_next(draws);
       if (sprt_) sprt_->add(draws.table.pass.back() == 1);
+      const std::vector<std::int8_t>& pass = draws.table.pass;
+      output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) + " pass");
       report(progress, static_cast<double>(draws.table.end() - span_.first) /
                            static_cast<double>(span_.end - span_.first));
-      if (clock_s_() - saved_s < kStateInterval_s || is_done(draws)) continue;
+      if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws)) continue;
       state_.save(draws, campaign_.crs_wkt());
-      saved_s = clock_s_();
+      saved_s = output_.clock_s();
     }
     report(progress, 1);
   }
@@ -58,7 +61,7 @@ class DrawLoop {
   DrawSpan span_;
   std::optional<Sprt> sprt_;
   const CampaignState& state_;
-  const std::function<double()>& clock_s_;
+  const CampaignOutput& output_;
 };
 
 }  // namespace
@@ -88,7 +91,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   if (done > 0) output.log("goes on after " + std::to_string(done) + " draws");
   std::optional<Sprt> sprt;
   if (config.sprt()) sprt.emplace(*config.sprt());
-  DrawLoop loop(*campaign, span, std::move(sprt), state, output.clock_s);
+  DrawLoop loop(*campaign, span, std::move(sprt), state, output);
   const double began_s = output.clock_s();
   output.phase("draw", [&](const ProgressCallback& progress) { loop.run(draws, progress); });
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),

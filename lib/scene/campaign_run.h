@@ -27,6 +27,7 @@ struct CampaignOutput {
   PhaseRunner phase;
   std::function<void(const std::string&)> warn;
   std::function<void(const std::string&)> log;
+  std::function<void(const std::string&)> note;  ///< gets the verdict so far, after each draw
   std::function<double()> clock_s;
 };
 
