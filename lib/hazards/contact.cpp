@@ -47,25 +47,38 @@ struct Trend {
   double base, east, north;
 };
 
+/// A bin by its offset from a place.
+struct Bin {
+  BinOffset offset;
+  float row, col;        ///< the same
+  std::size_t in_patch;  ///< where the patch has the bin of the first place of a group
+};
+
 /// The part of a square of kSide bins that lies in the body.
 struct Tile {
-  BinOffset corner;  ///< of lowest row and column; may lie outside
-  std::vector<BinOffset> bins;
+  Bin corner;  ///< of lowest row and column; may lie outside
+  std::vector<Bin> bins;
 };
 
 constexpr std::int64_t kSide = 4;
 
 /// Covers the body, row of tiles by row of tiles.
-std::vector<std::vector<Tile>> cover(const Footprint& body) {
+std::vector<std::vector<Tile>> cover(const Footprint& body, std::size_t patch_pitch) {
   const std::int64_t reach = body.half_bins();
+  const auto bin = [&](std::int64_t row, std::int64_t col) {
+    return Bin{{row, col},
+               static_cast<float>(row),
+               static_cast<float>(col),
+               static_cast<std::size_t>(row + reach) * patch_pitch + static_cast<std::size_t>(col + reach)};
+  };
   std::vector<std::vector<Tile>> rows;
   for (std::int64_t row = -reach; row <= reach; row += kSide) {
     rows.emplace_back();
     for (std::int64_t col = -reach; col <= reach; col += kSide) {
-      Tile tile{{row, col}, {}};
+      Tile tile{bin(row, col), {}};
       for (std::int64_t r = row; r < std::min(row + kSide, reach + 1); ++r)
         for (std::int64_t c = col; c < col + kSide; ++c)
-          if (std::abs(c) <= body.half_width(r)) tile.bins.push_back({r, c});
+          if (std::abs(c) <= body.half_width(r)) tile.bins.push_back(bin(r, c));
       if (!tile.bins.empty()) rows.back().push_back(std::move(tile));
     }
   }
@@ -85,7 +98,7 @@ class ContactLanes {
         rises_(static_cast<std::size_t>(2 * body_.half_bins() + 1) * kPlanesAtOnce),
         patch_pitch_((static_cast<std::size_t>(2 * body_.half_bins()) / kPlaces + 2) * kPlaces),
         patch_(patch_pitch_ * static_cast<std::size_t>(2 * body_.half_bins() + 1)),
-        cover_(cover(body_)) {
+        cover_(cover(body_, patch_pitch_)) {
     for (const std::vector<Tile>& tiles : cover_) tops_.resize(tops_.size() + tiles.size());
   }
 
@@ -218,7 +231,7 @@ class ContactLanes {
     VF most = hn::Zero(f);
     for (std::int64_t r = -reach; r <= reach; ++r) {
       const double* const from = in_.z.at(row + r, col - reach);
-      float* const to = &patch_[PatchIndex(r, -reach)];
+      float* const to = &patch_[static_cast<std::size_t>(r + reach) * patch_pitch_];
       const V in_row = constant(trend.base + trend.north * static_cast<double>(r));
       for (std::size_t c = 0; c < patch_pitch_; c += kPlaces) {
         for (std::size_t i = c; i < c + kPlaces; i += hn::MaxLanes(d)) {
@@ -235,12 +248,6 @@ class ContactLanes {
     return hn::GetLane(hn::MaxOfLanes(f, most));
   }
 
-  /// Where the patch has the bin of the first place of the group.
-  [[nodiscard]] std::size_t PatchIndex(std::int64_t row, std::int64_t col) const {
-    return static_cast<std::size_t>(row + body_.half_bins()) * patch_pitch_ +
-           static_cast<std::size_t>(col + body_.half_bins());
-  }
-
   /// The highest bin of each tile.
   void FindTops() {
     const F f;
@@ -248,8 +255,7 @@ class ContactLanes {
     for (const std::vector<Tile>& tiles : cover_)
       for (const Tile& tile : tiles) {
         VF top = hn::Set(f, -std::numeric_limits<float>::infinity());
-        for (const BinOffset& bin : tile.bins)
-          top = hn::Max(top, hn::LoadU(f, &patch_[PatchIndex(bin.rows, bin.cols)]));
+        for (const Bin& bin : tile.bins) top = hn::Max(top, hn::LoadU(f, &patch_[bin.in_patch]));
         hn::Store(top, f, tops_[next++].data());
       }
   }
@@ -334,7 +340,8 @@ class ContactLanes {
       VF m0 = lowest, m1 = lowest, m2 = lowest, m3 = lowest, m4 = lowest, m5 = lowest;
       for (const Tile& tile : tiles) {
         const VF here = hn::Load(f, (top++)->data());
-        const Rough* const rise = &rises_[static_cast<std::size_t>(tile.corner.cols + reach) * kPlanesAtOnce];
+        const Rough* const rise =
+            &rises_[static_cast<std::size_t>(tile.corner.offset.cols + reach) * kPlanesAtOnce];
         m0 = hn::Max(m0, hn::Sub(here, hn::Load(f, rise[0].data())));
         m1 = hn::Max(m1, hn::Sub(here, hn::Load(f, rise[1].data())));
         m2 = hn::Max(m2, hn::Sub(here, hn::Load(f, rise[2].data())));
@@ -342,7 +349,7 @@ class ContactLanes {
         m4 = hn::Max(m4, hn::Sub(here, hn::Load(f, rise[4].data())));
         m5 = hn::Max(m5, hn::Sub(here, hn::Load(f, rise[5].data())));
       }
-      const VF north = hn::Set(f, static_cast<float>(tiles.front().corner.rows));
+      const VF north = hn::Set(f, tiles.front().corner.row);
       all0 = hn::Max(all0, hn::NegMulAdd(hn::Load(f, p[0].north.data()), north, m0));
       all1 = hn::Max(all1, hn::NegMulAdd(hn::Load(f, p[1].north.data()), north, m1));
       all2 = hn::Max(all2, hn::NegMulAdd(hn::Load(f, p[2].north.data()), north, m2));
@@ -446,11 +453,10 @@ class ContactLanes {
   }
 
   /// Elevations less the plane, whose own height is left out.
-  [[nodiscard]] static VF Above(VF z, const RoughPlane& plane, const BinOffset& bin) {
+  [[nodiscard]] static VF Above(VF z, const RoughPlane& plane, const Bin& bin) {
     const F f;
-    const VF in_row =
-        hn::NegMulAdd(hn::Load(f, plane.north.data()), hn::Set(f, static_cast<float>(bin.rows)), z);
-    return hn::NegMulAdd(hn::Load(f, plane.east.data()), hn::Set(f, static_cast<float>(bin.cols)), in_row);
+    const VF in_row = hn::NegMulAdd(hn::Load(f, plane.north.data()), hn::Set(f, bin.row), z);
+    return hn::NegMulAdd(hn::Load(f, plane.east.data()), hn::Set(f, bin.col), in_row);
   }
 
   /// Raises `roughness` to that of a plane for each place, in double, where it is at least `needed`.
@@ -470,9 +476,9 @@ class ContactLanes {
     for (const std::vector<Tile>& tiles : cover_)
       for (const Tile& tile : tiles) {
         if (is_low(Above(hn::Load(f, (top++)->data()), rough, tile.corner), least_top)) continue;
-        for (const BinOffset& bin : tile.bins)
-          if (!is_low(Above(hn::LoadU(f, &patch_[PatchIndex(bin.rows, bin.cols)]), rough, bin), least))
-            CompareBin(group, bin, exact, highest);
+        for (const Bin& bin : tile.bins)
+          if (!is_low(Above(hn::LoadU(f, &patch_[bin.in_patch]), rough, bin), least))
+            CompareBin(group, bin.offset, exact, highest);
       }
     for (std::size_t k = 0; k < kPlaces; k += hn::MaxLanes(d)) {
       const V east = hn::Load(d, &exact.east[k]);
