@@ -279,6 +279,16 @@ class Interface(ChainTest):
         text = self.succeed("landfall-info", self.path("h.h5")).stdout
         for word in ("hazards (Landing hazards and sites)", "p_touchdown", "missed_hazard", "/sites (4)"):
             self.assertIn(word, text)
+        table = self.succeed("hazard-map", *self.arguments("-O", "--table", "--sites", self.path("s.json"))).stdout
+        rates = [line for line in table.splitlines() if line.startswith(("missed hazards ", "false alarms ", "not compared "))]
+        self.assertEqual(len(rates), 3)
+        safe = json.loads(read_bytes(self.path("s.json")))["sites"][0]["true_safe"]
+        self.assertIn("\n".join(rates + [f"best site       {'safe' if safe else 'hazard':>10}   on the true ground"]) + "\n", text)
+        described = json.loads(self.succeed("landfall-info", "--json", self.path("h.h5")).stdout)
+        self.assertEqual(described["best_site"], {"true_safe": safe})
+        self.succeed("hazard-map", *self.arguments("-O", "--no-truth"))
+        self.assertNotIn("missed hazards", self.succeed("landfall-info", self.path("h.h5")).stdout)
+        self.assertEqual(json.loads(self.succeed("landfall-info", "--json", self.path("h.h5")).stdout)["best_site"], {"true_safe": None})
         self.succeed("landfall-export", self.path("h.h5"), "-o", self.path("h.csv"), "--layers", "safe,slope")
         header = read_bytes(self.path("h.csv")).split(b"\n", 1)[0]
         self.assertEqual(header, b"x_m,y_m,safe,slope_degree")
