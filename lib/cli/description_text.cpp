@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
 #include "base/number_text.h"
 #include "cli/config_changes.h"
+#include "cli/hazard_table.h"
 #include "cli/page_width.h"
 #include "cli/plan.h"
 #include "cli/print.h"
@@ -295,11 +297,29 @@ EvaluationLimits limits_of(const OrderedJson& d) {
   }
 }
 
+/// The rates of a hazard map, and whether its first site is safe.
+std::string score_text(const OrderedJson& d) {
+  const OrderedJson& score = d["score"];
+  const OrderedJson& n = score.at("counts");
+  const auto count = [&](const char* key) { return n.at(key).get<std::int64_t>(); };
+  const auto rate = [&](const char* key) {
+    return score.at(key).is_null() ? std::optional<double>() : score.at(key).get<double>();
+  };
+  std::string text = score_lines({count("safe_safe"), count("safe_hazard"), count("hazard_safe"),
+                                  count("hazard_hazard"), count("unknown")},
+                                 {rate("missed_hazard_frac"), rate("false_alarm_frac")});
+  if (d.contains("best_site") && d["best_site"].at("true_safe").is_boolean())
+    text += print("%-16s%10s   on the true ground\n", "best site",
+                  d["best_site"]["true_safe"].get<bool>() ? "safe" : "hazard");
+  return text;
+}
+
 /// The result tables that the tools print.
 std::string result_tables(const OrderedJson& d) {
   std::string text;
   if (d.contains("metrics")) text += "\n" + verdict_table(metrics_from(d["metrics"]), limits_of(d));
   if (d.contains("plan")) text += "\n" + plan_table(fields_from<PlanMetrics>(d["plan"]));
+  if (d.contains("score")) text += score_text(d);
   return text;
 }
 
@@ -313,7 +333,10 @@ std::string description_text(const OrderedJson& d, bool whole_config) {
   try {
     text += result_tables(d);
   } catch (const nlohmann::json::exception&) {
-    throw FormatError(d["file"].get<std::string>() + ": /" + (d.contains("plan") ? "plan" : "metrics") +
+    throw FormatError(d["file"].get<std::string>() + ": /" +
+                      (d.contains("plan")    ? "plan"
+                       : d.contains("score") ? "score"
+                                             : "metrics") +
                       "_json is not what this version writes");
   }
   return text + config_lines(d, whole_config) + provenance_lines(d);

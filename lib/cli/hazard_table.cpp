@@ -44,18 +44,17 @@ std::string rate_line(const char* name, const std::optional<double>& rate, std::
          grouped(part) + " of " + grouped(whole) + " " + of + "\n";
 }
 
-std::string score_lines(const HazardScore& score) {
-  const HazardScore::Counts& n = score.counts;
+}  // namespace
+
+std::string score_lines(const HazardScore::Counts& n, const HazardScore::Rates& rates) {
   return "\n" +
-         rate_line("missed hazards", score.rates.missed_hazard_frac, n.safe_hazard,
-                   n.safe_hazard + n.hazard_hazard, "true hazards are judged safe") +
-         rate_line("false alarms", score.rates.false_alarm_frac, n.hazard_safe, n.hazard_safe + n.safe_safe,
+         rate_line("missed hazards", rates.missed_hazard_frac, n.safe_hazard, n.safe_hazard + n.hazard_hazard,
+                   "true hazards are judged safe") +
+         rate_line("false alarms", rates.false_alarm_frac, n.hazard_safe, n.hazard_safe + n.safe_safe,
                    "truly safe places are judged hazards") +
          print("%-16s%10s   ", "not compared", "") + grouped(n.unknown) +
          " places are unknown in the map or in the truth\n";
 }
-
-}  // namespace
 
 std::string hazard_table(const HazardMap& map) {
   const PlaceCounts counts = count_places(map.safe, map.region);
@@ -63,7 +62,7 @@ std::string hazard_table(const HazardMap& map) {
                      place_line("safe", counts.safe, counts.all()) +
                      place_line("hazard", counts.hazard, counts.all()) +
                      place_line("unknown", counts.unknown, counts.all()) + site_lines(map);
-  if (map.truth) text += score_lines(map.truth->score);
+  if (map.truth) text += score_lines(map.truth->score.counts, map.truth->score.rates);
   return text;
 }
 

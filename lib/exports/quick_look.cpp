@@ -14,7 +14,7 @@
 #include "exports/point_reader.h"
 #include "files/evaluation_file.h"
 #include "files/terrain_file.h"
-#include "hazards/safety.h"
+#include "hazards/place_classes.h"
 #include "returns/columns.h"
 
 namespace landfall {
@@ -33,35 +33,33 @@ bool keeps_greatest(const ContentInfo& content) {
   return content.type == h5::Type::int8 || content.name == "hole_id";
 }
 
-struct PlaceClass {
+struct PlaceValue {
   std::int8_t value;
   MapClass drawn;
 };
 
-/// The classes of a layer of a hazard map, from the best to the worst for a lander; other layers have none.
-std::vector<PlaceClass> classes_of(const GridSource& grid, const ContentInfo& layer) {
+template <class Classes>
+std::vector<PlaceValue> from_the_best(const Classes& worst_first) {
+  std::vector<PlaceValue> found;
+  for (const auto& c : worst_first)
+    found.insert(found.begin(), {static_cast<std::int8_t>(c.value), {c.name, c.color}});
+  return found;
+}
+
+/// The classes of a layer of a hazard map, from the best to the worst; other layers have none.
+std::vector<PlaceValue> classes_of(const GridSource& grid, const ContentInfo& layer) {
   if (grid.kind() != "hazards" || layer.type != h5::Type::int8) return {};
-  const auto item = [](auto value, const char* name, std::uint32_t color) {
-    return PlaceClass{static_cast<std::int8_t>(value), {name, color}};
-  };
-  if (is_among(layer.name, {"safe", "safe_true"}))
-    return {item(Safety::safe, "safe", kSafeColor), item(Safety::unknown, "unknown", kUnknownColor),
-            item(Safety::hazard, "hazard", kHazardColor)};
-  if (layer.name == "outcome")
-    return {item(HazardOutcome::safe_found, "safe found", kSafeColor),
-            item(HazardOutcome::unknown, "unknown", kUnknownColor),
-            item(HazardOutcome::false_alarm, "false alarm", kFalseAlarmColor),
-            item(HazardOutcome::hazard_found, "hazard found", kHazardColor),
-            item(HazardOutcome::missed_hazard, "missed hazard", kMarkColor)};
+  if (is_among(layer.name, {"safe", "safe_true"})) return from_the_best(kSafetyClasses);
+  if (layer.name == "outcome") return from_the_best(kOutcomeClasses);
   return {};
 }
 
 RgbImage class_picture(const GridSource& grid, const ContentInfo& layer,
-                       const std::vector<PlaceClass>& classes, const ProgressCallback& progress) {
+                       const std::vector<PlaceValue>& classes, const ProgressCallback& progress) {
   // Bins get the rank of their class, so that the greatest of a pixel is the worst; 0 for no class.
   std::array<std::int8_t, 256> ranks{};
   MapStyle style{layer.name, ""};
-  for (const PlaceClass& c : classes) {
+  for (const PlaceValue& c : classes) {
     style.classes.push_back(c.drawn);
     ranks.at(static_cast<std::uint8_t>(c.value)) = static_cast<std::int8_t>(style.classes.size());
   }
@@ -74,7 +72,7 @@ RgbImage class_picture(const GridSource& grid, const ContentInfo& layer,
 }
 
 RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const ProgressCallback& progress) {
-  const std::vector<PlaceClass> classes = classes_of(grid, layer);
+  const std::vector<PlaceValue> classes = classes_of(grid, layer);
   if (!classes.empty()) return class_picture(grid, layer, classes, progress);
   const Reduction reduction = keeps_greatest(layer) ? Reduction::greatest : Reduction::mean;
   LayerReducer reducer(grid.spec(), reduction, kMaxPixels);

@@ -263,6 +263,24 @@ Json features_json(const Json& datasets) {
   return json;
 }
 
+/// Whether the first site is safe on the true ground; null if there is no site, or it is unknown.
+Json best_site_json(const LandfallFileReader& file, const Group& sites) {
+  Json json = {{"true_safe", nullptr}};
+  for (const DatasetEntry& entry : sites.entries) {
+    if (entry.name != "true_safe" || entry.shape.size() != 1 || entry.shape[0] == 0) continue;
+    const hsize_t first = 0;
+    const hsize_t one = 1;
+    const h5::Handle space(H5Dget_space(entry.dataset.get()), H5Sclose);
+    const h5::Handle memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
+    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &first, nullptr, &one, nullptr);
+    std::int8_t value = 0;
+    if (!h5::read_values(entry.dataset.get(), H5T_NATIVE_INT8, memory.get(), space.get(), &value))
+      file.fail("reading /sites/true_safe failed: " + h5::reading_failure());
+    if (value == 0 || value == 1) json["true_safe"] = value == 1;
+  }
+  return json;
+}
+
 void add_provenance(Json& json, const LandfallFileReader& file) {
   json["config"] = file.config();
   json["options"] = nullptr;
@@ -294,6 +312,8 @@ Json describe_file(const std::filesystem::path& path, const DescriptionOptions& 
   const Json datasets = datasets_json(file, groups, options.statistics, progress);
   report(progress, 1);
   if (json["kind"] == "scan") json["scan"] = scan_json(file, datasets, Json(file.config()));
+  for (const Group& group : groups)
+    if (json["kind"] == "hazards" && group.name == "sites") json["best_site"] = best_site_json(file, group);
   for (const Group& group : groups)
     if (group.name == "mesh") json["mesh"] = mesh_json(file, group, options.statistics);
   if (datasets.contains("features")) json["features"] = features_json(datasets);

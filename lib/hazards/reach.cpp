@@ -71,6 +71,7 @@ BinMask Reach::known(const PaddedMap& z, const BinMask& places) const {
   parallel_for(static_cast<std::size_t>(z.rows()), kReachRows, [&](std::size_t begin, std::size_t end) {
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row) {
       const std::span<std::int8_t> target = known.row(row);
+      if (std::ranges::none_of(places.row(row), [](std::int8_t place) { return place != 0; })) continue;
       std::ranges::copy(places.row(row), target.begin());
       for (const Span& span : spans_) {
         const std::int32_t* const counts =

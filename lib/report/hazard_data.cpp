@@ -2,13 +2,14 @@
 #include "report/hazard_data.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "files/hazard_file.h"
-#include "picture/color_map.h"
+#include "hazards/place_classes.h"
 
 namespace landfall::html_report {
 namespace {
@@ -19,9 +20,6 @@ constexpr int kMeasureSteps =
     2000;  // of slopes and roughnesses, whose digits of noise would enlarge the file
 constexpr int kCostSteps = 5000;
 
-std::int64_t bit(Safety value) { return std::int64_t{1} << static_cast<int>(value); }
-std::int64_t bit(HazardOutcome value) { return std::int64_t{1} << static_cast<int>(value); }
-
 /// 2^value in the region, 0 outside.
 Grid<std::int8_t> bits_of(const Grid<std::int8_t>& values, const BinMask& region) {
   Grid<std::int8_t> bits(values.spec());
@@ -30,20 +28,31 @@ Grid<std::int8_t> bits_of(const Grid<std::int8_t>& values, const BinMask& region
   return bits;
 }
 
-/// In a block of bins of several classes the one that matters most to a lander is first.
+/// With the number of places of each value.
+template <class Value, std::size_t n>
+std::vector<LayerClass> with_counts(const std::array<PlaceClass<Value>, n>& classes,
+                                    const std::array<std::int64_t, n>& counts) {
+  std::vector<LayerClass> result;
+  for (const PlaceClass<Value>& c : classes) {
+    const auto value = static_cast<std::size_t>(c.value);
+    result.push_back({std::int64_t{1} << value, c.name, c.color, counts.at(value)});
+  }
+  return result;
+}
+
 std::vector<LayerClass> safety_classes(const PlaceCounts& counts) {
-  return {{bit(Safety::hazard), "hazard", kHazardColor, counts.hazard},
-          {bit(Safety::unknown), "unknown", kUnknownColor, counts.unknown},
-          {bit(Safety::safe), "safe", kSafeColor, counts.safe}};
+  return with_counts(kSafetyClasses, {counts.hazard, counts.safe, counts.unknown});
 }
 
 std::vector<LayerClass> outcome_classes(const HazardScore::Counts& counts) {
-  using enum HazardOutcome;
-  return {{bit(missed_hazard), "missed hazard", kMarkColor, counts.safe_hazard, true},
-          {bit(false_alarm), "false alarm", kFalseAlarmColor, counts.hazard_safe, true},
-          {bit(hazard_found), "hazard found", kHazardColor, counts.hazard_hazard},
-          {bit(unknown), "unknown", kUnknownColor, counts.unknown},
-          {bit(safe_found), "safe found", kSafeColor, counts.safe_safe}};
+  std::vector<LayerClass> classes = with_counts(
+      kOutcomeClasses,
+      {counts.hazard_hazard, counts.safe_safe, counts.safe_hazard, counts.hazard_safe, counts.unknown});
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const HazardOutcome outcome = kOutcomeClasses.at(i).value;
+    classes[i].is_mark = outcome == HazardOutcome::missed_hazard || outcome == HazardOutcome::false_alarm;
+  }
+  return classes;
 }
 
 /// The layers in the order of the page.

@@ -125,6 +125,26 @@ TEST(Contact, EqualsBruteForceOnRandomMaps) {
   }
 }
 
+// Bodies of many tiles, smooth and rough ground, spikes: which planes and bins decide is found by bounds.
+TEST(Contact, EqualsBruteForceUnderWideBodies) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const RandomField field(seed, RandomStream::range_noise);
+    const GridSpec spec{0.05, -18, -18, 37, 37};
+    Grid<double> z = random_map(spec, seed, 0);
+    for (double& height : z.values()) height *= std::pow(4, -static_cast<double>(seed % 3));
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        z.at({row, col}) += (0.2 * field.uniform(1) - 0.1) * spec.x(col) + 0.3 * spec.x(col) * spec.y(row);
+        if ((13 * row + 5 * col) % 97 == 0) z.at({row, col}) += 0.2 * field.uniform(2);
+      }
+    Lander lander;
+    lander.legs = seed % 2 == 0 ? 3 : 4;
+    lander.leg_radius_m = 0.35 + 0.02 * static_cast<double>(seed);
+    lander.body_radius_m = 0.6 - 0.03 * static_cast<double>(seed);
+    expect_as_brute_force(z, lander);
+  }
+}
+
 // Elevations far from 0, and so far apart that float cannot tell planes from each other.
 TEST(Contact, EqualsBruteForceOnHighAndOnSteepGround) {
   Grid<double> z = random_map({0.1, -10, -10, 21, 37}, 5, 0);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "base/parallel.h"
@@ -139,6 +140,108 @@ TEST(SplitSigma, AFewLargeSigmasAreRelief) {
   EXPECT_EQ(parts.relief_m.at({10, 11}), 0);
   EXPECT_EQ(parts.noise_m.at({3, 3}), 0);
   EXPECT_TRUE(std::isnan(parts.noise_m.at({17, 3})));
+}
+
+double at_or_nan(const Grid<double>& map, std::int64_t row, std::int64_t col) {
+  const GridSpec& spec = map.spec();
+  return row < 0 || col < 0 || row >= spec.rows || col >= spec.cols ? kNan : map.at({row, col});
+}
+
+/// Of the square of 2 reach + 1 bins, row by row.
+template <class Value>
+double sum_about(std::int64_t row, std::int64_t col, std::int64_t reach, const Value& value) {
+  double sum = 0;
+  for (std::int64_t r = row - reach; r <= row + reach; ++r)
+    for (std::int64_t c = col - reach; c <= col + reach; ++c) sum += value(r, c);
+  return sum;
+}
+
+/// Of a surface 1, x^2, y^2 through the 24 bins around; the other terms of the surface do not matter there.
+double weight_of(std::int64_t r, std::int64_t c) {
+  return r == 0 && c == 0 ? 0 : (270 - 50 * static_cast<double>(r * r + c * c)) / (24 * 270 - 50 * 100);
+}
+
+double slow_denoised(const Grid<double>& z, const Grid<double>& noise, std::int64_t row, std::int64_t col) {
+  const auto around = [&](std::int64_t r, std::int64_t c, auto value) {
+    return sum_about(r, c, 2, [&](std::int64_t i, std::int64_t k) {
+      return i == r && k == c ? 0 : value(weight_of(i - r, k - c), i, k);
+    });
+  };
+  const auto surface = [&](std::int64_t r, std::int64_t c) {
+    return around(r, c, [&](double w, std::int64_t i, std::int64_t k) { return w * at_or_nan(z, i, k); });
+  };
+  const auto variance = [&](std::int64_t r, std::int64_t c) {
+    return around(r, c, [&](double w, std::int64_t i, std::int64_t k) {
+      return std::pow(w * at_or_nan(noise, i, k), 2);
+    });
+  };
+  const double departure = sum_about(row, col, 1, [&](std::int64_t r, std::int64_t c) {
+    return (std::pow(at_or_nan(z, r, c) - surface(r, c), 2) - variance(r, c) -
+            std::pow(at_or_nan(noise, r, c), 2)) /
+           9;
+  });
+  const double here = z.at({row, col});
+  const double own = std::pow(noise.at({row, col}), 2);
+  const double other = variance(row, col) + std::max(departure, 0.0);
+  if (!std::isfinite(departure) || other <= 0) return here;
+  return here + (surface(row, col) - here) * own / (own + other);
+}
+
+double slow_sharpened(const Grid<double>& z, const Grid<double>& relief, std::int64_t row, std::int64_t col) {
+  const double curvature = sum_about(row, col, 1, [&](std::int64_t r, std::int64_t c) {
+    return (at_or_nan(z, r + 1, c) + at_or_nan(z, r - 1, c) + at_or_nan(z, r, c + 1) +
+            at_or_nan(z, r, c - 1) - 4 * at_or_nan(z, r, c)) /
+           9;
+  });
+  const double most = relief.at({row, col});
+  if (!std::isfinite(curvature)) return z.at({row, col});
+  return z.at({row, col}) - std::clamp(curvature / 8, -most, most);
+}
+
+// More rows than one task takes; a missing elevation, a missing sigma, and bins without noise.
+TEST(Denoise, EqualsItsDefinition) {
+  const GridSpec spec{0.1, -8, -30, 71, 19};
+  Grid<double> z(spec);
+  Grid<double> noise(spec, 0.05);
+  add_noise(z, 0.06, 11);
+  add_noise(noise, 0.008, 12);
+  z.at({20, 9}) = kNan;
+  noise.at({45, 4}) = kNan;
+  for (std::int64_t row = 58; row < 71; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) noise.at({row, col}) = z.at({row, col}) = 0;
+  const Grid<double> denoised = denoise(z, noise);
+  const Grid<double> sharp = sharpen(z, noise);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      if (std::isnan(z.at({row, col}))) continue;
+      EXPECT_NEAR(denoised.at({row, col}), slow_denoised(z, noise, row, col), 1e-12) << row << ' ' << col;
+      if (std::isnan(noise.at({row, col}))) continue;
+      EXPECT_NEAR(sharp.at({row, col}), slow_sharpened(z, noise, row, col), 1e-12) << row << ' ' << col;
+    }
+}
+
+// The window's mean counts the bins that have a precision.
+TEST(SplitSigma, EqualsItsDefinition) {
+  const GridSpec spec{0.1, -8, -20, 41, 17};
+  Grid<double> sigma(spec, 0.02);
+  add_noise(sigma, 0.004, 13);
+  sigma.at({7, 7}) = 0;
+  sigma.at({8, 7}) = kNan;
+  const SigmaParts parts = split_sigma(sigma, Footprint::square(2));
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const double here = sigma.at({row, col});
+      if (!(here > 0)) continue;
+      int count = 0;
+      const double sum = sum_about(row, col, 2, [&](std::int64_t r, std::int64_t c) {
+        const double value = at_or_nan(sigma, r, c);
+        if (!(value > 0)) return 0.0;
+        ++count;
+        return 1 / (value * value);
+      });
+      EXPECT_NEAR(parts.noise_m.at({row, col}), std::min(here, std::sqrt(1.3 * count / sum)), 1e-12);
+      EXPECT_NEAR(parts.relief_m.at({row, col}), std::sqrt(std::max(here * here - count / sum, 0.0)), 1e-9);
+    }
 }
 
 TEST(Denoise, DoesNotDependOnTheNumberOfThreads) {

@@ -7,11 +7,15 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "base/random.h"
+#include "hazards/denoise.h"
 
 namespace landfall {
 namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void add_noise(Grid<double>& z, double sigma, std::uint64_t seed) {
   const RandomField field(seed, RandomStream::range_noise);
@@ -90,6 +94,177 @@ TEST(SafeProbability, IsCalibratedOnRocks) {
       }
     EXPECT_GT(count[4], 500);
     EXPECT_LT(brier, 0.75 * decision_brier);
+  }
+}
+
+/// The mean of the finite values in the square of 2 half + 1 bins about a place; NaN where there is none.
+double mean_about(const Grid<double>& values, BinIndex place, std::int64_t half) {
+  const GridSpec& spec = values.spec();
+  double sum = 0;
+  int count = 0;
+  for (std::int64_t row = place.row - half; row <= place.row + half; ++row)
+    for (std::int64_t col = place.col - half; col <= place.col + half; ++col) {
+      if (row < 0 || col < 0 || row >= spec.rows || col >= spec.cols) continue;
+      if (!std::isfinite(values.at({row, col}))) continue;
+      sum += values.at({row, col});
+      ++count;
+    }
+  return count == 0 ? kNan : sum / count;
+}
+
+/// safe_probability() in plain loops.
+struct SlowProbability {
+  const Grid<double>& z;
+  const Grid<double>& sigma;
+  std::int64_t half;
+  HazardLimits limits;
+  double slope_base_m;
+  const PlaceMeasures& measured;
+  const MeasurePlaces& measure;
+  int certain_count = 0, open_count = 0, fallback_count = 0;
+
+  [[nodiscard]] bool is_open(BinIndex place, double& p) const {
+    Grid<double> variance = sigma;
+    for (double& value : variance.values()) value = value * value;
+    const double eight = 8 * std::sqrt(mean_about(variance, place, half));
+    const double rough = measured.roughness_m.at(place) - limits.roughness_m;
+    const double steep = measured.slope_deg.at(place) - limits.slope_deg;
+    const double eight_deg = eight / slope_base_m * 180 / std::numbers::pi;
+    p = rough > eight || steep > eight_deg ? 0 : 1;
+    return p == 1 && !(rough < -eight && steep < -eight_deg);
+  }
+
+  [[nodiscard]] Grid<double> operator()() {
+    const GridSpec& spec = z.spec();
+    const SigmaParts parts = split_sigma(sigma, Footprint::square(half));
+    const Grid<double> denoised = denoise(z, parts.noise_m);
+    const BinMask all(spec, 1);
+    const PlaceMeasures expected = measure(denoised, all);
+    const PlaceMeasures truth = measure(sharpen(denoised, parts.relief_m), all);
+    Grid<double> p(spec, kNan);
+    BinMask open(spec);
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col)
+        if (!std::isnan(measured.roughness_m.at({row, col})))
+          open.at({row, col}) = is_open({row, col}, p.at({row, col})) ? 1 : 0;
+    std::array<Grid<double>, 4> errors;  // of roughness and its square, of slope and its square
+    for (Grid<double>& map : errors) map = Grid<double>(spec);
+    const RandomField field(1, RandomStream::map_noise);
+    for (std::uint64_t k = 0; k < 3; ++k) {
+      Grid<double> noisy = denoised;
+      for (std::int64_t row = 0; row < spec.rows; ++row) {
+        std::vector<double> draws(static_cast<std::size_t>(spec.cols));
+        field.normals(k, static_cast<std::uint64_t>(row * spec.cols), draws);
+        for (std::int64_t col = 0; col < spec.cols; ++col)
+          noisy.at({row, col}) += parts.noise_m.at({row, col}) * draws[static_cast<std::size_t>(col)];
+      }
+      const PlaceMeasures again = measure(denoise(noisy, parts.noise_m), all);
+      for (std::int64_t row = 0; row < spec.rows; ++row)
+        for (std::int64_t col = 0; col < spec.cols; ++col) {
+          const BinIndex place{row, col};
+          const double rough =
+              is_sampled(open, place) ? again.roughness_m.at(place) - truth.roughness_m.at(place) : kNan;
+          const double steep = again.slope_deg.at(place) - truth.slope_deg.at(place) + 0 * rough;
+          const std::array<double, 4> found = {rough, rough * rough, steep, steep * steep};
+          for (std::size_t i = 0; i < 4; ++i) errors[i].at(place) += found[i] / 3;
+        }
+    }
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const BinIndex place{row, col};
+        if (std::isnan(p.at(place))) continue;
+        ++(open.at(place) != 0 ? open_count : certain_count);
+        if (open.at(place) == 0) continue;
+        p.at(place) = phi(errors[0], errors[1], place, limits.roughness_m - expected.roughness_m.at(place)) *
+                      phi(errors[2], errors[3], place, limits.slope_deg - expected.slope_deg.at(place));
+      }
+    return p;
+  }
+
+  [[nodiscard]] bool is_sampled(const BinMask& open, BinIndex place) const {
+    if (half < 2) return open.at(place) != 0;
+    if (place.row % 4 != 0) return false;
+    for (std::int64_t row = std::max<std::int64_t>(place.row - 2, 0);
+         row <= std::min(place.row + 2, open.spec().rows - 1); ++row)
+      if (open.at({row, place.col}) != 0) return true;
+    return false;
+  }
+
+  [[nodiscard]] double phi(const Grid<double>& errors, const Grid<double>& squares, BinIndex place,
+                           double room) {
+    double mean = mean_about(errors, place, half);
+    double square = mean_about(squares, place, half);
+    if (std::isnan(mean)) {
+      ++fallback_count;
+      const std::int64_t everywhere = errors.spec().rows + errors.spec().cols;
+      mean = mean_about(errors, place, everywhere);
+      square = mean_about(squares, place, everywhere);
+    }
+    return 0.5 * std::erfc(-(room + mean) / std::sqrt(2 * (square - mean * mean)));
+  }
+};
+
+/// Ground that is rougher to the north and steeper to the east: all kinds of places. Some bins have relief.
+void expect_as_slow(const Lander& lander_of, std::uint64_t seed) {
+  const GridSpec spec{0.1, -20, -17, 43, 39};
+  Grid<double> z(spec);
+  Grid<double> sigma(spec, 0.004);
+  add_noise(z, 0.05, seed);
+  add_noise(sigma, 0.0008, seed + 1);
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      z.at({row, col}) *= static_cast<double>(row) / 43;
+      z.at({row, col}) += 0.0004 * static_cast<double>(col * col);
+      if ((row * 7 + col) % 11 == 0) sigma.at({row, col}) = 0.012;
+    }
+  z.at({30, 8}) = kNan;
+  sigma.at({30, 8}) = kNan;
+  const LanderStencil lander(lander_of, spec.resolution_m);
+  // Every fourth row of some columns cannot be measured, so that places there have no errors near them.
+  const MeasurePlaces measure = [&](const Grid<double>& map, const BinMask& places) {
+    PlaceMeasures found = measure_contact(map, lander, places);
+    for (std::int64_t row = 0; row < spec.rows; row += 4)
+      for (std::int64_t col = 14; col < 24; ++col)
+        found.slope_deg.at({row, col}) = found.roughness_m.at({row, col}) = kNan;
+    return found;
+  };
+  const PlaceMeasures measured = measure(z, BinMask(spec, 1));
+  const HazardLimits limits{14, 0.085};
+  const Grid<float> found =
+      safe_probability(z, sigma, lander, limits, lander_of.leg_radius_m, measured, measure);
+  SlowProbability slow{z, sigma, lander.body.half_bins(), limits, lander_of.leg_radius_m, measured, measure};
+  const Grid<double> expected = slow();
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const BinIndex place{row, col};
+      ASSERT_EQ(std::isnan(found.at(place)), std::isnan(expected.at(place))) << row << ' ' << col;
+      if (std::isnan(expected.at(place))) continue;
+      ASSERT_NEAR(found.at(place), expected.at(place), 1e-4) << row << ' ' << col;
+    }
+  EXPECT_GT(slow.open_count, 100);
+  EXPECT_GT(slow.certain_count, 50);
+  EXPECT_EQ(slow.fallback_count > 0, lander.body.half_bins() >= 2);
+}
+
+TEST(SafeProbability, EqualsItsDefinition) {
+  expect_as_slow({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 3);
+  expect_as_slow({.leg_radius_m = 0.4, .body_radius_m = 0.2}, 5);
+  expect_as_slow({.leg_radius_m = 0.4, .body_radius_m = 0.1}, 7);
+}
+
+// Without noise a place at its limit is open, and its measures decide.
+TEST(SafeProbability, WithoutNoiseTheMeasuresDecide) {
+  const GridSpec spec{0.1, -5, -5, 11, 11};
+  const LanderStencil lander({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 0.1);
+  const HazardLimits limits{10, 0.25};  // exact in float
+  for (const double above : {-0.125, 0.0, 0.125}) {
+    const PlaceMeasures measured{Grid<double>(spec, 10), Grid<double>(spec, 0.25)};
+    const Grid<float> p = safe_probability(
+        Grid<double>(spec), Grid<double>(spec), lander, limits, 0.3, measured,
+        [&](const Grid<double>& map, const BinMask& /*places*/) {
+          return PlaceMeasures{Grid<double>(map.spec(), 10), Grid<double>(map.spec(), 0.25 + above)};
+        });
+    for (const float value : p.values()) EXPECT_EQ(value, above > 0 ? 0 : 1);
   }
 }
 

@@ -90,6 +90,21 @@ TEST(HazardData, CountsEachClassOnce) {
   EXPECT_EQ(missed["is_mark"], true);
 }
 
+// Of the places in a block the first class is drawn; the worst for a lander, as in the pictures of --view.
+TEST(HazardData, ClassesAreFromTheWorstToTheBest) {
+  const ReportData data = Case().data();
+  const auto texts = [&](const char* name) {
+    std::vector<std::string> found;
+    for (const auto& part : named(data, name)["flags"]) found.push_back(part["text"]);
+    return found;
+  };
+  EXPECT_THAT(texts("safe"), ElementsAre("hazard", "unknown", "safe"));
+  EXPECT_THAT(texts("outcome"),
+              ElementsAre("missed hazard", "hazard found", "false alarm", "unknown", "safe found"));
+  EXPECT_EQ(named(data, "outcome")["flags"][1]["is_mark"], false);
+  EXPECT_EQ(named(data, "outcome")["flags"][2]["is_mark"], true);
+}
+
 // A single wrong place of 41 x 41 bins stays in a map of 7 x 7 blocks.
 TEST(HazardData, ABlockHasTheClassesOfAllItsBins) {
   Case c;
