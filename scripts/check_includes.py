@@ -32,7 +32,7 @@ ONLY_IN = {
     r"libdeflate": {"hdf5"},
     r"zlib": {"hdf5"},
     r"png\.h": {"picture"},
-    r"nlohmann/": {"base", "config", "files", "cli", "host", "report"},  # base: a header that several folders share
+    r"nlohmann/": {"base", "config", "files", "cli", "host", "report", "scene"},  # base: a header that several folders share
     r"valijson/": {"config"},
     r"CLI/": {"cli"},
     r"(iostream|fstream|chrono|ctime)$": {"config", "files", "meshio", "output", "cli"},

@@ -11,6 +11,8 @@
 #include "base/number_text.h"
 #include "cli/draws_table.h"
 #include "cli/tool.h"
+#include "config/draws_config.h"
+#include "files/number_table.h"
 #include "scene/campaign.h"
 #include "scene/campaign_run.h"
 
@@ -82,6 +84,13 @@ void check(const cli::CommonOptions& common, const Options& o, bool merges) {
   if (o.sources.terrain.empty()) throw UsageError("--terrain is required");
 }
 
+void check_config(const cli::Session& session, const Options& o) {
+  if (!o.inputs.empty() && o.inputs.front() == "merge") return;
+  std::optional<NumberTable> samples;
+  if (!o.sources.samples.empty()) samples = read_number_table(o.sources.samples, {.all = true});
+  check_draws_config(session.config(), session.config_name(), samples ? &*samples : nullptr);
+}
+
 ExitCode conclude(cli::Session& session, const Options& o, const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
   if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
@@ -138,7 +147,7 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "draws";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = [](const cli::Session&) {};
+  tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);
 }

@@ -4,6 +4,9 @@
 import itertools
 import json
 import math
+import os
+import resource
+import signal
 import unittest
 
 import h5py
@@ -350,6 +353,98 @@ class Results(DrawsTest):
         loose = {**self.HALF, "draws": 3, "vary": {}, "eval": with_values(self.HALF["eval"], limits__invalid_frac=1)}
         self.assertEqual(run("monte-carlo", *self.arguments(loose, "draws.h5", "--require-pass")).returncode, 0)
         self.assertEqual(run("monte-carlo", *self.arguments(self.HALF, "draws.h5", "-O", "--require-pass")).returncode, 3)
+
+
+class Refusals(DrawsTest):
+    """Each message names file, key and value; nothing is written."""
+
+    def refuse_draws(self, code, words, *options, scan=None, **values):
+        self.refuse(code, "monte-carlo", *self.arguments(campaign(**values), "draws.h5", *options, scan=scan), words=words,
+                    output=self.path("draws.h5"))
+        self.assertEqual([entry for entry in self.entries() if "draws.h5" in entry], [])
+
+    def test_varied_keys(self):
+        rays, bins = "changes the rays", "changes the bins"
+        for key, word in {"scan.detector.rows": rays, "scan.laser.scan_time_s": rays, "scan.scanner.encoder_sigma_rad": rays,
+                          "scan.mount.position_m.0": rays, "scan.trajectory.velocity_mps.2": rays,
+                          "scan.pointing_error.jitter_sigma_rad": rays, "scan.pointing_error.misalignment_rpy_rad.0": rays,
+                          "scan.seed": "number of the draw", "regrid.resolution_m": bins, "regrid.half_width_m": bins,
+                          "eval.region_radius_m": bins, "eval.region.half_width_m": bins, "scan.nothing": "unknown key of scan",
+                          "scan.noise.range_sigma_m.0": "unknown key", "scan.navigation_error.velocity_mps.3": "unknown key",
+                          "scan.noise~3": "unknown key", "scan..": "unknown key", "scan": "unknown key", "": "unknown key",
+                          "dem.x": "keys begin with scan., regrid. or eval.", "scan.noise": "is not a number",
+                          "scan.navigation_error.velocity_mps": "velocity_mps.0", "regrid.method": "is not a number"}.items():
+            self.refuse_draws(2, ["mc.json", f"/vary/{key}", word], vary={key: {**NORMAL, "sigma": 1}})
+        dropout = "scan.noise.dropout_frac"
+        self.refuse_draws(2, ["draw 1: /scan: /noise/dropout_frac"], vary={dropout: {"type": "list", "values": [0, -1, 0, 0, 0, 0]}})
+        self.refuse_draws(2, [f"/vary/{dropout}/values", "2 values", "6 draws"], vary={dropout: {"type": "list", "values": [0, 0]}})
+        self.refuse_draws(2, [f"/vary/{dropout}/high", "0.1"], vary={dropout: {"type": "uniform", "low": 0.2, "high": 0.1}})
+
+    def test_configurations(self):
+        self.refuse_draws(2, ["/draws: 0 "], draws=0)
+        self.refuse_draws(2, ["/eval/region_radius_m: 50", "5.1"], eval={**EVAL, "region_radius_m": 50})
+        self.refuse_draws(2, ["draw 2: /scan: /seed: 9007199254740992"], "--set", "scan.seed=9007199254740990")
+        self.refuse_draws(2, ["/scan/navigation_error/velocity_mps/3", "array of 3"], "--set", "scan.navigation_error.velocity_mps.3=1")
+        self.refuse_draws(2, ["/detector/rows differs"], "--set", "scan.detector.rows=9")
+        self.refuse_draws(2, ["/pointing_error/jitter_sigma_rad differs"], "--set", "scan.pointing_error.jitter_sigma_rad=0.001")
+        self.refuse_draws(2, ["/stop/p1: 0.6"], stop={"type": "sprt", "p0": 0.5, "p1": 0.6})
+        self.refuse_draws(2, ["--draws 0:7", "6 draws"], "--draws", "0:7")
+        for text in ("3:2", "x", "-1:2", "1", "1:2:3", "2:2"):
+            self.refuse_draws(2, [f"--draws {text}", "A:B"], f"--draws={text}")
+
+    def test_check_needs_no_scan(self):
+        """--check, and an element of an array that is only a default, in both tools."""
+        self.succeed("monte-carlo", "--check", "--set", "scan.navigation_error.velocity_mps.0=0.1", "--set", "scan.detector.rows=3")
+        for assignment, word in [("regrid.foo=1", "/foo"), ("scan.noize=1", "noize"), ("scan.noise.dropout_frac=2", "dropout_frac"),
+                                 ('vary={"eval.x": {"type": "normal", "sigma": 1}}', "/vary/eval.x")]:
+            self.refuse(2, "monte-carlo", "--check", "--set", assignment, words=[word])
+        shown = json.loads(self.succeed("scan-sim", "--print-config", "--set", "navigation_error.velocity_mps.0=0.1").stdout)
+        self.assertEqual(shown["navigation_error"]["velocity_mps"], [0.1, 0, 0])
+        config = {**campaign(draws=1), "scan": {}}
+        self.draws(config, "--set", "scan.navigation_error.velocity_mps.1=0.5")
+        velocity = SCAN["navigation_error"]["velocity_mps"]
+        self.assertEqual(config_of(self.path("draws.h5"))["scan"]["navigation_error"]["velocity_mps"], [velocity[0], 0.5, velocity[2]])
+
+    def test_samples(self):
+        key = "scan.noise.dropout_frac"
+        for code, word, text in [(1, "is empty", ""), (1, "no row", f"{key}\n"), (1, "'x'", f"{key}\nx\n"), (1, "row 1", f"{key}\nnan\n"),
+                                 (1, "given twice", f"{key},{key}\n0,0\n"), (2, "foo: unknown key", "foo\n1\n"),
+                                 (2, "t: unknown key", f"{key},t\n0,0\n"), (1, "1e999", f"{key}\n1e999\n"),
+                                 (1, "line 3", f"{key}\n0\n0,1\n"), (2, "changes the rays", "scan.detector.rows\n8\n")]:
+            samples = self.config(text, "samples.csv")
+            self.refuse_draws(code, ["samples.csv", word], "--samples", samples)
+        self.refuse_draws(1, ["none.csv"], "--samples", self.path("none.csv"))
+        samples = self.config(f"{key}\n0.1\n", "samples.csv")
+        self.refuse_draws(2, [f"/vary/{key}", "samples"], "--samples", samples, vary={key: {**NORMAL, "sigma": 1}})
+
+    def test_scans(self):
+        for options, code, word in [(["--set", "noise.dropout_frac=0.1"], 2, "--keep-misses"), (["--float32"], 2, "single precision"),
+                                    (["--set", "pointing_error.jitter_sigma_rad=1e-4"], 2, "/pointing_error/jitter_sigma_rad")]:
+            scan = self.path("other.h5")
+            self.succeed("scan-sim", *self.chain.inputs("scan-sim"), *options, "-O", "-o", scan)
+            self.refuse_draws(code, ["other.h5", word], scan=scan)
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "-O", "-o", scan)
+        with h5py.File(scan, "a") as file:
+            del file["points/range_true"]
+        self.refuse_draws(1, ["other.h5", "/points/range_true"], scan=scan)
+        self.refuse_draws(1, ["dem.h5", "landfall.scan"], scan=self.chain.dem)
+        terrain = self.path("terrain.h5")
+        self.succeed("terrain-gen", "-c", self.chain.config("terrain-gen"), "--set", "base.elevation_m=1", "-o", terrain)
+        self.refuse(2, "monte-carlo", self.chain.scan, "--terrain", terrain, "-c", self.config(campaign()), "-o", self.path("draws.h5"),
+                    words=["scan.h5", "terrain"], output=self.path("draws.h5"))
+
+    def test_a_full_disk_keeps_the_state(self):
+        """What was done is there after the output could not be written."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        self.draws(campaign(), output="whole.h5")
+        self.draws(campaign(), "--draws", "0:4", output="part.h5")
+        os.rename(self.path("part.h5"), self.path(".draws.h5.state"))
+        self.refuse(1, "monte-carlo", *self.arguments(campaign(), "draws.h5"), words=["draws.h5"], output=self.path("draws.h5"),
+                    preexec_fn=limit)
+        self.assertIn("goes on after 4 draws", run("monte-carlo", *self.arguments(campaign(), "draws.h5", "-v")).stderr)
+        self.assertEqual(read_bytes(self.path("draws.h5")), read_bytes(self.path("whole.h5")))
 
 
 if __name__ == "__main__":
