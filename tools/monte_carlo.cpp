@@ -53,7 +53,7 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--samples", o.sources.samples,
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
-  app.add_option("--draws", o.draws, "Run only the draws A .. B - 1, a part for merge")->type_name("A:B");
+  app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
   app.add_flag("--table", o.table, "Print how many draws passed each requirement; default on a terminal");
   app.add_flag("--require-pass", o.require_pass,
                "Exit with 3 unless every draw passes, or the sequential test accepts");
