@@ -11,6 +11,8 @@
 #include "base/number_text.h"
 #include "cli/draws_table.h"
 #include "cli/tool.h"
+#include "config/draws_config.h"
+#include "files/number_table.h"
 #include "scene/campaign.h"
 #include "scene/campaign_run.h"
 
@@ -51,7 +53,7 @@ void bind(CLI::App& app, Options& o) {
   app.add_option("--samples", o.sources.samples,
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
-  app.add_option("--draws", o.draws, "Run only the draws A .. B - 1, a part for merge")->type_name("A:B");
+  app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
   app.add_flag("--table", o.table, "Print how many draws passed each requirement; default on a terminal");
   app.add_flag("--require-pass", o.require_pass,
                "Exit with 3 unless every draw passes, or the sequential test accepts");
@@ -80,6 +82,13 @@ void check(const cli::CommonOptions& common, const Options& o, bool merges) {
   }
   if (o.inputs.size() > 1) throw UsageError("one scan at a time; " + o.inputs[1] + " is a second one");
   if (o.sources.terrain.empty()) throw UsageError("--terrain is required");
+}
+
+void check_config(const cli::Session& session, const Options& o) {
+  if (!o.inputs.empty() && o.inputs.front() == "merge") return;
+  std::optional<NumberTable> samples;
+  if (!o.sources.samples.empty()) samples = read_number_table(o.sources.samples, {.all = true});
+  check_draws_config(session.config(), session.config_name(), samples ? &*samples : nullptr);
 }
 
 ExitCode conclude(cli::Session& session, const Options& o, const nlohmann::ordered_json& verdict) {
@@ -139,7 +148,7 @@ int main(int argc, char** argv) {
   tool.examples = kExamples;
   tool.schema = "draws";
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = [](const cli::Session&) {};
+  tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);
 }

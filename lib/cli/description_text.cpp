@@ -237,7 +237,8 @@ std::string schema_of(const std::string& tool) {
                                                               {"scan-sim", "scan"},
                                                               {"regrid", "regrid"},
                                                               {"dem-eval", "eval"},
-                                                              {"hazard-map", "hazard"}};
+                                                              {"hazard-map", "hazard"},
+                                                              {"monte-carlo", "draws"}};
   const auto found = kSchemas.find(tool);
   return found == kSchemas.end() ? "" : found->second;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/draws_config.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -15,12 +16,40 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A stage's configuration merged over `base` and completed.
-Json resolved_stage(const std::string& stage, Json base, const Json& changes, const std::string& name) {
-  base.merge_patch(changes);
-  Json resolved = resolve_config({name + ": /" + stage, std::move(base)}, embedded_schema(stage));
+/// Merges `changes` over `base` (RFC 7396). An object of indices changes elements of an array: --set
+/// scan.navigation_error.velocity_mps.0=0.1 means that of the scan's own.
+void merge(Json& base, const Json& changes, const std::string& where) {
+  if (!changes.is_object()) {
+    base = changes;
+    return;
+  }
+  if (!base.is_structured()) base = Json::object();
+  for (const auto& [key, value] : changes.items()) {
+    const std::string path = where + "/" + key;
+    if (base.is_array()) {
+      const Json::json_pointer element = Json::json_pointer() / key;
+      const bool is_number = !key.empty() && std::ranges::all_of(key, [](char c) { return c >= '0' && c <= '9'; });
+      if (!is_number || !base.contains(element))
+        throw UsageError(path + ": is not an index of an array of " + std::to_string(base.size()));
+      merge(base.at(element), value, path);
+    } else if (value.is_null()) {
+      base.erase(key);
+    } else {
+      merge(base[key], value, path);
+    }
+  }
+}
+
+Json resolve_stage(const std::string& stage, const Json& config, const std::string& name) {
+  Json resolved = resolve_config({name + ": /" + stage, config}, embedded_schema(stage));
   if (stage == "scan") complete_scan_config(resolved);
   return resolved;
+}
+
+/// A stage's configuration merged over `base` and completed.
+Json merged_stage(const std::string& stage, Json base, const Json& changes, const std::string& name) {
+  merge(base, changes, name + ": /" + stage);
+  return resolve_stage(stage, base, name);
 }
 
 /// The stage and the pointer within it of "scan.noise.range_sigma_m".
@@ -32,10 +61,12 @@ struct KeyPath {
 KeyPath split_key(const std::string& key) {
   const std::size_t dot = key.find('.');
   if (dot == std::string::npos) return {key, Json::json_pointer()};
-  std::string pointer = "/" + key.substr(dot + 1);
-  for (char& c : pointer)
-    if (c == '.') c = '/';
-  return {key.substr(0, dot), Json::json_pointer(pointer)};
+  Json::json_pointer pointer;
+  for (std::size_t begin = dot + 1, end = 0; end != std::string::npos; begin = end + 1) {
+    end = key.find('.', begin);
+    pointer /= key.substr(begin, end - begin);
+  }
+  return {key.substr(0, dot), pointer};
 }
 
 /// Why a key cannot vary on the same rays, grid and region; empty if it can.
@@ -76,14 +107,15 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
     sprt_ = {stop.at("p0"), stop.at("p1"), stop.at("alpha"), stop.at("beta")};
     at_path(name_ + ": /stop/", [&] { check(*sprt_); });
   }
-  stages_ = {resolved_stage("scan", scanned, resolved.at("scan"), name_),
-             resolved_stage("regrid", Json::object(), resolved.at("regrid"), name_),
-             resolved_stage("eval", Json::object(), resolved.at("eval"), name_)};
+  const auto defaults = [&](const char* stage) { return resolve_stage(stage, Json::object(), name_); };
+  stages_ = {merged_stage("scan", scanned, resolved.at("scan"), name_),
+             merged_stage("regrid", defaults("regrid"), resolved.at("regrid"), name_),
+             merged_stage("eval", defaults("eval"), resolved.at("eval"), name_)};
   seed_ = stages_.scan.at("seed");
   for (const char* const stage : {"scan", "regrid", "eval"}) json_[stage] = stage_of(stages_, stage);
   if (samples != nullptr) take_samples(*samples);
   json_["draws"] = draw_count_;
-  for (const auto& [key, json] : resolved.at("vary").items()) add_variation(key, variation_of(json));
+  for (const auto& [key, json] : resolved.at("vary").items()) add_variation(name_ + ": /vary/", key, variation_of(json));
 }
 
 void DrawsConfig::take_samples(const NumberTable& samples) {
@@ -93,19 +125,19 @@ void DrawsConfig::take_samples(const NumberTable& samples) {
     const std::vector<double>& values = samples.column(key);
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!std::isfinite(values[i])) samples.fail_at(i, key + " is not a finite number");
-    at_path(samples.file() + ": ", [&] { add_variation(key, ListVariation<double>{values}); });
+    add_variation(samples.file() + ": ", key, ListVariation<double>{values});
   }
 }
 
-void DrawsConfig::add_variation(const std::string& key, Variation<double> variation) {
-  const std::string where = name_ + ": /vary/" + key + ": ";
+void DrawsConfig::add_variation(const std::string& owner, const std::string& key, Variation<double> variation) {
+  const std::string where = owner + key + ": ";
   if (vary_.contains(key)) throw UsageError(where + "is a column of the samples too");
   const auto [stage, pointer] = split_key(key);
   if (stage != "scan" && stage != "regrid" && stage != "eval")
     throw UsageError(where + "unknown key; keys begin with scan., regrid. or eval.");
+  if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
   const Json& config = stage_of(stages_, stage);
   if (pointer.empty() || !config.contains(pointer)) throw UsageError(where + "unknown key of " + stage);
-  if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
   if (!config.at(pointer).is_number())
     throw UsageError(where + "is not a number; an element of an array is its index, " + key + ".0");
   at_path(name_ + ": /", [&] { check(variation, key, static_cast<std::size_t>(draw_count_)); });
@@ -136,9 +168,19 @@ DrawStages DrawsConfig::stages(std::int64_t draw) const {
     (stage == "scan" ? stages.scan : stage == "regrid" ? stages.regrid : stages.eval)[pointer] = drawn[i++];
   }
   const std::string name = name_ + ": draw " + std::to_string(draw);
-  return {resolved_stage("scan", std::move(stages.scan), Json::object(), name),
-          resolved_stage("regrid", std::move(stages.regrid), Json::object(), name),
-          resolved_stage("eval", std::move(stages.eval), Json::object(), name)};
+  return {resolve_stage("scan", stages.scan, name), resolve_stage("regrid", stages.regrid, name),
+          resolve_stage("eval", stages.eval, name)};
+}
+
+void check_draws_config(const Json& resolved, const std::string& name, const NumberTable* samples) {
+  static constexpr std::array kErrors = {"noise", "pointing_error", "navigation_error", "seed"};
+  const Json& known = embedded_schema("scan").at("properties");
+  Json config = resolved;
+  for (const auto& [key, value] : resolved.at("scan").items()) {
+    if (std::ranges::find(kErrors, key) != kErrors.end()) continue;
+    if (known.contains(key)) config["scan"].erase(key);  // an unknown key is refused with the others
+  }
+  static_cast<void>(DrawsConfig(config, name, resolve_stage("scan", Json::object(), name), samples));
 }
 
 }  // namespace landfall

@@ -33,6 +33,8 @@ class DrawsConfig {
   DrawsConfig(const nlohmann::json& resolved, std::string name, const nlohmann::json& scanned,
               const NumberTable* samples);
 
+  /// Begins messages.
+  [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::int64_t draw_count() const { return draw_count_; }
   [[nodiscard]] MetricsKind metrics() const { return metrics_; }
   [[nodiscard]] bool has_layers() const { return has_layers_; }
@@ -52,7 +54,8 @@ class DrawsConfig {
   [[nodiscard]] DrawStages stages(std::int64_t draw) const;
 
  private:
-  void add_variation(const std::string& key, Variation<double> variation);
+  /// `owner` begins messages about the key.
+  void add_variation(const std::string& owner, const std::string& key, Variation<double> variation);
   void take_samples(const NumberTable& samples);
 
   std::string name_;
@@ -65,5 +68,9 @@ class DrawsConfig {
   DrawStages stages_;
   std::map<std::string, Variation<double>> vary_;
 };
+
+/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a campaign cannot
+/// change are only checked for their names.
+void check_draws_config(const nlohmann::json& resolved, const std::string& name, const NumberTable* samples);
 
 }  // namespace landfall

@@ -140,7 +140,20 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   return array[index];
 }
 
-void assign(Json& root, const std::string& assignment) {
+bool is_index(const std::string& key) {
+  return !key.empty() && std::ranges::all_of(key, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// What a value that nothing has set yet becomes, so that `key` exists below it: an array where the key is an
+/// index and the default is an array.
+Json container_for(const std::string& key, const Json& root, const std::string& pointer,
+                   const DefaultAt& default_at) {
+  if (default_at && is_index(key))
+    if (Json array = default_at(root, pointer); array.is_array()) return array;
+  return Json::object();
+}
+
+void assign(Json& root, const std::string& assignment, const DefaultAt& default_at) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0)
     throw UsageError("--set " + abbreviated(assignment) + ": expected KEY=JSON");
@@ -153,9 +166,12 @@ void assign(Json& root, const std::string& assignment) {
   if (keys.size() > std::size_t{kMaxLevels})
     throw UsageError("--set: a key of " + std::to_string(keys.size()) + " parts, more than " +
                      std::to_string(kMaxLevels));
+  const Json before = default_at ? root : Json();
+  std::string pointer;
   for (const std::string& key : keys) {
     if (key.empty()) throw UsageError("--set " + abbreviated(assignment) + ": empty key");
-    if (target->is_null()) *target = Json::object();
+    if (target->is_null()) *target = container_for(key, before, pointer, default_at);
+    pointer += "/" + key;
     if (!target->is_structured())
       throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
                        "' is below a value that is neither an object nor an array");
@@ -177,8 +193,9 @@ JsonSource parse_json(const std::string& text, const std::string& name) {
   return {name, std::move(value)};
 }
 
-void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments) {
-  for (const std::string& assignment : assignments) assign(source.value, assignment);
+void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments,
+                       const DefaultAt& default_at) {
+  for (const std::string& assignment : assignments) assign(source.value, assignment, default_at);
 }
 
 }  // namespace landfall

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -21,10 +22,14 @@ struct JsonSource {
 /// As read_json(), but from a text; `name` replaces the file name.
 [[nodiscard]] JsonSource parse_json(const std::string& text, const std::string& name);
 
+/// The value that a configuration has at a path although nothing sets it: a default. Null if there is none.
+using DefaultAt = std::function<nlohmann::json(const nlohmann::json& config, const std::string& pointer)>;
+
 /// Applies `a.b.c=JSON` assignments, UTF-8, in order; a number in the path is an array index, which must
-/// exist. Missing objects are created. A text that is not JSON and begins like no JSON container is a string.
+/// exist, in the configuration or in the array that `default_at` gives. Missing objects are created. A text that is not JSON and begins like no JSON container is a string.
 /// Throws UsageError naming the assignment if it is not KEY=JSON, has more than 64 keys in its path, or its
 /// path leads through a value that is not a container.
-void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments);
+void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments,
+                       const DefaultAt& default_at = {});
 
 }  // namespace landfall

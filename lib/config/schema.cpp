@@ -328,4 +328,16 @@ Json resolve_config(const JsonSource& source, const Json& schema) {
   return value;
 }
 
+Json default_at(const Json& config, const Json& schema, const std::string& pointer) {
+  try {
+    const Json resolved = resolve_config({"", config}, schema);
+    const Json::json_pointer where(pointer);
+    return resolved.contains(where) ? resolved.at(where) : Json();
+  } catch (const UsageError&) {  // the complete configuration is checked later
+    return {};
+  } catch (const Json::exception&) {  // not a pointer
+    return {};
+  }
+}
+
 }  // namespace landfall

@@ -22,6 +22,11 @@ namespace landfall {
 /// removed. Throws UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
 
+/// The value at a JSON pointer of the resolved configuration, defaults included; null if there is none, or if
+/// the configuration is not valid.
+[[nodiscard]] nlohmann::json default_at(const nlohmann::json& config, const nlohmann::json& schema,
+                                        const std::string& pointer);
+
 /// The member of `known` that `word` most probably means: the nearest (edit distance <= 2, or one third of
 /// the word), else the shortest that contains it ("rocks" in "golombek_rocks"); empty if there is none.
 [[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& known);

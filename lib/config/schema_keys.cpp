@@ -143,6 +143,8 @@ class Walk {
       choices(s["oneOf"], path, choice);
     else if (s.contains("items"))
       elements(s["items"], path + ".N", choice);
+    else if (s.contains("additionalProperties") && s["additionalProperties"].is_object())
+      elements(s["additionalProperties"], path + ".KEY", choice);  // keys of any name
     else
       properties(s, path, choice);
   }

@@ -10,7 +10,8 @@ namespace landfall {
 /// One key of a configuration, for display. Without a `type` it is the heading of the keys that belong to one
 /// choice of "type".
 struct SchemaKey {
-  /// As --set takes it: "scanner.half_width_m"; N is an array index: "features.N.x_m".
+  /// As --set takes it: "scanner.half_width_m"; N is an array index: "features.N.x_m",
+  /// KEY a key of any name: "vary.KEY.sigma".
   std::string path;
   /// The required "type" of the nearest enclosing object that has one, "fsm"; empty for a key that does not
   /// depend on a type. For a heading: its choice.

@@ -15,6 +15,7 @@ LandfallFileReader require_grid(LandfallFileReader file) {
   if (has_grid(file)) return file;
   if (kind_of(file) == "terrain")
     file.fail("is a mesh terrain, which has no layers; terrain-gen --from FILE -o mesh.ply exports it");
+  if (kind_of(file) == "draws") file.fail("has no layers (it was made with /layers false)");
   file.fail("has no layers (it was made with dem-eval --metrics-only)");
 }
 
@@ -23,6 +24,7 @@ std::vector<const char*> main_layers(const std::string& kind) {
   if (kind == "dem") return {"z_est"};
   if (kind == "plan") return {"count"};
   if (kind == "hazards") return {"safe"};
+  if (kind == "draws") return {"p_fail_rel_z"};
   return {"rel_z", "distance_to_valid"};
 }
 
@@ -35,7 +37,7 @@ std::string listed(const std::vector<ContentInfo>& contents) {
 }
 
 GridSource::GridSource(const std::filesystem::path& path)
-    : file_(require_grid(LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan", "hazards"}))),
+    : file_(require_grid(LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan", "hazards", "draws"}))),
       kind_(kind_of(file_)),
       reader_(file_),
       layers_(layers_of(file_, reader_.spec())) {

@@ -25,7 +25,10 @@ constexpr std::array kLayerOrder = {
     "in_region", "invalid", "hole_id", "distance_to_valid", "fail",
     // hazard map
     "slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope_true",
-    "roughness_true", "safe_true", "outcome"};
+    "roughness_true", "safe_true", "outcome",
+    // campaign
+    "p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std",
+    "e_map_std", "count_mean"};
 
 constexpr std::array kSiteOrder = {"rank",        "x",      "y",     "z",         "cost",
                                    "p_touchdown", "p_safe", "slope", "roughness", "distance_to_hazard",

@@ -211,7 +211,7 @@ std::vector<NamedNumber> flat_metrics(const DrawMetrics& metrics) {
   const auto visit = [&](const auto& self, const std::string& path, const Json& value) -> void {
     if (value.is_object()) {
       for (const auto& [key, inner] : value.items()) self(self, path.empty() ? key : path + "." + key, inner);
-    } else if (!value.is_array() && !value.is_string() && path != "pass") {
+    } else if (!value.is_array() && !value.is_string() && path != "pass" && path != "version") {
       flat.emplace_back(path, value.is_number()    ? value.get<double>()
                               : value.is_boolean() ? static_cast<double>(value.get<bool>())
                                                    : kNan);

@@ -27,7 +27,8 @@ struct Draws {
 /// A number of a draw by its dotted path in metrics.json.
 using NamedNumber = std::pair<std::string, double>;
 
-/// The numbers of metrics.json without arrays and texts: null as NaN, true as 1. `pass` is not among them.
+/// The numbers of metrics.json without arrays and texts: null as NaN, true as 1. `pass` and
+/// `version` are not among them.
 [[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawMetrics& metrics);
 
 /// How many draws passed each requirement and all six, with Wilson's 95 % interval and the exact one-sided

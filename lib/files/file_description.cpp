@@ -302,7 +302,7 @@ void add_provenance(Json& json, const LandfallFileReader& file) {
 
 Json describe_file(const std::filesystem::path& path, const DescriptionOptions& options,
                    const ProgressCallback& progress) {
-  const LandfallFileReader file(path, {"terrain", "scan", "dem", "evaluation", "plan", "hazards"});
+  const LandfallFileReader file(path, {"terrain", "scan", "dem", "evaluation", "plan", "hazards", "draws"});
   Json json = head(path, file);
   if (h5::exists(file.root(), "x") && h5::exists(file.root(), "y"))
     json["grid"] = grid_json(GridLayerReader(file).spec());
@@ -321,6 +321,8 @@ Json describe_file(const std::filesystem::path& path, const DescriptionOptions& 
     json["metrics"] = parsed(h5::read_text(file.root(), "metrics_json"));
   if (h5::exists(file.root(), "plan_json")) json["plan"] = parsed(h5::read_text(file.root(), "plan_json"));
   if (h5::exists(file.root(), "score_json")) json["score"] = parsed(h5::read_text(file.root(), "score_json"));
+  if (h5::exists(file.root(), "verdict_json"))
+    json["verdict"] = parsed(h5::read_text(file.root(), "verdict_json"));
   json["datasets"] = datasets;
   add_provenance(json, file);
   return json;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "config/config_path.h"
 #include "config/scan_config.h"
 #include "evaluation/evaluate.h"
 #include "files/evaluation_file.h"
@@ -57,7 +58,7 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 
 Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
                    const DrawSpan& span, Provenance& provenance, const ProgressCallback& progress)
-    : config_(config), regrid_(regrid_config(config.stages().regrid, "monte-carlo: /regrid")) {
+    : config_(config), regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
   scene_ = open_scene({.terrain = terrain, .use = SceneUse::surface});
   provenance.add_input("terrain", scene_.file_id, scene_.chain);
@@ -72,7 +73,8 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
     provenance.add_input("region", read.file_id, nlohmann::json::array());
     mask = std::move(read.mask);
   }
-  region_ = judged_region(evaluation_config(config.stages().eval, "monte-carlo: /eval"), grid, mask ? &*mask : nullptr);
+  const EvaluationParameters evaluation = evaluation_config(config.stages().eval, config.name() + ": /eval");
+  at_path(config.name() + ": /eval/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(CampaignScene{ranges_true_m_, *scene_.surface, grid, region_}, config.has_layers());
 }
 

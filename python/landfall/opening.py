@@ -8,7 +8,7 @@ from landfall import files, schema
 from landfall.errors import DataError, UsageError
 from landfall.table import open_table
 
-GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan", "landfall.hazards")
+GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan", "landfall.hazards", "landfall.draws")
 # The JSON files of the tools.
 TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score")
 # Where the columns of the other files are.

@@ -12,7 +12,7 @@ from harness import TOOLS, ToolTest, run, tool
 
 ROOT = os.environ["LANDFALL_ROOT"]
 ALL = [*TOOLS, "landfall-info", *(["landfall-export"] if os.path.exists(tool("landfall-export")) else [])]
-CONFIGURED = {"terrain-gen": "terrain", "scan-sim": "scan", "regrid": "regrid", "dem-eval": "eval", "hazard-map": "hazard"}
+CONFIGURED = {"terrain-gen": "terrain", "scan-sim": "scan", "regrid": "regrid", "dem-eval": "eval", "hazard-map": "hazard", "monte-carlo": "draws"}
 
 COMPLETE = """
 source "$1"

@@ -105,6 +105,20 @@ TEST(Assignments, MakeReplaceAndIndex) {
   EXPECT_EQ(source.value, nlohmann::json::parse(R"({"a": {"b": [1,2], "c": "text"}, "list": [1, 7]})"));
 }
 
+TEST(Assignments, AnIndexOfADefaultArray) {
+  const auto default_at = [](const nlohmann::json& config, const std::string& pointer) {
+    EXPECT_FALSE(config.contains("list"));
+    return pointer == "/a/list" ? nlohmann::json({1, 2, 3}) : nlohmann::json();
+  };
+  JsonSource source{"config", {{"b", 1}}};
+  apply_assignments(source, {"a.list.1=7"}, default_at);
+  EXPECT_EQ(source.value, nlohmann::json({{"b", 1}, {"a", {{"list", {1, 7, 3}}}}}));
+  apply_assignments(source, {"a.list.0=8", "a.other.0=9"}, default_at);  // an array that exists; no array
+  EXPECT_EQ(source.value["a"], nlohmann::json({{"list", {8, 7, 3}}, {"other", {{"0", 9}}}}));
+  JsonSource other{"config", nlohmann::json::object()};
+  EXPECT_THROW(apply_assignments(other, {"a.list.3=7"}, default_at), UsageError);
+}
+
 TEST(Assignments, AWordIsAText) {
   JsonSource source{"config", nlohmann::json::object()};
   apply_assignments(source, {"a=text", "b=NaN", "c=0,01", "d=1e3", "e=true"});
