@@ -94,6 +94,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
   output.phase("write", [&](const ProgressCallback&) {
+    if (output.report) output.report(draws, result.verdict, output.provenance);
     write_draws(file, draws, result.verdict, campaign->crs_wkt());
   });
   state.remove();
