@@ -11,8 +11,10 @@
 #include "base/number_text.h"
 #include "cli/draws_table.h"
 #include "cli/tool.h"
+#include "config/dem_config.h"
 #include "config/draws_config.h"
 #include "files/number_table.h"
+#include "report/draws_page.h"
 #include "scene/campaign.h"
 #include "scene/campaign_run.h"
 
@@ -41,7 +43,7 @@ A run that was ended goes on where it was when it is started again with the same
 struct Options {
   std::vector<std::string> inputs;  ///< a scan, or merge and parts
   CampaignSources sources;
-  std::string draws;
+  std::string draws, report, title;
   bool table = false;
   bool require_pass = false;
 };
@@ -54,6 +56,11 @@ void bind(CLI::App& app, Options& o) {
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
   app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
+  app.add_option("--report", o.report,
+                 "Write a report: one HTML file with maps, distributions and the failed draws")
+      ->type_name("FILE");
+  app.add_option("--title", o.title, "Title of the report; default: the site and the lidar in words")
+      ->type_name("TEXT");
   app.add_flag("--table", o.table, "Print how many draws passed each requirement; default on a terminal");
   app.add_flag("--require-pass", o.require_pass,
                "Exit with 3 unless every draw passes, or the sequential test accepts");
@@ -73,6 +80,8 @@ DrawSpan span_of(const std::string& text) {
 void check(const cli::CommonOptions& common, const Options& o, bool merges) {
   if (o.inputs.empty()) throw UsageError("a scan is required");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
+  if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
+  if (o.report == "-") throw UsageError("--report needs a file");
   if (merges) {
     if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
     if (!o.sources.terrain.empty() || !o.sources.samples.empty() || !o.draws.empty() ||
@@ -91,6 +100,12 @@ void check_config(const cli::Session& session, const Options& o) {
   check_draws_config(session.config(), session.config_name(), samples ? &*samples : nullptr);
 }
 
+void write_report(OutputPath& file, const std::string& title, const Draws& draws,
+                  const nlohmann::ordered_json& verdict, const Provenance& provenance) {
+  const EvaluationParameters parameters = evaluation_config(provenance.config.at("eval"), "monte-carlo: /eval");
+  write_text(file, html_report::draws_page({draws, verdict, parameters}, provenance, title));
+}
+
 ExitCode conclude(cli::Session& session, const Options& o, const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
   if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
@@ -105,13 +120,16 @@ ExitCode conclude(cli::Session& session, const Options& o, const nlohmann::order
 ExitCode merge(cli::Session& session, const Options& o) {
   const std::vector<std::string> parts(o.inputs.begin() + 1, o.inputs.end());
   const OutputOptions output = session.output(parts);
+  const auto report_file = session.side_output("--report", o.report, parts);
   Provenance provenance{.tool = session.tool()};
   MergedDraws merged;
   session.phase("merge", [&](const ProgressCallback&) { merged = merge_draws(parts, provenance); });
   const nlohmann::ordered_json verdict = verdict_json(merged.draws.table, std::nullopt);
   session.phase("write", [&](const ProgressCallback&) {
     LandfallFileWriter file(output, "draws", provenance);
+    if (report_file) write_report(*report_file, o.title, merged.draws, verdict, provenance);
     write_draws(file, merged.draws, verdict, merged.crs_wkt);
+    if (report_file) report_file->commit();
   });
   return conclude(session, o, verdict);
 }
@@ -124,13 +142,23 @@ ExitCode run(cli::Session& session, const Options& o) {
   sources.scan = o.inputs.front();
   std::optional<DrawSpan> part;
   if (!o.draws.empty()) part = span_of(o.draws);
-  const OutputOptions output = session.output({sources.scan, sources.terrain, sources.samples});
-  const CampaignResult result =
-      run_campaign(sources, part, {output, session.provenance(), session.config_name(), session.phases(),
-                                   [&](const std::string& text) { session.warn(text); },
-                                   [&](const std::string& text) { session.log(text); },
-                                   [&](const std::string& text) { session.note(text); },
-                                   [&] { return session.elapsed_s(); }});
+  const std::vector<std::string> inputs = {sources.scan, sources.terrain, sources.samples};
+  const OutputOptions output = session.output(inputs);
+  const auto report_file = session.side_output("--report", o.report, inputs);
+  CampaignOutput campaign{output,
+                          session.provenance(),
+                          session.config_name(),
+                          session.phases(),
+                          [&](const std::string& text) { session.warn(text); },
+                          [&](const std::string& text) { session.log(text); },
+                          [&](const std::string& text) { session.note(text); },
+                          [&] { return session.elapsed_s(); }};
+  if (report_file)
+    campaign.report = [&](const Draws& draws, const nlohmann::ordered_json& verdict, const Provenance& provenance) {
+      write_report(*report_file, o.title, draws, verdict, provenance);
+    };
+  const CampaignResult result = run_campaign(sources, part, std::move(campaign));
+  if (report_file) report_file->commit();
   session.count("draws_per_s", result.draws_per_s);
   return conclude(session, o, result.verdict);
 }

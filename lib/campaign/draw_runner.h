@@ -45,6 +45,10 @@ class DrawRunner {
   /// The scene's data must outlive this object. With maps H at the bins' centres is computed once.
   DrawRunner(CampaignScene scene, bool with_maps);
 
+  [[nodiscard]] const CampaignScene& scene() const { return scene_; }
+  /// H at the bins' centres, NaN off the terrain; only with maps.
+  [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
+
   /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
   /// bit. Adds the draw to `maps` unless it is null. Throws as Simulation, DrawGridder and evaluate() do.
   [[nodiscard]] DrawMetrics run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);

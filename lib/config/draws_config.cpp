@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "base/error.h"
 #include "config/config_path.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
+#include "config/uncertainty_config.h"
 
 namespace landfall {
 namespace {
@@ -91,6 +93,17 @@ Variation<double> variation_of(const Json& json) {
   return ListVariation<double>{json.at("values").get<std::vector<double>>()};
 }
 
+/// The standard deviation of the values.
+double sigma_of(const NormalVariation& variation) { return variation.sigma; }
+double sigma_of(const UniformVariation& variation) { return (variation.high - variation.low) / std::sqrt(12.0); }
+double sigma_of(const ListVariation<double>& variation) {
+  const auto n = static_cast<double>(variation.values.size());
+  const double mean = std::accumulate(variation.values.begin(), variation.values.end(), 0.0) / n;
+  double squares = 0;
+  for (const double value : variation.values) squares += (value - mean) * (value - mean);
+  return n > 1 ? std::sqrt(squares / (n - 1)) : 0;
+}
+
 const Json& stage_of(const DrawStages& stages, const std::string& stage) {
   return stage == "scan" ? stages.scan : stage == "regrid" ? stages.regrid : stages.eval;
 }
@@ -116,6 +129,31 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   if (samples != nullptr) take_samples(*samples);
   json_["draws"] = draw_count_;
   for (const auto& [key, json] : resolved.at("vary").items()) add_variation(name_ + ": /vary/", key, variation_of(json));
+  if (resolved.at("sigma")) predict();
+}
+
+void DrawsConfig::predict() {
+  if (!has_layers_) throw UsageError(name_ + ": /sigma: is a map, and /layers is false");
+  if (const std::string method = stages_.regrid.at("method"); method != "bilinear_nearest")
+    throw UsageError(name_ + ": /sigma: needs the method bilinear_nearest, not " + method);
+  Json regrid = stages_.regrid;
+  if (!regrid["uncertainty"].contains("navigation_sigma")) {
+    Json sigmas;
+    for (const auto& [key, variation] : vary_) {
+      static const std::string kPrefix = "scan.navigation_error.";
+      if (!key.starts_with(kPrefix)) continue;
+      const std::size_t dot = key.rfind('.');
+      const std::string error = key.substr(kPrefix.size(), dot - kPrefix.size());
+      if (std::ranges::find(navigation_sigma_keys(), error) == navigation_sigma_keys().end()) continue;
+      for (const char* const other : navigation_sigma_keys())
+        if (!sigmas.contains(other)) sigmas[other] = {0, 0, 0};
+      sigmas[error][static_cast<std::size_t>(key.back() - '0')] =
+          std::visit([](const auto& kind) { return sigma_of(kind); }, variation);
+    }
+    if (!sigmas.is_null()) regrid["uncertainty"]["navigation_sigma"] = std::move(sigmas);
+  }
+  predicted_ = uncertainty_parameters(regrid, name_ + ": /regrid", {{"the scan", stages_.scan}});
+  json_["regrid"]["uncertainty"] = uncertainty_json(*predicted_);
 }
 
 void DrawsConfig::take_samples(const NumberTable& samples) {

@@ -12,6 +12,7 @@
 #include "campaign/draw_runner.h"
 #include "campaign/sprt.h"
 #include "campaign/variation.h"
+#include "gridding/uncertainty.h"
 
 namespace landfall {
 
@@ -38,6 +39,9 @@ class DrawsConfig {
   [[nodiscard]] std::int64_t draw_count() const { return draw_count_; }
   [[nodiscard]] MetricsKind metrics() const { return metrics_; }
   [[nodiscard]] bool has_layers() const { return has_layers_; }
+  /// What the predicted 1-sigma map assumes: /regrid/uncertainty; what it lacks is taken from the varied navigation
+  /// errors, and the range noise from the scan (D318). Empty where the map is not asked for.
+  [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
   /// Empty for the rule `fixed`.
   [[nodiscard]] const std::optional<SprtParameters>& sprt() const { return sprt_; }
   /// The varied keys in the order of their names.
@@ -57,6 +61,7 @@ class DrawsConfig {
   /// `owner` begins messages about the key.
   void add_variation(const std::string& owner, const std::string& key, Variation<double> variation);
   void take_samples(const NumberTable& samples);
+  void predict();
 
   std::string name_;
   nlohmann::json json_;
@@ -64,6 +69,7 @@ class DrawsConfig {
   MetricsKind metrics_;
   bool has_layers_;
   std::optional<SprtParameters> sprt_;
+  std::optional<UncertaintyParameters> predicted_;
   std::int64_t seed_ = 0;
   DrawStages stages_;
   std::map<std::string, Variation<double>> vary_;

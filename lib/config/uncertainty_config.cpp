@@ -163,6 +163,8 @@ Json as_json(const RollPitchYaw& rpy) { return {rpy.roll_rad, rpy.pitch_rad, rpy
 
 }  // namespace
 
+const std::array<const char*, 4>& navigation_sigma_keys() { return kNavigationKeys; }
+
 void add_navigation_sigma(Json& config, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string key = assignment.substr(0, equals);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@ struct ScanOrigin {
   std::string name;
   nlohmann::json config;
 };
+
+/// The keys of /uncertainty/navigation_sigma, which are those of a scan's /navigation_error.
+[[nodiscard]] const std::array<const char*, 4>& navigation_sigma_keys();
 
 /// Adds "KEY=SIGMA" (all three axes) or "KEY=X,Y,Z" to /uncertainty/navigation_sigma of a regrid
 /// configuration; KEY is position_m, velocity_mps, rpy_rad or rpy_rate_radps. Missing keys become 0. Throws

@@ -55,6 +55,15 @@ void write_layers(LandfallFileWriter& file, const Draws& draws, const std::strin
                {"m", "standard deviation of z_true - z_est over the draws"});
   layers.write("e_map_std", layer_of(spec, [&](std::size_t i) { return maps.e_map.std_m(i); }),
                {"m", "standard deviation over the draws of the true elevation at the bin centre less z_est"});
+  if (draws.z_sigma_abs) {
+    layers.write("z_sigma_abs", *draws.z_sigma_abs, {"m", "predicted standard deviation of the same"});
+    layers.write("e_map_std_over_sigma", layer_of(spec, [&](std::size_t i) {
+                   const double sigma_m = draws.z_sigma_abs->values()[i];
+                   return sigma_m > 0 ? maps.e_map.std_m(i) / sigma_m : kNan;
+                 }),
+                 {"1", "e_map_std / z_sigma_abs"});
+  }
+  layers.write("z_true_map", *draws.z_true_map, {"m", "true elevation at the bin centre"});
   layers.write("count_mean",
                layer_of(spec, [&](std::size_t i) { return static_cast<double>(maps.count.values()[i]) / n; }),
                {"1", "mean number of returns in the bin"});
@@ -259,11 +268,16 @@ void write_draws(LandfallFileWriter& file, const Draws& draws, const Json& verdi
 
 DrawsInput read_draws(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"draws"});
-  DrawsInput input{{read_rows(file), std::nullopt, std::nullopt}, {}, file.file_id(), file.chain()};
+  DrawsInput input;
+  input.draws.table = read_rows(file);
+  input.file_id = file.file_id();
+  input.chain = file.chain();
   if (!has_grid(file)) return input;
   const GridLayerReader layers(file);
   input.crs_wkt = layers.crs_wkt();
   input.draws.region = layers.read<std::int8_t>("in_region");
+  input.draws.z_true_map = layers.read<float>("z_true_map");
+  if (layers.has("z_sigma_abs")) input.draws.z_sigma_abs = layers.read<float>("z_sigma_abs");
   input.draws.maps = read_state(file, layers.spec(), input.draws.table.size());
   return input;
 }

@@ -21,7 +21,10 @@ namespace landfall {
 struct Draws {
   DrawTable table;
   std::optional<DrawMaps> maps;
-  std::optional<BinMask> region;  ///< the judged bins; with maps
+  // With maps:
+  std::optional<BinMask> region;           ///< the judged bins
+  std::optional<Grid<float>> z_true_map;   ///< H(X, Y), NaN off the terrain
+  std::optional<Grid<float>> z_sigma_abs;  ///< predicted, where it is asked for
 };
 
 /// A number of a draw by its dotted path in metrics.json.

@@ -11,6 +11,8 @@
 namespace landfall {
 namespace {
 
+constexpr std::size_t kMaxSteps = 16384;
+
 void check(const ScanPoses& scan) {
   if (scan.t_s.empty() || scan.t_s.size() != scan.position_m.size() ||
       scan.t_s.size() != scan.attitude.size())
@@ -25,6 +27,20 @@ void check(const ScanPoses& scan) {
 }
 
 }  // namespace
+
+ScanPoses estimated_poses(std::string name, const PulseColumns& pulses) {
+  ScanPoses poses{std::move(name), {}, {}, {}};
+  const std::size_t count = pulses.t.size();
+  const std::size_t stride = (count + kMaxSteps - 1) / kMaxSteps;
+  const auto keep = [&](std::size_t i) {
+    poses.t_s.push_back(pulses.t[i]);
+    poses.position_m.emplace_back(pulses.px_est[i], pulses.py_est[i], pulses.pz_est[i]);
+    poses.attitude.emplace_back(pulses.qw_est[i], pulses.qx_est[i], pulses.qy_est[i], pulses.qz_est[i]);
+  };
+  for (std::size_t i = 0; i < count; i += stride) keep(i);
+  if (count > 0 && (count - 1) % stride != 0) keep(count - 1);
+  return poses;
+}
 
 bool operator==(const ScanPoses& a, const ScanPoses& b) {
   return a.t_s == b.t_s && a.position_m == b.position_m &&

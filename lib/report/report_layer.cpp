@@ -59,6 +59,8 @@ const char* name_of(Style style) {
       return "magnitude";
     case Style::probability:
       return "probability";
+    case Style::chance:
+      return "chance";
     case Style::count:
       return "count";
     case Style::mask:
@@ -80,6 +82,7 @@ std::string colors_of(Style style) {
       return name_of(Colors::error);
     case Style::magnitude:
     case Style::probability:
+    case Style::chance:
       return name_of(Colors::magnitude);
     case Style::count:
       return name_of(Colors::count);

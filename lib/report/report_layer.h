@@ -18,6 +18,7 @@ enum class Style {
   signed_error,
   magnitude,
   probability,  ///< from 0 to 1
+  chance,       ///< a probability over shaded relief, which is seen where it is 0
   count,
   mask,
   flags,    ///< bits with a colour each, as marks

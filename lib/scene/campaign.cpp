@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "campaign/predicted_sigma.h"
 #include "config/config_path.h"
 #include "config/scan_config.h"
 #include "evaluation/evaluate.h"
@@ -76,6 +77,8 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
   const EvaluationParameters evaluation = evaluation_config(config.stages().eval, config.name() + ": /eval");
   at_path(config.name() + ": /eval/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(CampaignScene{ranges_true_m_, *scene_.surface, grid, region_}, config.has_layers());
+  if (config.predicted())
+    z_sigma_abs_ = predicted_sigma(runner_->scene(), setup_of(config.stages(), 0).scan, *config.predicted());
 }
 
 Draws Campaign::empty(std::int64_t first) const {
@@ -85,6 +88,10 @@ Draws Campaign::empty(std::int64_t first) const {
   if (config_.has_layers()) {
     draws.maps.emplace(regrid_.grid);
     draws.region = region_;
+    draws.z_true_map.emplace(regrid_.grid);
+    std::ranges::transform(runner_->z_true_map()->values(), draws.z_true_map->values().begin(),
+                           [](double z_m) { return static_cast<float>(z_m); });
+    draws.z_sigma_abs = z_sigma_abs_;
   }
   return draws;
 }

@@ -48,6 +48,7 @@ class Campaign {
   RegridConfig regrid_;
   BinMask region_;
   std::unique_ptr<DrawRunner> runner_;
+  std::optional<Grid<float>> z_sigma_abs_;
 };
 
 }  // namespace landfall

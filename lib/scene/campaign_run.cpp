@@ -98,7 +98,10 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
   const std::string crs_wkt = campaign->crs_wkt();
   campaign.reset();  // its memory is not needed to write the maps
-  output.phase("write", [&](const ProgressCallback&) { write_draws(file, draws, result.verdict, crs_wkt); });
+  output.phase("write", [&](const ProgressCallback&) {
+    if (output.report) output.report(draws, result.verdict, output.provenance);
+    write_draws(file, draws, result.verdict, crs_wkt);
+  });
   state.remove();
   return result;
 }

@@ -29,6 +29,8 @@ struct CampaignOutput {
   std::function<void(const std::string&)> log;
   std::function<void(const std::string&)> note;  ///< gets the verdict so far, after each draw
   std::function<double()> clock_s;
+  /// Called with the finished draws before the output is complete; may be empty.
+  std::function<void(const Draws&, const nlohmann::ordered_json& verdict, const Provenance&)> report{};
 };
 
 struct CampaignResult {

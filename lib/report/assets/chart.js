@@ -90,6 +90,13 @@ class Chart {
     return this;
   }
 
+  /** A legend entry of an area. */
+  area(text, color) {
+    const sample = svgElement("svg", {viewBox: "0 0 12 12", class: "swatch"}, svgElement("rect", {width: 12, height: 12, fill: color}));
+    this.legend.append(htmlElement("span", {}, sample, text));
+    return this;
+  }
+
   dots(points, color, text) {
     for (const [x, y, radius] of points) {
       this.svg.append(svgElement("circle", {cx: this.x.at(x), cy: this.y.at(y), r: radius, fill: color,

@@ -6,6 +6,7 @@
 const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
 const LEAST_WIDTH = 160;  // pixels of a panel, below which the page has no layout yet
 let clipCount = 0;
+const GROUND_COLOR = [244, 241, 234];
 const panels = [];  // all maps of the page
 
 class MapPanel {
@@ -141,6 +142,7 @@ class MapPanel {
   blockColors(blocks, isShare) {
     if (this.raster.layer.style === "elevation") return reliefColors(this.raster, blocks, this.scale);
     if (this.raster.layer.style === "classes") return this.classColors(blocks);
+    if (this.raster.layer.style === "chance") return this.chanceColors(blocks);
     const {region} = this.options;
     const judged = this.isMarks() && region ? blocksOf(region, blocks.stride).values : null;
     const colors = new Float32Array(3 * blocks.values.length);
@@ -158,6 +160,18 @@ class MapPanel {
       if (!ofBits.has(bits)) ofBits.set(bits, parseColor(flagColor(layer, bits)));
       const light = Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor);
       colors.set(ofBits.get(bits).map((part) => Math.min(255, part * light)), 3 * i);
+    });
+    return colors;
+  }
+
+  /** Colours of probabilities in the light of the ground, which has its own colour where the probability is 0. */
+  chanceColors(blocks) {
+    const colors = new Float32Array(3 * blocks.values.length);
+    const slopes = slopesOf(blocksOf(this.options.relief, blocks.stride)), factor = reliefFactor(slopes);
+    blocks.values.forEach((value, i) => {
+      const light = Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor);
+      const color = value === 0 ? GROUND_COLOR : colorOf(this.scale, value);
+      colors.set(color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * light)), 3 * i);
     });
     return colors;
   }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "campaign/predicted_sigma.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "gridding/moment_accumulator.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::int64_t kPointsPerBatch = std::int64_t{1} << 20U;
+
+/// What the map is made from.
+struct GriddedReturns {
+  WeightedMeanAccumulator bins;
+  MomentAccumulator moments;
+  PulseColumns pulses;
+
+  explicit GriddedReturns(const GridSpec& grid) : bins(grid), moments(grid) {}
+
+  void add(const PulseBatch& batch, std::int64_t first_pulse) {
+    std::vector<double> times(batch.points.size());
+    std::ranges::transform(batch.points.pulse, times.begin(), [&](std::int32_t pulse) {
+      return batch.pulses.t[static_cast<std::size_t>(pulse - first_pulse)];
+    });
+    const GridPoints points = GridPoints::of(batch.points, times);
+    bins.add(points);
+    moments.add(points, bins);
+    for (const auto member :
+         {&PulseColumns::t, &PulseColumns::px_est, &PulseColumns::py_est, &PulseColumns::pz_est,
+          &PulseColumns::qw_est, &PulseColumns::qx_est, &PulseColumns::qy_est, &PulseColumns::qz_est})
+      (pulses.*member).insert((pulses.*member).end(), (batch.pulses.*member).begin(), (batch.pulses.*member).end());
+  }
+};
+
+GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& simulation) {
+  GriddedReturns gridded(scene.grid);
+  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
+  const std::int64_t per_batch = std::max<std::int64_t>(1, kPointsPerBatch / pixels);
+  PulseBatch batch;
+  for (std::int64_t first = 0; first < simulation.pulse_count(); first += per_batch) {
+    const PulseSpan span{first, std::min(per_batch, simulation.pulse_count() - first)};
+    simulation.replay(span,
+                      scene.ranges_true_m.subspan(static_cast<std::size_t>(first * pixels),
+                                                  static_cast<std::size_t>(span.count * pixels)),
+                      batch);
+    batch.keep_returns();
+    gridded.add(batch, first);
+  }
+  return gridded;
+}
+
+}  // namespace
+
+Grid<float> predicted_sigma(const CampaignScene& scene, ScanModel scan, const UncertaintyParameters& parameters) {
+  const Simulation simulation(std::move(scan), nullptr, &scene.terrain);
+  const GriddedReturns gridded = gridded_returns(scene, simulation);
+  const Grid<Slope> slopes = slope_layer(gridded.bins);
+  const PoseTrack poses({estimated_poses("the scan", gridded.pulses)});
+  const UncertaintyMap map(gridded.bins, gridded.moments, slopes, poses, parameters);
+  auto sigma = Grid<float>::unset(scene.grid);
+  parallel_for(static_cast<std::size_t>(scene.grid.rows), 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<BinValues> row(static_cast<std::size_t>(scene.grid.cols));
+    for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
+      gridded.bins.values({r, 0}, row);
+      for (std::int64_t c = 0; c < scene.grid.cols; ++c)
+        sigma.at({r, c}) = static_cast<float>(
+            row[static_cast<std::size_t>(c)].count > 0 ? map.sigmas({r, c}).z_abs : BinSigmas::kUnknown);
+    }
+  });
+  return sigma;
+}
+
+}  // namespace landfall

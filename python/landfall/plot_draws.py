@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws draws.h5 made by monte-carlo: where bins are empty and footprints fail, the errors over the draws, the predicted
+against the observed spread where the file has both, and the distribution of what decides each requirement.
+
+A file without maps gives the distributions only.
+"""
+import json
+import os
+
+import numpy as np
+from matplotlib.colors import LogNorm
+
+from landfall import colors, command, files, maps, plots, reduction, relief, scales
+from landfall.errors import DataError
+
+# Requirement: (what is measured, factor, whether a value must be at least its limit).
+REQUIREMENTS = {"coverage": ("invalid bins of the region (%)", 100, False), "hole_size": ("largest hole (bins)", 1, False),
+                "hole_distance": ("largest distance to a valid bin (bins)", 1, False),
+                "relative_elevation": ("footprints over the limit, z", 1, False),
+                "relative_horizontal": ("footprints over the limit, x and y", 1, False),
+                "absolute_horizontal": ("footprints within the limit (%)", 100, True)}
+LAYERS = ["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
+          "e_map_std_over_sigma", "z_true_map", "in_region"]
+GROUND = "#f4f1ea"  # where a probability is 0
+CLASSES = 30
+
+
+def parse(arguments):
+    parser = command.Parser(prog="plot_draws.py", description=__doc__)
+    parser.add_argument("draws", metavar="DRAWS.h5")
+    parser.add_argument("-o", "--output", metavar="PNG", help="output file (default: DRAWS-figure.png beside the input)")
+    plots.add_output_options(parser)
+    options = parser.parse_args(arguments)
+    options.output = options.output or os.path.splitext(options.draws)[0] + "-figure.png"
+    plots.require_png(options.output)
+    return options
+
+
+class Draws:
+    """What a draws.h5 holds; layers that it does not have are None."""
+
+    def __init__(self, path):
+        self.name = os.path.basename(path)
+        with files.open_landfall(path, "landfall.draws") as file:
+            self.grid = files.read_grid(file) if "x" in file else None
+            self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
+            self.columns = {name: files.read(item, ()) for name, item in file["draws"].items()}
+            self.verdict = json.loads(files.text(file["verdict_json"][()])) if "verdict_json" in file else {}
+            self.config = files.read_metrics(file, "provenance/config_json")
+        if self.grid is not None and self.layers["z_true_map"] is None:
+            raise DataError(f"{path}: needs the layer z_true_map")
+
+    def count(self):
+        return self.columns["pass"].size
+
+    def has_prediction(self):
+        return self.layers["z_sigma_abs"] is not None
+
+
+# Maps
+
+
+def draw_chance(ax, draws, values, title, quantity):
+    """A probability over the shaded ground, which is seen where it is 0; the largest value of each block."""
+    grid, truth = draws.grid, draws.layers["z_true_map"]
+    maps.frame_map(ax, grid, title)
+    size = maps.block_size(ax, values.shape)
+    shown, step_m = reduction.shrink_most(values, size), size * grid.resolution_m
+    span = scales.extremes(shown)
+    scale = scales.Scale("magnitude", 0.0, span[1] if span[1] > 0 else 1.0, scales.extremes(values), span, "", base="")
+    image = colors.color_map("magnitude")(np.nan_to_num(shown) / scale.high)[..., :3]
+    image[shown == 0] = tuple(int(GROUND[k:k + 2], 16) / 255 for k in (1, 3, 5))
+    mean = reduction.shrink_mean(truth, size)
+    light = relief.light(mean, step_m, relief.factor(mean, step_m))
+    image = np.clip(image * np.nan_to_num(light, nan=1)[..., None], 0, 1)
+    image[np.isnan(shown)] = 200 / 255
+    maps.draw_image(ax, grid, image, size, gid="chance")
+    maps.draw_color_bar(ax, scale, quantity)
+    finish(ax, draws, "0 everywhere" if span[1] == 0 else f"at most {span[1]:.3g}", maps.blocks_note(ax, values.shape))
+
+
+def finish(ax, draws, *notes):
+    radius_m = draws.config.get("eval/region_radius_m")
+    if radius_m is not None:
+        maps.draw_region(ax, radius_m)
+    maps.draw_scale_marks(ax)
+    maps.note(ax, *notes)
+
+
+def draw_layer(ax, draws, name, title, scale_of, shrink, rule):
+    values = draws.layers[name]
+    scale = scale_of(values, maps.reduced(ax, values, shrink))
+    maps.frame_map(ax, draws.grid, title)
+    maps.draw_values(ax, draws.grid, values, scale, name, shrink)
+    finish(ax, draws, *scale.notes(), maps.blocks_note(ax, values.shape, rule))
+
+
+def ratio_scale(values, shown):
+    return scales.count_scale(values, shown, "magnitude", least=1.0)
+
+
+def draw_prediction(ax, draws):
+    """Number of bins by predicted and observed spread, both logarithmic."""
+    predicted, observed = draws.layers["z_sigma_abs"], draws.layers["e_map_std"]
+    known = (predicted > 0) & (observed > 0)
+    ax.set(title="spread of the map's error: observed against predicted", xlabel="predicted: z_sigma_abs (m)", ylabel="observed: e_map_std (m)")
+    ax.set_box_aspect(1)
+    if not known.any():
+        maps.notice(ax, "no bin has both")
+        return
+    x, y = predicted[known], observed[known]
+    low, high = np.quantile(np.concatenate((x, y)), (0.001, 0.999)) * (0.9, 1.1)
+    edges = np.geomspace(low, high, 121)
+    counts = np.histogram2d(x, y, (edges, edges))[0].T
+    ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high))
+    ax.pcolormesh(edges, edges, np.where(counts > 0, counts, np.nan), cmap=colors.color_map("count"), norm=LogNorm(1, max(counts.max(), 2)), gid="bins")
+    ax.plot([low, high], [low, high], color="black", linewidth=1, label="as predicted")
+    ax.legend(loc="upper left", fontsize=maps.NOTE_PT)
+    median = np.median(y / x)
+    maps.note(ax, f"median of observed / predicted {median:.3f}", f"{np.count_nonzero(known):,} bins; darker: more")
+
+
+# Distributions
+
+
+def edges_of(values, limit, is_whole):
+    """Edges of equally wide classes, between whole numbers for counts."""
+    low, high = float(values.min()), float(values.max())
+    if is_whole:
+        width = max(1.0, np.ceil((high - low + 1) / CLASSES))
+        return low - 0.5 + width * np.arange(np.ceil((high - low + 1) / width) + 1)
+    return np.linspace(low, high, CLASSES + 1) if high > low else low + abs(limit) / 100 * np.array([-1, 1])
+
+
+def draw_distribution(ax, draws, name):
+    text, factor, at_least = REQUIREMENTS[name]
+    value, limit, passed = (draws.columns[f"requirements.{name}.{key}"] for key in ("value", "limit", "pass"))
+    known = ~np.isnan(value)
+    ax.set(title=name, xlabel=text, ylabel="draws")
+    if not known.any():
+        maps.notice(ax, "not judged: the draws have no truth")
+        return
+    value, limit, passed = factor * value[known], factor * limit[0], passed[known] == 1
+    edges = edges_of(value, limit, factor == 1)
+    _, _, bars = ax.hist([value[passed], value[~passed]], edges, stacked=True, color=[maps.BLUE, maps.VERMILION], label=["passed", "failed"])
+    ax.axvline(limit, color="black", linestyle="--", label=f"limit: at {'least' if at_least else 'most'} {limit:g}", gid="limit")
+    ax.yaxis.get_major_locator().set_params(integer=True)
+    maps.note(ax, rate_text(draws, name))
+    ax.legend(fontsize=maps.NOTE_PT)
+
+
+def rate_text(draws, name):
+    rate = next((rate for rate in draws.verdict.get("rates", []) if rate["requirement"] == name), None)
+    if rate is None:
+        return ""
+    text = f"{rate['passed']} of {rate['draws']} pass"
+    if "sprt" in draws.verdict:
+        return text
+    return f"{text}: {rate['wilson_low']:.4f} to {rate['wilson_high']:.4f} (Wilson, 95 %), at least {rate['exact_lower_bound']:.4f}"
+
+
+def draw(draws):
+    """The figure: up to two rows of maps, and two of distributions."""
+    rows = 2 if draws.grid is None else 4
+    title = f"{draws.name}: {plots.counted(draws.count(), 'draw')}; {rate_text(draws, 'all')}"
+    figure, axes = maps.new_figure((rows, 3), (19, 5.2 * rows), title)
+    if draws.grid is not None:
+        layers, share = draws.layers, "share of the draws"
+        draw_chance(axes[0, 0], draws, layers["p_invalid"], "empty bin", share)
+        draw_chance(axes[0, 1], draws, layers["p_fail_rel_z"], "footprint fails: relative z", share)
+        draw_chance(axes[0, 2], draws, np.fmax(layers["p_fail_rel_x"], layers["p_fail_rel_y"]), "footprint fails: relative x or y, the likelier", share)
+        draw_layer(axes[1, 0], draws, "e_z_std", "spread of e_z", scales.magnitude_scale, reduction.shrink_most, "largest")
+        if draws.has_prediction():
+            draw_layer(axes[1, 1], draws, "e_map_std_over_sigma", "spread of the map's error, observed / predicted", ratio_scale,
+                       reduction.shrink_mean, "mean")
+            draw_prediction(axes[1, 2], draws)
+        else:
+            draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_most, "largest")
+            draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")
+    for name, ax in zip(REQUIREMENTS, axes[rows - 2:].flat):
+        draw_distribution(ax, draws, name)
+    return figure
+
+
+def main(arguments):
+    options = parse(arguments)
+    maps.use_dpi(options.dpi)
+    command.check_outputs([options.output], options.overwrite)
+    draws = Draws(options.draws)
+    plots.save({options.output: draw(draws)}, options.dpi)

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report of monte-carlo in a browser: its numbers are those of the file, and its commands give the same draw."""
+import json
+import os
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import BIN, EVAL, LONGEST_S, REGRID, browser, read_bytes, with_values
+from harness.page import CONTRAST, PageTest
+
+SECTIONS = ["requirements", "distributions", "causes", "failures", "maps", "provenance-chain"]
+PROBABILITIES = ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p_fail_absolute"]
+MAPS = [*PROBABILITIES, "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs", "e_map_std_over_sigma", "z_true_map"]
+VELOCITY = "scan.navigation_error.velocity_mps.0"
+NOISE = "scan.noise.range_sigma_m"
+CAMPAIGN = {"draws": 8, "metrics": "full", "sigma": True, "regrid": {**REGRID, "uncertainty": {"navigation_sigma": {}}},
+            "eval": with_values(EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
+            "vary": {VELOCITY: {"type": "normal", "sigma": 0.3}, NOISE: {"type": "uniform", "low": 0.005, "high": 0.08},
+                     "scan.navigation_error.rpy_rate_radps.2": {"type": "normal", "sigma": 1e-5}}}
+VALUES = """
+return rasterOf(layerNamed(arguments[0]), report.grid).then((raster) => Array.from(raster.codes, (_, i) => {
+  const value = raster.value(i);
+  return Number.isNaN(value) ? null : value;
+}));
+"""
+SET_VALUE = "const e = document.getElementById(arguments[0]); e.value = arguments[1]; e.dispatchEvent(new Event(arguments[2]));"
+
+
+@unittest.skipIf(browser.missing(), browser.missing())
+class DrawsReportTest(PageTest):
+    def setUp(self):
+        super().setUp()
+        os.symlink(self.chain.terrain, self.path("terrain.h5"))
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--keep-misses", "-o", self.path("scan.h5"))
+
+    def campaign(self, *arguments, config=CAMPAIGN, output="draws.h5"):
+        """Runs a campaign and opens its report; the draws by column, and the layers."""
+        self.succeed("monte-carlo", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-c", self.config(config), "-o",
+                     self.path(output), "--report", self.path("draws.html"), "-O", *arguments)
+        self.open("draws.html")
+        with h5py.File(self.path(output)) as file:
+            self.verdict = json.loads(file["verdict_json"][()])
+            layers = {name: file[name][()] for name in file if isinstance(file[name], h5py.Dataset) and file[name].ndim == 2}
+            return {name: item[()] for name, item in file["draws"].items()}, layers
+
+    def test_numbers_maps_and_layout(self):
+        draws, layers = self.campaign()
+        passed = int(np.count_nonzero(draws["pass"]))
+        self.assertTrue(0 < passed < 8, "the case must have both")
+        self.assertEqual(self.window.run("return [...document.querySelectorAll('main > section')].map((s) => s.id)"), SECTIONS)
+        rows = self.cells("#rates")
+        self.assertEqual([row[1] for row in rows], [f"{rate['passed']} of 8" for rate in self.verdict["rates"]])
+        self.assertEqual([row[3:] for row in rows], [[f"{rate['wilson_low']:.4f} \u2026 {rate['wilson_high']:.4f}",
+                                                      f"{rate['exact_lower_bound']:.4f}"] for rate in self.verdict["rates"]])
+        self.assertIn(f"{passed} of 8 draws pass all requirements", self.text("#verdict"))
+        self.assertEqual(self.window.run("return [...document.querySelectorAll('#maps canvas')].map((c) => c.dataset.layer)"), MAPS)
+        for name in MAPS:
+            step = self.window.run(f"return layerNamed('{name}').step")
+            shown = np.array(self.window.run(VALUES, name), float).reshape(layers[name].shape)
+            np.testing.assert_allclose(shown, layers[name], rtol=0, atol=0.501 * step + 1e-7, err_msg=name)
+        self.assertEqual(len(self.window.run("return [...document.querySelectorAll('#distributions figure')].map(() => 0)")), 6)
+        self.check_log_and_requests()
+        self.check_layout()
+        for theme in ("light", "dark"):
+            self.assertGreater(min(self.window.run(CONTRAST, ["#verdict", "#rates td", "#commands", ".note", "#failed-draws td"])), 4.5, theme)
+            self.window.run("document.getElementById('theme').click()")
+
+    def test_failed_draws_and_the_points_of_the_diagrams(self):
+        draws, _ = self.campaign()
+        failed = np.flatnonzero(draws["pass"] == 0)
+        rows = self.cells("#failed-draws")
+        self.assertEqual([(row[0], row[1]) for row in rows], [(str(i), str(draws["seed"][i])) for i in failed])
+        names = [rate["requirement"] for rate in self.verdict["rates"][:-1]]
+        for row, i in zip(rows, failed):
+            missed = [name for name in names if draws[f"requirements.{name}.pass"][i] == 0]
+            self.assertEqual([part.split(":")[0] for part in row[2].split("; ")], missed)
+        colors = "return [...document.querySelectorAll('#causes figure:first-of-type circle')].filter((c) => c.getAttribute('r') === '3').map((c) => c.getAttribute('fill'))"
+        metric = self.window.run("return document.querySelector('#metric option').textContent")
+        expected = int(np.count_nonzero(draws[f"requirements.{metric}.pass"] == 0))
+        self.assertEqual([self.window.run(colors).count(f"var(--{color})") for color in ("vermilion", "blue")], [expected, 8 - expected])
+
+    def test_the_commands_give_the_same_draw(self):
+        draws, _ = self.campaign()
+        self.window.run(SET_VALUE, "draw", "5", "input")
+        commands = f"set -e\n{self.text('#configurations')}\n{self.text('#commands')}\n"
+        self.assertEqual(commands.count("--set"), 3)
+        done = subprocess.run(["bash", "-c", commands], cwd=self.folder, capture_output=True, text=True, timeout=LONGEST_S, check=False,
+                              env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        metrics = json.loads(read_bytes(self.path("draw-5-metrics.json")))
+        compared = 0
+        for name, column in draws.items():
+            if name in ("seed", "pass") or name.startswith("scan."):
+                continue
+            value = metrics
+            for key in name.split("."):
+                value = value[key]
+            np.testing.assert_equal(column[5], np.nan if value is None else float(value), err_msg=name)
+            compared += 1
+        self.assertGreater(compared, 30)
+        self.assertEqual(metrics["pass"], bool(draws["pass"][5]))
+
+    def test_parts_and_merge(self):
+        self.campaign()
+        whole = read_bytes(self.path("draws.html"))
+        self.campaign("--draws", "0:3", output="a.h5")
+        self.assertEqual(self.cells("#rates")[0][1].split(" of ")[1], "3")
+        self.campaign("--draws", "3:8", output="b.h5")
+        self.window.run(SET_VALUE, "draw", "3", "input")
+        self.assertIn("-o draw-3-scan.h5", self.text("#commands"))
+        self.succeed("monte-carlo", "merge", self.path("b.h5"), self.path("a.h5"), "-o", self.path("c.h5"), "--report", self.path("c.html"))
+        self.assertEqual(read_bytes(self.path("c.html")), whole)
+        self.assertEqual(read_bytes(self.path("c.h5")), read_bytes(self.path("draws.h5")))
+
+    def test_a_sequential_test_and_no_maps(self):
+        config = {**with_values(CAMPAIGN, sigma=False), "layers": False, "metrics": "verdict", "vary": {},
+                  "stop": {"type": "sprt", "p0": 0.9, "p1": 0.5}}
+        self.campaign("--title", "Cones & <rocks>", config=config)
+        self.assertEqual(self.text("h1"), "Cones & <rocks>")
+        self.assertIn(f"sequential test: {self.verdict['sprt']}", self.text("#verdict"))
+        for row in self.cells("#rates"):
+            self.assertTrue(all("not valid after stopping" in cell for cell in row[3:]), row)
+        self.assertIn("without maps", self.text("#maps"))
+        self.assertIn("No key is varied", self.text("#causes"))
+        self.check_log_and_requests()
+        self.check_layout()
+
+    def test_what_is_refused(self):
+        inputs = [self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "-o", self.path("d.h5")]
+        for options, message in ((["--title", "x"], "--title needs --report"), (["--report", "-"], "--report needs a file"),
+                                 (["--report", self.path("scan.h5")], "scan.h5")):
+            self.refuse(2, "monte-carlo", *inputs, *options, words=[message], output=self.path("d.h5"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests of plot_draws.py on a campaign over the small chain."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+import harness
+
+PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
+sys.path.insert(0, PYTHON)
+sys.dont_write_bytecode = True
+
+from landfall import plot_draws
+from landfall.errors import DataError
+import matplotlib.pyplot as plt
+
+CAMPAIGN = {"draws": 6, "metrics": "verdict", "sigma": True, "regrid": {**harness.REGRID, "uncertainty": {"navigation_sigma": {}}},
+            "eval": harness.with_values(harness.EVAL, limits__relative_elevation_m=0.12, limits__invalid_frac=0.04),
+            "vary": {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.005, "high": 0.08}}}
+
+
+class DrawsTest(harness.ChainTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        folder = cls.chain.folder
+        scan = os.path.join(folder, "traced.h5")
+        cls.draws = os.path.join(folder, "draws.h5")
+        with open(os.path.join(folder, "mc.json"), "w", encoding="utf-8") as file:
+            json.dump(CAMPAIGN, file)
+        for arguments in (["scan-sim", *cls.chain.inputs("scan-sim"), "--keep-misses", "-o", scan],
+                          ["monte-carlo", scan, "--terrain", cls.chain.terrain, "-c", file.name, "-o", cls.draws]):
+            done = harness.run(*arguments)
+            if done.returncode != 0:
+                raise AssertionError(done.stderr)
+
+    def setUp(self):
+        super().setUp()
+        self.addCleanup(plt.close, "all")
+
+    def changed(self, change):
+        path = self.path("changed.h5")
+        shutil.copy(self.draws, path)
+        with h5py.File(path, "r+") as file:
+            change(file)
+        return path
+
+    def values(self, name):
+        with h5py.File(self.draws) as file:
+            return file[name][()]
+
+    @staticmethod
+    def panels(path):
+        """The panels by their title, without colour bars."""
+        return {ax.get_title(): ax for ax in plot_draws.draw(plot_draws.Draws(path)).axes if ax.get_title()}
+
+    def test_probabilities_over_the_ground(self):
+        p = self.values("p_fail_rel_z")
+        self.assertTrue(0 < np.nanmax(p) and np.nanmin(p) == 0 and np.isnan(p).any(), "the case must have all three")
+        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
+        self.assertEqual(image.shape[:2], p.shape)
+        np.testing.assert_allclose(image[np.isnan(p)], 200 / 255)
+        # The ground has one hue in any light; failures have those of the colour map.
+        ground = image[p == 0] / image[p == 0][:, :1]
+        unclipped = (image[p == 0] < 1).all(axis=1) & (image[p == 0] > 0.05).all(axis=1)
+        np.testing.assert_allclose(ground[unclipped], np.broadcast_to(np.array([0xf4, 0xf1, 0xea]) / 0xf4, ground[unclipped].shape), atol=1e-6)
+        self.assertGreater(np.abs(image[p > 0] / image[p > 0].max(axis=1, keepdims=True) - np.array([0xf4, 0xf1, 0xea]) / 0xf4).max(axis=1).min(), 0.05)
+
+    def test_distributions_have_all_draws_and_the_limit(self):
+        panels = self.panels(self.draws)
+        for name, (_, factor, _) in plot_draws.REQUIREMENTS.items():
+            ax = panels[name]
+            heights = [bar.get_height() for bars in ax.containers for bar in bars]
+            passed = self.values(f"draws/requirements.{name}.pass")
+            self.assertEqual([sum(bar.get_height() for bar in bars) for bars in ax.containers], [np.sum(passed == 1), np.sum(passed == 0)], name)
+            self.assertEqual(sum(heights), 6)
+            limit = next(line for line in ax.lines if line.get_gid() == "limit").get_xdata()[0]
+            self.assertEqual(limit, factor * self.values(f"draws/requirements.{name}.limit")[0])
+        notes = [text.get_text() for text in panels["coverage"].texts if text.get_gid() == "note"]
+        self.assertIn(f"{int(np.sum(self.values('draws/requirements.coverage.pass')))} of 6 pass", notes[0])
+
+    def test_observed_against_predicted(self):
+        ax = self.panels(self.draws)["spread of the map's error: observed against predicted"]
+        sigma, std = self.values("z_sigma_abs"), self.values("e_map_std")
+        known = (sigma > 0) & (std > 0)
+        note = next(text.get_text() for text in ax.texts if text.get_gid() == "note")
+        self.assertIn(f"{np.median(std[known] / sigma[known]):.3f}", note)
+        self.assertIn(f"{np.count_nonzero(known):,} bins", note)
+        counts = next(mesh for mesh in ax.collections if mesh.get_gid() == "bins").get_array()
+        self.assertGreater(counts.sum(), 0.99 * np.count_nonzero(known))
+
+    def test_files_without_prediction_or_maps(self):
+        def remove(names):
+            def change(file):
+                for name in names:
+                    del file[name]
+            return change
+        panels = self.panels(self.changed(remove(["z_sigma_abs", "e_map_std_over_sigma"])))
+        self.assertIn("mean of e_z", panels)
+        self.assertNotIn("spread of the map's error: observed against predicted", panels)
+        layers = [*plot_draws.LAYERS, "count_mean", "x", "y"]
+        self.assertEqual(list(self.panels(self.changed(remove(layers)))), list(plot_draws.REQUIREMENTS))
+        with self.assertRaisesRegex(DataError, "needs the layer z_true_map"):
+            plot_draws.Draws(self.changed(remove(["z_true_map"])))
+
+    def test_the_command(self):
+        shutil.copy(self.draws, self.path("draws.h5"))
+        command = ["/usr/bin/python3", os.path.join(PYTHON, "commands", "plot_draws.py")]
+        run = lambda *arguments: subprocess.run([*command, *arguments], capture_output=True, text=True, check=False, cwd=self.folder)
+        done = run("draws.h5", "--dpi", "50")
+        self.assertEqual((done.returncode, done.stderr, done.stdout), (0, "", "draws-figure.png\n"))
+        self.assertEqual(plt.imread(self.path("draws-figure.png")).shape[1], 950)
+        done = run("draws.h5")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("draws-figure.png exists; use -O", done.stderr)
+        done = run(self.chain.dem, "-o", "a.png")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("dem.h5: format_name is 'landfall.dem', expected 'landfall.draws'", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
