@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 Grid<float> layer_of(const GridSpec& spec, const auto& value) {
   auto layer = Grid<float>::unset(spec);
@@ -21,9 +21,9 @@ Grid<float> layer_of(const GridSpec& spec, const auto& value) {
 }
 
 /// The layers in the order of the page.
-class Layers {
+class CampaignLayers {
  public:
-  Layers(const Draws& draws, std::int64_t factor, Packer& packer)
+  CampaignLayers(const Draws& draws, std::int64_t factor, Packer& packer)
       : draws_(draws), maps_(*draws.maps), factor_(factor), packer_(packer) {}
 
   [[nodiscard]] Json all() {
@@ -58,7 +58,7 @@ class Layers {
     layer.quantity = "share of the draws";
     const auto n = static_cast<double>(maps_.draws);
     add(std::move(layer), layer_of(maps_.spec(), [&](std::size_t i) {
-          return in_region && draws_.region->values()[i] == 0 ? kNan : count.values()[i] / n;
+          return in_region && draws_.region->values()[i] == 0 ? kNoValue : count.values()[i] / n;
         }));
   }
 
@@ -77,7 +77,7 @@ class Layers {
     ratio.quantity = "e_map_std / z_sigma_abs";
     add(std::move(ratio), layer_of(maps_.spec(), [&](std::size_t i) {
           const double predicted_m = sigma_m.values()[i];
-          return predicted_m > 0 ? maps_.e_map.std_m(i) / predicted_m : kNan;
+          return predicted_m > 0 ? maps_.e_map.std_m(i) / predicted_m : kNoValue;
         }));
   }
 
@@ -99,7 +99,7 @@ const DrawColumn& column_of(const DrawTable& table, const std::string& name) {
   return *std::ranges::find(table.metrics, name, &DrawColumn::name);
 }
 
-const char* name_of(RequirementUnit unit) {
+const char* unit_name(RequirementUnit unit) {
   return unit == RequirementUnit::fraction ? "frac" : unit == RequirementUnit::bins ? "bins" : "footprints";
 }
 
@@ -110,7 +110,7 @@ Json requirements_json(const DrawTable& table, std::int64_t shown) {
     Json requirement = values_json(column_of(table, path + "value"), shown);
     requirement["name"] = info.name;
     requirement["measured"] = info.measured;
-    requirement["unit"] = name_of(info.unit);
+    requirement["unit"] = unit_name(info.unit);
     requirement["at_least"] = info.at_least;
     requirement["limits"] = values_json(column_of(table, path + "limit"), shown)["values"];
     requirement["pass"] = values_json(column_of(table, path + "pass"), shown)["values"];
@@ -182,7 +182,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
         {"text", "footprint"},
         {"width_m", parameters.footprint_m},
         {"half_bins", footprint_of(parameters, spec.resolution_m).half_bins()}};
-    data.values["layers"] = Layers(content.draws, factor, packer).all();
+    data.values["layers"] = CampaignLayers(content.draws, factor, packer).all();
   }
   data.packed = packer.pack();
   return data;

@@ -21,18 +21,18 @@ std::string p_text(const Json& p) {
   return text.data();
 }
 
-std::string cell(const std::string& text) { return "<td class=\"number\">" + text + "</td>"; }
+std::string number_cell(const std::string& text) { return "<td class=\"number\">" + text + "</td>"; }
 
-std::string row_html(const Json& rate, bool is_stopped) {
+std::string rate_row_html(const Json& rate, bool is_stopped) {
   const auto passed = rate.at("passed").get<std::int64_t>();
   const auto draws = rate.at("draws").get<std::int64_t>();
   const auto name = rate.at("requirement").get<std::string>();
   const std::string note = is_stopped ? "<span class=\"note\"> not valid after stopping</span>" : "";
   return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" + (name == "all" ? "all six" : name) +
-         "</th>" + cell(grouped(passed) + " of " + grouped(draws)) +
-         cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
-         cell(p_text(rate.at("wilson_low")) + " \u2026 " + p_text(rate.at("wilson_high")) + note) +
-         cell(p_text(rate.at("exact_lower_bound")) + note) + "</tr>\n";
+         "</th>" + number_cell(grouped(passed) + " of " + grouped(draws)) +
+         number_cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
+         number_cell(p_text(rate.at("wilson_low")) + " \u2026 " + p_text(rate.at("wilson_high")) + note) +
+         number_cell(p_text(rate.at("exact_lower_bound")) + note) + "</tr>\n";
 }
 
 std::string rates_html(const Json& verdict) {
@@ -42,7 +42,7 @@ std::string rates_html(const Json& verdict) {
       "</th><th class=\"number\">Wilson interval, 95 %</th><th class=\"number\">probability at least, 95 "
       "%</th></tr>"
       "</thead><tbody>\n";
-  for (const Json& rate : verdict.at("rates")) text += row_html(rate, verdict.contains("sprt"));
+  for (const Json& rate : verdict.at("rates")) text += rate_row_html(rate, verdict.contains("sprt"));
   return text + "</tbody></table>\n";
 }
 
