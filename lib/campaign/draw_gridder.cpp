@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <type_traits>
 
 #include "base/parallel.h"
@@ -11,7 +12,7 @@ namespace landfall {
 namespace {
 
 /// Enough points that a pass on all threads costs more than its start.
-constexpr std::int64_t kPointsPerPass = std::int64_t{1} << 19U;
+constexpr std::int64_t kPointsPerPass = std::int64_t{1} << 17U;
 constexpr std::int64_t kPointsPerPiece = 16384;
 
 /// Memory for every bin; its values are not set.
@@ -40,9 +41,7 @@ DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt
   do {
     for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
       fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
-      // No layer of the DEM that is judged needs the times of the returns.
-      no_times_.resize(std::max(no_times_.size(), batch_.points.size()));
-      bins.add(GridPoints::of(batch_.points, std::span(no_times_).first(batch_.points.size())));
+      bins.add(take_returns());
     }
   } while (bins.end_pass());
   take_values(truth_at);
@@ -93,7 +92,33 @@ void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
                                                                 static_cast<std::size_t>(count * pixels)),
                                          static_cast<std::size_t>(slot), batch_);
                });
-  batch_.keep_returns();
+}
+
+GridPoints DrawGridder::take_returns() {
+  const PointColumns& points = batch_.points;
+  const std::size_t size = points.size();
+  constexpr auto kPerPiece = static_cast<std::size_t>(kPointsPerPiece);
+  const std::size_t pieces = (size + kPerPiece - 1) / kPerPiece;
+  const auto end_of = [&](std::size_t piece) { return std::min((piece + 1) * kPerPiece, size); };
+  std::vector<std::size_t> first(pieces + 1);  // return of each piece
+  parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
+    const std::span rows = std::span(points.status).first(end_of(piece)).subspan(piece * kPerPiece);
+    first[piece + 1] = static_cast<std::size_t>(std::ranges::count_if(rows, is_return));
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  for (std::vector<double>& column : returns_) column.resize(std::max(column.size(), first.back()));
+  parallel_for(pieces, 1, [&](std::size_t piece, std::size_t) {
+    for (std::size_t i = 0; i < kCoordinates.size(); ++i) {
+      const std::vector<double>& from = points.*kCoordinates[i];
+      double* to = returns_[i].data() + first[piece];
+      for (std::size_t row = piece * kPerPiece; row < end_of(piece); ++row)
+        if (is_return(points.status[row])) *to++ = from[row];
+    }
+  });
+  // No layer of the DEM that is judged needs the times of the returns.
+  no_times_.resize(std::max(no_times_.size(), first.back()));
+  const auto column = [&](std::size_t i) { return std::span<const double>(returns_[i]).first(first.back()); };
+  return {column(0), column(1), column(2), column(3), column(4), column(5), std::span(no_times_).first(first.back())};
 }
 
 }  // namespace landfall

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -8,9 +9,11 @@
 
 #include "evaluation/dem_layers.h"
 #include "gridding/accumulator.h"
+#include "gridding/grid_points.h"
 #include "gridding/layers.h"
 #include "gridding/method.h"
 #include "raster/grid.h"
+#include "returns/columns.h"
 #include "simulation/simulation.h"
 #include "terrain/surface.h"
 
@@ -24,7 +27,7 @@ struct DrawnDem {
 
 /// Redraws the errors of a scan on its true ranges and grids the returns, without files: scan-sim
 /// --ranges-from and regrid in memory, by the same simulation and gridding. On all threads; the result does
-/// not depend on their number. Memory beside the ranges: 2^19 points, and the sums of the method.
+/// not depend on their number. Memory beside the ranges: 2^17 points, and the sums of the method.
 class DrawGridder {
  public:
   /// `ranges_true_m` holds one range per pixel and pulse, NaN for a miss (RangeFile). Both must outlive this
@@ -38,6 +41,8 @@ class DrawGridder {
  private:
   [[nodiscard]] Accumulator& empty_bins(Method method);
   void fill(const Simulation& simulation, PulseSpan pulses);
+  /// The returns of the batch, in order; valid until the next call.
+  [[nodiscard]] GridPoints take_returns();
   void take_values(TruthAt truth_at);
 
   std::span<const double> ranges_true_m_;
@@ -45,6 +50,7 @@ class DrawGridder {
   GridSpec grid_;
   // Reused by all draws: the system clears fresh memory, which costs as much as gridding.
   PulseBatch batch_;
+  std::array<std::vector<double>, kCoordinates.size()> returns_;
   std::vector<double> no_times_;
   std::unique_ptr<Accumulator> bins_;
   Method method_ = Method::bilinear_nearest;  ///< of the bins
