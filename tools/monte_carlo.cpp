@@ -27,6 +27,8 @@ constexpr const char* kExamples = R"(Examples:
     --set scan.noise.range_sigma_m=0.02 --set metrics=verdict --table
   monte-carlo scan.h5 --terrain terrain.h5 -c mc.json --samples lhs.csv \
     -o draws.h5
+  monte-carlo --pair a/scan.h5:a/terrain.h5 --pair b/scan.h5:b/terrain.h5 \
+    -c mc.json -o draws.h5
   monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -o a.h5 --draws 0:150
   monte-carlo merge a.h5 b.h5 -o draws.h5
 Exit status 3: --require-pass is given, and a draw fails, or the sequential
@@ -38,12 +40,13 @@ constexpr const char* kDescription =
 
 The output has one row per draw, and maps: the probability that a bin is empty and that a footprint exceeds a limit, mean and standard deviation of the errors. The table says how many draws passed each requirement and what probability of passing follows.
 
-A run that was ended goes on where it was when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign.)";
+A run that was ended goes on where it was when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
 
 struct Options {
   std::vector<std::string> inputs;  ///< a scan, or merge and parts
   CampaignSources sources;
-  std::string draws, report, title;
+  std::vector<std::string> pairs;
+  std::string terrain, draws, report, title;
   bool table = false;
   bool require_pass = false;
 };
@@ -51,7 +54,10 @@ struct Options {
 void bind(CLI::App& app, Options& o) {
   app.add_option("scan", o.inputs, "Traced scan (scan.h5); or: merge, and the parts of a campaign (draws.h5)")
       ->type_name("FILE...");
-  app.add_option("--terrain", o.sources.terrain, "Terrain that was scanned (terrain.h5)")->type_name("FILE");
+  app.add_option("--terrain", o.terrain, "Terrain that was scanned (terrain.h5)")->type_name("FILE");
+  app.add_option("--pair", o.pairs, "A scan and its terrain, in place of scan and --terrain; repeated: draws over each")
+      ->type_name("SCAN:TERRAIN")
+      ->allow_extra_args(false);
   app.add_option("--samples", o.sources.samples,
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
@@ -66,6 +72,13 @@ void bind(CLI::App& app, Options& o) {
                "Exit with 3 unless every draw passes, or the sequential test accepts");
 }
 
+ScanPair pair_of(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size())
+    throw UsageError("--pair " + text + ": expected SCAN:TERRAIN");
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
 DrawSpan span_of(const std::string& text) {
   DrawSpan span;
   const char* const end = text.data() + text.size();
@@ -78,19 +91,21 @@ DrawSpan span_of(const std::string& text) {
 }
 
 void check(const cli::CommonOptions& common, const Options& o, bool merges) {
-  if (o.inputs.empty()) throw UsageError("a scan is required");
+  if (!o.pairs.empty() && (!o.inputs.empty() || !o.terrain.empty()))
+    throw UsageError("--pair names scan and terrain; omit " + (o.inputs.empty() ? "--terrain" : o.inputs.front()));
+  if (o.inputs.empty() && o.pairs.empty()) throw UsageError("a scan is required");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
   if (o.report == "-") throw UsageError("--report needs a file");
   if (merges) {
     if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
-    if (!o.sources.terrain.empty() || !o.sources.samples.empty() || !o.draws.empty() ||
+    if (!o.terrain.empty() || !o.sources.samples.empty() || !o.draws.empty() ||
         !common.config_names.empty() || !common.assignments.empty())
       throw UsageError("merge takes all from its parts; omit --terrain, --samples, --draws, -c and --set");
     return;
   }
   if (o.inputs.size() > 1) throw UsageError("one scan at a time; " + o.inputs[1] + " is a second one");
-  if (o.sources.terrain.empty()) throw UsageError("--terrain is required");
+  if (o.terrain.empty() && o.pairs.empty()) throw UsageError("--terrain is required");
 }
 
 void check_config(const cli::Session& session, const Options& o) {
@@ -139,10 +154,12 @@ ExitCode run(cli::Session& session, const Options& o) {
   check(session.options(), o, merges);
   if (merges) return merge(session, o);
   CampaignSources sources = o.sources;
-  sources.scan = o.inputs.front();
+  for (const std::string& pair : o.pairs) sources.pairs.push_back(pair_of(pair));
+  if (sources.pairs.empty()) sources.pairs.push_back({o.inputs.front(), o.terrain});
   std::optional<DrawSpan> part;
   if (!o.draws.empty()) part = span_of(o.draws);
-  const std::vector<std::string> inputs = {sources.scan, sources.terrain, sources.samples};
+  std::vector<std::string> inputs = {sources.samples};
+  for (const ScanPair& pair : sources.pairs) inputs.insert(inputs.end(), {pair.scan, pair.terrain});
   const OutputOptions output = session.output(inputs);
   const auto report_file = session.side_output("--report", o.report, inputs);
   CampaignOutput campaign{output,

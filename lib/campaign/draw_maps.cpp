@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "evaluation/evaluate.h"
 #include "evaluation/piecewise.h"
+#include "hazards/safety.h"
 
 namespace landfall {
 namespace {
@@ -63,6 +64,23 @@ double ErrorSums::std_m(std::size_t bin) const {
   return std::sqrt(static_cast<double>(spread) / draws / (draws - 1)) / kUnitsPerMetre;
 }
 
+void SafetyCounts::add(const Grid<std::int8_t>& outcome) {
+  for_each_index(outcome.values().size(), [&](std::size_t i) {
+    const auto value = static_cast<HazardOutcome>(outcome.values()[i]);
+    if (value == HazardOutcome::unknown) return;
+    ++known.values()[i];
+    if (value == HazardOutcome::safe_found || value == HazardOutcome::missed_hazard) ++judged_safe.values()[i];
+    if (value == HazardOutcome::missed_hazard) ++missed.values()[i];
+  });
+}
+
+void SafetyCounts::merge(const SafetyCounts& other) {
+  for (const auto member : {&SafetyCounts::known, &SafetyCounts::judged_safe, &SafetyCounts::missed})
+    for_each_index(known.values().size(), [&](std::size_t i) {
+      (this->*member).values()[i] += (other.*member).values()[i];
+    });
+}
+
 DrawMaps::DrawMaps(const GridSpec& grid)
     : invalid(grid),
       fail_rel_x(grid),
@@ -109,6 +127,7 @@ void DrawMaps::merge(const DrawMaps& other) {
   for_each_index(spec().size(), [&](std::size_t i) { count.values()[i] += other.count.values()[i]; });
   e_z.merge(other.e_z);
   e_map.merge(other.e_map);
+  if (safety) safety->merge(*other.safety);
 }
 
 }  // namespace landfall

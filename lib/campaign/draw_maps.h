@@ -35,8 +35,20 @@ struct ErrorSums {
   [[nodiscard]] double std_m(std::size_t bin) const;
 };
 
+/// The safety of each place over the draws, where it is known in the draw's map and on the true ground.
+struct SafetyCounts {
+  Grid<std::int32_t> known;        ///< draws in which both are known
+  Grid<std::int32_t> judged_safe;  ///< of these, draws in which the map says safe
+  Grid<std::int32_t> missed;       ///< of these, draws in which it is a hazard in truth
+
+  explicit SafetyCounts(const GridSpec& grid) : known(grid), judged_safe(grid), missed(grid) {}
+  /// Adds the outcome of one draw: the layer `outcome` of hazards.h5.
+  void add(const Grid<std::int8_t>& outcome);
+  void merge(const SafetyCounts& other);
+};
+
 /// What the maps of a campaign are made from: counts and integer sums over its draws, per bin of the DEM. 84
-/// bytes per bin.
+/// bytes per bin, 96 with hazards.
 struct DrawMaps {
   std::int64_t draws = 0;
   Grid<std::int32_t> invalid;          ///< draws in which the bin has no elevation
@@ -47,6 +59,7 @@ struct DrawMaps {
   Grid<std::int64_t> count;            ///< returns
   ErrorSums e_z;                       ///< z_true - z_est
   ErrorSums e_map;                     ///< H(X, Y) - z_est, (X, Y) the bin's centre
+  std::optional<SafetyCounts> safety;  ///< of a campaign that judges hazards
 
   explicit DrawMaps(const GridSpec& grid);
   [[nodiscard]] const GridSpec& spec() const { return invalid.spec(); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "campaign/draw_runner.h"
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,20 +40,38 @@ DrawRunner::DrawRunner(CampaignScene scene, bool with_maps)
   if (with_maps) z_true_map_ = elevations_of(scene_.terrain, scene_.grid);
 }
 
-DrawMetrics DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
+DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const HazardParameters& parameters,
+                                      DrawMaps* maps) const {
+  const auto complete = [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
+    for (const TruthPosition& at : truth_positions(z_true, dem.truth->x, dem.truth->y, holes))
+      z_true.at(at.bin) = scene_.terrain.elevation(at.x_m, at.y_m);
+    return BinMask(z_true.spec());
+  };
+  HazardInput input = fill_map(dem.z_est, dem.truth->z, std::nullopt, parameters, complete);
+  const auto run = [](const std::string& /*name*/, const auto& part) { part({}); };
+  const HazardMap map = map_hazards(input, parameters, run);
+  if (maps != nullptr) maps->safety->add(map.truth->outcome);
+  DrawHazards hazards{map.truth->score, std::nullopt};
+  if (!map.sites.empty()) hazards.best = map.sites.front();
+  return hazards;
+}
+
+DrawResult DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
   const Simulation simulation(std::move(setup.scan), nullptr, &scene_.terrain);
   DrawnDem& dem = gridder_.draw(simulation, setup.method, setup.truth_at);
   if (maps != nullptr) maps->add_dem(dem, *z_true_map_);
+  std::optional<DrawHazards> hazards;
+  if (setup.hazard) hazards = judge_hazards(dem.layers, *setup.hazard, maps);
   if (kind == MetricsKind::verdict) {
     const Verdict verdict = decide(dem.layers, scene_.region, setup.evaluation);
     if (maps != nullptr) maps->add_verdicts(verdict.fail);
-    return verdict.metrics;
+    return {verdict.metrics, std::move(hazards)};
   }
   if (setup.evaluation.region_shape == RegionShape::mask) dem.layers.region_mask = scene_.region;
   std::optional<VerdictSink> sink;
   if (maps != nullptr) sink.emplace(*maps);
   const std::vector<LayerSink*> sinks = sink ? std::vector<LayerSink*>{&*sink} : std::vector<LayerSink*>{};
-  return evaluate(std::exchange(dem.layers, {}), setup.evaluation, sinks).metrics;
+  return {evaluate(std::exchange(dem.layers, {}), setup.evaluation, sinks).metrics, std::move(hazards)};
 }
 
 }  // namespace landfall

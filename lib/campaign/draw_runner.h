@@ -10,6 +10,7 @@
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
 #include "evaluation/verdict.h"
+#include "hazards/hazard_map.h"
 
 namespace landfall {
 
@@ -30,12 +31,24 @@ struct CampaignScene {
 /// By MetricsKind.
 using DrawMetrics = std::variant<Metrics, DecisiveMetrics>;
 
+/// What the hazard map of a draw is worth on the true ground.
+struct DrawHazards {
+  HazardScore score;
+  std::optional<LandingSite> best;  ///< the chosen place; none where no place is safe
+};
+
+struct DrawResult {
+  DrawMetrics metrics;
+  std::optional<DrawHazards> hazards;
+};
+
 /// The configuration of one draw.
 struct DrawSetup {
   ScanModel scan;  ///< with the draw's seed
   Method method = Method::bilinear_nearest;
   TruthAt truth_at = TruthAt::bin_center;
   EvaluationParameters evaluation;
+  std::optional<HazardParameters> hazard = std::nullopt;
 };
 
 /// Runs draws one after the other, each on all threads: replays, grids and judges in memory. Memory does not
@@ -50,10 +63,14 @@ class DrawRunner {
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
 
   /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
-  /// bit. Adds the draw to `maps` unless it is null. Throws as Simulation, DrawGridder and evaluate() do.
-  [[nodiscard]] DrawMetrics run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
+  /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null. Throws as
+  /// Simulation, DrawGridder, evaluate() and map_hazards() do.
+  [[nodiscard]] DrawResult run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
 
  private:
+  [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const HazardParameters& parameters,
+                                          DrawMaps* maps) const;
+
   CampaignScene scene_;
   DrawGridder gridder_;
   std::optional<Grid<double>> z_true_map_;

@@ -29,6 +29,9 @@ struct DrawTable {
   friend bool operator==(const DrawTable&, const DrawTable&) = default;
 };
 
+/// The varied column with the number of the scan, in a campaign over several scans.
+inline constexpr const char* kPairColumn = "pair";
+
 /// Appends `next`, whose first draw follows the last one of `table` and which has the same columns.
 void append(DrawTable& table, const DrawTable& next);
 

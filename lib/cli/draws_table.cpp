@@ -23,12 +23,24 @@ std::string rate_line(const VerdictJson& rate) {
                p_text(rate.at("exact_lower_bound")).c_str());
 }
 
+std::string rate_lines(const VerdictJson& result) {
+  std::string text;
+  for (const VerdictJson& rate : result.at("rates")) text += rate_line(rate);
+  if (result.contains("hazard")) text += rate_line(result.at("hazard").at("chosen_place_safe"));
+  return text;
+}
+
 }  // namespace
 
 std::string draws_table(const VerdictJson& verdict) {
   std::string text = print("%-20s %8s    %-8s %-17s %s\n", "requirement", "passed", "draws", "Wilson 95 %",
                            "at least, 95 %");
-  for (const VerdictJson& rate : verdict.at("rates")) text += rate_line(rate);
+  if (verdict.contains("pairs")) {
+    for (const VerdictJson& pair : verdict.at("pairs"))
+      text += "pair " + std::to_string(pair.at("pair").get<std::int64_t>()) + "\n" + rate_lines(pair);
+    text += "all pairs, for these terrains\n";
+  }
+  text += rate_lines(verdict);
   if (verdict.contains("sprt"))
     text += "sequential test: " + verdict.at("sprt").get<std::string>() + "; " +
             verdict.at("note").get<std::string>() + "\n";

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "config/config_path.h"
+#include "config/hazard_config.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/uncertainty_config.h"
@@ -126,6 +127,10 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
              merged_stage("eval", defaults("eval"), resolved.at("eval"), name_)};
   seed_ = stages_.scan.at("seed");
   for (const char* const stage : {"scan", "regrid", "eval"}) json_[stage] = stage_of(stages_, stage);
+  if (!resolved.at("hazard").is_null()) {
+    json_["hazard"] = resolve_stage("hazard", resolved.at("hazard"), name_);
+    hazard_ = hazard_config(json_["hazard"]);
+  }
   if (samples != nullptr) take_samples(*samples);
   json_["draws"] = draw_count_;
   for (const auto& [key, json] : resolved.at("vary").items()) add_variation(name_ + ": /vary/", key, variation_of(json));

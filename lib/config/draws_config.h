@@ -13,6 +13,7 @@
 #include "campaign/sprt.h"
 #include "campaign/variation.h"
 #include "gridding/uncertainty.h"
+#include "hazards/hazard_map.h"
 
 namespace landfall {
 
@@ -42,6 +43,8 @@ class DrawsConfig {
   /// What the predicted 1-sigma map assumes: /regrid/uncertainty; what it lacks is taken from the varied navigation
   /// errors, and the range noise from the scan (D318). Empty where the map is not asked for.
   [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
+  /// How hazards are judged on the DEM of each draw; empty where they are not.
+  [[nodiscard]] const std::optional<HazardParameters>& hazard() const { return hazard_; }
   /// Empty for the rule `fixed`.
   [[nodiscard]] const std::optional<SprtParameters>& sprt() const { return sprt_; }
   /// The varied keys in the order of their names.
@@ -70,6 +73,7 @@ class DrawsConfig {
   bool has_layers_;
   std::optional<SprtParameters> sprt_;
   std::optional<UncertaintyParameters> predicted_;
+  std::optional<HazardParameters> hazard_;
   std::int64_t seed_ = 0;
   DrawStages stages_;
   std::map<std::string, Variation<double>> vary_;

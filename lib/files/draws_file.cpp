@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "files/contents.h"
 #include "files/field_json.h"
 #include "files/grid_file.h"
+#include "files/hazard_file.h"
 #include "files/metrics_json.h"
 #include "hdf5/dataset_list.h"
 #include "hdf5/table.h"
@@ -30,6 +32,20 @@ Grid<float> layer_of(const GridSpec& spec, const auto& value) {
   auto layer = Grid<float>::unset(spec);
   for_each_index(spec.size(), [&](std::size_t i) { layer.values()[i] = static_cast<float>(value(i)); });
   return layer;
+}
+
+/// Of the draws in which map and truth know the place.
+void write_safety(GridLayerWriter& layers, const SafetyCounts& safety) {
+  const auto share = [&](const Grid<std::int32_t>& count) {
+    return layer_of(safety.known.spec(), [&](std::size_t i) {
+      const std::int32_t known = safety.known.values()[i];
+      return known > 0 ? static_cast<double>(count.values()[i]) / known : kNan;
+    });
+  };
+  layers.write("p_judged_safe", share(safety.judged_safe),
+               {"1", "share of the draws in which the map says that the place is safe"});
+  layers.write("p_missed_hazard", share(safety.missed),
+               {"1", "share of the draws in which the map says safe and the place is a hazard in truth"});
 }
 
 void write_layers(LandfallFileWriter& file, const Draws& draws, const std::string& crs_wkt) {
@@ -49,6 +65,7 @@ void write_layers(LandfallFileWriter& file, const Draws& draws, const std::strin
   layers.write("p_fail_rel_y", share(maps.fail_rel_y), {"1", footprint + "relative error of y"});
   layers.write("p_fail_rel_z", share(maps.fail_rel_z), {"1", footprint + "relative error of z"});
   layers.write("p_fail_absolute", share(maps.fail_absolute), {"1", footprint + "absolute horizontal error"});
+  if (maps.safety) write_safety(layers, *maps.safety);
   layers.write("e_z_mean", layer_of(spec, [&](std::size_t i) { return maps.e_z.mean_m(i); }),
                {"m", "mean of z_true - z_est over the draws"});
   layers.write("e_z_std", layer_of(spec, [&](std::size_t i) { return maps.e_z.std_m(i); }),
@@ -89,6 +106,10 @@ class StateTable {
     add("count", maps.count, "1", "returns");
     add("e_z", maps.e_z);
     add("e_map", maps.e_map);
+    if (!maps.safety) return;
+    add("safety_known", maps.safety->known, "1", "draws in which the safety of the place is known in map and truth");
+    add("safety_judged_safe", maps.safety->judged_safe, "1", "of these, draws in which the map says safe");
+    add("safety_missed", maps.safety->missed, "1", "of these, draws in which the place is a hazard in truth");
   }
 
   /// In pieces, so that little memory is needed beside the maps.
@@ -147,7 +168,7 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
     rows.emplace_back(std::span(column.values));
   }
   for (const DrawColumn& column : table.metrics) {
-    columns.push_back({column.name, float64, "", "metric of metrics.json"});
+    columns.push_back({column.name, float64, "", "metric of metrics.json, score.json or of the best site"});
     rows.emplace_back(std::span(column.values));
   }
   columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
@@ -159,12 +180,85 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
 /// Varied keys begin with the name of their stage; no metric does.
 bool is_varied(const std::string& name) {
   static constexpr std::array kStages = {"scan.", "regrid.", "eval."};
-  return std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
+  return name == kPairColumn || std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
 }
 
 template <class T>
 void read_into(const TableReader& table, const std::string& column, std::span<T> values) {
   table.read(column, 0, values);
+}
+
+/// Appends the numbers of a tree by their dotted paths: null as NaN, true as 1.
+void flatten(const Json& tree, const std::string& path, std::vector<NamedNumber>& flat) {
+  if (tree.is_object()) {
+    for (const auto& [key, inner] : tree.items())
+      if (key != "pass" || !path.empty()) flatten(inner, path.empty() ? key : path + "." + key, flat);
+  } else if (!tree.is_array() && !tree.is_string() && !path.ends_with("version")) {
+    flat.emplace_back(path, tree.is_number()    ? tree.get<double>()
+                            : tree.is_boolean() ? static_cast<double>(tree.get<bool>())
+                                                : kNan);
+  }
+}
+
+Json rate_json(const std::string& name, const PassRate& rate) {
+  const ProbabilityInterval interval = wilson(rate);
+  return {{"requirement", name},
+          {"passed", rate.k},
+          {"draws", rate.n},
+          {"wilson_low", interval.low},
+          {"wilson_high", interval.high},
+          {"exact_lower_bound", exact_lower_bound(rate)}};
+}
+
+const DrawColumn* column_of(const DrawTable& table, const std::string& name) {
+  const auto found = std::ranges::find(table.metrics, name, &DrawColumn::name);
+  return found == table.metrics.end() ? nullptr : &*found;
+}
+
+/// Of a campaign that judges hazards: how often the chosen place is safe in truth. A draw without a safe place, or whose
+/// place is unknown in truth, counts as not safe.
+Json hazard_json(const DrawTable& table, const std::vector<double>& chosen_safe) {
+  const std::vector<double>& missed = column_of(table, "score.missed_hazard_frac")->values;
+  const auto sites = table.size() - std::ranges::count_if(column_of(table, "site.x_m")->values,
+                                                         [](double x_m) { return std::isnan(x_m); });
+  double sum = 0;
+  std::int64_t known = 0;
+  for (const double frac : missed)
+    if (!std::isnan(frac)) {
+      sum += frac;
+      ++known;
+    }
+  return {{"draws_with_site", sites},
+          {"missed_hazard_frac_mean", known > 0 ? Json(sum / static_cast<double>(known)) : Json(nullptr)},
+          {"chosen_place_safe",
+           rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), table.size()})}};
+}
+
+/// The rates of all rows.
+Json result_json(const DrawTable& table) {
+  Json rates = Json::array();
+  for (const RequirementInfo& info : kRequirementInfo) {
+    const std::vector<double>& passes = pass_column(table, info.name).values;
+    rates.push_back(rate_json(info.name, {std::ranges::count(passes, 1.0), table.size()}));
+  }
+  rates.push_back(rate_json("all", {std::ranges::count(table.pass, 1), table.size()}));
+  Json result = {{"rates", std::move(rates)}};
+  if (const DrawColumn* const chosen_safe = column_of(table, "site.true_safe"))
+    result["hazard"] = hazard_json(table, chosen_safe->values);
+  return result;
+}
+
+/// The rows of one scan of a campaign over several; they follow each other.
+DrawTable rows_of_pair(const DrawTable& table, double pair) {
+  const auto rows = std::ranges::equal_range(table.varied.front().values, pair);
+  const auto begin = rows.begin() - table.varied.front().values.begin();
+  const auto cut = [&](const auto& values) {
+    return std::decay_t<decltype(values)>(values.begin() + begin, values.begin() + begin + std::ranges::ssize(rows));
+  };
+  DrawTable result = {table.first + begin, cut(table.seeds), table.varied, table.metrics, cut(table.pass)};
+  for (auto* const columns : {&result.varied, &result.metrics})
+    for (DrawColumn& column : *columns) column.values = cut(column.values);
+  return result;
 }
 
 DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::int64_t draws) {
@@ -178,6 +272,12 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
   read_into(table, "fail_rel_z", maps.fail_rel_z.values());
   read_into(table, "fail_absolute", maps.fail_absolute.values());
   read_into(table, "count", maps.count.values());
+  if (table.has("safety_known")) {
+    SafetyCounts& safety = maps.safety.emplace(spec);
+    read_into(table, "safety_known", safety.known.values());
+    read_into(table, "safety_judged_safe", safety.judged_safe.values());
+    read_into(table, "safety_missed", safety.missed.values());
+  }
   std::vector<std::int64_t> low(spec.size());
   std::vector<std::int64_t> high(spec.size());
   for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
@@ -215,45 +315,36 @@ DrawTable read_rows(const LandfallFileReader& file) {
 
 }  // namespace
 
-std::vector<NamedNumber> flat_metrics(const DrawMetrics& metrics) {
+std::vector<NamedNumber> flat_metrics(const DrawResult& result) {
   std::vector<NamedNumber> flat;
-  const auto visit = [&](const auto& self, const std::string& path, const Json& value) -> void {
-    if (value.is_object()) {
-      for (const auto& [key, inner] : value.items()) self(self, path.empty() ? key : path + "." + key, inner);
-    } else if (!value.is_array() && !value.is_string() && path != "pass" && path != "version") {
-      flat.emplace_back(path, value.is_number()    ? value.get<double>()
-                              : value.is_boolean() ? static_cast<double>(value.get<bool>())
-                                                   : kNan);
-    }
-  };
-  const Metrics* const full = std::get_if<Metrics>(&metrics);
-  visit(visit, "", full != nullptr ? metrics_json(*full) : fields_json(std::get<DecisiveMetrics>(metrics)));
+  const Metrics* const full = std::get_if<Metrics>(&result.metrics);
+  flatten(full != nullptr ? metrics_json(*full) : fields_json(std::get<DecisiveMetrics>(result.metrics)), "", flat);
+  if (!result.hazards) return flat;
+  flatten(score_json(result.hazards->score), "score", flat);
+  const std::size_t begin = flat.size();
+  flatten(site_json(result.hazards->best.value_or(LandingSite{})), "site", flat);
+  if (!result.hazards->best)
+    for (std::size_t i = begin; i < flat.size(); ++i) flat[i].second = kNan;
   return flat;
 }
 
 Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) {
-  const auto rate_json = [&](const std::string& name, const PassRate& rate) {
-    const ProbabilityInterval interval = wilson(rate);
-    return Json{{"requirement", name},
-                {"passed", rate.k},
-                {"draws", rate.n},
-                {"wilson_low", interval.low},
-                {"wilson_high", interval.high},
-                {"exact_lower_bound", exact_lower_bound(rate)}};
-  };
-  Json rates = Json::array();
-  for (const RequirementInfo& info : kRequirementInfo) {
-    const std::vector<double>& passes = pass_column(table, info.name).values;
-    rates.push_back(rate_json(info.name, {std::ranges::count(passes, 1.0), table.size()}));
-  }
-  rates.push_back(rate_json("all", {std::ranges::count(table.pass, 1), table.size()}));
   Json verdict = {{"format", "landfall.draws_verdict"}, {"version", 1}, {"confidence", 0.95}};
   if (sprt) {
     constexpr std::array kStates = {"running", "accepted", "rejected"};
     verdict["sprt"] = kStates.at(static_cast<std::size_t>(*sprt));
     verdict["note"] = "intervals are not valid after stopping";
   }
-  verdict["rates"] = std::move(rates);
+  if (!table.varied.empty() && table.varied.front().name == kPairColumn) {
+    verdict["note"] = "for these terrains; another terrain is not part of the probability";
+    const std::vector<double>& pairs = table.varied.front().values;
+    for (double pair = pairs.empty() ? 0 : pairs.front(); std::ranges::count(pairs, pair) > 0; ++pair) {
+      Json result = {{"pair", static_cast<std::int64_t>(pair)}};
+      result.update(result_json(rows_of_pair(table, pair)));
+      verdict["pairs"].push_back(std::move(result));
+    }
+  }
+  verdict.update(result_json(table));
   return verdict;
 }
 

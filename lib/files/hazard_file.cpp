@@ -160,20 +160,26 @@ void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::st
   file.commit();
 }
 
+Json site_json(const LandingSite& site) {
+  return {{"x_m", site.x_m},
+          {"y_m", site.y_m},
+          {"z_m", site.z_m},
+          {"cost", site.cost},
+          {"p_touchdown", site.p_touchdown},
+          {"p_safe", or_null(site.p_safe)},
+          {"slope_deg", site.slope_deg},
+          {"roughness_m", site.roughness_m},
+          {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
+          {"true_safe", true_safe(site.truth)}};
+}
+
 Json sites_json(const HazardMap& map) {
   Json sites = Json::array();
-  for (const LandingSite& site : map.sites)
-    sites.push_back({{"rank", sites.size() + 1},
-                     {"x_m", site.x_m},
-                     {"y_m", site.y_m},
-                     {"z_m", site.z_m},
-                     {"cost", site.cost},
-                     {"p_touchdown", site.p_touchdown},
-                     {"p_safe", or_null(site.p_safe)},
-                     {"slope_deg", site.slope_deg},
-                     {"roughness_m", site.roughness_m},
-                     {"distance_to_hazard_m", or_null(site.distance_to_hazard_m)},
-                     {"true_safe", true_safe(site.truth)}});
+  for (const LandingSite& site : map.sites) {
+    Json ranked = {{"rank", sites.size() + 1}};
+    ranked.update(site_json(site));
+    sites.push_back(std::move(ranked));
+  }
   return {{"format", "landfall.sites"}, {"version", 1}, {"sites", std::move(sites)}};
 }
 

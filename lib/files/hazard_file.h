@@ -34,6 +34,9 @@ struct TruthCentroids {
 /// Writes hazards.h5 (docs/user/files/hazards.md) and commits it.
 void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt);
 
+/// A site of sites.json without its rank.
+[[nodiscard]] nlohmann::ordered_json site_json(const LandingSite& site);
+
 /// sites.json and score.json (docs/user/files/hazards.md). Unknown numbers are null.
 [[nodiscard]] nlohmann::ordered_json sites_json(const HazardMap& map);
 [[nodiscard]] nlohmann::ordered_json score_json(const HazardScore& score);

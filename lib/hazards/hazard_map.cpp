@@ -192,6 +192,18 @@ BinMask fill_truth(Grid<double>& z_true, const std::vector<FillableBin>& holes) 
   return filled;
 }
 
+HazardInput fill_map(Grid<double> z, std::optional<Grid<double>> z_true, std::optional<Grid<double>> z_sigma,
+                     const HazardParameters& parameters, const TruthFill& fill) {
+  const std::vector<FillableBin> holes = small_holes(z, parameters.hole_fill_bins);
+  BinMask filled_truth = z_true ? fill(*z_true, holes) : BinMask(z.spec());
+  fill_holes(z, holes);
+  if (z_sigma)
+    fill_holes(*z_sigma, holes);
+  else if (parameters.z_sigma_m)
+    z_sigma = Grid<double>(z.spec(), *parameters.z_sigma_m);
+  return {std::move(z), std::move(z_true), std::move(filled_truth), std::move(z_sigma)};
+}
+
 PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
   PlaceCounts counts;
   for (std::size_t i = 0; i < safe.spec().size(); ++i) {

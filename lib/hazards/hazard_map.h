@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -51,6 +52,16 @@ struct TruthPosition {
 /// Gives each bin of `holes` without a true elevation the mean of its ring in z_true. Returns those that got
 /// one.
 [[nodiscard]] BinMask fill_truth(Grid<double>& z_true, const std::vector<FillableBin>& holes);
+
+/// Completes the true elevations of the bins of filled holes. Returns those that got a mean of their
+/// surroundings.
+using TruthFill = std::function<BinMask(Grid<double>& z_true, const std::vector<FillableBin>& holes)>;
+
+/// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m where it has no 1 sigma
+/// of its own.
+[[nodiscard]] HazardInput fill_map(Grid<double> z, std::optional<Grid<double>> z_true,
+                                   std::optional<Grid<double>> z_sigma, const HazardParameters& parameters,
+                                   const TruthFill& fill);
 
 /// A place to land; SiteParameters tells how it is chosen.
 struct LandingSite {

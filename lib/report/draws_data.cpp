@@ -35,6 +35,7 @@ class CampaignLayers {
     add_probability("p_fail_rel_x", footprint + "relative x", maps_.fail_rel_x, true);
     add_probability("p_fail_rel_y", footprint + "relative y", maps_.fail_rel_y, true);
     add_probability("p_fail_absolute", footprint + "absolute", maps_.fail_absolute, true);
+    if (maps_.safety) add_safety(*maps_.safety);
     add_error("e_z_mean", "Mean error in z", Style::signed_error, Rule::extreme, "mean of e_z",
               [&](std::size_t i) { return maps_.e_z.mean_m(i); });
     add_error("e_z_std", "Spread of the error in z", Style::magnitude, Rule::largest,
@@ -67,6 +68,20 @@ class CampaignLayers {
     ReportLayer layer{name, title, "m", style, rule};
     layer.quantity = quantity;
     add(std::move(layer), layer_of(maps_.spec(), value));
+  }
+
+  /// Of the draws in which map and truth know the place.
+  void add_safety(const SafetyCounts& safety) {
+    const auto add_share = [&](const std::string& name, const std::string& title, const Grid<std::int32_t>& count) {
+      ReportLayer layer{name, title, "", Style::chance, Rule::largest};
+      layer.quantity = "share of the draws";
+      add(std::move(layer), layer_of(maps_.spec(), [&](std::size_t i) {
+            const std::int32_t known = safety.known.values()[i];
+            return known > 0 ? static_cast<double>(count.values()[i]) / known : kNoValue;
+          }));
+    };
+    add_share("p_missed_hazard", "Missed hazard", safety.missed);
+    add_share("p_judged_safe", "Judged safe", safety.judged_safe);
   }
 
   void add_predicted(const Grid<float>& sigma_m) {
@@ -139,6 +154,14 @@ Json seeds_json(const DrawTable& table, std::int64_t shown) {
   return seeds;
 }
 
+/// The configurations of the chain; none where each scan has its own.
+Json stages_json(const nlohmann::json& config) {
+  if (!config.at("scan").contains("detector")) return nullptr;
+  Json stages = {{"scan", config.at("scan")}, {"regrid", config.at("regrid")}, {"eval", config.at("eval")}};
+  if (!config.at("hazard").is_null()) stages["hazard"] = config.at("hazard");
+  return stages;
+}
+
 Json region_json(const EvaluationParameters& parameters) {
   switch (parameters.region_shape) {
     case RegionShape::circle:
@@ -171,8 +194,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
       {"requirements", requirements_json(table, shown)},
       {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
       {"metrics", columns_json(table.metrics, shown, is_shown)},
-      {"stages",
-       {{"scan", config.at("scan")}, {"regrid", config.at("regrid")}, {"eval", config.at("eval")}}}};
+      {"stages", stages_json(config)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
     const std::int64_t factor = reduction_factor(spec, most_cells);

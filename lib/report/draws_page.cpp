@@ -28,7 +28,8 @@ std::string rate_row_html(const Json& rate, bool is_stopped) {
   const auto draws = rate.at("draws").get<std::int64_t>();
   const auto name = rate.at("requirement").get<std::string>();
   const std::string note = is_stopped ? "<span class=\"note\"> not valid after stopping</span>" : "";
-  return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" + (name == "all" ? "all six" : name) +
+  return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" +
+         (name == "all" ? "all six" : name == "chosen_place_safe" ? "chosen place truly safe" : name) +
          "</th>" + number_cell(grouped(passed) + " of " + grouped(draws)) +
          number_cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
          number_cell(p_text(rate.at("wilson_low")) + " \u2026 " + p_text(rate.at("wilson_high")) + note) +
@@ -42,7 +43,21 @@ std::string rates_html(const Json& verdict) {
       "</th><th class=\"number\">Wilson interval, 95 %</th><th class=\"number\">probability at least, 95 "
       "%</th></tr>"
       "</thead><tbody>\n";
-  for (const Json& rate : verdict.at("rates")) text += rate_row_html(rate, verdict.contains("sprt"));
+  const auto rows = [&](const Json& result) {
+    for (const Json& rate : result.at("rates")) text += rate_row_html(rate, verdict.contains("sprt"));
+    if (result.contains("hazard")) text += rate_row_html(result.at("hazard").at("chosen_place_safe"), verdict.contains("sprt"));
+  };
+  const auto heading = [&](const std::string& of) {
+    text += "<tr><th colspan=\"5\" scope=\"rowgroup\">" + of + "</th></tr>\n";
+  };
+  if (verdict.contains("pairs")) {
+    for (const Json& pair : verdict.at("pairs")) {
+      heading("pair " + std::to_string(pair.at("pair").get<std::int64_t>()));
+      rows(pair);
+    }
+    heading("all pairs, for these terrains");
+  }
+  rows(verdict);
   return text + "</tbody></table>\n";
 }
 

@@ -58,8 +58,9 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 }  // namespace
 
 Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
-                   const DrawSpan& span, Provenance& provenance, const ProgressCallback& progress)
-    : config_(config), regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
+                   const DrawSpan& span, std::optional<std::int64_t> pair, Provenance& provenance,
+                   const ProgressCallback& progress)
+    : config_(config), pair_(pair), regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
   scene_ = open_scene({.terrain = terrain, .use = SceneUse::surface});
   provenance.add_input("terrain", scene_.file_id, scene_.chain);
@@ -84,6 +85,7 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
 Draws Campaign::empty(std::int64_t first) const {
   Draws draws;
   draws.table.first = first;
+  if (pair_) draws.table.varied.push_back({kPairColumn, {}});
   for (const std::string& key : config_.varied_keys()) draws.table.varied.push_back({key, {}});
   if (config_.has_layers()) {
     draws.maps.emplace(regrid_.grid);
@@ -92,6 +94,7 @@ Draws Campaign::empty(std::int64_t first) const {
     std::ranges::transform(runner_->z_true_map()->values(), draws.z_true_map->values().begin(),
                            [](double z_m) { return static_cast<float>(z_m); });
     draws.z_sigma_abs = z_sigma_abs_;
+    if (config_.hazard()) draws.maps->safety.emplace(regrid_.grid);
   }
   return draws;
 }
@@ -101,17 +104,20 @@ DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const 
   Provenance tables;  // those of the scan, which are recorded already
   const RegridConfig regrid = regrid_config(stages.regrid, name);
   return {scan_model(stages.scan, name, recording_table_loader(tables)), regrid.method, regrid.truth_at,
-          evaluation_config(stages.eval, name)};
+          evaluation_config(stages.eval, name), config_.hazard()};
 }
 
 void Campaign::run_next(Draws& draws) {
   DrawTable& table = draws.table;
-  const std::int64_t draw = table.end();
-  const std::vector<double> values = config_.values(draw);
-  const DrawMetrics metrics = runner_->run(setup_of(config_.stages(draw), draw), config_.metrics(),
-                                       draws.maps ? &*draws.maps : nullptr);
-  const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, metrics);
-  add_to(table.metrics, flat_metrics(metrics));
+  const std::int64_t draw = table.end() - pair_.value_or(0) * config_.draw_count();
+  std::vector<double> values = config_.values(draw);
+  if (pair_) values.insert(values.begin(), static_cast<double>(*pair_));
+  DrawSetup setup = setup_of(config_.stages(draw), draw);
+  const DrawResult result = at_path(config_.name() + ": /hazard/", [&] {
+    return runner_->run(std::move(setup), config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+  });
+  const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, result.metrics);
+  add_to(table.metrics, flat_metrics(result));
   for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);
   table.pass.push_back(pass.value_or(false) ? 1 : 0);
   table.seeds.push_back(config_.seed(draw));

@@ -26,16 +26,18 @@ struct DrawSpan {
 /// A campaign over one traced scan: its inputs in memory, and its draws.
 class Campaign {
  public:
+  /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before, and
+  /// their rows have it as the column kPairColumn.
   /// Reads the true ranges (8 bytes per ray) and the terrain, and adds both to the inputs of `provenance`.
   /// Throws UsageError, naming the key, unless every draw of `span` has the rays of the scan; FormatError as
   /// the readers do, or for a terrain other than the one that was scanned.
   Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config, const DrawSpan& span,
-           Provenance& provenance, const ProgressCallback& progress);
+           std::optional<std::int64_t> pair, Provenance& provenance, const ProgressCallback& progress);
 
   [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
-  /// No draw yet, from draw `first` on.
+  /// No draw yet, from row `first` on.
   [[nodiscard]] Draws empty(std::int64_t first) const;
-  /// Runs the draw after the last one of `draws`, and adds it. The result of each draw depends on its number
+  /// Runs the draw after the last row of `draws`, and adds it. The result of each draw depends on its number
   /// only.
   void run_next(Draws& draws);
 
@@ -43,6 +45,7 @@ class Campaign {
   [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
 
   const DrawsConfig& config_;
+  std::optional<std::int64_t> pair_;
   Scene scene_;
   std::vector<double, LargeAllocator<double>> ranges_true_m_;
   RegridConfig regrid_;

@@ -103,7 +103,10 @@ MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& prove
   provenance.config = step.at("config");
   if (provenance.config.at("stop").at("type") != "fixed")
     throw UsageError(paths.front() + ": a campaign with a sequential test has no parts");
-  require_whole(parts, provenance.config.at("draws"));
+  const auto scans = std::ranges::count(step.at("inputs"), "scan", [](const nlohmann::json& input) {
+    return input.at("role").get<std::string>();
+  });
+  require_whole(parts, scans * provenance.config.at("draws").get<std::int64_t>());
   for (const nlohmann::json& input : step.at("inputs"))
     provenance.inputs.push_back({input.at("role"), input.at("file_id")});
   provenance.chain = parts.front().input.chain;

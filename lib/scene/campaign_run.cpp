@@ -2,6 +2,7 @@
 #include "scene/campaign_run.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -12,37 +13,105 @@ namespace {
 
 constexpr double kStateInterval_s = 30;
 
-/// The draws of this run.
-DrawSpan checked_span(const std::optional<DrawSpan>& part, const DrawsConfig& config) {
-  if (!part) return {0, config.draw_count()};
-  const std::string text = "--draws " + std::to_string(part->first) + ":" + std::to_string(part->end);
-  if (config.sprt())
-    throw UsageError(text + ": a sequential test cannot be divided; it decides after each draw");
-  if (part->end > config.draw_count())
-    throw UsageError(text + ": the campaign has " + std::to_string(config.draw_count()) + " draws");
-  return *part;
-}
+/// The scans of a campaign, one after the other in memory.
+class ScanSequence {
+ public:
+  /// `resolved` is the configuration of monte-carlo.
+  ScanSequence(const CampaignSources& sources, nlohmann::json resolved, const std::string& name,
+               const NumberTable* samples) {
+    if (sources.pairs.size() > 1) resolved["layers"] = false;
+    for (const ScanPair& pair : sources.pairs) scans_.push_back(std::make_unique<Scan>(pair, resolved, name, samples));
+    if (config().sprt() && has_pairs())
+      throw UsageError(name + ": /stop: a sequential test decides on one scan, and --pair gives " +
+                       std::to_string(scans_.size()));
+    json_ = config().json();
+    if (has_pairs()) json_["scan"] = resolved.at("scan");  // merged over several
+  }
+
+  [[nodiscard]] bool has_pairs() const { return scans_.size() > 1; }
+  [[nodiscard]] const DrawsConfig& config() const { return scans_.front()->config; }
+  [[nodiscard]] const nlohmann::json& json() const { return json_; }
+  /// Draws over all scans.
+  [[nodiscard]] std::int64_t row_count() const {
+    return static_cast<std::int64_t>(scans_.size()) * config().draw_count();
+  }
+  /// The rows of this run.
+  [[nodiscard]] DrawSpan checked_span(const std::optional<DrawSpan>& part) const {
+    if (!part) return {0, row_count()};
+    const std::string text = "--draws " + std::to_string(part->first) + ":" + std::to_string(part->end);
+    if (config().sprt())
+      throw UsageError(text + ": a sequential test cannot be divided; it decides after each draw");
+    if (part->end > row_count())
+      throw UsageError(text + ": the campaign has " + std::to_string(row_count()) + " draws");
+    return *part;
+  }
+
+  /// Reads and checks every scan that has rows in the span, before any is drawn.
+  void check(const DrawSpan& span, Provenance& provenance, const ProgressCallback& progress) {
+    span_ = span;
+    for (std::size_t pair = 0; pair < scans_.size(); ++pair) load(pair, provenance, progress);
+  }
+
+  /// The campaign of a row.
+  [[nodiscard]] Campaign& of(std::int64_t row) {
+    const auto pair = static_cast<std::size_t>(row / config().draw_count());
+    Provenance recorded;  // by check()
+    if (!campaign_ || pair != loaded_) load(pair, recorded, {});
+    return *campaign_;
+  }
+
+  /// Frees the memory of the scan.
+  void clear() { campaign_.reset(); }
+
+ private:
+  struct Scan {
+    Scan(const ScanPair& pair, const nlohmann::json& resolved, const std::string& name, const NumberTable* samples)
+        : file(pair.scan), terrain(pair.terrain), config(resolved, name, file.file().config(), samples) {}
+    RangeFile file;
+    std::string terrain;
+    DrawsConfig config;
+  };
+
+  void load(std::size_t pair, Provenance& provenance, const ProgressCallback& progress) {
+    campaign_.reset();  // the old one first, so that both never exist at once
+    const Scan& scan = *scans_[pair];
+    const std::int64_t draws = scan.config.draw_count();
+    const auto begin = static_cast<std::int64_t>(pair) * draws;
+    const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
+                           std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
+    const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
+    campaign_ = std::make_unique<Campaign>(scan.file, scan.terrain, scan.config, span, number, provenance, progress);
+    loaded_ = pair;
+  }
+
+  std::vector<std::unique_ptr<Scan>> scans_;
+  nlohmann::json json_;
+  DrawSpan span_;
+  std::unique_ptr<Campaign> campaign_;
+  std::size_t loaded_ = 0;
+};
 
 /// Adds draws until the span or the rule ends the run, and keeps the state.
 class DrawLoop {
  public:
-  DrawLoop(Campaign& campaign, const DrawSpan& span, std::optional<Sprt> sprt, const CampaignState& state,
+  DrawLoop(ScanSequence& scans, const DrawSpan& span, std::optional<Sprt> sprt, const CampaignState& state,
            const CampaignOutput& output)
-      : campaign_(campaign), span_(span), sprt_(std::move(sprt)), state_(state), output_(output) {}
+      : scans_(scans), span_(span), sprt_(std::move(sprt)), state_(state), output_(output) {}
 
   void run(Draws& draws, const ProgressCallback& progress) {
     if (sprt_)
       for (const std::int8_t pass : draws.table.pass) sprt_->add(pass == 1);
     double saved_s = output_.clock_s();
     while (!is_done(draws)) {
-      campaign_.run_next(draws);
+      Campaign& campaign = scans_.of(draws.table.end());
+      campaign.run_next(draws);
       if (sprt_) sprt_->add(draws.table.pass.back() == 1);
       const std::vector<std::int8_t>& pass = draws.table.pass;
       output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) + " pass");
       report(progress, static_cast<double>(draws.table.end() - span_.first) /
                            static_cast<double>(span_.end - span_.first));
       if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws)) continue;
-      state_.save(draws, campaign_.crs_wkt());
+      state_.save(draws, campaign.crs_wkt());
       saved_s = output_.clock_s();
     }
     report(progress, 1);
@@ -57,7 +126,7 @@ class DrawLoop {
     return draws.table.end() >= span_.end || (sprt_ && sprt_->state() != SprtState::running);
   }
 
-  Campaign& campaign_;
+  ScanSequence& scans_;
   DrawSpan span_;
   std::optional<Sprt> sprt_;
   const CampaignState& state_;
@@ -68,36 +137,31 @@ class DrawLoop {
 
 CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
                             CampaignOutput output) {
-  const RangeFile scan(sources.scan);
   std::optional<NumberTable> samples;
   if (!sources.samples.empty()) {
     samples = read_number_table(sources.samples, {.all = true});
     output.provenance.add_input("samples", content_id(sources.samples), nlohmann::json::array());
   }
-  const DrawsConfig config(output.provenance.config, output.config_name, scan.file().config(),
-                           samples ? &*samples : nullptr);
-  output.provenance.config = config.json();
-  const DrawSpan span = checked_span(part, config);
-  std::optional<Campaign> campaign;
-  output.phase("read", [&](const ProgressCallback& progress) {
-    campaign.emplace(scan, sources.terrain, config, span, output.provenance, progress);
-  });
+  ScanSequence scans(sources, output.provenance.config, output.config_name, samples ? &*samples : nullptr);
+  output.provenance.config = scans.json();
+  const DrawSpan span = scans.checked_span(part);
+  output.phase("read", [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });
   const CampaignState state(output.file.path, output.provenance, span.first);
-  if (span.first != 0 || span.end != config.draw_count())
+  if (span.first != 0 || span.end != scans.row_count())
     output.provenance.options = part_options(span.first, span.end);
   LandfallFileWriter file(output.file, "draws", output.provenance);
-  Draws draws = state.load(output.warn).value_or(campaign->empty(span.first));
+  Draws draws = state.load(output.warn).value_or(scans.of(span.first).empty(span.first));
   const std::int64_t done = draws.table.size();
   if (done > 0) output.log("goes on after " + std::to_string(done) + " draws");
   std::optional<Sprt> sprt;
-  if (config.sprt()) sprt.emplace(*config.sprt());
-  DrawLoop loop(*campaign, span, std::move(sprt), state, output);
+  if (scans.config().sprt()) sprt.emplace(*scans.config().sprt());
+  DrawLoop loop(scans, span, std::move(sprt), state, output);
   const double began_s = output.clock_s();
   output.phase("draw", [&](const ProgressCallback& progress) { loop.run(draws, progress); });
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
-  const std::string crs_wkt = campaign->crs_wkt();
-  campaign.reset();  // its memory is not needed to write the maps
+  const std::string crs_wkt = scans.of(span.first).crs_wkt();
+  scans.clear();  // its memory is not needed to write the maps
   output.phase("write", [&](const ProgressCallback&) {
     if (output.report) output.report(draws, result.verdict, output.provenance);
     write_draws(file, draws, result.verdict, crs_wkt);

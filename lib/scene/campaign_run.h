@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "output/output_path.h"
@@ -13,10 +14,17 @@
 
 namespace landfall {
 
-/// What a campaign is made from.
-struct CampaignSources {
+/// A traced scan and the terrain that it scanned.
+struct ScanPair {
   std::string scan;     ///< scan.h5
   std::string terrain;  ///< terrain.h5
+};
+
+/// What a campaign is made from.
+struct CampaignSources {
+  /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p. Such a
+  /// campaign has no maps.
+  std::vector<ScanPair> pairs;
   std::string samples;  ///< a table of values; empty: none
 };
 
@@ -40,7 +48,8 @@ struct CampaignResult {
 
 /// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written beside the
 /// output (CampaignState); a run of the same campaign begins there. The state is removed when the output is complete.
-/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the draws or of a sequential test.
+/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the rows or of a sequential test, and for a
+/// sequential test over several pairs.
 CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
                             CampaignOutput output);
 

@@ -5,6 +5,7 @@
 
 const MAP_GROUPS = [
   ["Probabilities", ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p_fail_absolute"]],
+  ["Hazards", ["p_missed_hazard", "p_judged_safe"]],
   ["Error in z (true \u2212 estimated) over the draws", ["e_z_mean", "e_z_std"]],
   ["Error of the map (true elevation at the bin centre \u2212 z_est): observed and predicted spread",
    ["e_map_std", "z_sigma_abs", "e_map_std_over_sigma"]],
@@ -195,9 +196,12 @@ function drawCommands(index) {
   const draw = `draw-${drawNumber(index)}`;
   const sets = (stage) => report.varied.filter(({name}) => name.startsWith(`${stage}.`))
       .map(({name, values}) => ` \\\n  --set ${name.slice(stage.length + 1)}=${values[index]}`).join("");
-  return [`scan-sim -c scan.json --ranges-from scan.h5 --terrain terrain.h5 \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
+  const commands = [`scan-sim -c scan.json --ranges-from scan.h5 --terrain terrain.h5 \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
           `regrid ${draw}-scan.h5 -c regrid.json --terrain terrain.h5${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
-          `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`].join("\n");
+          `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`];
+  if (report.stages.hazard !== undefined)
+    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain terrain.h5 \\\n  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
+  return commands.join("\n");
 }
 
 function fillFailures(section) {
@@ -205,6 +209,10 @@ function fillFailures(section) {
   section.append(htmlElement("p", {}, failed.length === 0 ? "No draw failed." : `${failed.length.toLocaleString("en")} draws failed.` +
       `${failed.length > MOST_FAILURES ? ` The table has the first ${MOST_FAILURES}.` : ""}${shownNote()}`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, failureTable(failed)));
+  if (report.stages === null) {
+    section.append(htmlElement("p", {class: "note"}, "The commands of the chain stand in the report of a campaign over one scan."));
+    return;
+  }
   const input = htmlElement("input", {type: "number", id: "draw", min: report.first_draw, max: drawNumber(shownDraws - 1), value: drawNumber(failed[0] ?? 0)});
   const commands = htmlElement("pre", {id: "commands"});
   const show = () => {
@@ -215,7 +223,7 @@ function fillFailures(section) {
   show();
   section.append(htmlElement("h3", {}, "The same draw by the chain"),
                  htmlElement("p", {class: "note"}, "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
-                 htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the three tools"),
+                 htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
                              htmlElement("pre", {id: "configurations"}, configurationCommands())),
                  htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
 }
