@@ -61,7 +61,8 @@ class Draws:
 
 
 def draw_chance(ax, draws, values, title, quantity):
-    """A probability over the shaded ground, which is seen where it is 0; the largest value of each block."""
+    """A probability, the largest value of each block; where it is 0, the shaded ground. Elsewhere slopes may darken its colour only a
+    little, so that it can be compared with the colour bar."""
     grid, truth = draws.grid, draws.layers["z_true_map"]
     maps.frame_map(ax, grid, title)
     size = maps.block_size(ax, values.shape)
@@ -72,6 +73,7 @@ def draw_chance(ax, draws, values, title, quantity):
     image[shown == 0] = tuple(int(GROUND[k:k + 2], 16) / 255 for k in (1, 3, 5))
     mean = reduction.shrink_mean(truth, size)
     light = relief.light(mean, step_m, relief.factor(mean, step_m))
+    light = np.where(shown > 0, np.clip(light, 0.85, 1), light)
     image = np.clip(image * np.nan_to_num(light, nan=1)[..., None], 0, 1)
     image[np.isnan(shown)] = 200 / 255
     maps.draw_image(ax, grid, image, size, gid="chance")
@@ -129,7 +131,7 @@ def edges_of(values, limit, is_whole):
     if is_whole:
         width = max(1.0, np.ceil((high - low + 1) / CLASSES))
         return low - 0.5 + width * np.arange(np.ceil((high - low + 1) / width) + 1)
-    return np.linspace(low, high, CLASSES + 1) if high > low else low + abs(limit) / 100 * np.array([-1, 1])
+    return np.linspace(low, high, CLASSES + 1) if high > low else low + abs(limit) / 400 * np.array([-1, 1])
 
 
 def draw_distribution(ax, draws, name):
@@ -143,6 +145,9 @@ def draw_distribution(ax, draws, name):
     value, limit, passed = factor * value[known], factor * limit[0], passed[known] == 1
     edges = edges_of(value, limit, factor == 1)
     _, _, bars = ax.hist([value[passed], value[~passed]], edges, stacked=True, color=[maps.BLUE, maps.VERMILION], label=["passed", "failed"])
+    if len(edges) == 2:  # equal values, whose only bar would fill the axes
+        width = edges[1] - edges[0]
+        ax.set_xlim(min(edges[0], limit) - width, max(edges[1], limit) + width)
     ax.axvline(limit, color="black", linestyle="--", label=f"limit: at {'least' if at_least else 'most'} {limit:g}", gid="limit")
     ax.yaxis.get_major_locator().set_params(integer=True)
     maps.note(ax, rate_text(draws, name))

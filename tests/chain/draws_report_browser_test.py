@@ -26,6 +26,12 @@ return rasterOf(layerNamed(arguments[0]), report.grid).then((raster) => Array.fr
   return Number.isNaN(value) ? null : value;
 }));
 """
+# The least brightness of a probability above 0, over that of its colour in the colour bar.
+BRIGHTNESS = """
+const panel = panels.find((one) => one.raster.layer.name === arguments[0]);
+const blocks = blocksOf(panel.raster, 1), colors = panel.chanceColors(blocks);
+return Math.min(...Array.from(blocks.values).map((value, i) => value > 0 ? colors[3 * i + 1] / colorOf(panel.scale, value)[1] : 1));
+"""
 SET_VALUE = "const e = document.getElementById(arguments[0]); e.value = arguments[1]; e.dispatchEvent(new Event(arguments[2]));"
 
 
@@ -62,6 +68,8 @@ class DrawsReportTest(PageTest):
             shown = np.array(self.window.run(VALUES, name), float).reshape(layers[name].shape)
             np.testing.assert_allclose(shown, layers[name], rtol=0, atol=0.501 * step + 1e-7, err_msg=name)
         self.assertEqual(len(self.window.run("return [...document.querySelectorAll('#distributions figure')].map(() => 0)")), 6)
+        for name in PROBABILITIES:
+            self.assertTrue(0.849 < self.window.run(BRIGHTNESS, name) <= 1, name)
         self.check_log_and_requests()
         self.check_layout()
         for theme in ("light", "dark"):

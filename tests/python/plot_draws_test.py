@@ -73,6 +73,21 @@ class DrawsTest(harness.ChainTest):
         np.testing.assert_allclose(ground[unclipped], np.broadcast_to(np.array([0xf4, 0xf1, 0xea]) / 0xf4, ground[unclipped].shape), atol=1e-6)
         self.assertGreater(np.abs(image[p > 0] / image[p > 0].max(axis=1, keepdims=True) - np.array([0xf4, 0xf1, 0xea]) / 0xf4).max(axis=1).min(), 0.05)
 
+    def test_slopes_hardly_darken_probabilities(self):
+        """So that a colour on the shaded side of a rock can be compared with the colour bar."""
+        p = self.values("p_fail_rel_z")
+        image = next(image for image in self.panels(self.draws)["footprint fails: relative z"].images if image.get_gid() == "chance").get_array()
+        colors = plot_draws.colors.color_map("magnitude")(p[p > 0] / np.nanmax(p))[:, :3]
+        shares = (image[p > 0] / colors)[colors > 0.02]
+        self.assertGreaterEqual(shares.min(), 0.85 - 1e-6)
+        self.assertLessEqual(shares.max(), 1 + 1e-6)
+
+    def test_equal_values_do_not_fill_the_axes(self):
+        ax = self.panels(self.draws)["hole_distance"]
+        value, limit = (self.values(f"draws/requirements.hole_distance.{key}") for key in ("value", "limit"))
+        self.assertEqual((np.ptp(value), limit[0]), (0, 1), "the case must have one value")
+        self.assertEqual(ax.get_xlim(), (min(value[0] - 0.5, 1) - 1, max(value[0] + 0.5, 1) + 1))
+
     def test_distributions_have_all_draws_and_the_limit(self):
         panels = self.panels(self.draws)
         for name, (_, factor, _) in plot_draws.REQUIREMENTS.items():

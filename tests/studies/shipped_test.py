@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The studies of the repository: each can be planned, and has a page with its command and its figure."""
 import glob
+import json
+import math
 import os
 import re
 import struct
@@ -16,6 +18,7 @@ from landfall.study import sweep
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
 # It measures the speed of the tools: docs/quality/performance.md.
 WITHOUT_PAGE = {"example-2-draws"}
+CAMPAIGN = "campaign-example-2"  # the page of studies/example-2.draws.json, which is no study
 MAX_BYTES = 200_000
 
 
@@ -82,8 +85,52 @@ class Shipped(StudyTest):
     def test_the_index_links_all_pages(self):
         index = page("README")
         linked = set(re.findall(r"\]\(([a-z0-9-]+)\.md\)", index))
-        self.assertEqual(linked, set(names()))
+        self.assertEqual(linked, {*names(), CAMPAIGN})
         self.assertEqual(linked, {os.path.basename(path)[:-3] for path in glob.glob(os.path.join(PAGES, "*.md"))} - {"README"})
+
+
+class Campaign(StudyTest):
+    """Makefile.studies' recipe `campaign` and its page."""
+
+    def test_the_recipe(self):
+        plan = subprocess.run(["make", "-n", "-C", ROOT, "-f", "Makefile.studies", "campaign", f"BIN={BIN}", f"RUNS={self.folder}"],
+                              capture_output=True, text=True, env=self.environment(), timeout=60, check=True).stdout
+        [command] = [line for line in plan.replace("\\\n", "").splitlines() if "/monte-carlo " in line]
+        for words in (f"{self.folder}/example-2/scan.h5 --terrain {self.folder}/example-2/terrain.h5", "-c studies/example-2.draws.json",
+                      f"-o {self.folder}/campaign/draws.h5", f"--report {self.folder}/campaign/draws.html"):
+            self.assertIn(words, command)
+        self.assertIn(f"plot_draws.py {self.folder}/campaign/draws.h5", plan)
+        for tool, config in (("terrain-gen", "studies/presets/paper.terrain.json"), ("scan-sim", "studies/presets/paper.scan.json")):
+            self.assertRegex(plan, rf"/{tool} .*-c {config}")
+
+    def test_the_configuration_is_valid_and_that_of_the_page(self):
+        path = os.path.join(ROOT, "studies", "example-2.draws.json")
+        subprocess.run([os.path.join(BIN, "monte-carlo"), "--check", "-c", path], check=True)
+        draws = json.loads(read(path))["draws"]
+        self.assertIn(f"# {draws} draws of Example 2", page(CAMPAIGN))
+        self.assertIn(f"passed of {draws} |", page(CAMPAIGN))
+
+    def test_intervals_and_bounds(self):
+        """Wilson's interval in closed form; the exact bound as the p with which k or more of n pass with 5 %."""
+        rows = re.findall(r"(?m)^\| \w[\w ]* \| (\d+) \| ([\d.]+) % \| ([\d.]+) to ([\d.]+) \| ([\d.]+) \|$", page(CAMPAIGN))
+        self.assertEqual(len(rows), 7)
+        n, z = 299, 1.959963984540054
+        for row in rows:
+            k, share, low, high, bound = int(row[0]), *map(float, row[1:])
+            half = z * math.sqrt(k * (n - k) / n**3 + z * z / (4 * n * n))
+            self.assertAlmostEqual(share, 100 * k / n, delta=0.0501)
+            for found, expected in ((low, k / n + z * z / (2 * n) - half), (high, k / n + z * z / (2 * n) + half)):
+                self.assertAlmostEqual(found, expected / (1 + z * z / n), delta=0.00005001)
+
+            def tail(p, least=k):
+                return sum(math.comb(n, i) * p**i * (1 - p) ** (n - i) for i in range(least, n + 1))
+            self.assertLessEqual(tail(max(0, bound - 0.00005)), 0.05 if k else 1)
+            self.assertGreaterEqual(tail(bound + 0.00005), 0.05)
+
+    def test_the_finding_is_that_of_the_readme(self):
+        shown = " ".join(page(CAMPAIGN).split())
+        finding = re.search(r"\*\*Finding\.\*\* (With .*? in none of 299 draws)\.", shown)[1]
+        self.assertIn(finding, " ".join(read(os.path.join(ROOT, "README.md")).decode().split()))
 
 
 if __name__ == "__main__":

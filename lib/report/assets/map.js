@@ -7,6 +7,7 @@ const MAP_MARGIN = {left: 50, right: 92, top: 22, bottom: 40};
 const LEAST_WIDTH = 160;  // pixels of a panel, below which the page has no layout yet
 let clipCount = 0;
 const GROUND_COLOR = [244, 241, 234];
+const LEAST_LIGHT = 0.85;  // on a probability above 0
 const panels = [];  // all maps of the page
 
 class MapPanel {
@@ -164,14 +165,16 @@ class MapPanel {
     return colors;
   }
 
-  /** Colours of probabilities in the light of the ground, which has its own colour where the probability is 0. */
+  /** Colours of probabilities in the light of the ground, which has its own colour where the probability is 0. Elsewhere the light is
+   * nearly even, so that a colour can be compared with the colour bar. */
   chanceColors(blocks) {
     const colors = new Float32Array(3 * blocks.values.length);
     const slopes = slopesOf(blocksOf(this.options.relief, blocks.stride)), factor = reliefFactor(slopes);
     blocks.values.forEach((value, i) => {
       const light = Number.isNaN(slopes[2 * i]) ? 1 : lightOf(slopes, i, factor);
       const color = value === 0 ? GROUND_COLOR : colorOf(this.scale, value);
-      colors.set(color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * light)), 3 * i);
+      const shade = value === 0 ? light : Math.min(1, Math.max(LEAST_LIGHT, light));
+      colors.set(color.map((part) => Number.isNaN(value) ? NO_VALUE_COLOR[0] : Math.min(255, part * shade)), 3 * i);
     });
     return colors;
   }
