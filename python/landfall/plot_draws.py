@@ -19,7 +19,7 @@ REQUIREMENTS = {"coverage": ("invalid bins of the region (%)", 100, False), "hol
                 "relative_elevation": ("footprints over the limit, z", 1, False),
                 "relative_horizontal": ("footprints over the limit, x and y", 1, False),
                 "absolute_horizontal": ("footprints within the limit (%)", 100, True)}
-LAYERS = ["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
+LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
 GROUND = "#f4f1ea"  # where a probability is 0
 CLASSES = 30
@@ -52,6 +52,9 @@ class Draws:
 
     def count(self):
         return self.columns["pass"].size
+
+    def has_hazards(self):
+        return self.layers["p_missed_hazard"] is not None
 
     def has_prediction(self):
         return self.layers["z_sigma_abs"] is not None
@@ -122,16 +125,37 @@ def draw_prediction(ax, draws):
     maps.note(ax, f"median of observed / predicted {median:.3f}", f"{np.count_nonzero(known):,} bins; darker: more")
 
 
+def draw_chosen(ax, draws):
+    """The best site of each draw over the shaded ground."""
+    grid, truth = draws.grid, draws.layers["z_true_map"]
+    maps.frame_map(ax, grid, "chosen place of each draw")
+    size = maps.block_size(ax, truth.shape)
+    step_m, mean = size * grid.resolution_m, reduction.shrink_mean(truth, size)
+    light = np.nan_to_num(relief.light(mean, step_m, relief.factor(mean, step_m)), nan=1)
+    maps.draw_image(ax, grid, np.repeat(np.clip(0.95 * light, 0, 1)[..., None], 3, axis=-1), size, gid="ground")
+    x, y, safe = (draws.columns[f"site.{name}"] for name in ("x_m", "y_m", "true_safe"))
+    for shown, color, marker, label in ((safe == 1, maps.BLUE, "o", "safe"), (safe == 0, maps.VERMILION, "X", "a hazard")):
+        if shown.any():
+            ax.scatter(x[shown], y[shown], s=28, color=color, marker=marker, alpha=0.6, linewidths=0, label=f"truly {label}: {np.count_nonzero(shown)}")
+    rate = draws.verdict["hazard"]["chosen_place_safe"]
+    finish(ax, draws, f"truly safe in {rate['passed']} of {rate['draws']} draws: probability at least {rate['exact_lower_bound']:.4f} (95 %)")
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="upper right", fontsize=maps.NOTE_PT)
+
+
 # Distributions
 
 
 def edges_of(values, limit, is_whole):
-    """Edges of equally wide classes, between whole numbers for counts."""
+    """Edges of equally wide classes, between whole numbers for counts. Bars are wide enough to be seen beside a limit far away."""
     low, high = float(values.min()), float(values.max())
+    least = max(abs(low - limit), abs(high - limit), abs(limit) / 2) / 100
     if is_whole:
-        width = max(1.0, np.ceil((high - low + 1) / CLASSES))
+        width = max(1.0, np.ceil(max((high - low + 1) / CLASSES, least)))
         return low - 0.5 + width * np.arange(np.ceil((high - low + 1) / width) + 1)
-    return np.linspace(low, high, CLASSES + 1) if high > low else low + abs(limit) / 400 * np.array([-1, 1])
+    width = max((high - low) / CLASSES * (1 + 1e-9), least)
+    count = max(1.0, np.ceil((high - low) / width))
+    return (low + high - count * width) / 2 + width * np.arange(count + 1)
 
 
 def draw_distribution(ax, draws, name):
@@ -165,8 +189,8 @@ def rate_text(draws, name):
 
 
 def draw(draws):
-    """The figure: up to two rows of maps, and two of distributions."""
-    rows = 2 if draws.grid is None else 4
+    """The figure: up to three rows of maps, and two of distributions."""
+    rows = 2 if draws.grid is None else 5 if draws.has_hazards() else 4
     title = f"{draws.name}: {plots.counted(draws.count(), 'draw')}; {rate_text(draws, 'all')}"
     figure, axes = maps.new_figure((rows, 3), (19, 5.2 * rows), title)
     if draws.grid is not None:
@@ -182,6 +206,10 @@ def draw(draws):
         else:
             draw_layer(axes[1, 1], draws, "e_map_std", "spread of the map's error", scales.magnitude_scale, reduction.shrink_most, "largest")
             draw_layer(axes[1, 2], draws, "e_z_mean", "mean of e_z", scales.error_scale, reduction.shrink_extreme, "largest")
+        if draws.has_hazards():
+            draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
+            draw_chance(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
+            draw_chosen(axes[2, 2], draws)
     for name, ax in zip(REQUIREMENTS, axes[rows - 2:].flat):
         draw_distribution(ax, draws, name)
     return figure

@@ -120,10 +120,37 @@ class DrawsTest(harness.ChainTest):
         panels = self.panels(self.changed(remove(["z_sigma_abs", "e_map_std_over_sigma"])))
         self.assertIn("mean of e_z", panels)
         self.assertNotIn("spread of the map's error: observed against predicted", panels)
-        layers = [*plot_draws.LAYERS, "count_mean", "x", "y"]
+        layers = [*(name for name in plot_draws.LAYERS if name not in ("p_missed_hazard", "p_judged_safe")), "count_mean", "x", "y"]
         self.assertEqual(list(self.panels(self.changed(remove(layers)))), list(plot_draws.REQUIREMENTS))
         with self.assertRaisesRegex(DataError, "needs the layer z_true_map"):
             plot_draws.Draws(self.changed(remove(["z_true_map"])))
+
+    def test_hazards(self):
+        """Each chosen place, by its truth; one of six is made a hazard, and one draw has none."""
+        config = {**CAMPAIGN, "sigma": False, "hazard": harness.HAZARD}
+        done = harness.run("monte-carlo", os.path.join(self.chain.folder, "traced.h5"), "--terrain", self.chain.terrain,
+                           "-c", self.config(config, "mc.json"), "-o", self.path("hazards.h5"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with h5py.File(self.path("hazards.h5"), "r+") as file:
+            x, y, safe = (file[f"draws/site.{name}"] for name in ("x_m", "y_m", "true_safe"))
+            safe[...] = [1, 1, 0, 1, 1, np.nan]
+            x[5] = y[5] = np.nan
+            sites = np.stack((x[()], y[()]), axis=-1)
+        panels = self.panels(self.path("hazards.h5"))
+        for title in ("missed hazard", "judged safe"):
+            self.assertTrue(any(image.get_gid() == "chance" for image in panels[title].images), title)
+        points = {drawn.get_label(): np.asarray(drawn.get_offsets()) for drawn in panels["chosen place of each draw"].collections
+                  if str(drawn.get_label()).startswith("truly")}
+        self.assertEqual(set(points), {"truly safe: 4", "truly a hazard: 1"})
+        np.testing.assert_array_equal(points["truly safe: 4"], sites[[0, 1, 3, 4]])
+        np.testing.assert_array_equal(points["truly a hazard: 1"], sites[[2]])
+
+    def test_bars_are_seen_beside_a_far_limit(self):
+        for values, limit, is_whole in (([1, 1.0001, 1.001], 5, False), ([3000, 3007], 0, True), ([2, 2], 2, False), ([0, 0], 0, True)):
+            edges = plot_draws.edges_of(np.array(values), limit, is_whole)
+            self.assertEqual(np.histogram(values, edges)[0].sum(), len(values))
+            reach = max(edges[-1], limit) - min(edges[0], limit)
+            self.assertGreaterEqual(np.diff(edges).min(), 0.009 * reach, (values, limit))
 
     def test_the_command(self):
         shutil.copy(self.draws, self.path("draws.h5"))
