@@ -162,9 +162,42 @@ bool is_varied(const std::string& name) {
   return std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
 }
 
+/// Refuses values that no campaign has, because sums of them could overflow.
+template <class T>
+void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values, std::int64_t least,
+                     std::int64_t most) {
+  for (const T value : values.values())
+    if (value < least || value > most)
+      file.fail("/state/" + name + ": " + std::to_string(value) + " is not in [" + std::to_string(least) + ", " +
+                std::to_string(most) + "]");
+}
+
 template <class T>
 void read_into(const TableReader& table, const std::string& column, std::span<T> values) {
   table.read(column, 0, values);
+}
+
+constexpr std::int64_t kMostDraws = std::int64_t{1} << 17;  ///< for which ErrorSums is exact
+
+void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
+  constexpr std::int64_t kMostError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
+  constexpr std::int64_t kMostReturns = std::int64_t{1} << 52;  // in all draws of a campaign, below 2^63
+  require_at_most(file, "invalid", maps.invalid, 0, maps.draws);
+  require_at_most(file, "fail_rel_x", maps.fail_rel_x, 0, maps.draws);
+  require_at_most(file, "fail_rel_y", maps.fail_rel_y, 0, maps.draws);
+  require_at_most(file, "fail_rel_z", maps.fail_rel_z, 0, maps.draws);
+  require_at_most(file, "fail_absolute", maps.fail_absolute, 0, maps.draws);
+  require_at_most(file, "count", maps.count, 0, kMostReturns);
+  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
+    const std::string prefix(name);
+    require_at_most(file, prefix + "_count", sums->count, 0, maps.draws);
+    require_at_most(file, prefix + "_sum", sums->sum, -maps.draws * kMostError, maps.draws * kMostError);
+    const std::int64_t most_high = maps.draws * (kMostError >> 18);  // of squares below draws * 2^92
+    for (const WideSum& squares : sums->squares.values())
+      if (squares.high < 0 || squares.high > most_high)
+        file.fail("/state/" + prefix + "_squares_high: " + std::to_string(squares.high) + " is not in [0, " +
+                  std::to_string(most_high) + "]");
+  }
 }
 
 DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::int64_t draws) {
@@ -189,6 +222,7 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
     for (std::size_t i = 0; i < low.size(); ++i)
       sums->squares.values()[i] = {static_cast<std::uint64_t>(low[i]), high[i]};
   }
+  check_state(file, maps);
   return maps;
 }
 
@@ -197,8 +231,11 @@ DrawTable read_rows(const LandfallFileReader& file) {
   DrawTable result;
   const auto first = h5::read_number_attribute(table.group(), kFirstDraw);
   if (!first) file.fail("/draws has no attribute first_draw");
-  result.first = static_cast<std::int64_t>(*first);
   const std::size_t size = table.row_count("seed");
+  if (size > kMostDraws) file.fail("/draws has more than " + std::to_string(kMostDraws) + " rows");
+  if (!(*first >= 0 && *first < static_cast<double>(kMostDraws)))
+    file.fail("/draws: first_draw is not in [0, " + std::to_string(kMostDraws) + ")");
+  result.first = static_cast<std::int64_t>(*first);
   result.seeds.resize(size);
   result.pass.resize(size);
   read_into(table, "seed", std::span(result.seeds));
@@ -209,6 +246,11 @@ DrawTable read_rows(const LandfallFileReader& file) {
     DrawColumn column{dataset.name, std::vector<double>(size)};
     read_into(table, dataset.name, std::span(column.values));
     (is_varied(dataset.name) ? result.varied : result.metrics).push_back(std::move(column));
+  }
+  for (const RequirementInfo& info : kRequirementInfo) {
+    const std::string name = std::string("requirements.") + info.name + ".pass";
+    if (std::ranges::find(result.metrics, name, &DrawColumn::name) == result.metrics.end())
+      file.fail("/draws has no column " + name);
   }
   return result;
 }
