@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/key_unit.h"
 #include "campaign/pass_rate.h"
 #include "evaluation/piecewise.h"
 #include "files/contents.h"
@@ -138,16 +139,23 @@ class StateTable {
   std::vector<std::unique_ptr<std::vector<std::int64_t>>> words_;
 };
 
+/// The unit of scan.navigation_error.velocity_mps.0 and accuracy.absolute.x.p95_m; counts and bins have 1.
+std::string unit_of_column(std::string name) {
+  if (const std::size_t dot = name.rfind('.'); dot + 2 == name.size() && name.back() >= '0' && name.back() <= '9') name.resize(dot);
+  const std::string_view unit = unit_of_key(name);
+  return std::string(unit.empty() ? "1" : unit);
+}
+
 void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   using enum h5::Type;
   std::vector<ColumnSpec> columns = {{"seed", int64, "1", "seed of the draw"}};
   std::vector<ColumnRows> rows = {std::span(table.seeds)};
   for (const DrawColumn& column : table.varied) {
-    columns.push_back({column.name, float64, "", "value of this key of the configuration"});
+    columns.push_back({column.name, float64, unit_of_column(column.name), "value of this key of the configuration"});
     rows.emplace_back(std::span(column.values));
   }
   for (const DrawColumn& column : table.metrics) {
-    columns.push_back({column.name, float64, "", "metric of metrics.json"});
+    columns.push_back({column.name, float64, unit_of_column(column.name), "metric of metrics.json"});
     rows.emplace_back(std::span(column.values));
   }
   columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
