@@ -28,8 +28,9 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "gdal-bin, landfall-dev")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "landfall simulates a lander's scanning lidar, builds the digital elevation
 model (DEM) that its hazard detector would see, and judges it against landing
 requirements. terrain-gen makes or imports a terrain, scan-sim scans it, regrid
-makes a DEM of the scan, dem-eval compares that DEM with the truth, and
-hazard-map finds safe places to land on it. The files between them are HDF5.")
+makes a DEM of the scan, dem-eval compares that DEM with the truth,
+hazard-map finds safe places to land on it, and monte-carlo draws the errors of
+a scan many times. The files between them are HDF5.")
 
 set(CPACK_DEBIAN_LIDAR_PACKAGE_NAME landfall-dev)
 set(CPACK_DEBIAN_LIDAR_PACKAGE_SECTION libdevel)

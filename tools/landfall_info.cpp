@@ -30,7 +30,7 @@ struct Options {
 };
 
 void bind(CLI::App& app, Options& o) {
-  app.add_option("files", o.files, "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5 or plan.h5)")
+  app.add_option("files", o.files, "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5, hazards.h5 or draws.h5)")
       ->type_name("FILE...");
   app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,

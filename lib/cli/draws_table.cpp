@@ -37,7 +37,7 @@ std::string draws_table(const VerdictJson& verdict) {
                            "at least, 95 %");
   if (verdict.contains("pairs")) {
     for (const VerdictJson& pair : verdict.at("pairs"))
-      text += "pair " + std::to_string(pair.at("pair").get<std::int64_t>()) + "\n" + rate_lines(pair);
+      text += "pair " + std::to_string(pair.at("pair").get<int>()) + "\n" + rate_lines(pair);
     text += "all pairs, for these terrains\n";
   }
   text += rate_lines(verdict);

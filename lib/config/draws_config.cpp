@@ -163,6 +163,9 @@ void DrawsConfig::predict() {
 
 void DrawsConfig::take_samples(const NumberTable& samples) {
   if (samples.row_count() == 0) samples.fail("has no row; a draw is a row");
+  constexpr std::size_t kMostDraws = 100'000;  // the bound of /draws in the schema
+  if (samples.row_count() > kMostDraws)
+    samples.fail("has " + std::to_string(samples.row_count()) + " rows; a campaign has at most 100000 draws");
   draw_count_ = static_cast<std::int64_t>(samples.row_count());
   for (const std::string& key : samples.names()) {
     const std::vector<double>& values = samples.column(key);

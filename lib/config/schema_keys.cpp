@@ -8,36 +8,12 @@
 #include <map>
 #include <utility>
 
+#include "base/key_unit.h"
+
 namespace landfall {
 namespace {
 
 using Json = nlohmann::json;
-
-/// The suffix of a key, at its end or before _per_..., and its unit.
-constexpr std::array<std::pair<const char*, const char*>, 17> kUnits = {{{"_m_per_sqrt_s", "m/s^0.5"},
-                                                                         {"_mps_per_sqrt_s", "m/s^1.5"},
-                                                                         {"_rad_per_sqrt_s", "rad/s^0.5"},
-                                                                         {"_per_km2", "1/km^2"},
-                                                                         {"_per_m", "1"},
-                                                                         {"_per_s", "1/s"},
-                                                                         {"_m", "m"},
-                                                                         {"_s", "s"},
-                                                                         {"_rad", "rad"},
-                                                                         {"_deg", "degrees"},
-                                                                         {"_hz", "Hz"},
-                                                                         {"_mps", "m/s"},
-                                                                         {"_radps", "rad/s"},
-                                                                         {"_degps", "degrees/s"},
-                                                                         {"_mps2", "m/s^2"},
-                                                                         {"_kg", "kg"},
-                                                                         {"_kgm2", "kg m^2"}}};
-
-std::string unit_of(const std::string& path) {
-  for (const auto& [suffix, unit] : kUnits)
-    if (path.ends_with(suffix)) return unit;
-  if (path.ends_with("_n")) return "N";
-  return path.ends_with("_nm") ? "N m" : "";
-}
 
 std::string shown_value(const Json& value) { return value.is_number() ? number_text(value) : value.dump(); }
 
@@ -111,7 +87,7 @@ class Walk {
     key.path = path;
     key.choice = choice;
     key.type = type_of(s);
-    key.unit = unit_of(path);
+    key.unit = unit_of_key(path);
     // for an array: of each element
     const Json& element = s.contains("items") ? dereferenced(s["items"]) : s;
     key.bounds = bounds_of(element);

@@ -22,7 +22,7 @@ struct ContentInfo {
 /// is missing or not a word, or if the name already ends with it.
 [[nodiscard]] std::string name_with_unit(const ContentInfo& content);
 
-/// The kind of a landfall file: terrain, scan, dem, evaluation, plan or hazards.
+/// The kind of a landfall file: terrain, scan, dem, evaluation, plan, hazards or draws.
 [[nodiscard]] std::string kind_of(const LandfallFileReader& file);
 
 /// True if the file has a grid: coordinates /x and /y.

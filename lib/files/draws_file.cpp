@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/key_unit.h"
 #include "campaign/pass_rate.h"
 #include "evaluation/piecewise.h"
 #include "files/contents.h"
@@ -159,16 +160,23 @@ class StateTable {
   std::vector<std::unique_ptr<std::vector<std::int64_t>>> words_;
 };
 
+/// The unit of scan.navigation_error.velocity_mps.0 and accuracy.absolute.x.p95_m; counts and bins have 1.
+std::string unit_of_column(std::string name) {
+  if (const std::size_t dot = name.rfind('.'); dot + 2 == name.size() && name.back() >= '0' && name.back() <= '9') name.resize(dot);
+  const std::string_view unit = unit_of_key(name);
+  return std::string(unit.empty() ? "1" : unit);
+}
+
 void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   using enum h5::Type;
   std::vector<ColumnSpec> columns = {{"seed", int64, "1", "seed of the draw"}};
   std::vector<ColumnRows> rows = {std::span(table.seeds)};
   for (const DrawColumn& column : table.varied) {
-    columns.push_back({column.name, float64, "", "value of this key of the configuration"});
+    columns.push_back({column.name, float64, unit_of_column(column.name), "value of this key of the configuration"});
     rows.emplace_back(std::span(column.values));
   }
   for (const DrawColumn& column : table.metrics) {
-    columns.push_back({column.name, float64, "", "metric of metrics.json, score.json or of the best site"});
+    columns.push_back({column.name, float64, unit_of_column(column.name), "metric of metrics.json, score.json or of the best site"});
     rows.emplace_back(std::span(column.values));
   }
   columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
@@ -181,6 +189,16 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
 bool is_varied(const std::string& name) {
   static constexpr std::array kStages = {"scan.", "regrid.", "eval."};
   return name == kPairColumn || std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
+}
+
+/// Refuses values that no campaign has, because sums of them could overflow.
+template <class T>
+void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values, std::int64_t least,
+                     std::int64_t most) {
+  for (const T value : values.values())
+    if (value < least || value > most)
+      file.fail("/state/" + name + ": " + std::to_string(value) + " is not in [" + std::to_string(least) + ", " +
+                std::to_string(most) + "]");
 }
 
 template <class T>
@@ -217,10 +235,9 @@ const DrawColumn* column_of(const DrawTable& table, const std::string& name) {
 
 /// Of a campaign that judges hazards: how often the chosen place is safe in truth. A draw without a safe place, or whose
 /// place is unknown in truth, counts as not safe.
-Json hazard_json(const DrawTable& table, const std::vector<double>& chosen_safe) {
-  const std::vector<double>& missed = column_of(table, "score.missed_hazard_frac")->values;
-  const auto sites = table.size() - std::ranges::count_if(column_of(table, "site.x_m")->values,
-                                                         [](double x_m) { return std::isnan(x_m); });
+Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe, const std::vector<double>& site_x_m,
+                 const std::vector<double>& missed) {
+  const auto sites = std::ranges::count_if(site_x_m, [](double x_m) { return !std::isnan(x_m); });
   double sum = 0;
   std::int64_t known = 0;
   for (const double frac : missed)
@@ -231,7 +248,7 @@ Json hazard_json(const DrawTable& table, const std::vector<double>& chosen_safe)
   return {{"draws_with_site", sites},
           {"missed_hazard_frac_mean", known > 0 ? Json(sum / static_cast<double>(known)) : Json(nullptr)},
           {"chosen_place_safe",
-           rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), table.size()})}};
+           rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), draws})}};
 }
 
 /// The rates of all rows.
@@ -243,22 +260,51 @@ Json result_json(const DrawTable& table) {
   }
   rates.push_back(rate_json("all", {std::ranges::count(table.pass, 1), table.size()}));
   Json result = {{"rates", std::move(rates)}};
-  if (const DrawColumn* const chosen_safe = column_of(table, "site.true_safe"))
-    result["hazard"] = hazard_json(table, chosen_safe->values);
+  const DrawColumn* const chosen_safe = column_of(table, "site.true_safe");
+  const DrawColumn* const site_x = column_of(table, "site.x_m");
+  const DrawColumn* const missed = column_of(table, "score.missed_hazard_frac");
+  if (chosen_safe != nullptr && site_x != nullptr && missed != nullptr)
+    result["hazard"] = hazard_json(table.size(), chosen_safe->values, site_x->values, missed->values);
   return result;
 }
 
-/// The rows of one scan of a campaign over several; they follow each other.
-DrawTable rows_of_pair(const DrawTable& table, double pair) {
-  const auto rows = std::ranges::equal_range(table.varied.front().values, pair);
-  const auto begin = rows.begin() - table.varied.front().values.begin();
+/// The rows begin .. end - 1.
+DrawTable rows_of_pair(const DrawTable& table, std::ptrdiff_t begin, std::ptrdiff_t end) {
   const auto cut = [&](const auto& values) {
-    return std::decay_t<decltype(values)>(values.begin() + begin, values.begin() + begin + std::ranges::ssize(rows));
+    return std::decay_t<decltype(values)>(values.begin() + begin, values.begin() + end);
   };
   DrawTable result = {table.first + begin, cut(table.seeds), table.varied, table.metrics, cut(table.pass)};
   for (auto* const columns : {&result.varied, &result.metrics})
     for (DrawColumn& column : *columns) column.values = cut(column.values);
   return result;
+}
+
+constexpr std::int64_t kMostDraws = std::int64_t{1} << 17;  ///< for which ErrorSums is exact
+
+void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
+  constexpr std::int64_t kMostError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
+  constexpr std::int64_t kMostReturns = std::int64_t{1} << 52;  // in all draws of a campaign, below 2^63
+  require_at_most(file, "invalid", maps.invalid, 0, maps.draws);
+  require_at_most(file, "fail_rel_x", maps.fail_rel_x, 0, maps.draws);
+  require_at_most(file, "fail_rel_y", maps.fail_rel_y, 0, maps.draws);
+  require_at_most(file, "fail_rel_z", maps.fail_rel_z, 0, maps.draws);
+  require_at_most(file, "fail_absolute", maps.fail_absolute, 0, maps.draws);
+  require_at_most(file, "count", maps.count, 0, kMostReturns);
+  if (maps.safety) {
+    require_at_most(file, "safety_known", maps.safety->known, 0, maps.draws);
+    require_at_most(file, "safety_judged_safe", maps.safety->judged_safe, 0, maps.draws);
+    require_at_most(file, "safety_missed", maps.safety->missed, 0, maps.draws);
+  }
+  for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
+    const std::string prefix(name);
+    require_at_most(file, prefix + "_count", sums->count, 0, maps.draws);
+    require_at_most(file, prefix + "_sum", sums->sum, -maps.draws * kMostError, maps.draws * kMostError);
+    const std::int64_t most_high = maps.draws * (kMostError >> 18);  // of squares below draws * 2^92
+    for (const WideSum& squares : sums->squares.values())
+      if (squares.high < 0 || squares.high > most_high)
+        file.fail("/state/" + prefix + "_squares_high: " + std::to_string(squares.high) + " is not in [0, " +
+                  std::to_string(most_high) + "]");
+  }
 }
 
 DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::int64_t draws) {
@@ -289,6 +335,7 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
     for (std::size_t i = 0; i < low.size(); ++i)
       sums->squares.values()[i] = {static_cast<std::uint64_t>(low[i]), high[i]};
   }
+  check_state(file, maps);
   return maps;
 }
 
@@ -297,8 +344,11 @@ DrawTable read_rows(const LandfallFileReader& file) {
   DrawTable result;
   const auto first = h5::read_number_attribute(table.group(), kFirstDraw);
   if (!first) file.fail("/draws has no attribute first_draw");
-  result.first = static_cast<std::int64_t>(*first);
   const std::size_t size = table.row_count("seed");
+  if (size > kMostDraws) file.fail("/draws has more than " + std::to_string(kMostDraws) + " rows");
+  if (!(*first >= 0 && *first < static_cast<double>(kMostDraws)))
+    file.fail("/draws: first_draw is not in [0, " + std::to_string(kMostDraws) + ")");
+  result.first = static_cast<std::int64_t>(*first);
   result.seeds.resize(size);
   result.pass.resize(size);
   read_into(table, "seed", std::span(result.seeds));
@@ -309,6 +359,11 @@ DrawTable read_rows(const LandfallFileReader& file) {
     DrawColumn column{dataset.name, std::vector<double>(size)};
     read_into(table, dataset.name, std::span(column.values));
     (is_varied(dataset.name) ? result.varied : result.metrics).push_back(std::move(column));
+  }
+  for (const RequirementInfo& info : kRequirementInfo) {
+    const std::string name = std::string("requirements.") + info.name + ".pass";
+    if (std::ranges::find(result.metrics, name, &DrawColumn::name) == result.metrics.end())
+      file.fail("/draws has no column " + name);
   }
   return result;
 }
@@ -338,10 +393,12 @@ Json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt) 
   if (!table.varied.empty() && table.varied.front().name == kPairColumn) {
     verdict["note"] = "for these terrains; another terrain is not part of the probability";
     const std::vector<double>& pairs = table.varied.front().values;
-    for (double pair = pairs.empty() ? 0 : pairs.front(); std::ranges::count(pairs, pair) > 0; ++pair) {
-      Json result = {{"pair", static_cast<std::int64_t>(pair)}};
-      result.update(result_json(rows_of_pair(table, pair)));
+    for (auto begin = pairs.begin(); begin != pairs.end();) {  // the rows of a pair follow each other
+      const auto end = std::find_if(begin + 1, pairs.end(), [&](double pair) { return pair != *begin; });
+      Json result = {{"pair", *begin}};
+      result.update(result_json(rows_of_pair(table, begin - pairs.begin(), end - pairs.begin())));
       verdict["pairs"].push_back(std::move(result));
+      begin = end;
     }
   }
   verdict.update(result_json(table));

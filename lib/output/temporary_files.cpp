@@ -32,6 +32,10 @@ bool decide(Fate wanted) {
   return fate.compare_exchange_strong(undecided, wanted);
 }
 
+std::atomic<bool> deferring{false};  // NOLINT(*-avoid-non-const-global-variables)
+std::atomic<int> deferred{0};        // NOLINT(*-avoid-non-const-global-variables): the signal that came meanwhile
+static_assert(std::atomic<int>::is_always_lock_free);
+
 struct Slot {
   std::array<char, 4096> path{};
   std::atomic<bool> used{false};
@@ -64,6 +68,8 @@ void die_of(int signal_number) {
 }
 
 extern "C" void interrupt(int signal_number) {
+  int none = 0;
+  if (deferring && deferred.compare_exchange_strong(none, signal_number)) return;
   if (!decide(Fate::interrupted)) return;
   remove_temporaries();
   write_stderr(farewell.data());
@@ -131,6 +137,15 @@ void install_signal_cleanup(const std::string& program) {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
+DeferredInterrupts::DeferredInterrupts() { deferring = true; }
+
+DeferredInterrupts::~DeferredInterrupts() {
+  deferring = false;
+  if (requested() && std::uncaught_exceptions() == 0) interrupt(deferred);
+}
+
+bool DeferredInterrupts::requested() const noexcept { return deferred != 0; }
+
 void install_memory_cleanup(const std::string& program) {
   set_line(no_memory, program + ": not enough memory for this run");
   std::set_new_handler(end_without_memory);
@@ -138,6 +153,7 @@ void install_memory_cleanup(const std::string& program) {
 }
 
 void ignore_interrupts() {
+  if (deferring) return;
   if (decide(Fate::naming) || fate == Fate::naming) return;
   for (;;) ::pause();  // a handler on another thread ends the process
 }

@@ -52,7 +52,7 @@ std::string rates_html(const Json& verdict) {
   };
   if (verdict.contains("pairs")) {
     for (const Json& pair : verdict.at("pairs")) {
-      heading("pair " + std::to_string(pair.at("pair").get<std::int64_t>()));
+      heading("pair " + std::to_string(pair.at("pair").get<int>()));
       rows(pair);
     }
     heading("all pairs, for these terrains");

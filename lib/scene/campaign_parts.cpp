@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "config/schema.h"
 
 namespace landfall {
 namespace {
@@ -34,6 +35,31 @@ void require_one_campaign(const std::vector<Part>& parts) {
     if (campaign_of(parts[i].input) != campaign_of(parts[0].input))
       throw UsageError(parts[i].path + ": is not of the same campaign as " + parts[0].path +
                        ": its version, configuration or inputs differ");
+}
+
+bool same_columns(const std::vector<DrawColumn>& a, const std::vector<DrawColumn>& b) {
+  return std::ranges::equal(a, b, {}, &DrawColumn::name, &DrawColumn::name);
+}
+
+/// The files of one campaign have the same columns and grid, unless they were edited.
+void require_same_contents(const std::vector<Part>& parts) {
+  const Draws& first = parts.front().input.draws;
+  for (const Part& part : parts) {
+    const Draws& draws = part.input.draws;
+    if (!same_columns(draws.table.varied, first.table.varied) || !same_columns(draws.table.metrics, first.table.metrics) ||
+        draws.maps.has_value() != first.maps.has_value() || (draws.maps && (draws.maps->spec() != first.maps->spec() ||
+                        draws.maps->safety.has_value() != first.maps->safety.has_value())))
+      throw FormatError(part.path + ": its columns or its grid are not those of " + parts.front().path);
+  }
+}
+
+/// The configuration of the campaign with all its keys.
+nlohmann::json config_of(const Part& part) {
+  try {
+    return resolve_config({part.path, part.input.chain.back().at("config")}, embedded_schema("draws"));
+  } catch (const UsageError& error) {
+    throw FormatError(part.path + ": /provenance/config_json is not that of a campaign: " + error.what());
+  }
 }
 
 /// The parts in order must be draws 0 .. count - 1.
@@ -68,6 +94,7 @@ Provenance CampaignState::provenance_of(const DrawTable& table) const {
 }
 
 std::optional<Draws> CampaignState::load(const std::function<void(const std::string&)>& warn) const {
+  { const OutputPath killed(path_, true); }  // removes what a run that was killed while it wrote a state has left
   if (!std::filesystem::exists(path_)) return std::nullopt;
   try {
     DrawsInput input = read_draws(path_);
@@ -99,14 +126,16 @@ MergedDraws merge_draws(const std::vector<std::string>& paths, Provenance& prove
   for (const std::string& path : paths) parts.push_back({path, read_draws(path)});
   std::ranges::stable_sort(parts, {}, [](const Part& part) { return part.table().first; });
   require_one_campaign(parts);
+  require_same_contents(parts);
   const nlohmann::json& step = parts.front().input.chain.back();
+  const nlohmann::json config = config_of(parts.front());
   provenance.config = step.at("config");
-  if (provenance.config.at("stop").at("type") != "fixed")
+  if (config.at("stop").at("type") != "fixed")
     throw UsageError(paths.front() + ": a campaign with a sequential test has no parts");
   const auto scans = std::ranges::count(step.at("inputs"), "scan", [](const nlohmann::json& input) {
     return input.at("role").get<std::string>();
   });
-  require_whole(parts, scans * provenance.config.at("draws").get<std::int64_t>());
+  require_whole(parts, scans * config.at("draws").get<std::int64_t>());
   for (const nlohmann::json& input : step.at("inputs"))
     provenance.inputs.push_back({input.at("role"), input.at("file_id")});
   provenance.chain = parts.front().input.chain;

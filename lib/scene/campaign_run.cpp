@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "files/number_table.h"
+#include "output/temporary_files.h"
 
 namespace landfall {
 namespace {
@@ -91,18 +92,18 @@ class ScanSequence {
   std::size_t loaded_ = 0;
 };
 
-/// Adds draws until the span or the rule ends the run, and keeps the state.
+/// Adds draws until the span, the rule or an interrupt ends the run, and keeps the state.
 class DrawLoop {
  public:
   DrawLoop(ScanSequence& scans, const DrawSpan& span, std::optional<Sprt> sprt, const CampaignState& state,
            const CampaignOutput& output)
       : scans_(scans), span_(span), sprt_(std::move(sprt)), state_(state), output_(output) {}
 
-  void run(Draws& draws, const ProgressCallback& progress) {
+  void run(Draws& draws, const DeferredInterrupts& interrupts, const ProgressCallback& progress) {
     if (sprt_)
       for (const std::int8_t pass : draws.table.pass) sprt_->add(pass == 1);
     double saved_s = output_.clock_s();
-    while (!is_done(draws)) {
+    while (!is_done(draws) && !interrupts.requested()) {
       Campaign& campaign = scans_.of(draws.table.end());
       campaign.run_next(draws);
       if (sprt_) sprt_->add(draws.table.pass.back() == 1);
@@ -110,11 +111,19 @@ class DrawLoop {
       output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) + " pass");
       report(progress, static_cast<double>(draws.table.end() - span_.first) /
                            static_cast<double>(span_.end - span_.first));
-      if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws)) continue;
+      if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws) || interrupts.requested()) continue;
       state_.save(draws, campaign.crs_wkt());
       saved_s = output_.clock_s();
     }
-    report(progress, 1);
+    if (!interrupts.requested()) report(progress, 1);
+  }
+
+  /// What an interrupted run leaves.
+  void keep(const Draws& draws) {
+    if (draws.table.size() == 0) return;
+    state_.save(draws, scans_.of(span_.first).crs_wkt());
+    output_.warn(std::to_string(draws.table.size()) + " of " + std::to_string(span_.end - span_.first) +
+                 " draws are kept; the same command goes on after them");
   }
 
   [[nodiscard]] std::optional<SprtState> sprt_state() const {
@@ -157,7 +166,11 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   if (scans.config().sprt()) sprt.emplace(*scans.config().sprt());
   DrawLoop loop(scans, span, std::move(sprt), state, output);
   const double began_s = output.clock_s();
-  output.phase("draw", [&](const ProgressCallback& progress) { loop.run(draws, progress); });
+  {
+    const DeferredInterrupts interrupts;
+    output.phase("draw", [&](const ProgressCallback& progress) { loop.run(draws, interrupts, progress); });
+    if (interrupts.requested()) loop.keep(draws);
+  }
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
   const std::string crs_wkt = scans.of(span.first).crs_wkt();

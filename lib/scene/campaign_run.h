@@ -47,7 +47,8 @@ struct CampaignResult {
 };
 
 /// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written beside the
-/// output (CampaignState); a run of the same campaign begins there. The state is removed when the output is complete.
+/// output (CampaignState); a run of the same campaign begins there. An interrupt ends the run after the draw that is
+/// being made and a last state. The state is removed when the output is complete.
 /// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the rows or of a sequential test, and for a
 /// sequential test over several pairs.
 CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,

@@ -26,11 +26,13 @@ EVAL = dict.fromkeys(["e_x", "e_y", "e_z"], FLOAT64) | \
     {"invalid": INT8, "in_region": INT8, "hole_id": INT32, "fail": INT8}
 HAZARDS = dict.fromkeys(["slope", "roughness", "p_touchdown", "cost", "distance_to_hazard", "slope_true", "roughness_true"], FLOAT32) | \
     dict.fromkeys(["safe", "safe_true", "outcome"], INT8)
-LAYERS = {"terrain-gen": {"z": FLOAT64}, "regrid": DEM, "dem-eval": EVAL, "hazard-map": HAZARDS}
-KINDS = dict(zip(TOOLS, ["terrain", "scan", "dem", "evaluation", "hazards"]))
+DRAWS = dict.fromkeys(["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std",
+                       "z_true_map", "count_mean"], FLOAT32) | {"in_region": INT8}
+LAYERS = {"terrain-gen": {"z": FLOAT64}, "regrid": DEM, "dem-eval": EVAL, "hazard-map": HAZARDS, "monte-carlo": DRAWS}
+KINDS = dict(zip(TOOLS, ["terrain", "scan", "dem", "evaluation", "hazards", "draws"]))
 CHAINS = {"terrain-gen": [], "scan-sim": ["terrain-gen"], "regrid": ["terrain-gen", "scan-sim"],
           "dem-eval": ["terrain-gen", "scan-sim", "regrid"],
-          "hazard-map": ["terrain-gen", "scan-sim", "regrid"]}
+          "hazard-map": ["terrain-gen", "scan-sim", "regrid"], "monte-carlo": ["terrain-gen", "scan-sim"]}
 
 
 def items(file):
@@ -54,7 +56,7 @@ class Layout(ChainTest):
                 self.assertTrue(found["title"])
                 self.assertEqual(len(found["history"].splitlines()), len(CHAINS[name]) + 1)
                 ids.add(found["file_id"])
-        self.assertEqual(len(ids), 5)
+        self.assertEqual(len(ids), 6)
 
     def test_provenance(self):
         for name, steps in CHAINS.items():

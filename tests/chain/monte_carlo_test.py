@@ -294,7 +294,7 @@ class Results(DrawsTest):
             np.testing.assert_allclose(maps[name + "_std"], std, rtol=1e-6, atol=3e-9)
         with h5py.File(self.path("draws.h5")) as file:
             self.assertEqual({name for name, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2},
-                             {*LAYERS, "in_region"})
+                             {*LAYERS, "in_region", "z_true_map"})
             self.assertEqual(file["draws"].attrs["first_draw"], 0)
 
     # A draw passes if its share of empty bins, which is random, is below a random limit.

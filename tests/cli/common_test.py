@@ -150,7 +150,7 @@ class Usage(ToolTest):
     def test_an_empty_value_is_not_an_absent_option(self):
         files = {"terrain-gen": ["--from", "-c", "-o"], "scan-sim": ["--terrain", "--ranges-from"],
                  "regrid": ["--terrain"], "dem-eval": ["--metrics"],
-                 "hazard-map": ["--terrain", "--sites", "--score"]}
+                 "hazard-map": ["--terrain", "--sites", "--score"], "monte-carlo": ["--terrain", "--samples", "--report"]}
         long_names = {"-c": "--config", "-o": "--output"}
         for name, options in files.items():
             for option in options:
@@ -159,7 +159,7 @@ class Usage(ToolTest):
                     inputs = [] if option in INPUTS[name] else INPUTS[name]
                     result = self.refuse(2, name, *inputs, *arguments)
                     self.assertEqual(result.stderr.replace(" (see --help)", ""), wanted)
-        for name, argument in [("regrid", "scans"), ("dem-eval", "dem"), ("hazard-map", "map")]:
+        for name, argument in [("regrid", "scans"), ("dem-eval", "dem"), ("hazard-map", "map"), ("monte-carlo", "scan")]:
             self.assertEqual(self.refuse(2, name, "").stderr, f"{name}: the argument {argument} needs a file\n")
         result = self.refuse(2, "terrain-gen", "--from", "a.tif", "--center", "")
         self.assertEqual(result.stderr, "terrain-gen: --center needs X,Y\n")
@@ -313,12 +313,13 @@ class Inputs(ChainTest):
     def arguments(self, name, data):
         """The tool's arguments with its main input replaced."""
         return {"scan-sim": ["--terrain", data], "regrid": [data],
-                "dem-eval": [data], "hazard-map": [data]}[name] + ["-c", self.chain.config(name), "-o", self.path("out.h5")]
+                "dem-eval": [data], "hazard-map": [data],
+                "monte-carlo": [data, "--terrain", self.chain.terrain]}[name] + ["-c", self.chain.config(name), "-o", self.path("out.h5")]
 
     def refuse_input(self, name, data, words=()):
         self.refuse(1, name, *self.arguments(name, data), words=[data, *words], output=self.path("out.h5"))
 
-    READERS = {"scan-sim": "terrain", "regrid": "scan", "dem-eval": "dem", "hazard-map": "dem"}
+    READERS = {"scan-sim": "terrain", "regrid": "scan", "dem-eval": "dem", "hazard-map": "dem", "monte-carlo": "scan"}
 
     def test_missing_file_folder_or_text(self):
         with open(self.path("text.h5"), "w", encoding="utf-8") as file:
@@ -335,7 +336,7 @@ class Inputs(ChainTest):
 
     def test_another_kind_of_file(self):
         for name, wanted in {**self.READERS, "hazard-map": "dem terrain"}.items():
-            for kind in ["terrain", "scan", "dem", "eval", "hazards"]:
+            for kind in ["terrain", "scan", "dem", "eval", "hazards", "draws"]:
                 if kind in wanted.split():
                     continue
                 found = "evaluation" if kind == "eval" else kind
@@ -406,7 +407,7 @@ class Inputs(ChainTest):
     def test_zeroed_data_never_cause_a_crash(self):
         data = self.path("holed.h5")
         for name, kind in self.READERS.items():
-            whole = read_bytes(getattr(self.chain, kind))
+            whole = read_bytes(self.chain.source if name == "monte-carlo" else getattr(self.chain, kind))
             for piece in range(20):
                 begin = len(whole) * piece // 20
                 with open(data, "wb") as file:
@@ -422,7 +423,7 @@ class Inputs(ChainTest):
                                 ("regrid", "scan", "points/x_est"), ("regrid", "scan", "points/status"),
                                 ("regrid", "scan", "pulses/t"), ("regrid", "scan", "points"),
                                 ("dem-eval", "dem", "z_est"), ("dem-eval", "dem", "y"), ("hazard-map", "dem", "z_est"),
-                                ("hazard-map", "terrain", "z")]:
+                                ("hazard-map", "terrain", "z"), ("monte-carlo", "scan", "points/range_true")]:
             shutil.copy(getattr(self.chain, kind), data)
             with h5py.File(data, "r+") as file:
                 del file[key]
@@ -433,10 +434,10 @@ class Summary(ChainTest):
     """--json prints one JSON object on stdout and does not change the file."""
 
     PHASES = {"terrain-gen": ["terrain", "write"], "scan-sim": ["trace"], "regrid": ["grid", "write"],
-              "dem-eval": ["evaluate", "write"], "hazard-map": ["judge", "judge the truth", "sites"]}
+              "dem-eval": ["evaluate", "write"], "hazard-map": ["judge", "judge the truth", "sites"], "monte-carlo": ["read", "draw", "write"]}
     COUNTS = {"terrain-gen": ["node_count"], "scan-sim": ["pulse_count", "ray_count", "rays_per_s", "real_time_factor", "return_count"],
               "regrid": ["inside_count", "outside_count"], "dem-eval": ["metrics"],
-              "hazard-map": ["places", "sites", "score"]}
+              "hazard-map": ["places", "sites", "score"], "monte-carlo": ["verdict", "draws_per_s"]}
 
     def test_keys(self):
         for name in TOOLS:

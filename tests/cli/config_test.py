@@ -17,10 +17,10 @@ from landfall.schema import read_json
 # A key of each tool's configuration, a valid value of it and one out of range.
 KEYS = {"terrain-gen": ("grid.resolution_m", 0.2, -1), "scan-sim": ("noise.range_sigma_m", 0.03, -0.01),
         "regrid": ("resolution_m", 0.2, 0), "dem-eval": ("limits.invalid_frac", 0.5, 1.5),
-        "hazard-map": ("limits.slope_deg", 12, 0)}
+        "hazard-map": ("limits.slope_deg", 12, 0), "monte-carlo": ("draws", 10, 0)}
 MISSPELT = {"terrain-gen": ("feature", "features"), "scan-sim": ("trajektory", "trajectory"),
             "regrid": ("resolution", "resolution_m"), "dem-eval": ("region_radius", "region_radius_m"),
-            "hazard-map": ("touchdown_sigma", "touchdown_sigma_m")}
+            "hazard-map": ("touchdown_sigma", "touchdown_sigma_m"), "monte-carlo": ("draw", "draws")}
 
 
 class Check(ToolTest):
@@ -36,7 +36,8 @@ class Check(ToolTest):
                   "scan-sim": ["--terrain", "/nowhere/terrain.h5", "--set",
                                'trajectory={"type":"table","path":"/nowhere/table.csv"}'],
                   "regrid": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"],
-                  "dem-eval": ["/nowhere/dem.h5"], "hazard-map": ["/nowhere/dem.h5", "--terrain", "/nowhere/terrain.h5"]}
+                  "dem-eval": ["/nowhere/dem.h5"], "hazard-map": ["/nowhere/dem.h5", "--terrain", "/nowhere/terrain.h5"],
+                  "monte-carlo": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"]}
         for name in TOOLS:
             self.succeed(name, "--check", *inputs[name])
 
@@ -95,7 +96,7 @@ class Config(ToolTest):
             key = KEYS[name][0]
             config = with_values({"grid": {}, "noise": {}, "limits": {}}, **{key.replace(".", "__"): "much"})
             config = {k: v for k, v in config.items() if v != {}}
-            self.refuse_config(name, config, ["/" + key.replace(".", "/"), '"much"', "number"])
+            self.refuse_config(name, config, ["/" + key.replace(".", "/"), '"much"', "integer" if name == "monte-carlo" else "number"])
 
     def test_nan_infinity_and_overflow_are_not_json(self):
         for name in TOOLS:

@@ -44,7 +44,8 @@ class Terminal(ChainTest):
         self.assertEqual(read_bytes(self.path("out.h5")), read_bytes(self.chain.output(name)))
         return text
 
-    PHASE = {"terrain-gen": "terrain", "scan-sim": "trace", "regrid": "grid", "dem-eval": "evaluate", "hazard-map": "judge"}
+    PHASE = {"terrain-gen": "terrain", "scan-sim": "trace", "regrid": "grid", "dem-eval": "evaluate", "hazard-map": "judge",
+             "monte-carlo": "draw"}
 
     def test_progress_appears_on_a_terminal(self):
         for name in TOOLS:
@@ -59,7 +60,7 @@ class Terminal(ChainTest):
     def test_the_result_is_the_last_line(self):
         for name in TOOLS:
             text = self.on_terminal(name, streams=["stderr"])
-            self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL|best site)")
+            self.assertRegex(text.splitlines()[-1], rf"{name}: .*(nodes|returns|bins are empty|FAIL|best site|draws pass)")
 
     def test_metrics_only_prints_the_table(self):
         ours, theirs = open_terminal()
@@ -86,11 +87,13 @@ class Terminal(ChainTest):
                 self.assertRegex(text, r"relative_elevation .* FAIL")
             elif name == "hazard-map":
                 self.assertRegex(text, r"(?s)place +bins +share.*missed hazards")
+            elif name == "monte-carlo":
+                self.assertRegex(text, r"(?s)requirement +passed +draws.*\nall +0 of 2 ")
             else:
                 self.assertEqual(text, "")
 
     def test_quiet_suppresses_the_table(self):
-        for name in ("dem-eval", "hazard-map"):
+        for name in ("dem-eval", "hazard-map", "monte-carlo"):
             self.assertEqual(self.on_terminal(name, "-q", streams=["stdout"]), "")
 
     def test_an_error_has_its_own_line(self):

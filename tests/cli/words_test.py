@@ -15,7 +15,8 @@ class Conclusion(ChainTest):
     LINE = {"terrain-gen": r"14,641 nodes, 3 features", "scan-sim": r"25,600 rays: [0-9,]+ returns, 0 % missed the terrain",
             "regrid": r"[0-9,]+ returns in the map, [0-9,]+ outside it; [0-9,]+ of 10,201 bins are empty",
             "dem-eval": r".*dem\.h5: FAIL: [a-z_, ]+",
-            "hazard-map": r".*dem\.h5: [0-9.]+ % safe, [0-9.]+ % hazard, [0-9.]+ % unknown; best site \([0-9.-]+, [0-9.-]+\) m, p_touchdown [01]\.\d+"}
+            "hazard-map": r".*dem\.h5: [0-9.]+ % safe, [0-9.]+ % hazard, [0-9.]+ % unknown; best site \([0-9.-]+, [0-9.-]+\) m, p_touchdown [01]\.\d+",
+            "monte-carlo": r"0 of 2 draws pass all requirements; passes with a probability of at least 0\.0000 \(95 %\)"}
 
     def test_each_tool_says_its_result(self):
         for name in TOOLS:

@@ -7,6 +7,7 @@
 //   FAULT_STICKY  1: every later call fails as well, as on a disk that stays full
 //   FAULT_LOG     a file to which "calls bytes" is written at the end of the run
 //   FAULT_CLOCK   seconds that are added to the clock
+//   FAULT_SPEED   how many times faster the clock of durations runs
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -198,6 +199,12 @@ static time_t clock_error(void) {
 int clock_gettime(clockid_t clock, struct timespec *now) {
   const int result = REAL(clock_gettime)(clock, now);
   if (clock == CLOCK_REALTIME) now->tv_sec += clock_error();
+  const char *speed = getenv("FAULT_SPEED");
+  if (speed && clock == CLOCK_MONOTONIC) {
+    const long long time_ns = (now->tv_sec * 1000000000LL + now->tv_nsec) * atol(speed);
+    now->tv_sec = time_ns / 1000000000;
+    now->tv_nsec = time_ns % 1000000000;
+  }
   return result;
 }
 int gettimeofday(struct timeval *restrict now, void *restrict zone) {

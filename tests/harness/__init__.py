@@ -13,7 +13,7 @@ import numpy as np
 BIN = os.environ["LANDFALL_BIN"]
 SANITIZED = bool(os.environ.get("LANDFALL_SANITIZE"))  # sanitized builds take many times the time and memory
 LONGEST_S = 1200 if SANITIZED else 120
-TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map"]
+TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "hazard-map", "monte-carlo"]
 
 # 400 pulses of 8 x 8 pixels from 50 m: 25,600 rays on a 12 m square of relief.
 TERRAIN = {
@@ -42,11 +42,14 @@ EVAL = {"region_radius_m": 4, "footprint_m": 0.7, "quantile": 0.95,
                    "relative_horizontal_m": 0.05, "absolute_horizontal_m": 1, "absolute_horizontal_frac": 0.95}}
 HAZARD = {"lander": {"leg_radius_m": 0.4, "body_radius_m": 0.5}, "region_radius_m": 4, "limits": {"slope_deg": 14, "roughness_m": 0.08},
           "touchdown_sigma_m": 0.25, "sites": {"separation_m": 1, "divert_radius_m": 3}}
-CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL, "hazard-map": HAZARD}
+DRAWS = {"draws": 2, "scan": {"noise": {"dropout_frac": 0.05}}, "regrid": REGRID, "eval": EVAL,
+         "vary": {"scan.noise.range_bias_m": {"type": "normal", "mean": 0, "sigma": 0.01}}}
+CONFIGS = {"terrain-gen": TERRAIN, "scan-sim": SCAN, "regrid": REGRID, "dem-eval": EVAL, "hazard-map": HAZARD, "monte-carlo": DRAWS}
 
 # These inputs need not exist, because a wrong option or configuration is refused before any input is opened.
 INPUTS = {"terrain-gen": [], "scan-sim": ["--terrain", "/nowhere/terrain.h5"], "regrid": ["/nowhere/scan.h5"],
-          "dem-eval": ["/nowhere/dem.h5"], "hazard-map": ["/nowhere/dem.h5"]}
+          "dem-eval": ["/nowhere/dem.h5"], "hazard-map": ["/nowhere/dem.h5"],
+          "monte-carlo": ["/nowhere/scan.h5", "--terrain", "/nowhere/terrain.h5"]}
 
 
 def tool(name):
@@ -158,13 +161,16 @@ class Chain:
 
     def __init__(self, **scan_values):
         self.folder = tempfile.mkdtemp(prefix="landfall-chain-")
-        self.terrain, self.scan, self.dem, self.eval, self.hazards, self.metrics = map(
-            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "metrics.json"])
+        self.terrain, self.scan, self.dem, self.eval, self.hazards, self.draws, self.metrics, self.source = map(
+            self.path, ["terrain.h5", "scan.h5", "dem.h5", "eval.h5", "hazards.h5", "draws.h5", "metrics.json", "source.h5"])
         for name, config in CONFIGS.items():
             with open(self.config(name), "w", encoding="utf-8") as file:
                 json.dump(with_values(config, **(scan_values if name == "scan-sim" else {})), file)
-        for name in TOOLS:
-            result = run(name, *self.arguments(name))
+        # The scan with the true range of every pixel, which draws need.
+        complete = [*self.inputs("scan-sim"), "--set", "noise.dropout_frac=0", "--set", "noise.dead_pixel_frac=0", "-o", self.source]
+        for name, arguments in [(name, self.arguments(name)) for name in TOOLS[:2]] + [("scan-sim", complete)] + [
+                (name, self.arguments(name)) for name in TOOLS[2:]]:
+            result = run(name, *arguments)
             if (result.returncode, result.stdout, result.stderr) != (0, "", ""):
                 raise AssertionError(f"{name}: exit {result.returncode}: {result.stdout}{result.stderr}")
 
@@ -175,13 +181,14 @@ class Chain:
         return self.path(name + ".json")
 
     def output(self, name):
-        return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval, self.hazards]))[name]
+        return dict(zip(TOOLS, [self.terrain, self.scan, self.dem, self.eval, self.hazards, self.draws]))[name]
 
     def inputs(self, name):
         """Arguments of a tool, except its output."""
         return {"terrain-gen": [], "scan-sim": ["--terrain", self.terrain],
                 "regrid": [self.scan, "--terrain", self.terrain],
-                "dem-eval": [self.dem], "hazard-map": [self.dem]}[name] + ["-c", self.config(name)]
+                "dem-eval": [self.dem], "hazard-map": [self.dem],
+                "monte-carlo": [self.source, "--terrain", self.terrain]}[name] + ["-c", self.config(name)]
 
     def arguments(self, name):
         extra = ["--metrics", self.metrics] if name == "dem-eval" else []

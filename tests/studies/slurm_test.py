@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A study on a local Slurm cluster of four nodes: the same bytes as a local run, also if a node is lost."""
+"""Studies and campaigns on a local Slurm cluster of four nodes: the same bytes as a local run, also if a node is lost."""
+import json
 import os
 import shutil
 import subprocess
@@ -8,7 +9,8 @@ import tempfile
 import time
 import unittest
 
-from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from harness import EVAL, REGRID, Chain, run
 
 PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
 HAS_SLURM = all(shutil.which(name, path=PATH) for name in ("slurmctld", "slurmd", "munged", "sbatch"))
@@ -96,6 +98,56 @@ class OnSlurm(StudyTest):
             time.sleep(0.1)
         self.assertEqual(self.batch_jobs(), "")
         self.assertEqual(os.listdir(self.folder), [])
+
+    CAMPAIGN = """#!/bin/sh
+#SBATCH --array=0-3 --requeue --open-mode=append -o part%a.log
+A=$((SLURM_ARRAY_TASK_ID * 60)); B=$((A + 60))
+monte-carlo scan.h5 --terrain terrain.h5 -c mc.json -v -t 1 --draws $A:$B -o part$SLURM_ARRAY_TASK_ID.h5
+"""
+
+    def test_a_campaign_as_an_array(self):
+        """The parts of a campaign, one of which begins again after its node is lost, merged to the undivided campaign."""
+        chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
+        self.addCleanup(chain.remove)
+        for name in ("scan.h5", "terrain.h5"):
+            shutil.move(chain.path(name), self.path(name))
+        for name, text in (("parts.sh", self.CAMPAIGN),
+                           ("mc.json", json.dumps({"draws": 240, "regrid": REGRID, "eval": EVAL,
+                                                   "vary": {"scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.3}}}))):
+            with open(self.path(name), "w", encoding="utf-8") as file:
+                file.write(text)
+        environment = {**self.environment(), "PATH": BIN + ":" + os.environ["PATH"]}
+        job = subprocess.run(["sbatch", "--parsable", "parts.sh"], cwd=self.folder, env=environment, capture_output=True, text=True,
+                             check=True).stdout.strip()
+        lost = self.lose_the_node_of_a_part()
+        end = time.monotonic() + 300
+        while not all(os.path.exists(self.path(f"part{i}.h5")) for i in range(4)):
+            self.assertLess(time.monotonic(), end, [read(self.path(f"part{i}.log")) for i in range(4)])
+            time.sleep(0.5)
+            # Slurm waits two minutes before it starts a task again.
+            subprocess.run(["scontrol", "update", f"JobId={job}_{lost}", "StartTime=now"], capture_output=True, env=self.environment(),
+                           check=False)
+        self.assertEqual(read(self.path(f"part{lost}.log")).count(b"monte-carlo: writes "), 2)
+        whole = ["scan.h5", "--terrain", "terrain.h5", "-c", "mc.json", "-o", "whole.h5"]
+        for arguments in (["merge", *(f"part{i}.h5" for i in range(4)), "-o", "merged.h5"], whole):
+            result = run("monte-carlo", *arguments, cwd=self.folder)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(read(self.path("merged.h5")), read(self.path("whole.h5")))
+
+    def lose_the_node_of_a_part(self):
+        """Kills a node while its part is being drawn; returns the number of that part."""
+        end = time.monotonic() + 60
+        while True:
+            self.assertLess(time.monotonic(), end, "no part is being drawn")
+            jobs = subprocess.run(["squeue", "-h", "-r", "-t", "running", "-o", "%K %N"], capture_output=True, text=True,
+                                  env=self.environment(), check=True).stdout.split()
+            for part, node in zip(jobs[::2], jobs[1::2]):
+                log = self.path(f"part{part}.log")
+                if node != "n1" and os.path.exists(log) and b"read took" in read(log):  # n1 is lost to the other test
+                    self.assertEqual(slurm_local("lose", node, "--dir", self.slurm).returncode, 0)
+                    self.assertFalse(os.path.exists(self.path(f"part{part}.h5")))
+                    return part
+            time.sleep(0.02)
 
     def batch_jobs(self):
         """The numbers of the batch runner's jobs that are running or pending."""

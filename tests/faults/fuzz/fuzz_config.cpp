@@ -2,7 +2,7 @@
 // Configurations: JSON text and --set, as the tools take them up to the work itself.
 //
 // An input is a letter (t: terrain-gen, i: terrain-gen with the options of an import, s: scan-sim, r: regrid,
-// u: regrid --uncertainty, e: dem-eval, h: hazard-map), the configuration, and any number of further texts,
+// u: regrid --uncertainty, e: dem-eval, h: hazard-map, m: monte-carlo), the configuration, and any number of further texts,
 // each after a zero byte: assignments for --set; for i the values of the import's options first; for u those
 // of --navigation-sigma.
 #include <algorithm>
@@ -11,6 +11,7 @@
 
 #include "base/utf8.h"
 #include "config/dem_config.h"
+#include "config/draws_config.h"
 #include "config/hazard_config.h"
 #include "config/import_config.h"
 #include "config/scan_config.h"
@@ -125,6 +126,8 @@ void use_hazards(const JsonSource& source) {
       lander, std::max({lander.leg_radius_m, lander.body_radius_m, lander.pad_diameter_m}) / 20));
 }
 
+void use_draws(const JsonSource& source) { check_draws_config(resolve(source, "draws"), kName, nullptr); }
+
 void use(std::uint8_t tool, const std::string& text, const Texts& texts) {
   if (!std::all_of(texts.begin(), texts.end(), is_utf8)) return;  // refused before anything is read
   switch (tool) {
@@ -142,6 +145,8 @@ void use(std::uint8_t tool, const std::string& text, const Texts& texts) {
       return use_eval(source_of(text, texts));
     case 'h':
       return use_hazards(source_of(text, texts));
+    case 'm':
+      return use_draws(source_of(text, texts));
     default:
       return;
   }

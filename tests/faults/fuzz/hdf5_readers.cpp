@@ -20,6 +20,7 @@
 #include "files/scan_poses.h"
 #include "files/terrain_file.h"
 #include "landfall_files.h"
+#include "scene/campaign_parts.h"
 #include "trajectory/trajectory_columns.h"
 
 namespace landfall::fuzz {
@@ -116,6 +117,17 @@ void export_sites(const Path& path) {
   write_sites_csv(LandfallFileReader(path, {"hazards"}), sink);
 }
 
+/// What monte-carlo merge takes from a part.
+void merge_part(const Path& path) {
+  Provenance provenance;
+  MergedDraws merged = merge_draws({path.string()}, provenance);
+  static_cast<void>(verdict_json(merged.draws.table, std::nullopt));
+  if (!merged.draws.maps) return;
+  DrawMaps& maps = *merged.draws.maps;
+  maps.merge(DrawMaps(maps));
+  for (std::size_t bin = 0; bin < maps.spec().size(); ++bin) static_cast<void>(maps.e_z.std_m(bin) + maps.e_map.mean_m(bin));
+}
+
 void draw(const Path& path) { static_cast<void>(quick_look(path, "")); }
 
 void read_table(const Path& path) {
@@ -131,6 +143,7 @@ std::vector<Hdf5Reader> readers_of(const std::string& kind) {
   if (kind == "table") return {read_table};
   if (kind == "dem") return {describe, judge_dem, export_grid, draw, read_hazards_of};
   if (kind == "hazards") return {describe, export_grid, draw, export_sites};
+  if (kind == "draws") return {describe, export_grid, draw, merge_part};
   return {describe, export_grid, draw};
 }
 

@@ -19,6 +19,7 @@
 #include "config/schema.h"
 #include "config/terrain_config.h"
 #include "files/dem_file.h"
+#include "files/draws_file.h"
 #include "files/evaluation_file.h"
 #include "files/hazard_file.h"
 #include "files/mesh_terrain_file.h"
@@ -157,6 +158,27 @@ void make_hazards(const fs::path& path, const fs::path& terrain_path) {
   write_hazards(file, map, source.crs_wkt);
 }
 
+/// With every layer; the sums are of one error per bin and draw.
+void make_draws(const fs::path& path) {
+  Provenance provenance = provenance_of("monte-carlo", "draws", {{"draws", 2}});
+  provenance.add_input("scan", "f00", Json::array());
+  const auto spec = GridSpec::centered(3, 1, "draws");
+  Draws draws;
+  draws.maps.emplace(spec);
+  draws.maps->draws = 2;
+  for (std::size_t bin = 0; bin < spec.size(); ++bin)
+    for (ErrorSums* const sums : {&draws.maps->e_z, &draws.maps->e_map})
+      for (const double error_m : {0.01, -0.02}) sums->add(bin, error_m);
+  draws.region.emplace(spec);
+  draws.z_true_map.emplace(spec);
+  draws.z_sigma_abs.emplace(spec, 0.05F);
+  draws.table = {0, {1, 2}, {{"scan.noise.range_sigma_m", {0.01, 0.02}}}, {}, {0, 1}};
+  for (const RequirementInfo& info : kRequirementInfo)
+    draws.table.metrics.push_back({std::string("requirements.") + info.name + ".pass", {0, 1}});
+  LandfallFileWriter file({path}, "draws", provenance);
+  write_draws(file, draws, verdict_json(draws.table, std::nullopt), "");
+}
+
 void make_plan(const fs::path& path) {
   constexpr double kRadius_m = 3;
   const Provenance provenance = provenance_of("scan-sim", "scan", scan_json());
@@ -220,11 +242,12 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* list) {
 
 void unchunk_tables(hid_t file, const std::vector<std::string>& objects) {
   constexpr std::array kKept = {"/points/x_est", "/points/pulse",  "/points/status", "/pulses/t",
-                                "/features/x",   "/features/kind", "/sites/cost"};
+                                "/features/x",   "/features/kind", "/sites/cost", "/draws/seed",
+                                "/state/e_z_sum"};
   for (const std::string& path : objects) {
     const bool in_table = path.starts_with("/points/") || path.starts_with("/pulses/") ||
                           path.starts_with("/detector/") || path.starts_with("/features/") ||
-                          path.starts_with("/sites/");
+                          path.starts_with("/sites/") || path.starts_with("/draws/") || path.starts_with("/state/");
     if (in_table && std::find(kKept.begin(), kKept.end(), path) == kKept.end()) unchunk(file, path);
   }
 }
@@ -259,12 +282,14 @@ Made make() {
   make_dem(folder / "dem.h5", folder / "scan.h5", folder / "terrain.h5");
   make_evaluation(folder / "eval.h5", folder / "dem.h5");
   make_hazards(folder / "hazards.h5", folder / "terrain.h5");
+  make_draws(folder / "draws.h5");
   make_plan(folder / "plan.h5");
   make_table(folder / "table.h5");
   return {{load("terrain", folder / "terrain.h5"), load("mesh", folder / "mesh.h5"),
            load("scan", folder / "scan.h5"), load("dem", folder / "dem.h5"),
            load("evaluation", folder / "eval.h5"), load("plan", folder / "plan.h5"),
-           load("table", folder / "table.h5"), load("hazards", folder / "hazards.h5")},
+           load("table", folder / "table.h5"), load("hazards", folder / "hazards.h5"),
+           load("draws", folder / "draws.h5")},
           scan};
 }
 

@@ -12,7 +12,7 @@ namespace landfall::fuzz {
 
 /// A small valid file, as our own tools write it.
 struct LandfallFile {
-  std::string kind;                  ///< terrain, mesh, scan, dem, evaluation, plan, table or hazards
+  std::string kind;                  ///< terrain, mesh, scan, dem, evaluation, plan, table, hazards or draws
   std::vector<std::byte> bytes;      ///< unsealed, with few chunks
   std::vector<std::byte> sealed;     ///< as it was written
   std::vector<std::string> objects;  ///< paths of groups and datasets, "/" first
@@ -20,8 +20,8 @@ struct LandfallFile {
 };
 
 /// One file of each kind that landfall reads: a grid terrain with features, a mesh terrain, a scan of the
-/// first, its DEM with every layer, the evaluation of that, a plan, a trajectory table in HDF5, and a hazard
-/// map of the first.
+/// first, its DEM with every layer, the evaluation of that, a plan, a trajectory table in HDF5, a hazard
+/// map of the first, and two draws.
 [[nodiscard]] const std::vector<LandfallFile>& landfall_files();
 
 /// How the scan was made: what --ranges-from compares with.

@@ -18,8 +18,8 @@ import struct
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-TOOLS = {"terrain-gen": "t", "scan-sim": "s", "regrid": "r", "dem-eval": "e", "hazard-map": "h"}
-SCHEMAS = {"terrain": "t", "scan": "s", "regrid": "r", "eval": "e", "hazard": "h"}
+TOOLS = {"terrain-gen": "t", "scan-sim": "s", "regrid": "r", "dem-eval": "e", "hazard-map": "h", "monte-carlo": "m"}
+SCHEMAS = {"terrain": "t", "scan": "s", "regrid": "r", "eval": "e", "hazard": "h", "draws": "m"}
 
 
 def schema(name: str):
@@ -99,14 +99,14 @@ def configs():
     yield config("i", {"grid": {"half_width_m": 5}}, "site.tif", "", "3,4", "", "", "", "", "2", "", "1", "seed=3")
     yield config("i", {}, "site.obj")
     yield config("i", {"grid": 5}, *[""] * 8, "60")
-    for letter, key in itertools.product("srteh", ["seed", "x" * 3000, "seed.x", "seed=" + "x" * 3000]):
+    for letter, key in itertools.product("srtehm", ["seed", "x" * 3000, "seed.x", "seed=" + "x" * 3000]):
         yield config(letter, {}, key if "=" in key else key + "=1")
     yield config("u", {"uncertainty": {"range_sigma_m": 0.02}}, "velocity_mps=0.3,0.3,0.7", "position_m=1")
 
 
 def page_configs(text: str):
     """The --set assignments and the JSON in the commands of a page."""
-    for command in re.findall(r"^(?:\$ )?((?:terrain-gen|scan-sim|regrid|dem-eval)\b(?:[^\n]*\\\n)*[^\n]*)", text, re.M):
+    for command in re.findall(r"^(?:\$ )?((?:terrain-gen|scan-sim|regrid|dem-eval|hazard-map|monte-carlo)\b(?:[^\n]*\\\n)*[^\n]*)", text, re.M):
         try:
             words = shlex.split(command.replace("\\\n", " "))
         except ValueError:
@@ -150,7 +150,7 @@ def meshes():
 
 def hdf5_files():
     """Each file with each of its readers, unchanged and with one edit of each kind."""
-    for file, reader in itertools.product(range(8), range(6)):
+    for file, reader in itertools.product(range(9), range(6)):
         yield bytes([file, reader])
         for edit in range(15):
             yield bytes([file, reader, edit, 3 + edit, 1, 2, 5, 1, 9, 0, 1])

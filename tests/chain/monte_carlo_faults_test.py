@@ -1,0 +1,163 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inputs that monte-carlo refuses: each message names file, place and bound; nothing is written and nothing is lost."""
+import shutil
+import unittest
+
+import h5py
+import numpy as np
+
+from harness import EVAL, REGRID, Chain, ToolTest, read_bytes
+
+DROPOUT = "scan.noise.dropout_frac"
+BIAS = "scan.noise.range_bias_m"
+
+
+class FaultsTest(ToolTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
+        cls.addClassCleanup(cls.chain.remove)
+
+    def arguments(self, *options, scan=None, terrain=None, **values):
+        config = {"draws": 3, "regrid": {**REGRID, "resolution_m": 0.2}, "eval": EVAL, **values}
+        return [scan or self.chain.scan, "--terrain", terrain or self.chain.terrain, "-c", self.config(config, "mc.json"), *options]
+
+    def refuse_campaign(self, code, words, *options, **values):
+        """With an old output and the state of an earlier run, which must stay as they are."""
+        kept = {name: self.config("old " + name, name) for name in ("draws.h5", ".draws.h5.state")}
+        self.refuse(code, "monte-carlo", *self.arguments("-O", "-o", kept["draws.h5"], *options, **values), words=words)
+        for name, path in kept.items():
+            self.assertEqual(read_bytes(path), f"old {name}".encode(), words)
+
+    def edited(self, source, edit, name="edited.h5"):
+        shutil.copy(source, self.path(name))
+        with h5py.File(self.path(name), "a") as file:
+            edit(file)
+        return self.path(name)
+
+
+class Samples(FaultsTest):
+    def test_tables_as_text(self):
+        for code, words, text in [
+                (1, ["line 2: 1 values; the header names 2"], f"{DROPOUT},{BIAS}\n0\n"),
+                (1, ["line 3", "''"], f"{DROPOUT},{BIAS}\n0,0\n0,\n"),
+                (1, ["row 2", BIAS, "is not a finite number"], f"{DROPOUT},{BIAS}\n0,0\n0,nan\n"),
+                (1, ["row 1", "is not a finite number"], f"{BIAS}\n-inf\n"),
+                (2, ["scan.noise.range_sigma: unknown key of scan"], f"{BIAS},scan.noise.range_sigma\n0,0\n"),
+                (2, ["regrid.resolution_m: changes the bins"], "regrid.resolution_m\n0.1\n"),
+                (2, ["draw 1: /scan: /noise/dropout_frac: 1.5 is not in [0, 1]"], f"{DROPOUT}\n0\n1.5\n"),
+                (1, ["100001 rows", "at most 100000 draws"], BIAS + "\n" + 100001 * "0\n")]:
+            with self.subTest(words):
+                self.refuse_campaign(code, ["samples.csv" if "draw 1" not in words[0] else "mc.json", *words], "--samples",
+                                     self.config(text, "samples.csv"))
+
+    def test_tables_in_hdf5(self):
+        for code, words, columns in [
+                (1, ["row 2", BIAS, "is not a finite number"], {BIAS: [0, np.nan]}),
+                (1, [BIAS], {DROPOUT: [0, 0], BIAS: [0, 0, 0]}),
+                (1, ["no row"], {BIAS: np.zeros(0)}),
+                (1, [BIAS], {BIAS: np.zeros((2, 2))}),
+                (1, ["no row"], {})]:
+            with self.subTest(words):
+                with h5py.File(self.path("samples.h5"), "w") as file:
+                    for name, values in columns.items():
+                        file[name] = values
+                self.refuse_campaign(code, ["samples.h5", *words], "--samples", self.path("samples.h5"))
+
+
+class Inputs(FaultsTest):
+    def test_damaged_files(self):
+        for name in ("scan", "terrain"):
+            source = getattr(self.chain, name)
+            for what, content in (("empty", b""), ("half", read_bytes(source)[:-len(read_bytes(source)) // 2]), ("text", b"0 0 0\n")):
+                with self.subTest(f"{name}: {what}"):
+                    path = self.path(f"bad_{name}.h5")
+                    with open(path, "wb") as file:
+                        file.write(content)
+                    self.refuse_campaign(1, [f"bad_{name}.h5"], **{name: path})
+            self.refuse_campaign(1, [f"none_{name}.h5"], **{name: self.path(f"none_{name}.h5")})
+
+    def test_true_ranges(self):
+        def change(value):
+            def edit(file):
+                file["points/range_true"][5] = value
+            return edit
+        for value in (-1.0, np.inf):  # NaN is a miss
+            self.refuse_campaign(1, ["edited.h5: /points/range_true[5] is not a finite range >= 0"], scan=self.edited(self.chain.scan, change(value)))
+
+    def test_keys_that_change_the_rays_or_the_bins(self):
+        for assignment, words in [("scan.scanner.pattern.rows=21", ["/scanner/pattern/rows differs"]),
+                                  ("scan.detector.ifov_rad=0.002", ["/detector/ifov_rad differs"]),
+                                  ("scan.laser.pulse_rate_hz=1000", ["/laser/pulse_rate_hz differs"]),
+                                  ("scan.trajectory.velocity_mps.2=-6", ["/trajectory/velocity_mps differs"]),
+                                  ("scan.mount.position_m.0=1", ["/mount/position_m differs"]),
+                                  ("scan.pointing_error.misalignment_rpy_rad.0=0.01", ["/pointing_error/misalignment_rpy_rad differs"]),
+                                  ("regrid.resolution_m=-1", ["mc.json: /regrid: /resolution_m: -1 is not in"]),
+                                  ("eval.quantile=1.5", ["mc.json: /eval: /quantile: 1.5 is not in [0, 1]"])]:
+            with self.subTest(assignment):
+                self.refuse_campaign(2, words, "--set", assignment)
+
+    def test_all_keys_of_the_rays_are_known(self):
+        """What a scan's configuration holds beyond the errors cannot vary."""
+        for key in ("detector.roll_deg", "laser.scan_time_s", "scanner.incidence_deg", "scanner.pattern.half_width_m", "mount.rpy_deg.0",
+                    "trajectory.position_m.2", "pointing_error.jitter_sigma_rad"):
+            self.refuse_campaign(2, ["mc.json", f"/vary/scan.{key}: changes the rays"],
+                                 vary={"scan." + key: {"type": "uniform", "low": 0, "high": 1}})
+
+
+class EditedParts(FaultsTest):
+    """Parts with values that monte-carlo never writes."""
+
+    def setUp(self):
+        super().setUp()
+        self.parts = [self.path("a.h5"), self.path("b.h5")]
+        for span, path in zip(("0:2", "2:3"), self.parts):
+            self.succeed("monte-carlo", *self.arguments("--draws", span, "-o", path))
+
+    def refuse_part(self, words, edit, code=1):
+        with self.subTest(words):
+            part = self.edited(self.parts[0], edit)
+            self.refuse(code, "monte-carlo", "merge", part, self.parts[1], "-o", self.path("out.h5"), words=["edited.h5", *words],
+                        output=self.path("out.h5"))
+
+    def test_sums(self):
+        for name, value, words in [("invalid", 3, "3 is not in [0, 2]"), ("fail_rel_z", -1, "-1 is not in [0, 2]"),
+                                   ("count", 2**62, "is not in [0, 4503599627370496]"), ("e_z_count", 2**31 - 1, "is not in [0, 2]"),
+                                   ("e_map_sum", -2**63, "is not in [-140737488355328, 140737488355328]"),
+                                   ("e_z_squares_high", 2**63 - 1, "is not in [0, 536870912]"), ("e_map_squares_high", -1, "-1 is not in")]:
+            def edit(file, name=name, value=value):
+                file["state"][name][7] = value
+            self.refuse_part([f"/state/{name}", words], edit)
+
+    def test_columns(self):
+        def first(value):
+            def edit(file):
+                file["draws"].attrs["first_draw"] = value
+            return edit
+        for value in (-1, np.nan, 1e300, 2**17):
+            self.refuse_part(["first_draw is not in [0, 131072)"], first(value))
+        self.refuse_part(["first_draw"], lambda file: file["draws"].attrs.pop("first_draw"))
+
+        def remove(name):
+            return lambda file: file.__delitem__(name)
+        self.refuse_part(["/draws", "requirements.coverage.pass"], remove("draws/requirements.coverage.pass"))
+        self.refuse_part(["seed"], remove("draws/seed"))
+        self.refuse_part(["e_z_sum"], remove("state/e_z_sum"))
+        self.refuse_part(["z_true_map"], remove("z_true_map"))
+
+        def shorten(file):
+            del file["draws/pass"]
+            file["draws/pass"] = np.zeros(1, np.int8)
+        self.refuse_part(["pass"], shorten)
+
+    def test_other_columns(self):
+        def remove(file):
+            name = next(name for name in file["draws"] if not name.startswith("requirements") and name not in ("seed", "pass"))
+            del file["draws"][name]
+        part = self.edited(self.parts[0], remove)
+        self.refuse(1, "monte-carlo", "merge", part, self.parts[1], "-o", self.path("out.h5"), words=["its columns or its grid are not those of"])
+
+
+if __name__ == "__main__":
+    unittest.main()
