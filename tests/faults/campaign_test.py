@@ -158,7 +158,7 @@ class Interrupted(CampaignTest):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU):
             def wait(process):
                 self.wait_for_the_draws(process)
-                time.sleep(self.random.uniform(0.2, 0.6) * seconds)
+                time.sleep(self.random.uniform(0.1, 0.3) * seconds)
             kept = self.interrupt(number, wait, FAULT_SPEED="1")
             self.assertGreater(kept, 0, f"seed {SEED}")
             self.assertEqual(self.finish_undisturbed(whole), kept)
