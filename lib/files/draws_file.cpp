@@ -139,9 +139,9 @@ class StateTable {
   void add(const std::string& name, const ErrorSums& sums) {
     add(name + "_count", sums.count, "1", "draws in which the bin has this error");
     add(name + "_sum", sums.sum, "2^-30 m", "sum of the error");
-    const auto word = [&](const std::string& suffix, const std::string& text, auto value) {
+    const auto word = [&](const std::string& suffix, const std::string& units, const std::string& text, auto value) {
       auto& values = words_.emplace_back(std::make_unique<std::vector<std::int64_t>>());
-      columns_.push_back({{name + suffix, h5::Type::int64, "2^-60 m^2", text},
+      columns_.push_back({{name + suffix, h5::Type::int64, units, text},
                           [&sums, value, buffer = values.get()](std::size_t begin, std::size_t count) {
                             buffer->resize(count);
                             for (std::size_t i = 0; i < count; ++i)
@@ -149,9 +149,9 @@ class StateTable {
                             return ColumnRows(std::span<const std::int64_t>(*buffer));
                           }});
     };
-    word("_squares_low", "sum of the squares of the error modulo 2^64, two's complement",
+    word("_squares_low", "2^-60 m^2", "sum of the squares of the error modulo 2^64, two's complement",
          [](const WideSum& sum) { return static_cast<std::int64_t>(sum.low); });
-    word("_squares_high", "sum of the squares of the error divided by 2^64, rounded down",
+    word("_squares_high", "2^4 m^2", "sum of the squares of the error divided by 2^64, rounded down",
          [](const WideSum& sum) { return sum.high; });
   }
 

@@ -61,6 +61,9 @@ class ScanSequence {
     return *campaign_;
   }
 
+  /// Of the scan in memory; with several it is not written, because there are no maps.
+  [[nodiscard]] const std::string& crs_wkt() const { return campaign_->crs_wkt(); }
+
   /// Frees the memory of the scan.
   void clear() { campaign_.reset(); }
 
@@ -104,15 +107,14 @@ class DrawLoop {
       for (const std::int8_t pass : draws.table.pass) sprt_->add(pass == 1);
     double saved_s = output_.clock_s();
     while (!is_done(draws) && !interrupts.requested()) {
-      Campaign& campaign = scans_.of(draws.table.end());
-      campaign.run_next(draws);
+      scans_.of(draws.table.end()).run_next(draws);
       if (sprt_) sprt_->add(draws.table.pass.back() == 1);
       const std::vector<std::int8_t>& pass = draws.table.pass;
       output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) + " pass");
       report(progress, static_cast<double>(draws.table.end() - span_.first) /
                            static_cast<double>(span_.end - span_.first));
       if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws) || interrupts.requested()) continue;
-      state_.save(draws, campaign.crs_wkt());
+      state_.save(draws, scans_.crs_wkt());
       saved_s = output_.clock_s();
     }
     if (!interrupts.requested()) report(progress, 1);
@@ -121,7 +123,7 @@ class DrawLoop {
   /// What an interrupted run leaves.
   void keep(const Draws& draws) {
     if (draws.table.size() == 0) return;
-    state_.save(draws, scans_.of(span_.first).crs_wkt());
+    state_.save(draws, scans_.crs_wkt());
     output_.warn(std::to_string(draws.table.size()) + " of " + std::to_string(span_.end - span_.first) +
                  " draws are kept; the same command goes on after them");
   }
@@ -159,7 +161,8 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   if (span.first != 0 || span.end != scans.row_count())
     output.provenance.options = part_options(span.first, span.end);
   LandfallFileWriter file(output.file, "draws", output.provenance);
-  Draws draws = state.load(output.warn).value_or(scans.of(span.first).empty(span.first));
+  std::optional<Draws> kept = state.load(output.warn);
+  Draws draws = kept ? *std::move(kept) : scans.of(span.first).empty(span.first);
   const std::int64_t done = draws.table.size();
   if (done > 0) output.log("goes on after " + std::to_string(done) + " draws");
   std::optional<Sprt> sprt;
@@ -173,7 +176,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   }
   CampaignResult result{verdict_json(draws.table, loop.sprt_state()),
                         static_cast<double>(draws.table.size() - done) / (output.clock_s() - began_s)};
-  const std::string crs_wkt = scans.of(span.first).crs_wkt();
+  const std::string crs_wkt = scans.crs_wkt();
   scans.clear();  // its memory is not needed to write the maps
   output.phase("write", [&](const ProgressCallback&) {
     if (output.report) output.report(draws, result.verdict, output.provenance);

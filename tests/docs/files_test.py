@@ -18,6 +18,8 @@ BIN = os.environ["LANDFALL_BIN"]
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
         "--set", 'scanner.pattern={"type":"line_search","rows":20,"columns":20,"half_width_m":4}']
 MAP = ["--set", "half_width_m=5", "--set", "resolution_m=0.1"]
+CAMPAIGN = ["--set", "draws=2", "--set", 'regrid={"half_width_m":5,"resolution_m":0.1}', "--set", "eval.region_radius_m=3",
+            "--set", 'hazard={"region_radius_m":3}', "--set", 'vary={"scan.noise.range_sigma_m":{"type":"uniform","low":0,"high":0.02}}']
 # The commands that make the files, and the page of each; together they write every dataset.
 RUNS = {
     "terrain.h5": ("terrain.md", ["terrain-gen", "--half-width", "6", "--resolution", "0.1", "--set",
@@ -29,6 +31,8 @@ RUNS = {
     "dem.h5": ("dem.md", ["regrid", "scan.h5", "--terrain", "terrain.h5", "--uncertainty", "--corrected", *MAP]),
     "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3"]),
     "hazards.h5": ("hazards.md", ["hazard-map", "dem.h5", "--sites", "sites.json", "--score", "score.json", "--set", "region_radius_m=3"]),
+    "draws.h5": ("draws.md", ["monte-carlo", "scan.h5", "--terrain", "terrain.h5", *CAMPAIGN, "--set", "sigma=true"]),
+    "pairs.h5": ("draws.md", ["monte-carlo", "--pair", "scan.h5:terrain.h5", "--pair", "scan.h5:terrain.h5", *CAMPAIGN]),
     "unjudged.h5": ("evaluation.md", ["dem-eval", "blind.h5", "--metrics", "unjudged.json", "--set", "region_radius_m=3"]),
 }
 BEFORE = {"unjudged.h5": ["regrid", "scan.h5", "-o", "blind.h5", *MAP]}
@@ -67,6 +71,15 @@ def leaves(tree, path=""):
             yield path + key
 
 
+def entry_of(name, kind, units):
+    """The entry of a dataset, or of the group of columns that a page describes together; the names of these tell their units."""
+    if name.startswith("/draws/") and name not in ("/draws/seed", "/draws/pair", "/draws/pass"):
+        first = name.removeprefix("/draws/").split(".")[0]
+        group = {"scan": "KEY", "score": "score.KEY", "site": "site.KEY"}.get(first, "METRIC")
+        return {f"/draws/{group}": (kind, "of its name")}
+    return {name: (kind, units)}
+
+
 def datasets(path):
     """{dataset: (type, unit)} of a file."""
     found = {}
@@ -74,12 +87,13 @@ def datasets(path):
         def visit(name, item):
             if isinstance(item, h5py.Dataset):
                 kind = "text" if item.dtype.kind in "OS" else item.dtype.name
-                found["/" + name] = (kind, attributes(item)["units"])
+                found.update(entry_of("/" + name, kind, attributes(item)["units"]))
         file.visititems(visit)
     return found
 
 
 class Files(unittest.TestCase):
+    maxDiff = None
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp(prefix="landfall-files-")
