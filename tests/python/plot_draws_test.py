@@ -32,7 +32,7 @@ class DrawsTest(harness.ChainTest):
         super().setUpClass()
         folder = cls.chain.folder
         scan = os.path.join(folder, "traced.h5")
-        cls.draws = os.path.join(folder, "draws.h5")
+        cls.draws = os.path.join(folder, "campaign.h5")
         with open(os.path.join(folder, "mc.json"), "w", encoding="utf-8") as file:
             json.dump(CAMPAIGN, file)
         for arguments in (["scan-sim", *cls.chain.inputs("scan-sim"), "--keep-misses", "-o", scan],
