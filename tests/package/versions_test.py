@@ -11,7 +11,7 @@ import unittest
 import yaml
 
 ROOT = os.environ["LANDFALL_ROOT"]
-SCHEMAS = ["eval", "hazard", "regrid", "scan", "study", "terrain"]
+SCHEMAS = ["draws", "eval", "hazard", "regrid", "scan", "study", "terrain"]
 
 
 def text(*path):
