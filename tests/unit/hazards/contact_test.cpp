@@ -257,11 +257,11 @@ TEST(Contact, TiltedGroundThroughZero) {
 /// Ground on which the roughness of many planes is the same to the rounding of float.
 enum class NearTie { far_above, tilted, in_a_pit };
 
-/// About a place: pads on a wide ring, and a body that its group's float elevations reach without the ring.
+/// About a place: pads on a wide ring, up to the last column, and a body of which the ring is no part.
 Grid<double> near_tie(NearTie kind, const Lander& lander, BinIndex place, double scale, std::uint64_t seed) {
   const RandomField field(seed, RandomStream::range_noise);
   const auto nearly = [&](double value, std::size_t i) { return scale * (value + 2e-7 * field.uniform(i)); };
-  Grid<double> z(GridSpec{0.1, 0, 0, 67, 100});
+  Grid<double> z(GridSpec{0.1, 0, 0, 67, place.col + 33});
   const GridSpec& spec = z.spec();
   for (std::int64_t row = 0; row < spec.rows; ++row)
     for (std::int64_t col = 0; col < spec.cols; ++col) {
@@ -272,12 +272,13 @@ Grid<double> near_tie(NearTie kind, const Lander& lander, BinIndex place, double
     }
   if (kind == NearTie::tilted) {
     const auto yaws = BruteForce{z, lander}.yaws();
-    for (std::size_t yaw = 0; yaw < yaws.size(); ++yaw) {
-      const double factor = (2 * yaw < yaws.size() ? 1 : -1) * nearly(1, yaw);
-      for (const BruteForce::Bin& pad : yaws[yaw])
+    for (std::size_t yaw = 0; yaw < yaws.size(); ++yaw)
+      for (std::size_t leg = 0; leg < 4; ++leg) {
+        const BruteForce::Bin& pad = yaws[yaw][leg];
+        const double tilt = 0.02 * static_cast<double>(pad.x) + 0.01999 * static_cast<double>(pad.y);
         z.at({place.row + pad.y, place.col + pad.x}) =
-            factor * (0.02 * static_cast<double>(pad.x) + 0.0196 * static_cast<double>(pad.y));
-    }
+            (2 * yaw < yaws.size() ? 1 : -1) * tilt * nearly(1, 2 * yaw + leg % 2);
+      }
   }
   return z;
 }
