@@ -252,6 +252,22 @@ TEST(SafeProbability, EqualsItsDefinition) {
   expect_as_slow({.leg_radius_m = 0.4, .body_radius_m = 0.1}, 7);
 }
 
+// Where only one measure has errors, the other one leaves its probability.
+TEST(SafeProbability, OneMeasureWithoutErrors) {
+  const GridSpec spec{0.1, -8, -8, 17, 17};
+  const LanderStencil lander({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 0.1);
+  const MeasurePlaces measure = [&](const Grid<double>& map, const BinMask& places) {
+    PlaceMeasures found = measure_contact(map, lander, places);
+    for (double& roughness : found.roughness_m.values()) roughness = 0.25;
+    return found;
+  };
+  const Grid<double> z(spec);
+  const PlaceMeasures measured = measure(z, BinMask(spec, 1));
+  const Grid<float> p =
+      safe_probability(z, Grid<double>(spec, 0.01), lander, {2, 0.25}, 0.3, measured, measure);
+  EXPECT_GT(p.at({8, 8}), 0);
+}
+
 // Without noise a place at its limit is open, and its measures decide.
 TEST(SafeProbability, WithoutNoiseTheMeasuresDecide) {
   const GridSpec spec{0.1, -5, -5, 11, 11};
