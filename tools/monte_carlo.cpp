@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -46,7 +47,7 @@ struct Options {
   std::vector<std::string> inputs;  ///< a scan, or merge and parts
   CampaignSources sources;
   std::vector<std::string> pairs;
-  std::string terrain, draws, report, title;
+  std::string terrain, draws, verdict, report, title;
   bool table = false;
   bool require_pass = false;
 };
@@ -62,6 +63,8 @@ void bind(CLI::App& app, Options& o) {
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
   app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
+  app.add_option("--verdict", o.verdict, "Write how many draws passed each requirement, with intervals, as JSON")
+      ->type_name("FILE");
   app.add_option("--report", o.report,
                  "Write a report: one HTML file with maps, distributions and the failed draws")
       ->type_name("FILE");
@@ -97,6 +100,7 @@ void check(const cli::CommonOptions& common, const Options& o, bool merges) {
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
   if (o.report == "-") throw UsageError("--report needs a file");
+  if (o.verdict == "-") throw UsageError("--verdict needs a file; --json prints it");
   if (merges) {
     if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
     if (!o.terrain.empty() || !o.sources.samples.empty() || !o.draws.empty() ||
@@ -132,10 +136,18 @@ ExitCode conclude(cli::Session& session, const Options& o, const nlohmann::order
   return refused ? ExitCode::requirement_missed : ExitCode::done;
 }
 
+/// After the draws themselves, which the verdict describes.
+void commit_verdict(const std::unique_ptr<OutputPath>& file, const nlohmann::ordered_json& verdict) {
+  if (!file) return;
+  write_text(*file, verdict.dump(2) + "\n");
+  file->commit();
+}
+
 ExitCode merge(cli::Session& session, const Options& o) {
   const std::vector<std::string> parts(o.inputs.begin() + 1, o.inputs.end());
   const OutputOptions output = session.output(parts);
   const auto report_file = session.side_output("--report", o.report, parts);
+  const auto verdict_file = session.side_output("--verdict", o.verdict, parts);
   Provenance provenance{.tool = session.tool()};
   MergedDraws merged;
   session.phase("merge", [&](const ProgressCallback&) { merged = merge_draws(parts, provenance); });
@@ -145,6 +157,7 @@ ExitCode merge(cli::Session& session, const Options& o) {
     if (report_file) write_report(*report_file, o.title, merged.draws, verdict, provenance);
     write_draws(file, merged.draws, verdict, merged.crs_wkt);
     if (report_file) report_file->commit();
+    commit_verdict(verdict_file, verdict);
   });
   return conclude(session, o, verdict);
 }
@@ -162,6 +175,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   for (const ScanPair& pair : sources.pairs) inputs.insert(inputs.end(), {pair.scan, pair.terrain});
   const OutputOptions output = session.output(inputs);
   const auto report_file = session.side_output("--report", o.report, inputs);
+  const auto verdict_file = session.side_output("--verdict", o.verdict, inputs);
   CampaignOutput campaign{output,
                           session.provenance(),
                           session.config_name(),
@@ -176,6 +190,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     };
   const CampaignResult result = run_campaign(sources, part, std::move(campaign));
   if (report_file) report_file->commit();
+  commit_verdict(verdict_file, result.verdict);
   session.count("draws_per_s", result.draws_per_s);
   return conclude(session, o, result.verdict);
 }

@@ -17,8 +17,8 @@ def open(path, group=None):  # pylint: disable=redefined-builtin
     """Opens a file that landfall made. Values are read on access.
 
     A terrain, DEM, evaluation, hazard map or plan is an xarray.Dataset: layers over y and x with units and long names, and the coordinate
-    reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json, sites.json and score.json are dicts. With
-    `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an
+    reference system as `crs`. A scan, or the results of a study, is a landfall.table.Table. metrics.json, sites.json, score.json and the
+    verdict of a campaign are dicts. With `group` the columns of that group are a Table: "pulses" of a scan, "features" of a terrain, "holes" of an
     evaluation, "sites" of a hazard map.
 
     Throws DataError, naming the file, if it is missing, damaged, unfinished, not landfall's, or refers to other files. Closing

@@ -10,7 +10,7 @@ from landfall.table import open_table
 
 GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan", "landfall.hazards", "landfall.draws")
 # The JSON files of the tools.
-TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score")
+TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score", "landfall.draws_verdict")
 # Where the columns of the other files are.
 TABLES = {"landfall.scan": "points", "landfall.results": "/"}
 
@@ -35,7 +35,7 @@ def open_file(path, group=None):
 
 
 def read_tree(path):
-    """metrics.json, sites.json or score.json as a dict."""
+    """metrics.json, sites.json, score.json or verdict.json as a dict."""
     try:
         tree = schema.read_json(path)
     except UsageError as error:

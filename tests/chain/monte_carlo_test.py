@@ -321,6 +321,20 @@ class Results(DrawsTest):
         table = self.succeed("monte-carlo", *self.arguments(self.HALF, "draws.h5", "-O", "--table")).stdout
         self.assertEqual([line.split()[0] for line in table.splitlines()], ["requirement", *REQUIREMENTS, "all"])
 
+    def test_verdict_file(self):
+        """The verdict of the output, of a campaign, of a part and of merge."""
+        for options in ((), ("--draws", "0:20"), ("--draws", "20:40")):
+            name = options[1].replace(":", "-") if options else "draws"
+            self.draws(self.HALF, *options, "--verdict", self.path(name + ".json"), output=name + ".h5")
+            self.assertEqual(json.loads(read_bytes(self.path(name + ".json"))), self.verdict(name + ".h5"))
+        self.succeed("monte-carlo", "merge", self.path("0-20.h5"), self.path("20-40.h5"), "-o", self.path("m.h5"), "--verdict", self.path("m.json"))
+        self.assertEqual(read_bytes(self.path("m.json")), read_bytes(self.path("draws.json")))
+        self.assertEqual(json.loads(read_bytes(self.path("m.json")))["format"], "landfall.draws_verdict")
+        for options, words in ((("--verdict", "-"), "--verdict needs a file; --json prints it"),
+                               (("--verdict", self.path("m.json")), "m.json"), (("--verdict", self.chain.scan, "-O"), self.chain.scan),
+                               (("--verdict", self.path("new"), "--report", self.path("new")), "same file")):
+            self.refuse(2, "monte-carlo", *self.arguments(self.HALF, "new.h5", *options), words=[words], output=self.path("new.h5"))
+
     def test_sequential_test(self):
         """It stops where Wald's rule says, with the draws of the campaign without it."""
         passed = self.draws(self.HALF)["pass"]

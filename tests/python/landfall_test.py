@@ -121,6 +121,12 @@ class Grids(Chain):
             self.assertEqual(plan["count"].encoding["preferred_chunks"], {"y": 256, "x": 256})
             self.assertIn("coverage", json.loads(plan["plan_json"].item()))
 
+    def test_a_campaign_has_a_verdict(self):
+        draws = landfall.run("monte-carlo", {"draws": 2, "regrid": REGRID, "eval": {"region_radius_m": 1.5}}, self.path("scan.h5"),
+                             terrain=self.path("terrain.h5"), output=self.path("draws.h5"), verdict=self.path("verdict.json"))
+        with draws:
+            self.assertEqual(json.loads(draws["verdict_json"].item()), landfall.open(self.path("verdict.json")))
+
     def test_an_evaluation_has_metrics_and_holes(self):
         with landfall.open(self.path("eval.h5")) as evaluation:
             self.assertEqual(json.loads(evaluation["metrics_json"].item()), landfall.open(self.path("metrics.json")))

@@ -13,7 +13,7 @@ from case import LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 
 SEED = int(os.environ.get("LANDFALL_TEST_SEED", "20240607"))
 KILLS = 20
-TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval", "study-chain", "run-stage")
+TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval", "monte-carlo", "study-chain", "run-stage")
 
 
 def processes(word):
@@ -66,7 +66,9 @@ class Kills(StudyTest):
         return kills, make.wait()
 
     def test_results_equal_an_undisturbed_run(self):
-        self.write(study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 2}))
+        tree = study(SIGMAS, RESOLUTIONS, LIMITS, repeat={"count": 2})
+        tree["base"]["draws"] = {"draws": 2, "metrics": "verdict"}
+        self.write(tree)
         self.make("study-results", "-j2", runs="undisturbed")
         kills = 0
         for attempt in range(12 * KILLS):
@@ -82,16 +84,15 @@ class Kills(StudyTest):
         self.make("study-results", "-j2")
         for name in ("results.csv", "results.h5"):
             self.assertEqual(read(self.out(name)), read(self.out(name, runs="undisturbed")), f"{name}, seed {SEED}")
-        self.assertEqual(self.files("metrics"), self.files("metrics", runs="undisturbed"))
-        for name in self.files("metrics"):
-            self.assertEqual(read(self.out("metrics", name)), read(self.out("metrics", name, runs="undisturbed")), name)
-        for folder in ("terrain", "truth"):
+        for folder in ("metrics", "verdict"):
+            self.assertEqual(self.files(folder), self.files(folder, runs="undisturbed"))
+        for folder in ("metrics", "verdict", "terrain", "truth"):
             for name in self.files(folder, runs="undisturbed"):
                 self.assertEqual(read(self.out(folder, name)), read(self.out(folder, name, runs="undisturbed")), name)
         self.assertEqual(self.files("shared"), [])
 
     def remove_some(self):
-        for folder in ("metrics", "terrain", "truth"):
+        for folder in ("metrics", "verdict", "terrain", "truth"):
             for name in self.files(folder):
                 if self.random.random() < 0.7:
                     os.remove(self.out(folder, name))

@@ -18,7 +18,7 @@ from case import BASE, BIN, PYTHON, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, 
 sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order
 import browser
-from landfall.study import configs, model, plot_study, reader, table
+from landfall.study import configs, model, plot_study, reader, stages, table
 
 HOSTILE = "</script><script>alert(1)</script><b>&\"'"
 REPEATS = {"repeat": {"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}}}
@@ -344,6 +344,18 @@ class InBrowser(ReportTest):
             self.assertEqual(list(alone.base), list(planned.base))
             for stage in planned.base:
                 self.assertEqual(model.configuration(alone, stage, ()), model.configuration(planned, stage, indices))
+
+    def test_a_case_with_a_campaign_as_a_study_file(self):
+        """The campaign of the saved study is the same one: it has scan, regrid and eval from its case."""
+        tree = study({"key": "draws.draws", "list": [1, 2]}, SIGMAS)
+        tree["base"]["draws"] = {"metrics": "verdict"}
+        planned = stages.build(reader.read_study(self.write(tree)))
+        self.make("study", "-j2")
+        self.browser.get("file://" + self.out("report.html"))
+        for case in (0, 4):
+            saved = self.run_script("return caseStudy(arguments[0])", case)
+            alone = stages.build(reader.read_study(self.write(saved, f"case{case}")))
+            self.assertEqual(list(alone.draws), [planned.cases[case][1]["draws"].id])
 
     def test_a_failed_case_and_the_address_of_a_case(self):
         self.write(study({"key": "regrid.half_width_m", "list": [5, 2, 4]}))

@@ -10,7 +10,7 @@ from landfall.errors import UsageError
 from landfall.study.session import inner_name
 
 RULE = re.compile(r"\t\$\(call stage,([a-z]+),([0-9a-f]+),[^)]*\) (.*)")
-KINDS = ("terrain", "truth", "scan", "regrid", "eval", "hazard")
+KINDS = ("terrain", "truth", "scan", "regrid", "eval", "hazard", "draws")
 OPTIONS = ("--corrected", "--uncertainty")
 TAIL_LINES = 20
 
@@ -62,6 +62,9 @@ class Chains:
             elif name == "hazard":
                 dem, terrain, output = words[:3]
                 kind, inputs = name, (within["dem"] if dem == "@" else dem, terrain)
+            elif name == "draws":
+                truth, terrain, output = words[:3]
+                kind, inputs = name, (truth, terrain)
             else:
                 dem, output = words[:2]
                 kind, inputs = name, (within["dem"] if dem == "@" else dem,)

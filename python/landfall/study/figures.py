@@ -9,7 +9,7 @@ import numpy as np
 
 from landfall.colors import color_map
 from landfall.study.names import digits_of, number, with_unit
-from landfall.study.table import error_sign, metric_label
+from landfall.study.table import error_sign, is_probability, metric_label
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; markers tell the series apart in print.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
@@ -68,6 +68,11 @@ def estimate_name(results, quantile):
     return f"{name} of {results.repeats()} repeats, 95 % interval (bootstrap)"
 
 
+def interval_name(metrics):
+    """The interval of probabilities that campaigns estimate; else empty."""
+    return "probabilities: share of a campaign's draws, 95 % interval (Wilson)" if any(map(is_probability, metrics)) else ""
+
+
 # A metric against an axis
 
 
@@ -78,7 +83,7 @@ def metric_figure(results, metric, x, quantile):
         draw_distribution(axes, results, metric, scale)
     else:
         draw_series(axes, results, metric, scale, x, quantile)
-    notes = [estimate_name(results, quantile) if x else "", error_sign([metric])]
+    notes = [interval_name([metric]) or (estimate_name(results, quantile) if x else ""), error_sign([metric])]
     axes.set_title("\n".join(filter(None, [results.title, *notes])), fontsize=10)
     axes.grid(True, color="0.9")
     return figure
@@ -193,6 +198,9 @@ def finish_y(axes, results, metric, scale):
     where that is among them or required."""
     values = np.concatenate([results.values(point, metric) for point in results.points]) * scale.factor
     axes.set_ylabel(scale.title())
+    if is_probability(metric):
+        axes.set_ylim(-MARGIN, 1 + MARGIN)
+        return
     positive = values[values > 0]
     if values.size == 0 or values.min() < 0:
         return
@@ -303,7 +311,7 @@ def overview_figure(results, metrics, x, quantile):
         draw_panel(axes, results, metric, x, quantile, with_series=index == 0)
     for axes in panels.flat[len(shown):]:
         axes.set_visible(False)
-    notes = ["; ".join(filter(None, [estimate_name(results, quantile), error_sign(shown)]))]
+    notes = ["; ".join(filter(None, [estimate_name(results, quantile), interval_name(shown), error_sign(shown)]))]
     figure.suptitle("\n".join(filter(None, [results.title, *notes])), fontsize=11)
     return figure
 

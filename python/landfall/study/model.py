@@ -8,9 +8,12 @@ from dataclasses import dataclass, field
 from landfall.errors import UsageError
 from landfall.schema import shown
 
-STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
+STAGES = ("terrain", "scan", "regrid", "eval", "hazard", "draws")
 # Stages that a study has only if its base names them.
-OPTIONAL_STAGES = ("hazard",)
+OPTIONAL_STAGES = ("hazard", "draws")
+# Keys of a distribution of draws.vary; what stands before one of them is the varied key, whose dots part no folders.
+DISTRIBUTION = ("type", "mean", "sigma", "low", "high", "values")
+VARY = "draws.vary."
 UNITS = {"m": "m", "mps": "m/s", "rad": "rad", "radps": "rad/s", "deg": "deg", "degps": "deg/s", "s": "s", "hz": "Hz",
          "frac": "1", "px": "px", "bins": "bins", "count": "1"}
 
@@ -97,9 +100,17 @@ def stage_of(key):
     return key.split(".", 1)[0]
 
 
+def path_of(key):
+    """The names by which the key "stage.a.b.0" is reached in its stage; of draws.vary.KEY.sigma they are vary, KEY and sigma."""
+    if not key.startswith(VARY):
+        return key.split(".")[1:]
+    varied, _, last = key.removeprefix(VARY).rpartition(".")
+    return ["vary", varied, last] if varied and last in DISTRIBUTION else ["vary", key.removeprefix(VARY)]
+
+
 def assign(config, key, value):
     """The configuration with the value at the key "stage.a.b.0". Throws KeyError, with the reason, if the configuration has no such key."""
-    _, *path = key.split(".")
+    path = path_of(key)
     if not path:
         return copy.deepcopy(value)
     *folders, last = path
@@ -155,11 +166,13 @@ def _full_path(path, folder):
     return full if os.path.isfile(full) else path
 
 
-def configuration(study, stage, indices):
-    """A stage's configuration at a point of the study."""
+def configuration(study, stage, indices, repeated=True):
+    """A stage's configuration at a point of the study; unless `repeated`, without what a repeat sets."""
     config = copy.deepcopy(study.base[stage])
     for dimension, index in zip(study.dimensions, indices):
         for axis in dimension:
+            if axis.role == "repeat" and not repeated:
+                continue
             for key, value in axis.points[index].assignments:
                 if stage_of(key) == stage:
                     config = _assign_of(study, axis, config, key, value)

@@ -16,9 +16,10 @@ MOST_VALUES = 12  # of an axis that are all named
 MOST_NAMED = 20  # cases of one failure
 VERDICTS = ("pass", "fail", "not judged", "error", "not made")
 VERDICT_CLASS = {"pass": "pass", "fail": "fail", "error": "error"}
-RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
+RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
+             "draws": "monte-carlo"}
 LIMIT_UNITS = {"m": "m", "bins": "bins", "frac": ""}
-WHOLE = {"crossing": "Where a metric exceeds a level", "overview": "Metrics side by side", "hazards": "Hazards and best sites",
+WHOLE = {"crossing": "Where a metric exceeds a level", "overview": "Metrics side by side", "hazards": "Hazards and best sites", "campaigns": "Probability of passing",
          "requirements": "Requirements met", "shares": "Share of each limit that is used"}
 
 

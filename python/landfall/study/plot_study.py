@@ -4,7 +4,8 @@
 Writes into a folder: METRIC.png for each metric (the median of the repeats, or another percentile, with a bootstrap 95 %
 interval), METRIC-map.png where two axes are numbers, overview.png (the metrics side by side against an axis of numbers),
 requirements.png (pass rates with Wilson 95 % intervals), shares.png (how much of each limit is used), hazards.png (scores and
-best sites, of a study with hazard maps), crossing.png (where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
+best sites, of a study with hazard maps), campaigns.png (draws that meet each requirement, of a study with campaigns), crossing.png
+(where one metric exceeds a level, against another metric, if the study asks for it), and the numbers behind them, pass_rates.csv,
 percentiles.csv and crossings.csv.
 """
 import argparse
@@ -19,13 +20,14 @@ from landfall.study.table import REQUIREMENTS, Results
 DEFAULT_METRICS = ["coverage.invalid_frac", "coverage.largest_hole_bins", "accuracy.relative.z.max_m",
                    "requirements.relative_elevation.value", "accuracy.absolute.horizontal.p95_m"]
 HAZARD_METRICS = ["score.missed_hazard_frac", "score.false_alarm_frac"]
+CAMPAIGN_METRICS = ["draws.all.passed_frac"]
 
 
 def parse(arguments):
     parser = command.Parser(prog="plot_study.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", metavar="RESULTS.h5")
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
-    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements and those of hazards")
+    parser.add_argument("--metrics", metavar="A,B", help="columns of the results; default: the study's, or five of the requirements, those of hazards and of campaigns")
     parser.add_argument("--x", metavar="AXIS", help="axis to the right; default: the study's, or the first that is a number")
     parser.add_argument("--percentile", type=percentile, default=50, help="of the repeats, 0..100, default 50")
     plots.add_output_options(parser)
@@ -44,7 +46,7 @@ def chosen_metrics(options, results):
     if options.metrics:
         names = options.metrics.split(",")
     else:
-        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS + HAZARD_METRICS if name in results.columns]
+        names = results.plot.get("metrics") or [name for name in DEFAULT_METRICS + HAZARD_METRICS + CAMPAIGN_METRICS if name in results.columns]
     for name in names:
         if not results.is_metric(name):
             raise UsageError(f"--metrics: '{name}' is not a metric of {options.results}")
@@ -118,6 +120,9 @@ def draw_all(options, results, metrics):
     hazards = verdicts.hazards_figure(results, quantile)
     if hazards:
         made[os.path.join(options.output, "hazards.png")] = hazards
+    campaigns = verdicts.campaigns_figure(results)
+    if campaigns:
+        made[os.path.join(options.output, "campaigns.png")] = campaigns
     made[os.path.join(options.output, "requirements.png")] = verdicts.requirements_figure(results)
     made[os.path.join(options.output, "shares.png")] = verdicts.shares_figure(results, quantile)
     return made

@@ -69,7 +69,7 @@ def _is_config(folder, name):
 def _outputs(folder):
     """Results that are not JSON; HDF5 files that are shorter than they say."""
     bad = []
-    for top in ("terrain", "truth", "scan", "dem", "eval", "hazard", "shared", *session.FORMATS):
+    for top in ("terrain", "truth", "scan", "dem", "eval", "hazard", "draws", "shared", *session.FORMATS):
         bad += [f"{top}/{name}" for name in _names(os.path.join(folder, top))
                 if name.endswith((".h5", ".json")) and not name.startswith(".") and not _is_output(os.path.join(folder, top, name), top)]
     for name in bad:

@@ -331,6 +331,8 @@ function configuration(kind, row) {
 /** A study file of the case alone. */
 function caseStudy(row) {
   const base = Object.fromEntries(Object.keys(study.configs).map((kind) => [kind, configuration(kind, row)]));
+  // A campaign has these from its case.
+  for (const kind of base.draws ? ["scan", "regrid", "eval"] : []) delete base.draws[kind];
   const options = study.options.length ? {options: {regrid: study.options}} : {};
   return {title: [study.title, valuesOfCase(row)].filter(Boolean).join(": "), base, ...options};
 }

@@ -17,6 +17,8 @@ REQUIREMENT_UNITS = {"coverage": "1", "hole_size": "bins", "hole_distance": "bin
                      "relative_horizontal": "1", "absolute_horizontal": "1"}
 # Per cent of the roughness limit.
 MARGINS = (10, 20)
+# Of a rate of a campaign.
+INTERVAL = ("wilson_low", "wilson_high", "exact_lower_bound")
 
 
 def read_cases(folder):
@@ -32,7 +34,7 @@ def read_cases(folder):
 
 
 def results_of(cases, row):
-    """The files of a case's results, by its row of cases.json: metrics, and the score of a study that has one."""
+    """The files of a case's results, by its row of cases.json: metrics, and of a study that has them a score and the verdict of a campaign."""
     return row[len(cases["axes"]):]
 
 
@@ -51,12 +53,30 @@ def flatten(tree, prefix=""):
 
 
 def read_result(folder, name):
-    """The numbers of one file of results: those of a score begin with score., those of the best of its sites with site."""
+    """The numbers of one file of results: those of a score begin with score., those of the best of its sites with site., those of a
+    campaign with draws."""
+    if session.kind_of(name) == "verdict":
+        return campaign_numbers(_read_json(folder, name))
     if session.kind_of(name) != "score":
         return flatten(_read_json(folder, name))
     score, sites = _read_json(folder, name), _read_json(folder, session.sites_of(name))["sites"]
     best = {key: value for key, value in sites[0].items() if key != "rank"} if sites else {}
     return {**flatten({**score, **shares_of(score["counts"]), **margins_of(score["roc"])}, "score."), **flatten(best, "site.")}
+
+
+def campaign_numbers(verdict):
+    """{"draws.REQUIREMENT.passed": number, ...}. A sequential test leaves no valid interval; it has draws.accepted, None if it did not end."""
+    stopped = "sprt" in verdict
+    hazard = {**verdict.get("hazard", {})}
+    rates = {rate["requirement"]: rate for rate in [*verdict["rates"], *([hazard.pop("chosen_place_safe")] if hazard else [])]}
+    numbers = {}
+    for name, rate in rates.items():
+        kept = {"passed": rate["passed"], "draws": rate["draws"], "passed_frac": rate["passed"] / rate["draws"]}
+        numbers |= flatten(kept if stopped else {**kept, **{key: rate[key] for key in INTERVAL}}, f"draws.{'hazard.' if name == 'chosen_place_safe' else ''}{name}.")
+    numbers |= flatten(hazard, "draws.hazard.")
+    if stopped:
+        numbers["draws.accepted"] = {"accepted": 1, "rejected": 0}.get(verdict["sprt"])
+    return numbers
 
 
 def shares_of(counts):

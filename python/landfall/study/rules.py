@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A study's folder: where each stage's files lie, and the rules by which Makefile.studies makes them.
 
-Terrains, truths, metrics, scores and sites stay. A scan or a DEM that is not kept is made within the recipe of the only stage that
+Terrains, truths, metrics, scores, sites and verdicts stay. A scan or a DEM that is not kept is made within the recipe of the only stage that
 reads it, and removed after it; one that several stages read stays in shared/ until all of them are done.
 """
 import json
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from landfall.command import write_whole
 from landfall.study import names, session, stages
 
-KEEPABLE = ("scan", "dem", "eval", "hazard")
+KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
 MOST_SHARED = 16
 
 
@@ -41,9 +41,15 @@ class Layout:
     def hazards(self, stage):
         return f"hazard/{stage.id}.h5" if "hazard" in self.keep else None
 
+    def verdict(self, stage):
+        return f"verdict/{stage.id}.json"
+
+    def draws(self, stage):
+        return f"draws/{stage.id}.h5" if "draws" in self.keep else None
+
     def results(self, stages_of_case):
         """The files of a case's results that cases.json names; sites have the name of their score."""
-        return [of(stage) for of, stage in zip((self.metrics, self.score), stages_of_case)]
+        return [{"eval": self.metrics, "hazard": self.score, "draws": self.verdict}[name](stage) for name, stage in stages_of_case.items()]
 
     def scan(self, stage):
         """None for one that is made within its reader's recipe."""
@@ -62,7 +68,8 @@ def folders(graph):
     """All folders of a study."""
     tools = {tool for tool, _ in graph.configs}
     return [*(f"config/{tool}" for tool in sorted(tools)), "terrain", "truth", "scan", "dem", "eval", "metrics",
-            *(("hazard", "score", "sites") if graph.hazard else ()), "shared", "readers", "log", "scratch"]
+            *(("hazard", "score", "sites") if graph.hazard else ()), *(("draws", "verdict") if graph.draws else ()),
+            "shared", "readers", "log", "scratch"]
 
 
 @dataclass
@@ -109,6 +116,8 @@ class Fragment:
                 self.group(stage)
         else:
             self.each_stage()
+        for stage in graph.draws.values():
+            self.campaign(stage)
 
     def shared_scans(self):
         return sum(len(scan.consumers) > 1 or any(len(dem.consumers) > 1 for dem in scan.consumers)
@@ -190,6 +199,17 @@ class Fragment:
         dem, recipe = self.reading(stage.upstream)
         self.find_hazards(recipe, stage, dem)
         self.rule("score", stage.id, self.outputs(stage), recipe)
+
+    def campaign(self, stage):
+        """Its truth is order-only, as for a scan; the data files of its rays are those of the truth."""
+        truth = stage.upstream
+        config, terrain, output = self.layout.config("draws", stage), self.layout.terrain(truth.upstream), self.layout.draws(stage)
+        verdict, truth_name = self.layout.verdict(stage), self.layout.truth(truth)
+        step = f"draws $O/{config} $O/{truth_name} $O/{terrain} $O/{verdict} {_file(output, '@')}"
+        self.rule("verdict", stage.id, [verdict, *[output] * bool(output)],
+                  Recipe([config, terrain], (*stage.files, *truth.files), [step], [truth_name]))
+        if output:
+            self.kept.append(output)
 
     def group(self, scan):
         """All that depends on a scan."""
@@ -275,15 +295,17 @@ class Fragment:
 
     def text(self, name, keep, bin_folder):
         scores = [self.layout.score(stage) for stage in self.graph.hazard.values()]
-        metrics = [*map(self.layout.metrics, self.graph.eval.values()), *scores, *map(session.sites_of, scores)]
+        metrics = [*map(self.layout.metrics, self.graph.eval.values()), *scores, *map(session.sites_of, scores),
+                   *map(self.layout.verdict, self.graph.draws.values())]
         head = ["# Made by sweep.py plan: do not edit.", f"STUDY_NAME := {name}",
                 f"PLANNED_KEEP := {keep}", f"PLANNED_BIN := {bin_folder}", _names("METRICS", metrics),
                 _names("KEPT", self.kept), "", _special(".SECONDARY", self.transient), ".PRECIOUS: $(METRICS)"]
         return "\n".join([*head, *self.lines]) + "\n"
 
     def targets(self):
-        """A line for each set of metrics and each score: its file, its log, all that is made for it."""
-        names = [*map(self.layout.metrics, self.graph.eval.values()), *map(self.layout.score, self.graph.hazard.values())]
+        """A line for each set of metrics, each score and each verdict: its file, its log, all that is made for it."""
+        names = [*map(self.layout.metrics, self.graph.eval.values()), *map(self.layout.score, self.graph.hazard.values()),
+                 *map(self.layout.verdict, self.graph.draws.values())]
         rows = ([name, f"log/{self.logs[name]}.log", *self.needs[name]] for name in names)
         return "".join(" ".join(row) + "\n" for row in rows)
 

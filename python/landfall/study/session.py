@@ -12,9 +12,10 @@ from landfall.schema import shown
 
 
 # Of the files that hold a case's results: their folders, and what "format" says in them.
-FORMATS = {"metrics": "landfall.metrics", "score": "landfall.hazard_score", "sites": "landfall.sites"}
-# Kinds of files that are counted; layers and sites are made together with metrics and score.
-KINDS = ("terrain", "truth", "scan", "dem", "metrics", "score")
+FORMATS = {"metrics": "landfall.metrics", "score": "landfall.hazard_score", "sites": "landfall.sites",
+           "verdict": "landfall.draws_verdict"}
+# Kinds of files that are counted; layers and sites are made together with metrics and score, draws with their verdict.
+KINDS = ("terrain", "truth", "scan", "dem", "metrics", "score", "verdict")
 
 
 def sites_of(score):
@@ -23,7 +24,7 @@ def sites_of(score):
 
 
 def kind_of(name):
-    """One of KINDS, eval, hazard or sites, by a file's name in the study's folder."""
+    """One of KINDS, eval, hazard, sites or draws, by a file's name in the study's folder."""
     folder, file = name.split("/", 1)
     return file.rsplit(".", 2)[1] if folder == "shared" else folder
 
@@ -44,7 +45,7 @@ def age(path):
 
 
 def read_targets(folder):
-    """targets.txt: for each of the cases' metrics and scores, their log and the files that they are made of."""
+    """targets.txt: for each of the cases' metrics, scores and verdicts, their log and the files that they are made of."""
     with open(os.path.join(folder, "targets.txt"), encoding="utf-8") as file:
         return [[inner_name(word) for word in line.split()] for line in file]
 

@@ -3,8 +3,10 @@
 
     terrain -> (truth ->) scan -> dem -> metrics
                                       -> score, sites
+    terrain -> truth -> verdict of a campaign
 
-Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`.
+Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`. A campaign draws
+the errors of the truth.
 """
 import hashlib
 import json
@@ -17,9 +19,11 @@ from landfall.study import model
 # Keys of a scan that true ranges depend on; beside them, the seed where it moves the beams.
 TRUTH_KEYS = ("detector", "laser", "scanner", "mount", "trajectory")
 TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad")
-UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid"}
+UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid", "draws": "scan"}
 # Stages whose files are a case's results, in the order of its files.
-RESULTS = ("eval", "hazard")
+RESULTS = ("eval", "hazard", "draws")
+# Of the configuration of a campaign: what it has from the case.
+OF_CASE = ("scan", "regrid", "eval")
 
 
 @dataclass
@@ -44,8 +48,9 @@ class Graph:
     regrid: dict
     eval: dict
     hazard: dict  # empty for a study without this stage
+    draws: dict  # likewise
     configs: dict  # (tool, config_id): text of the file
-    cases: list  # of (values, Stages of its results)
+    cases: list  # of (values, {stage of its results: Stage})
 
 
 def build(study):
@@ -58,7 +63,7 @@ def cases_of(graph):
     found = {}
     for number, (_, results) in enumerate(graph.cases):
         needed = {}
-        for stage in results:
+        for stage in results.values():
             while stage:
                 needed[stage.id] = True
                 if stage.truth:
@@ -86,6 +91,26 @@ def truth_config(scan):
     if _seed_moves_beams(scan) and "seed" in scan:
         truth["seed"] = scan["seed"]
     return truth
+
+
+def errors_config(scan):
+    """The rest of the scan: what --ranges-from draws anew."""
+    errors = {key: value for key, value in scan.items() if key not in TRUTH_KEYS}
+    if isinstance(errors.get("pointing_error"), dict):
+        errors["pointing_error"] = {key: value for key, value in errors["pointing_error"].items() if key not in TRUE_POINTING}
+    return errors
+
+
+def configuration(study, name, indices):
+    """What the tool of a stage is given at a point of the study. A campaign draws what repeats would, and is not repeated itself."""
+    config = model.configuration(study, name, indices)
+    if name != "draws":
+        return config
+    for stage in OF_CASE:
+        if stage in config:
+            raise UsageError(f"{study.path}: draws.{stage}: a campaign has the {stage} of its case; set {stage} itself")
+    scan, *others = (model.configuration(study, stage, indices, repeated=False) for stage in OF_CASE)
+    return {**config, **dict(zip(OF_CASE, (errors_config(scan), *others)))}
 
 
 def _object(config, key):
@@ -118,7 +143,7 @@ def data_files(value):
 class _Builder:
     def __init__(self, study):
         self.study = study
-        self.graph = Graph({}, {}, {}, {}, {}, {}, {}, [])
+        self.graph = Graph({}, {}, {}, {}, {}, {}, {}, {}, [])
         self.known = {stage: {} for stage in study.base}  # indices of the dimensions that matter: configuration
         self.relevant = {stage: self.dimensions_of(stage) for stage in study.base}
         for indices in study.cases():
@@ -126,29 +151,32 @@ class _Builder:
         self.share_truths()
 
     def dimensions_of(self, stage):
-        """Which dimensions set keys of the stage."""
-        return [any(model.stage_of(key) == stage for axis in dimension for key in axis.keys())
+        """Which dimensions set keys of the stage, or of what a campaign has from its case."""
+        stages = {stage, *(OF_CASE if stage == "draws" else ())}
+        return [any(model.stage_of(key) in stages for axis in dimension for key in axis.keys())
                 for dimension in self.study.dimensions]
 
     def add_case(self, indices):
         made = {}
         for name in self.study.base:
             made[name] = self.add_stage(name, indices, made.get(UPSTREAM[name]))
-        return tuple(made[name] for name in RESULTS if name in made)
+        return {name: made[name] for name in RESULTS if name in made}
 
     def add_stage(self, name, indices, upstream):
         mine = tuple(index for index, matters in zip(indices, self.relevant[name]) if matters)
         if mine not in self.known[name]:
-            config = model.configuration(self.study, name, indices)
+            config = configuration(self.study, name, indices)
             self.known[name][mine] = (self.add_config(name, config), tuple(self.checked_files(config)),
                                       canonical(truth_config(config)) if name == "scan" else None)
         config_id, files, _ = self.known[name][mine]
         options = " ".join(self.study.options.get(name, []))
-        identity = short_hash(name, config_id, options, upstream.id if upstream else "")
+        # A campaign does not depend on the errors of a scan that has the same truth.
+        source = self.truth_of(upstream) if name == "draws" else upstream.id if upstream else ""
+        identity = short_hash(name, config_id, options, source)
         stages = getattr(self.graph, name)
         if identity not in stages:
             stages[identity] = Stage(identity, config_id, upstream, files)
-            if upstream:
+            if upstream and name != "draws":
                 upstream.consumers.append(stages[identity])
             if name == "scan":
                 stages[identity].truth = self.known[name][mine][2]  # its text, until share_truths()
@@ -169,18 +197,25 @@ class _Builder:
         return files
 
     def share_truths(self):
-        """A truth for every two or more scans that differ in errors only; a single one is traced with its errors."""
+        """A truth for every two or more scans that differ in errors only, and for a campaign; a single one is traced with its errors."""
         groups = {}
         for scan in self.graph.scan.values():
             groups.setdefault((scan.upstream.id, scan.truth), []).append(scan)
-        for (terrain_id, text), scans in groups.items():
-            truth = self.add_truth(terrain_id, text, scans[0]) if len(scans) > 1 else None
+        for scans in groups.values():
+            truth = self.add_truth(scans[0]) if len(scans) > 1 or self.graph.draws else None
             for scan in scans:
                 scan.truth = truth
+        for campaign in self.graph.draws.values():
+            campaign.upstream = campaign.upstream.truth
 
-    def add_truth(self, terrain_id, text, scan):
-        config = json.loads(text)
-        truth = Stage(short_hash("truth", text, terrain_id), self.add_config("scan", config), scan.upstream,
+    @staticmethod
+    def truth_of(scan):
+        """The id of a scan's truth, before share_truths()."""
+        return short_hash("truth", scan.truth, scan.upstream.id)
+
+    def add_truth(self, scan):
+        config = json.loads(scan.truth)
+        truth = Stage(self.truth_of(scan), self.add_config("scan", config), scan.upstream,
                       tuple(data_files(config)))
         self.graph.truth[truth.id] = truth
         return truth

@@ -28,7 +28,8 @@ from landfall.schema import read_json, shown
 from landfall.study import lock, model, names, reader, repair, rules, session, stages
 from landfall.study.names import counted
 
-TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
+TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
+         "draws": "monte-carlo"}
 MOST_CHECKS_PER_AXIS = 100
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
@@ -41,7 +42,7 @@ def parse(arguments):
     plan.add_argument("study", metavar="STUDY.json")
     plan.add_argument("--out", metavar="DIR", required=True, help="the study's folder")
     plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
-    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval, hazard: files to keep; or all")
+    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval, hazard, draws: files to keep; or all")
     plan.add_argument("--no-check", action="store_true", help="do not ask the tools whether they take the values")
     for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
         command = commands.add_parser(name, help=text)
@@ -89,6 +90,7 @@ def plan(options):
     print(f"{study.name}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
+          (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
           f"; {written} files written")
 
 
@@ -163,7 +165,7 @@ def check_with_tools(study, folder):
 
 def ask(study, folder, indices, name, asked):
     for stage in study.base:
-        text = json.dumps(model.configuration(study, stage, indices))
+        text = json.dumps(stages.configuration(study, stage, indices))
         if (stage, text) in asked:
             continue
         asked.add((stage, text))
@@ -213,7 +215,7 @@ def show(options):
     print("#!/bin/bash\n# " + "".join(character if character.isprintable() else "?" for character in title))
     print("set -euo pipefail")
     for stage in study.base:
-        config = json.dumps(model.configuration(study, stage, indices), sort_keys=True)
+        config = json.dumps(stages.configuration(study, stage, indices), sort_keys=True)
         print(f"echo {shlex.quote(config)} > {stage}.json")
     regrid = "".join(" " + option for option in study.options.get("regrid", []))
     print("terrain-gen -c terrain.json -o terrain.h5\n"
@@ -222,6 +224,11 @@ def show(options):
           "dem-eval dem.h5 -c eval.json -o eval.h5 --metrics metrics.json")
     if "hazard" in study.base:
         print("hazard-map dem.h5 -c hazard.json --terrain terrain.h5 -o hazards.h5 --score score.json --sites sites.json")
+    if "draws" in study.base:
+        truth = json.dumps(stages.truth_config(model.configuration(study, "scan", indices)), sort_keys=True)
+        print(f"echo {shlex.quote(truth)} > truth.json\n"
+              "scan-sim -c truth.json --terrain terrain.h5 -o truth.h5\n"
+              "monte-carlo truth.h5 -c draws.json --terrain terrain.h5 -o draws.h5 --verdict verdict.json")
 
 
 # begin, free
@@ -336,7 +343,7 @@ def prune_folder(options):
         named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
     stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}
     count = size = 0
-    for top in ("config", "terrain", "truth", "scan", "dem", "eval", "metrics", "hazard", "score", "sites", "shared", "readers", "log",
+    for top in ("config", "terrain", "truth", "scan", "dem", "eval", "metrics", "hazard", "score", "sites", "draws", "verdict", "shared", "readers", "log",
                 "scratch"):
         for folder, _, files in os.walk(os.path.join(options.folder, top)):
             for file in files:

@@ -22,6 +22,9 @@ USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.larges
            "relative_horizontal": ["accuracy.relative.x.max_m", "accuracy.relative.y.max_m"],
            "absolute_horizontal": ["accuracy.absolute.horizontal.p95_m"]}
 
+# Ends the metrics that are a campaign's estimate of a probability: draws.REQUIREMENT.passed_frac.
+PASSED = ".passed_frac"
+
 # Of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
 Z = 1.959963984540054
 RESAMPLES = 4000
@@ -52,6 +55,9 @@ METRIC_NAMES = {
     "score.true_hazard_frac": "true hazards, share of the places",
     "score.judged_hazard_frac": "hazards on the map, share of the places",
     "score.unknown_frac": "unknown places, share of the region",
+    **{f"draws.{name}.passed_frac": f"probability of meeting the requirement on {name.replace('_', ' ')}" for name in REQUIREMENTS},
+    "draws.all.passed_frac": "probability of meeting all requirements",
+    "draws.hazard.chosen_place_safe.passed_frac": "probability that the chosen place is safe",
     "site.p_touchdown": "probability of a safe touchdown at the best site",
     "site.distance_to_hazard_m": "distance of the best site to a hazard",
 }
@@ -64,6 +70,11 @@ SIZES = ("max_m", "p95_m", "le90_m")
 def metric_label(metric, unit):
     """What a figure or a report calls a metric, without the unit, which it gives beside it."""
     return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
+
+
+def is_probability(metric):
+    """Whether a campaign estimates it."""
+    return metric.startswith("draws.") and metric.endswith(PASSED)
 
 
 def error_sign(metrics):
@@ -142,10 +153,13 @@ class Results:
         return len(self.values(point, metric))
 
     def estimate(self, point, metric, quantile):
-        """(quantile over the repeats, low, high); NaN where nothing is known."""
+        """(quantile over the repeats, low, high); NaN where nothing is known. Of a campaign, which repeats share, the share that passed."""
         values = self.values(point, metric)
         if values.size == 0:
             return math.nan, math.nan, math.nan
+        if is_probability(metric) and len(set(values)) == 1:
+            passed, count, low, high = self.campaign_rate(point, metric.removeprefix("draws.").removesuffix(PASSED))
+            return passed / count, low, high
         return (float(np.quantile(values, quantile)), *bootstrap(values, quantile))
 
     def pass_rate(self, point, requirement):
@@ -153,6 +167,11 @@ class Results:
         values = self.values(point, "pass" if requirement == "all" else f"requirements.{requirement}.pass")
         passed = int(values.sum())
         return (passed, len(values), *wilson(passed, len(values)))
+
+    def campaign_rate(self, point, name):
+        """(passed, draws, low, high) of a campaign: of its first one, where the repeats of a point have several. NaN where not known."""
+        columns = (self.columns.get(f"draws.{name}.{key}") for key in ("passed", "draws", "wilson_low", "wilson_high"))
+        return tuple(column[point.rows[0]] if column else math.nan for column in columns)
 
     def share_of_limit(self, point, requirement, quantile):
         """How much of a requirement's limit is used, 1 for all of it; NaN where the metric or one limit of all cases is not known.

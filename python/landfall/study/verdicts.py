@@ -8,7 +8,7 @@ import numpy as np
 
 from landfall.study import figures
 from landfall.study.names import number
-from landfall.study.table import REQUIREMENTS
+from landfall.study.table import PASSED, REQUIREMENTS
 
 MOST_ROWS = 60
 REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_distance": "hole\ndistance",
@@ -17,6 +17,7 @@ REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_dis
 HAZARD_NAMES = {"score.missed_hazard_frac": "missed\nhazards", "score.false_alarm_frac": "false\nalarms", "score.true_hazard_frac": "true\nhazards",
                 "score.judged_hazard_frac": "hazards\non the map", "score.unknown_frac": "unknown\nplaces",
                 "site.p_touchdown": "touchdown\non site 1"}
+CAMPAIGN_NAMES = {**REQUIREMENT_NAMES, "hazard.chosen_place_safe": "chosen place\nsafe"}
 BAR_COLOR = "#9DC3E6"
 
 
@@ -34,6 +35,16 @@ def shares_figure(results, quantile):
     note = "share of each requirement's limit that is used" + (f", {figures.estimate_name(results, quantile).split(',')[0]}" if repeats > 1 else "")
     return table_figure(results, REQUIREMENTS, note, lambda axes, row, column, point, name: draw_share(
         axes, row, column, results.share_of_limit(point, name, quantile)))
+
+
+def campaigns_figure(results):
+    """How many draws of each point's campaign meet each requirement; None for a study without campaigns."""
+    names = [name for name in CAMPAIGN_NAMES if f"draws.{name}{PASSED}" in results.columns]
+    if not names:
+        return None
+    interval = ", 95 % interval (Wilson)" if "draws.all.wilson_low" in results.columns else ""
+    return table_figure(results, names, f"draws that meet each requirement{interval}", lambda axes, row, column, point, name: draw_campaign(
+        axes, row, column, results.values(point, f"draws.{name}{PASSED}"), results.campaign_rate(point, name)))
 
 
 def hazards_figure(results, quantile):
@@ -62,7 +73,7 @@ def table_figure(results, names, note, draw_cell):
             draw_cell(axes, row, column, point, name)
     axes.set_xlim(-0.5, len(names) - 0.5)
     axes.set_ylim(len(points) - 0.5, -0.5)
-    axes.set_xticks(range(len(names)), [{**REQUIREMENT_NAMES, **HAZARD_NAMES}[name] for name in names], fontsize=9)
+    axes.set_xticks(range(len(names)), [{**CAMPAIGN_NAMES, **HAZARD_NAMES}[name] for name in names], fontsize=9)
     axes.set_yticks(range(len(points)), labels, fontsize=8)
     axes.tick_params(length=0, labeltop=True, labelbottom=False)
     for side in axes.spines.values():
@@ -81,6 +92,16 @@ def draw_rate(axes, row, column, passed, count, low, high):
     else:
         color, text = rate_color(passed / count), f"{passed}/{count}  [{100 * low:.0f}, {100 * high:.0f}] %"
     draw_cell_of(axes, row, column, color, 1, text)
+
+
+def draw_campaign(axes, row, column, shares, rate):
+    """Of several terrains at one point, the least and the largest share."""
+    if len(set(shares)) > 1:
+        draw_cell_of(axes, row, column, rate_color(np.median(shares)), 1, f"{number(100 * min(shares))} to {number(100 * max(shares))} %")
+    elif len(shares) and math.isnan(rate[2]):
+        draw_cell_of(axes, row, column, rate_color(shares[0]), 1, f"{rate[0]:.0f}/{rate[1]:.0f}")
+    else:
+        draw_rate(axes, row, column, *(map(int, rate[:2]) if len(shares) else (0, 0)), *rate[2:])
 
 
 def draw_share(axes, row, column, share):

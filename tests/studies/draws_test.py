@@ -1,0 +1,307 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Studies with campaigns of monte-carlo: what they share, their configurations, what is made again, their columns and figures."""
+import json
+import os
+import re
+import subprocess
+import unittest
+
+import h5py
+from case import BASE, BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+
+# pylint: disable=wrong-import-order
+from landfall.errors import UsageError
+from landfall.study import figures, model, reader, results, rules, stages, table, verdicts
+
+VELOCITY = "scan.navigation_error.velocity_mps.0"
+DRAWS = {"draws": 4, "metrics": "verdict", "vary": {VELOCITY: {"type": "normal", "sigma": 0.5}}}
+SPREADS = {"name": "sigma_mps", "key": f"draws.vary.{VELOCITY}.sigma", "list": [0.1, 2]}
+REPEAT = {"count": 2, "draws": {"scan.navigation_error.velocity_mps": {"normal": [0.1, 0.1, 0.1]}}}
+STEPS = ("terrain", "scan", "regrid", "eval", "draws")
+HAZARD = {"region_radius_m": 2, "sites": {"divert_radius_m": 2}}
+
+
+def draws_study(*axes, draws=None, **keys):
+    tree = study(*axes, **keys)
+    tree["base"]["draws"] = DRAWS if draws is None else draws
+    return tree
+
+
+class Plans(StudyTest):
+    def graph(self, tree):
+        return stages.build(reader.read_study(self.write(tree)))
+
+    def counts(self, tree):
+        graph = self.graph(tree)
+        return [len(of_kind) for of_kind in (graph.terrain, graph.truth, graph.scan, graph.regrid, graph.eval, graph.draws)]
+
+    def configs(self, tree):
+        graph = self.graph(tree)
+        return [json.loads(graph.configs["draws", stage.config_id]) for stage in graph.draws.values()]
+
+    def test_a_campaign_needs_a_truth_of_its_own(self):
+        self.assertEqual(self.counts(draws_study()), [1, 1, 1, 1, 1, 1])
+        self.assertEqual(self.counts(study()), [1, 0, 1, 1, 1, 0])
+
+    def test_what_varies_campaigns(self):
+        """Their own keys, and errors, bins and limits of the case; not what only hazard-map reads."""
+        self.assertEqual(self.counts(draws_study(SPREADS)), [1, 1, 1, 1, 1, 2])
+        self.assertEqual(self.counts(draws_study(SIGMAS)), [1, 1, 3, 3, 3, 3])
+        self.assertEqual(self.counts(draws_study(RESOLUTIONS, LIMITS)), [1, 1, 1, 2, 4, 4])
+        self.assertEqual(self.counts(draws_study({"key": "scan.trajectory.position_m.2", "list": [50, 60]})), [1, 2, 2, 2, 2, 2])
+        tree = draws_study({"key": "hazard.limits.roughness_m", "list": [0.2, 0.3]})
+        tree["base"]["hazard"] = HAZARD
+        self.assertEqual(self.counts(tree), [1, 1, 1, 1, 1, 1])
+
+    def test_repeats_share_a_campaign(self):
+        """Their seeds would draw the same numbers again."""
+        tree = draws_study(SIGMAS, repeat=REPEAT)
+        self.assertEqual(self.counts(tree), [1, 1, 6, 6, 6, 3])
+        self.assertEqual([config["scan"] for config in self.configs(tree)], [{"noise": {"range_sigma_m": sigma}} for sigma in SIGMAS["list"]])
+        graph = self.graph(tree)
+        cases = stages.cases_of(graph)
+        self.assertEqual([cases[identity] for identity in graph.draws], [[0, 1], [2, 3], [4, 5]])
+        self.assertEqual(cases[next(iter(graph.truth))], [0, 1, 2, 3, 4, 5])
+
+    def test_the_configuration(self):
+        """Errors of the scan without what moves its beams; regrid and eval of the case."""
+        scan = {**BASE["scan"], "seed": 7, "noise": {"dropout_frac": 0.1},
+                "pointing_error": {"misalignment_rpy_rad": [0, 0, 1e-4], "time_stamp_bias_s": 1e-5}}
+        tree = draws_study(SPREADS, {**RESOLUTIONS, "list": [0.2]})
+        tree["base"]["scan"] = scan
+        [first, second] = self.configs(tree)
+        self.assertEqual(first["scan"], {"seed": 7, "noise": {"dropout_frac": 0.1}, "pointing_error": {"time_stamp_bias_s": 1e-5}})
+        self.assertEqual((first["regrid"], first["eval"]), ({**BASE["regrid"], "resolution_m": 0.2}, BASE["eval"]))
+        self.assertEqual({key: first[key] for key in ("draws", "metrics")}, {"draws": 4, "metrics": "verdict"})
+        self.assertEqual([config["vary"][VELOCITY] for config in (first, second)], [{"type": "normal", "sigma": sigma} for sigma in (0.1, 2)])
+
+    def test_keys_with_dots(self):
+        for key, path in ((f"draws.vary.{VELOCITY}.sigma", ["vary", VELOCITY, "sigma"]), (f"draws.vary.{VELOCITY}", ["vary", VELOCITY]),
+                          ("draws.vary", ["vary"]), ("draws.draws", ["draws"]), ("draws.hazard.limits.slope_deg", ["hazard", "limits", "slope_deg"]),
+                          ("draws.vary.scan.seed.values", ["vary", "scan.seed", "values"]), ("scan.noise.range_sigma_m", ["noise", "range_sigma_m"])):
+            self.assertEqual(model.path_of(key), path)
+        uniform = {"type": "uniform", "low": -1, "high": 1}
+        tree = draws_study({"name": "kind", "variants": {"normal": {f"draws.vary.{VELOCITY}.mean": 0.1}, "uniform": {f"draws.vary.{VELOCITY}": uniform}}})
+        self.assertEqual([config["vary"][VELOCITY] for config in self.configs(tree)], [{**DRAWS["vary"][VELOCITY], "mean": 0.1}, uniform])
+
+    def test_what_a_campaign_has_from_its_case_is_refused(self):
+        for stage in ("scan", "regrid", "eval"):
+            for tree in (draws_study(draws={**DRAWS, stage: {}}), draws_study(set={f"draws.{stage}.seed": 1})):
+                with self.assertRaisesRegex(UsageError, rf"tiny\.json: draws\.{stage}: a campaign has the {stage} of its case; set {stage} itself"):
+                    self.graph(tree)
+
+    def test_keys_need_the_stage(self):
+        with self.assertRaisesRegex(UsageError, r"axis sigma_mps: draws\S*: this study has no stage draws; add it to \"base\""):
+            reader.read_study(self.write(study(SPREADS)))
+
+    def test_the_tool_checks_the_values(self):
+        for axis, message in (({**SPREADS, "list": [0.1, -1]}, r"sigma_mps = -1: monte-carlo: .*velocity_mps"),
+                              ({"key": "draws.draws", "list": [0]}, r"the first case: monte-carlo: .*draws")):
+            path = self.write(draws_study(axis))
+            self.assertRegex(self.sweep("plan", path, "--out", self.out(), "--bin", BIN, code=2).stderr, message)
+
+    def test_a_study_without_the_stage_has_nothing_of_it(self):
+        self.plan(study(SIGMAS))
+        self.assertEqual(set(self.files()) & {"draws", "verdict"}, set())
+        self.assertNotIn(b"monte-carlo", read(self.out("tools.txt")))
+        self.assertNotIn(b"draws", read(self.out("study.mk")))
+
+    def test_the_rules(self):
+        """The truth is order-only: what changes it changes the campaign's other inputs too."""
+        self.plan(draws_study(SPREADS), "--keep", "draws")
+        rule = r"(?m)^\$O/verdict/(\S+)\.json \$O/draws/\1\.h5 &: (.*) \| \$O/truth/[0-9a-f]{16}\.h5$"
+        found = re.findall(rule, read(self.out("study.mk")).decode())
+        self.assertEqual(len(found), 2)
+        for _, inputs in found:
+            self.assertRegex(inputs, r"^\$O/config/draws/[0-9a-f]{16}\.json \$O/terrain/[0-9a-f]{16}\.h5 \$O/tools\.txt$")
+        self.assertEqual(len({case[-1] for case in json.loads(read(self.out("cases.json")))["cases"]}), 2)
+
+
+class Numbers(unittest.TestCase):
+    RATE = {"passed": 3, "draws": 4, "wilson_low": 0.3, "wilson_high": 0.95, "exact_lower_bound": 0.25}
+
+    def verdict(self, **keys):
+        return {"format": "landfall.draws_verdict", "confidence": 0.95, "rates": [{"requirement": "all", **self.RATE}], **keys}
+
+    def test_columns(self):
+        self.assertEqual(results.campaign_numbers(self.verdict()),
+                         {**{f"draws.all.{key}": value for key, value in self.RATE.items()}, "draws.all.passed_frac": 0.75})
+
+    def test_hazards(self):
+        found = results.campaign_numbers(self.verdict(hazard={"draws_with_site": 4, "missed_hazard_frac_mean": None, "chosen_place_safe":
+                                                              {"requirement": "chosen_place_safe", **self.RATE}}))
+        self.assertEqual(found["draws.hazard.chosen_place_safe.wilson_high"], 0.95)
+        self.assertEqual((found["draws.hazard.draws_with_site"], found["draws.hazard.missed_hazard_frac_mean"]), (4, None))
+
+    def test_a_sequential_test_leaves_no_interval(self):
+        for sprt, accepted in (("accepted", 1), ("rejected", 0), ("running", None)):
+            self.assertEqual(results.campaign_numbers(self.verdict(sprt=sprt, note="")),
+                             {"draws.all.passed": 3, "draws.all.draws": 4, "draws.all.passed_frac": 0.75, "draws.accepted": accepted})
+
+
+class Results(StudyTest):
+    def test_a_case_equals_monte_carlo_by_hand(self):
+        hazard = {**DRAWS, "hazard": HAZARD}
+        path = self.write(draws_study(SIGMAS, SPREADS, draws=hazard))
+        self.make("study-results", "-j2")
+        self.assertEqual([self.runs_of(step) for step in STEPS], [1, 4, 3, 3, 6])
+        self.assertEqual(self.files("shared") + self.files("scratch") + self.files("draws"), [])
+        cases = json.loads(read(self.out("cases.json")))["cases"]
+        for number in (0, 5):
+            folder = self.path(f"by-hand-{number}")
+            os.mkdir(folder)
+            subprocess.run(["bash", "-c", self.sweep("show", path, number).stdout], cwd=folder, check=True,
+                           env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+            self.assertEqual(read(self.out(cases[number][-1])), read(os.path.join(folder, "verdict.json")))
+            self.assertEqual(read(self.out(cases[number][-2])), read(os.path.join(folder, "metrics.json")))
+        self.check_chain(folder)
+        self.check_row(self.rows()[5], json.loads(read(self.out(cases[5][-1]))))
+
+    def check_chain(self, folder):
+        """A draw of the campaign by hand equals the chain with the case's own errors and the values of the draw."""
+        with h5py.File(os.path.join(folder, "draws.h5")) as file:
+            rows = {name: column[()] for name, column in file["draws"].items()}
+        commands = ["scan-sim -c scan.json --ranges-from truth.h5 --terrain terrain.h5 -o drawn.h5 "
+                    f"--set seed={rows['seed'][2]} --set navigation_error.velocity_mps='[{float(rows[VELOCITY][2])!r},0,0]'",
+                    "regrid drawn.h5 -c regrid.json --terrain terrain.h5 -o drawn-dem.h5",
+                    "dem-eval drawn-dem.h5 -c eval.json --metrics-only --metrics drawn.json"]
+        subprocess.run(["bash", "-ec", "\n".join(commands)], cwd=folder, check=True, env={**os.environ, "PATH": BIN + ":" + os.environ["PATH"]})
+        metrics = json.loads(read(os.path.join(folder, "drawn.json")))
+        self.assertEqual(rows["coverage.invalid_count"][2], metrics["coverage"]["invalid_count"])
+        self.assertEqual(rows["requirements.relative_elevation.value"][2], metrics["requirements"]["relative_elevation"]["value"])
+        self.assertEqual(rows["pass"][2], metrics["pass"])
+
+    def check_row(self, row, verdict):
+        for rate in verdict["rates"]:
+            for key in ("passed", "draws", "wilson_low", "wilson_high", "exact_lower_bound"):
+                self.assertEqual(float(row[f"draws.{rate['requirement']}.{key}"]), rate[key])
+            self.assertEqual(float(row[f"draws.{rate['requirement']}.passed_frac"]), rate["passed"] / rate["draws"])
+        self.assertEqual({float(row[f"draws.{rate['requirement']}.draws"]) for rate in verdict["rates"]}, {4})
+        self.assertEqual(int(row["draws.hazard.draws_with_site"]), verdict["hazard"]["draws_with_site"])
+        self.assertEqual(int(row["draws.hazard.chosen_place_safe.passed"]), verdict["hazard"]["chosen_place_safe"]["passed"])
+        with h5py.File(self.out("results.h5")) as file:
+            self.assertEqual(file["draws.coverage.passed"].attrs["units"], "1")
+
+    def test_kept_draws_and_grouped_scans_give_the_same_verdicts(self):
+        self.write(draws_study(SPREADS))
+        self.make("study-results", "KEEP=draws")
+        self.assertEqual([os.path.splitext(name)[0] for name in self.files("draws")], [os.path.splitext(name)[0] for name in self.files("verdict")])
+        for name in self.files("draws"):
+            with h5py.File(self.out("draws", name)) as file:
+                self.assertIn("p_invalid", file)
+                self.assertEqual(json.loads(file["verdict_json"].asstr()[()]), json.loads(read(self.out("verdict", name[:-3] + ".json"))))
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        self.write(draws_study(many, {**LIMITS, "list": [0.04, 0.05]}, SPREADS, draws={**DRAWS, "draws": 1}), "many")
+        self.plan(json.loads(read(self.path("many.json"))), name="many")
+        text = read(self.out("study.mk", study_name="many")).decode()
+        self.assertEqual([text.count(f"call stage,{kind},") for kind in ("metrics", "verdict")], [17, 68])
+
+
+class Repeats(StudyTest):
+    """What is made again."""
+
+    def stages_of(self, result):
+        return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
+
+    def test_another_value_runs_only_its_campaign(self):
+        self.write(draws_study(SPREADS))
+        self.assertEqual(self.stages_of(self.make("study-results", "-j2")), ["metrics", "terrain", "truth", "verdict", "verdict"])
+        first = read(self.out("results.csv"))
+        self.write(draws_study({**SPREADS, "list": [0.1, 1, 2]}))
+        self.assertEqual(self.stages_of(self.make("study-results")), ["verdict"])
+        self.write(draws_study(SPREADS))
+        self.assertEqual(self.stages_of(self.make("study-results")), [])
+        self.assertEqual(read(self.out("results.csv")), first)
+        self.assertRegex(self.sweep("prune", self.out()).stdout, r"\A[1-9]\d* files removed, ")
+        self.assertEqual(len(self.files("verdict")), 2)
+        self.assertIn("Nothing to be done", self.make("study-results").stdout)
+
+    def test_files_that_are_lost_or_damaged(self):
+        self.write(draws_study(SPREADS))
+        self.make("study-results")
+        whole = {name: read(self.out("verdict", name)) for name in self.files("verdict")}
+        lost, cut = whole
+        os.remove(self.out("verdict", lost))
+        self.assertIn("1 done, 0 failed, 1 left, of 2 cases", self.make("study-status").stdout)
+        with open(self.out("verdict", cut), "wb") as file:
+            file.write(whole[cut][:100])
+        result = self.make("study-results")
+        self.assertEqual(self.stages_of(result), ["verdict", "verdict"])
+        self.assertRegex(result.stderr, rf"verdict/{cut} is lost or damaged and is made again")
+        self.assertEqual({name: read(self.out("verdict", name)) for name in whole}, whole)
+
+    def test_a_killed_campaign_goes_on(self):
+        """study-chain gives the draws that nobody keeps a name that is the same the next time, and removes them."""
+        self.write(draws_study(SPREADS))
+        self.make("study-results")
+        line = next(line for line in read(self.out("study.mk")).decode().splitlines() if "call stage,verdict," in line)
+        config, truth, terrain, verdict = (self.out(word[3:]) for word in line.split(") draws ")[1].split()[:4])
+        scratch, expected = self.path("scratch"), json.loads(read(verdict))
+        os.mkdir(scratch)
+        self.assertEqual(expected["rates"][0]["passed"], 4)
+        # The state of a killed campaign is a part; one whose draws say something else shows that it was used.
+        state = os.path.join(scratch, ".one-draws.h5.state")
+        subprocess.run([os.path.join(BIN, "monte-carlo"), truth, "-c", config, "--terrain", terrain, "-o", self.path("part.h5"),
+                        "--set", "layers=false", "--draws", "0:2"], check=True, capture_output=True)
+        with h5py.File(self.path("part.h5"), "r+") as file:
+            file["draws/requirements.coverage.pass"][:] = 0
+        os.rename(self.path("part.h5"), state)
+        chain = [os.path.join(ROOT, "studies", "runners", "study-chain"), BIN, "1", scratch, "one", "draws", config, truth, terrain]
+        for passed in (2, 4):
+            subprocess.run([*chain, self.path("verdict.json"), "@"], check=True, capture_output=True)
+            self.assertEqual(json.loads(read(self.path("verdict.json")))["rates"][0]["passed"], passed)
+            self.assertEqual(os.listdir(scratch), [])
+
+    def test_a_failure(self):
+        """Beams that the seed moves cannot be drawn anew; metrics are still made."""
+        self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "list": [0, 1e-4]}))
+        result = self.make("study-results", "-k", code=2)
+        self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")
+        self.assertEqual((len(self.files("metrics")), len(self.files("verdict"))), (2, 1))
+        self.assertRegex(self.make("study-status").stdout, r"(?m)^1 done, 1 failed, 0 left, of 2 cases\n.*: monte-carlo: ")
+        self.make("study-partial")
+        self.assertRegex(read(self.out("report.html")).decode(), r"log/verdict-[0-9a-f]{16}\.log")
+
+
+class Pages(StudyTest):
+    def test_figures_and_report(self):
+        names = ["draws.all.passed_frac", "draws.relative_horizontal.passed_frac"]
+        self.write(draws_study(SPREADS, plot={"metrics": names}, repeat=REPEAT))
+        self.make("study", "-j2")
+        self.assertLessEqual({f"{name}.png" for name in names} | {"overview.png", "campaigns.png"}, set(self.files("figures")))
+        page = read(self.out("report.html")).decode()
+        self.assertIn('id="figure-campaigns"', page)
+        self.assertIn("<td>monte-carlo</td>", page)
+        tree = json.loads(re.search(r'id="study-data">(.*?)</script>', page, re.S)[1])
+        self.assertEqual([tree["runs"][run][0] for run in tree["caseRuns"][0]], ["terrain", "truth", "scan", "regrid", "eval", "draws"])
+        self.assertEqual(tree["configs"]["draws"]["base"]["vary"], {VELOCITY: {"type": "normal", "sigma": 0.1}})
+        with h5py.File(self.out("results.h5")) as file:
+            read_results = table.Results(file)
+        row = self.rows()[0]
+        point = read_results.points[0]
+        self.assertEqual(len(point.rows), 2)
+        expected = [float(row[f"draws.all.{key}"]) for key in ("passed_frac", "wilson_low", "wilson_high")]
+        self.assertEqual(read_results.estimate(point, names[0], 0.5), tuple(expected))
+        self.assertEqual(tuple(expected)[1:], table.wilson(int(row["draws.all.passed"]), 4))
+        figure = verdicts.campaigns_figure(read_results)
+        self.addCleanup(figures.plt.close, figure)
+        shown = {text.get_text() for text in figure.axes[0].texts}
+        self.assertIn(f"{row['draws.all.passed']}/4  [{100 * expected[1]:.0f}, {100 * expected[2]:.0f}] %", shown)
+
+    def test_a_sequential_test(self):
+        """Its figure has no intervals."""
+        stop = {"type": "sprt", "p0": 0.9, "p1": 0.3, "alpha": 0.2, "beta": 0.2}
+        self.write(draws_study(draws={**DRAWS, "draws": 20, "stop": stop}))
+        self.make("study-results")
+        [row] = self.rows()
+        self.assertIn(row["draws.accepted"], ("0", "1"))
+        self.assertNotIn("draws.all.wilson_low", row)
+        with h5py.File(self.out("results.h5")) as file:
+            figure = verdicts.campaigns_figure(table.Results(file))
+        self.addCleanup(figures.plt.close, figure)
+        self.assertIn(f"{row['draws.all.passed']}/{row['draws.all.draws']}", {text.get_text() for text in figure.axes[0].texts})
+
+
+if __name__ == "__main__":
+    unittest.main()
