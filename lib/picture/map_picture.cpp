@@ -264,15 +264,17 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
 std::vector<double> ticks(double low, double high, int count) {
   constexpr double kRounding = 1e-9;  // of a step: 3 x 0.1 exceeds 0.3
   const double rough = (high - low) / std::max(count, 2);
+  if (!(rough > 0) || !std::isfinite(rough)) return {};
   const double power = std::pow(10, std::floor(std::log10(rough)));
   double step = power;
   for (const double factor : {1.0, 2.0, 5.0, 10.0})
     if (step < rough * (1 - kRounding)) step = factor * power;
   std::vector<double> result;
-  for (double k = std::ceil(low / step - kRounding); k <= high / step + kRounding; ++k) {
-    const double decimals = std::pow(10, std::max(0.0, 1 - std::floor(std::log10(step))));
-    result.push_back(std::round(k * step * decimals) / decimals);
-  }
+  const double first = std::ceil(low / step - kRounding);
+  const double last = std::floor(high / step + kRounding);
+  const double decimals = std::pow(10, std::max(0.0, 1 - std::floor(std::log10(step))));
+  for (double i = 0; i <= last - first; ++i)
+    result.push_back(std::round((first + i) * step * decimals) / decimals);
   return result;
 }
 

@@ -85,6 +85,10 @@ TEST(Ticks, AreRoundNumbersWithin) {
   EXPECT_EQ(ticks(0, 0.3, 3), (std::vector<double>{0, 0.1, 0.2, 0.3}));
   EXPECT_EQ(ticks(1234.1, 1234.9, 4), (std::vector<double>{1234.2, 1234.4, 1234.6, 1234.8}));
   EXPECT_EQ(ticks(0, 2e6, 2), (std::vector<double>{0, 1e6, 2e6}));
+  // A range that rounding has closed, or that no step divides, has none.
+  EXPECT_EQ(ticks(1e308, 1e308, 3), (std::vector<double>{}));
+  EXPECT_EQ(ticks(-1.7e308, 1.7e308, 3), (std::vector<double>{}));
+  EXPECT_LE(ticks(1e17, 1e17 + 64, 3).size(), 40U);
 }
 
 PixelMap row_of(std::vector<double> values) {
