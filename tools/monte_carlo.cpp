@@ -2,14 +2,12 @@
 // monte-carlo: draws the errors of a scan many times, and counts how often its DEM passes.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <charconv>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "base/number_text.h"
+#include "cli/campaign_options.h"
 #include "cli/draws_table.h"
 #include "cli/tool.h"
 #include "config/dem_config.h"
@@ -43,79 +41,10 @@ The output has one row per draw, and maps: the probability that a bin is empty a
 
 A run that was ended goes on where it was when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
 
-struct Options {
-  std::vector<std::string> inputs;  ///< a scan, or merge and parts
-  CampaignSources sources;
-  std::vector<std::string> pairs;
-  std::string terrain, draws, verdict, report, title;
-  bool table = false;
-  bool require_pass = false;
-};
-
-void bind(CLI::App& app, Options& o) {
-  app.add_option("scan", o.inputs, "Traced scan (scan.h5); or: merge, and the parts of a campaign (draws.h5)")
-      ->type_name("FILE...");
-  app.add_option("--terrain", o.terrain, "Terrain that was scanned (terrain.h5)")->type_name("FILE");
-  app.add_option("--pair", o.pairs, "A scan and its terrain, in place of scan and --terrain; repeated: draws over each")
-      ->type_name("SCAN:TERRAIN")
-      ->allow_extra_args(false);
-  app.add_option("--samples", o.sources.samples,
-                 "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
-      ->type_name("FILE");
-  app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
-  app.add_option("--verdict", o.verdict, "Write how many draws passed each requirement, with intervals, as JSON")
-      ->type_name("FILE");
-  app.add_option("--report", o.report,
-                 "Write a report: one HTML file with maps, distributions and the failed draws")
-      ->type_name("FILE");
-  app.add_option("--title", o.title, "Title of the report; default: the site and the lidar in words")
-      ->type_name("TEXT");
-  app.add_flag("--table", o.table, "Print how many draws passed each requirement; default on a terminal");
-  app.add_flag("--require-pass", o.require_pass,
-               "Exit with 3 unless every draw passes, or the sequential test accepts");
-}
-
-ScanPair pair_of(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == text.size())
-    throw UsageError("--pair " + text + ": expected SCAN:TERRAIN");
-  return {text.substr(0, colon), text.substr(colon + 1)};
-}
-
-DrawSpan span_of(const std::string& text) {
-  DrawSpan span;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, span.first);
-  if (first.ec == std::errc() && first.ptr != end && *first.ptr == ':') {
-    const auto last = std::from_chars(first.ptr + 1, end, span.end);
-    if (last.ec == std::errc() && last.ptr == end && span.first >= 0 && span.first < span.end) return span;
-  }
-  throw UsageError("--draws " + text + ": expected A:B with 0 <= A < B");
-}
-
-void check(const cli::CommonOptions& common, const Options& o, bool merges) {
-  if (!o.pairs.empty() && (!o.inputs.empty() || !o.terrain.empty()))
-    throw UsageError("--pair names scan and terrain; omit " + (o.inputs.empty() ? "--terrain" : o.inputs.front()));
-  if (o.inputs.empty() && o.pairs.empty()) throw UsageError("a scan is required");
-  if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
-  if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
-  if (o.report == "-") throw UsageError("--report needs a file");
-  if (o.verdict == "-") throw UsageError("--verdict needs a file; --json prints it");
-  if (merges) {
-    if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
-    if (!o.terrain.empty() || !o.sources.samples.empty() || !o.draws.empty() ||
-        !common.config_names.empty() || !common.assignments.empty())
-      throw UsageError("merge takes all from its parts; omit --terrain, --samples, --draws, -c and --set");
-    return;
-  }
-  if (o.inputs.size() > 1) throw UsageError("one scan at a time; " + o.inputs[1] + " is a second one");
-  if (o.terrain.empty() && o.pairs.empty()) throw UsageError("--terrain is required");
-}
-
-void check_config(const cli::Session& session, const Options& o) {
-  if (!o.inputs.empty() && o.inputs.front() == "merge") return;
+void check_config(const cli::Session& session, const cli::CampaignOptions& o) {
+  if (o.merges()) return;
   std::optional<NumberTable> samples;
-  if (!o.sources.samples.empty()) samples = read_number_table(o.sources.samples, {.all = true});
+  if (!o.samples.empty()) samples = read_number_table(o.samples, {.all = true});
   check_draws_config(session.config(), session.config_name(), samples ? &*samples : nullptr);
 }
 
@@ -125,7 +54,7 @@ void write_report(OutputPath& file, const std::string& title, const Draws& draws
   write_text(file, html_report::draws_page({draws, verdict, parameters}, provenance, title));
 }
 
-ExitCode conclude(cli::Session& session, const Options& o, const nlohmann::ordered_json& verdict) {
+ExitCode conclude(cli::Session& session, const cli::CampaignOptions& o, const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
   if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
     std::cout << cli::draws_table(verdict);
@@ -143,7 +72,7 @@ void commit_verdict(const std::unique_ptr<OutputPath>& file, const nlohmann::ord
   file->commit();
 }
 
-ExitCode merge(cli::Session& session, const Options& o) {
+ExitCode merge(cli::Session& session, const cli::CampaignOptions& o) {
   const std::vector<std::string> parts(o.inputs.begin() + 1, o.inputs.end());
   const OutputOptions output = session.output(parts);
   const auto report_file = session.side_output("--report", o.report, parts);
@@ -162,15 +91,11 @@ ExitCode merge(cli::Session& session, const Options& o) {
   return conclude(session, o, verdict);
 }
 
-ExitCode run(cli::Session& session, const Options& o) {
-  const bool merges = !o.inputs.empty() && o.inputs.front() == "merge";
-  check(session.options(), o, merges);
-  if (merges) return merge(session, o);
-  CampaignSources sources = o.sources;
-  for (const std::string& pair : o.pairs) sources.pairs.push_back(pair_of(pair));
-  if (sources.pairs.empty()) sources.pairs.push_back({o.inputs.front(), o.terrain});
-  std::optional<DrawSpan> part;
-  if (!o.draws.empty()) part = span_of(o.draws);
+ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
+  cli::check_campaign(session.options(), o);
+  if (o.merges()) return merge(session, o);
+  const CampaignSources sources = o.sources();
+  const std::optional<DrawSpan> part = o.part();
   std::vector<std::string> inputs = {sources.samples};
   for (const ScanPair& pair : sources.pairs) inputs.insert(inputs.end(), {pair.scan, pair.terrain});
   const OutputOptions output = session.output(inputs);
@@ -200,14 +125,14 @@ ExitCode run(cli::Session& session, const Options& o) {
 
 int main(int argc, char** argv) {
   using namespace landfall;
-  Options options;
+  cli::CampaignOptions options;
   cli::Tool tool;
   tool.name = "monte-carlo";
   tool.summary = "Draws the errors of a scan many times, and counts how often its DEM passes.";
   tool.description = kDescription;
   tool.examples = kExamples;
   tool.schema = "draws";
-  tool.bind = [&](CLI::App& app) { bind(app, options); };
+  tool.bind = [&](CLI::App& app) { cli::bind_campaign(app, options); };
   tool.check = [&](const cli::Session& session) { check_config(session, options); };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/tool.h"
+#include "scene/campaign_run.h"
+
+namespace landfall::cli {
+
+/// The options of monte-carlo; empty where they are not given.
+struct CampaignOptions {
+  std::vector<std::string> inputs;  ///< a scan, or merge and parts
+  std::vector<std::string> pairs;
+  std::string terrain, samples, draws, verdict, report, title;
+  bool table = false;
+  bool require_pass = false;
+
+  [[nodiscard]] bool merges() const { return !inputs.empty() && inputs.front() == "merge"; }
+  /// Of a run that does not merge. Throws UsageError.
+  [[nodiscard]] CampaignSources sources() const;
+  /// The rows of --draws. Throws UsageError.
+  [[nodiscard]] std::optional<DrawSpan> part() const;
+};
+
+void bind_campaign(CLI::App& app, CampaignOptions& o);
+
+/// Throws UsageError for options that do not go together.
+void check_campaign(const CommonOptions& common, const CampaignOptions& o);
+
+}  // namespace landfall::cli
