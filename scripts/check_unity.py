@@ -16,6 +16,7 @@ import sys
 TARGET = re.compile(r"(?:landfall_library\((?=\w+\s+UNITY\b)|landfall_unity_groups\()(\w+)(.*?)\)", re.S)
 SETTING = re.compile(r"set\((\w+)([^)]*)\)")
 HEADER_CONSTANT = re.compile(r"^inline constexpr \S+ (k\w+)", re.M)
+HEADER_TYPE = re.compile(r"^(?:enum class|enum|struct|class) (\w+)(?: final)?(?: :[^;{]*)? \{", re.M)
 FUNCTION = re.compile(r"(?:[^=(]|operator\W+)*\([^;]*\)[^;]*\{\}$")  # with its body
 NOISE = re.compile(r"""//[^\n]*|/\*.*?\*/|^[ \t]*\#(?:\\\n|[^\n])*  # comments, preprocessor
                        |(?P<literal>R"(?P<mark>\w*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|(?<!\w)'(?:\\.|[^'\\\n])+')""", re.S | re.M | re.X)
@@ -75,6 +76,8 @@ def collisions(library: str, files, headers):
     for header in headers:
         for name in HEADER_CONSTANT.findall(header.read_text()):
             known[name].append((header, ("variable",)))
+        for name in HEADER_TYPE.findall(header.read_text()):
+            known[name].append((header, ("type",)))
     for file in files:
         for namespace, declaration in declarations(without_noise(file.read_text())):
             if declaration.startswith("static_assert"):

@@ -12,7 +12,7 @@ namespace landfall {
 namespace {
 
 /// Enough points that a pass on all threads costs more than its start.
-constexpr std::int64_t kPointsPerPass = std::int64_t{1} << 17U;
+constexpr std::int64_t kBatchPoints = std::int64_t{1} << 17U;
 constexpr std::int64_t kPointsPerPiece = 16384;
 
 /// Memory for every bin; its values are not set.
@@ -37,7 +37,7 @@ DrawGridder::DrawGridder(std::span<const double> ranges_true_m, const TerrainSur
 DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
   Accumulator& bins = empty_bins(method);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
-  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kPointsPerPass / pixels);
+  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / pixels);
   do {
     for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
       fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});

@@ -17,7 +17,7 @@ constexpr int kAttempts = 3;       // before a tile is split
 constexpr double kCrowded = 20;    // split if the tails are this many times as large as needed
 constexpr std::int64_t kSmallestEdge = 4;  // of a tile that is not split further
 
-struct MeanRange {
+struct MeanInterval {
   double lowest = kInfinity;
   double highest = -kInfinity;
 };
@@ -102,7 +102,7 @@ void TileQuantile::compute_above(const Tile& tile, double floor) {
 
 /// Returns false if the tails would be too large.
 bool TileQuantile::walk_above(const Tile& tile, double floor, WalkOutcome& outcome) {
-  MeanRange means;
+  MeanInterval means;
   for_each_bin(tile, [&](BinIndex bin) {
     if (!pending(bin)) return;
     means.lowest = std::min(means.lowest, input_.windows.mean.at(bin));

@@ -41,6 +41,7 @@ class Unity(unittest.TestCase):
                 ("constexpr auto k = g([](auto a) { return a; }, 1);\nint f() { return 0; }", "void f() {}")]:
             self.assertEqual(self.checked(one, other), 1, (one, other))
         self.assertEqual(self.checked("constexpr int kRows = 1;", "", header="inline constexpr int kRows = 2;\n"), 1)
+        self.assertEqual(self.checked("struct Row {\n int a;\n};", "", header="struct Row {\n  int a;\n};\n"), 1)
 
     def test_names_that_do_not(self):
         for one, other in [
@@ -50,6 +51,7 @@ class Unity(unittest.TestCase):
                 ('constexpr const char* kText = "}; int f() {}";', "int f() { return '}'; }"),
                 ("static_assert(a == 1);", "static_assert(a == 1);")]:
             self.assertEqual(self.checked(one, other), 0, (one, other))
+        self.assertEqual(self.checked("struct Row {\n int a;\n};", "", header="struct Row;\nclass Table {\n  struct Row {};\n};\n"), 0)
 
     def test_only_units_that_are_compiled_together_matter(self):
         alone_first = "landfall_library(some UNITY ALONE {} SOURCES one.cpp other.cpp LINKS)"
