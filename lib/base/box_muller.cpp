@@ -4,51 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstdint>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/box_muller.cpp"
-#include "base/lanes-inl.h"
+#include "base/elementary-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
-
-using Bits = hn::RebindToUnsigned<D>;
-
-/// A polynomial by Horner's rule, coefficients from the highest power down. MulAdd is fused on some targets.
-template <std::size_t N>
-HWY_INLINE V Polynomial(const std::array<double, N>& coefficients, V x) {
-  V sum = constant(coefficients[0]);
-  for (std::size_t i = 1; i < N; ++i) sum = hn::Add(hn::Mul(sum, x), constant(coefficients[i]));
-  return sum;
-}
-
-/// Natural logarithm for normal, positive x, below 1 ulp: the method of fdlibm's e_log.c. x = 2^k m, m in
-/// [sqrt(1/2), sqrt(2)), f = m - 1, s = f / (2 + f), log m = f - f^2 / 2 + s (f^2 / 2 + R(s^2)).
-HWY_INLINE V Log(V x) {
-  constexpr std::array kR = {0x1.2f112df3e5244p-3, 0x1.39a09d078c69fp-3, 0x1.7466496cb03dep-3,
-                             0x1.c71c51d8e78afp-3, 0x1.2492494229359p-2, 0x1.999999997fa04p-2,
-                             0x1.5555555555593p-1};
-  constexpr double kLn2High = 0x1.62e42feep-1;  // k times this is exact
-  constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
-  constexpr std::uint64_t kRootHalf = 0x3fe6a09e00000000;
-  constexpr std::uint64_t kOne = 0x3ff0000000000000;
-  constexpr std::uint64_t kTwo52 = 0x4330000000000000;
-  const auto set = [](std::uint64_t bits) { return hn::Set(Bits(), bits); };
-  const auto shifted = hn::Add(hn::BitCast(Bits(), x), set(kOne - kRootHalf));
-  const auto fraction = hn::And(shifted, set(0x000fffffffffffff));
-  const V m = hn::BitCast(D(), hn::Add(fraction, set(kRootHalf)));
-  // Converts the exponent through the low bits of 2^52 + exponent, which every target supports.
-  const V exponent = hn::BitCast(D(), hn::Or(hn::ShiftRight<52>(shifted), set(kTwo52)));
-  const V k = hn::Sub(exponent, constant(0x1p52 + 1023));
-  const V f = hn::Sub(m, constant(1));
-  const V s = hn::Div(f, hn::Add(constant(2), f));
-  const V z = hn::Mul(s, s);
-  const V r = hn::Mul(z, Polynomial(kR, z));
-  const V half_square = hn::Mul(constant(0.5), hn::Mul(f, f));
-  const V small = hn::Add(hn::Mul(s, hn::Add(half_square, r)), hn::Mul(k, constant(kLn2Low)));
-  return hn::Sub(hn::Mul(k, constant(kLn2High)), hn::Sub(hn::Sub(half_square, small), f));
-}
 
 /// The upper 26 bits of the significand: the product of two such numbers is exact.
 HWY_INLINE V Upper(V x) {

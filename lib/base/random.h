@@ -24,6 +24,8 @@ enum class RandomStream : std::uint64_t {
   disturbance = 11,
   risley_encoder = 12,
   gauss_markov = 13,
+  mirror_time = 14,
+  facet_tilt = 15,
   penitente = 20,
   rock_population = 21,
   ice_block_population = 22,
@@ -32,6 +34,11 @@ enum class RandomStream : std::uint64_t {
   map_noise = 30,
   least_median = 31,
   variation = 40,
+  photon_count = 50,
+  photon_time = 51,
+  background = 52,
+  timing_jitter = 53,
+  pixel_offset = 54,
 };
 
 /// Random numbers as a pure function of (seed, stream, i, j): Philox4x64-10 (Salmon et al. 2011) with the key
