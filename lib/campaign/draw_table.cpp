@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "campaign/draw_table.h"
 
+#include <algorithm>
 #include <cassert>
 #include <stdexcept>
 
@@ -23,10 +24,14 @@ void append(DrawTable& table, const DrawTable& next) {
   table.pass.insert(table.pass.end(), next.pass.begin(), next.pass.end());
 }
 
+const DrawColumn* find_metric(const DrawTable& table, const std::string& name) {
+  const auto found = std::ranges::find(table.metrics, name, &DrawColumn::name);
+  return found == table.metrics.end() ? nullptr : &*found;
+}
+
 const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement) {
   const std::string name = "requirements." + requirement + ".pass";
-  for (const DrawColumn& column : table.metrics)
-    if (column.name == name) return column;
+  if (const DrawColumn* const column = find_metric(table, name)) return *column;
   throw std::out_of_range(name);
 }
 

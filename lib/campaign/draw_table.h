@@ -35,6 +35,9 @@ inline constexpr const char* kPairColumn = "pair";
 /// Appends `next`, whose first draw follows the last one of `table` and which has the same columns.
 void append(DrawTable& table, const DrawTable& next);
 
+/// The metric of this name; null if the table has none.
+[[nodiscard]] const DrawColumn* find_metric(const DrawTable& table, const std::string& name);
+
 /// The metric "requirements.NAME.pass"; throws std::out_of_range if the table has none.
 [[nodiscard]] const DrawColumn& pass_column(const DrawTable& table, const std::string& requirement);
 

@@ -12,6 +12,7 @@
 #include "evaluation/coverage.h"
 #include "evaluation/error_statistics.h"
 #include "evaluation/piecewise.h"
+#include "evaluation/sparse_coverage.h"
 #include "raster/distance_transform.h"
 
 namespace landfall {
@@ -51,15 +52,14 @@ using Sinks = std::vector<LayerSink*>;
 /// Judges the accuracy requirements axis by axis, so that few grids of double exist at a time.
 class AccuracyPass {
  public:
-  AccuracyPass(const EvaluationParameters& parameters, const Sinks& sinks, Evaluation& result,
-               Grid<std::int8_t>& fail)
+  AccuracyPass(const EvaluationParameters& parameters, const Sinks& sinks, Evaluation& result)
       : limits_(parameters.limits),
         region_(result.region),
         rule_{footprint_of(parameters, result.region.spec().resolution_m), parameters.quantile},
         sinks_(sinks),
         metrics_(result.metrics.accuracy.emplace()),
         statistics_(result.metrics.statistics),
-        fail_(fail) {}
+        fail_(result.fail) {}
 
   void run(ErrorLayers errors, const ProgressCallback& progress) const {
     metrics_.footprint_bins = 2 * rule_.footprint.half_bins() + 1;
@@ -133,14 +133,16 @@ class AccuracyPass {
   Grid<std::int8_t>& fail_;
 };
 
-/// Records the coverage and passes its layers to the sinks.
-void take_coverage(Coverage coverage, const EvaluationLimits& limits, const Sinks& sinks, Evaluation& result,
-                   Grid<std::int8_t>& fail) {
-  flag_coverage(coverage, limits, fail);
-  result.holes = std::move(coverage.holes);
-  result.metrics.coverage = std::move(coverage.metrics);
+void record(CoverageMetrics metrics, std::vector<Hole> holes, Evaluation& result) {
+  result.holes = std::move(holes);
+  result.metrics.coverage = std::move(metrics);
   result.metrics.statistics.valid_frac = 1 - result.metrics.coverage.invalid_frac;
-  if (sinks.empty()) return;
+}
+
+/// Records the coverage and passes its layers to the sinks.
+void pass_on(Coverage coverage, const EvaluationLimits& limits, const Sinks& sinks, Evaluation& result) {
+  flag_coverage(coverage, limits, result.fail);
+  record(std::move(coverage.metrics), std::move(coverage.holes), result);
   CoverageLayers layers{std::move(result.region), std::move(coverage.invalid), std::move(coverage.hole_id),
                         distance_layer(coverage.squared_distance)};
   coverage.squared_distance = {};
@@ -157,25 +159,35 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
   Evaluation result{
       .metrics = {},
       .holes = {},
-      .region = judged_region(parameters, dem.z_est.spec(), dem.region_mask ? &*dem.region_mask : nullptr)};
+      .region = judged_region(parameters, dem.z_est.spec(), dem.region_mask ? &*dem.region_mask : nullptr),
+      .fail = Grid<std::int8_t>(dem.z_est.spec())};
   Metrics& metrics = result.metrics;
   metrics.region = describe(parameters, result.region);
-  Grid<std::int8_t> fail(dem.z_est.spec());
   std::optional<AccuracyPass> accuracy;
-  if (dem.truth) accuracy.emplace(parameters, sinks, result, fail);
-  Coverage coverage;
+  if (dem.truth) accuracy.emplace(parameters, sinks, result);
+  std::optional<Coverage> coverage;  // only with a sink: its layers cost time and memory
+  JudgedCoverage judged;
   ErrorLayers errors;
-  run_both([&] { coverage = assess_coverage(dem.z_est, result.region, parameters.limits); },
-           [&] {
-             if (!accuracy) return;
-             errors = errors_of(std::move(*dem.truth), dem.z_est, std::move(dem.z_corrected));
-             metrics.statistics.x = error_statistics(errors.x, result.region);
-             metrics.statistics.y = error_statistics(errors.y, result.region);
-           });
+  run_both(
+      [&] {
+        if (sinks.empty())
+          judged = judge_coverage(dem.z_est, result.region, parameters.limits, result.fail);
+        else
+          coverage = assess_coverage(dem.z_est, result.region, parameters.limits);
+      },
+      [&] {
+        if (!accuracy) return;
+        errors = errors_of(std::move(*dem.truth), dem.z_est, std::move(dem.z_corrected));
+        metrics.statistics.x = error_statistics(errors.x, result.region);
+        metrics.statistics.y = error_statistics(errors.y, result.region);
+      });
   dem = {};
-  take_coverage(std::move(coverage), parameters.limits, sinks, result, fail);
+  if (coverage)
+    pass_on(std::move(*coverage), parameters.limits, sinks, result);
+  else
+    record(std::move(judged.metrics), std::move(judged.holes), result);
   if (accuracy) accuracy->run(std::move(errors), progress);
-  for (LayerSink* const sink : sinks) sink->take(fail);
+  for (LayerSink* const sink : sinks) sink->take(result.fail);
   metrics.requirements = judge(metrics.coverage, metrics.accuracy, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);
   report(progress, 1);

@@ -36,14 +36,15 @@ class LayerSink {
   virtual void take(const CoverageLayers& layers) = 0;
   /// Called once for each axis; never without truth.
   virtual void take(Axis axis, const AxisLayers& layers) = 0;
-  /// Called last, with FailFlag bits; 0 outside the region.
+  /// Called last, with Evaluation::fail.
   virtual void take(const Grid<std::int8_t>& fail) = 0;
 };
 
 struct Evaluation {
   Metrics metrics;
   std::vector<Hole> holes;
-  BinMask region;  ///< the bins that were judged
+  BinMask region;          ///< the bins that were judged
+  Grid<std::int8_t> fail;  ///< FailFlag bits; 0 outside the region
 };
 
 /// Judges a DEM against Table 1 (Chen et al., Eqs. 10-12) and passes the layers to each sink. The result

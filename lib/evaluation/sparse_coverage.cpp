@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "evaluation/piecewise.h"
@@ -80,17 +81,17 @@ std::optional<std::vector<double>> distances(const Grid<double>& z_est,
   return result;
 }
 
-CoverageMetrics judge_densely(const Grid<double>& z_est, const BinMask& region,
-                              const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
-  const Coverage coverage = assess_coverage(z_est, region, limits);
+JudgedCoverage judge_densely(const Grid<double>& z_est, const BinMask& region, const EvaluationLimits& limits,
+                             Grid<std::int8_t>& fail) {
+  Coverage coverage = assess_coverage(z_est, region, limits);
   flag_coverage(coverage, limits, fail);
-  return coverage.metrics;
+  return {std::move(coverage.metrics), std::move(coverage.holes)};
 }
 
 }  // namespace
 
-CoverageMetrics judge_coverage(const Grid<double>& z_est, const BinMask& region,
-                               const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
+JudgedCoverage judge_coverage(const Grid<double>& z_est, const BinMask& region,
+                              const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
   const InvalidBins invalid = find_invalid(z_est, region);
   if (invalid.bins.size() > z_est.spec().size() / kMostFrac)
     return judge_densely(z_est, region, limits, fail);
@@ -109,7 +110,7 @@ CoverageMetrics judge_coverage(const Grid<double>& z_est, const BinMask& region,
   }
   CoverageMetrics metrics = coverage_metrics(labels.holes, invalid.region_bins, limits);
   metrics.distance_over_limit_count = beyond;
-  return metrics;
+  return {std::move(metrics), std::move(labels.holes)};
 }
 
 }  // namespace landfall

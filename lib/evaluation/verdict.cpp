@@ -14,24 +14,15 @@
 namespace landfall {
 namespace {
 
-struct FailSink : LayerSink {
-  void take(const CoverageLayers& /*layers*/) override {}
-  void take(Axis /*axis*/, const AxisLayers& /*layers*/) override {}
-  void take(const Grid<std::int8_t>& flags) override { fail = flags; }
-  Grid<std::int8_t> fail;
-};
-
 /// The verdict of evaluate(), for data or parameters that the counts do not allow.
 Verdict decide_by_evaluation(const DemLayers& dem, const BinMask& region,
                              const EvaluationParameters& parameters) {
   EvaluationParameters of_mask = parameters;
   of_mask.region_shape = RegionShape::mask;
-  FailSink sink;
-  const Evaluation evaluation =
-      evaluate({.z_est = dem.z_est, .truth = dem.truth, .region_mask = region}, of_mask, {&sink});
+  Evaluation evaluation = evaluate({.z_est = dem.z_est, .truth = dem.truth, .region_mask = region}, of_mask);
   const Metrics& full = evaluation.metrics;
   Verdict result;
-  result.fail = std::move(sink.fail);
+  result.fail = std::move(evaluation.fail);
   result.metrics = {full.pass, full.coverage, {}, full.requirements};
   if (!full.accuracy) return result;
   DecisiveMetrics::Accuracy& accuracy = result.metrics.accuracy.emplace();
@@ -104,7 +95,7 @@ Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationPara
   } else {
     check_layers(dem);
   }
-  metrics.coverage = judge_coverage(dem.z_est, region, parameters.limits, result.fail);
+  metrics.coverage = judge_coverage(dem.z_est, region, parameters.limits, result.fail).metrics;
   metrics.requirements = judge_values(metrics.coverage, values, parameters.limits);
   metrics.pass = overall_pass(metrics.requirements);
   return result;

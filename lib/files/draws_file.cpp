@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/key_unit.h"
+#include "campaign/draw_layers.h"
 #include "campaign/pass_rate.h"
-#include "evaluation/piecewise.h"
 #include "files/contents.h"
 #include "files/field_json.h"
 #include "files/grid_file.h"
@@ -29,62 +29,34 @@ using Json = nlohmann::ordered_json;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kFirstDraw = "first_draw";
 
-Grid<float> layer_of(const GridSpec& spec, const auto& value) {
-  auto layer = Grid<float>::unset(spec);
-  for_each_index(spec.size(), [&](std::size_t i) { layer.values()[i] = static_cast<float>(value(i)); });
-  return layer;
-}
-
-/// Of the draws in which map and truth know the place.
-void write_safety(GridLayerWriter& layers, const SafetyCounts& safety) {
-  const auto share = [&](const Grid<std::int32_t>& count) {
-    return layer_of(safety.known.spec(), [&](std::size_t i) {
-      const std::int32_t known = safety.known.values()[i];
-      return known > 0 ? static_cast<double>(count.values()[i]) / known : kNan;
-    });
-  };
-  layers.write("p_judged_safe", share(safety.judged_safe),
-               {"1", "share of the draws in which the map says that the place is safe"});
-  layers.write("p_missed_hazard", share(safety.missed),
-               {"1", "share of the draws in which the map says safe and the place is a hazard in truth"});
-}
-
 void write_layers(LandfallFileWriter& file, const Draws& draws, const std::string& crs_wkt) {
   const DrawMaps& maps = *draws.maps;
-  const GridSpec& spec = maps.spec();
-  const auto n = static_cast<double>(maps.draws);
-  GridLayerWriter layers(file, spec, crs_wkt);
-  layers.write("p_invalid", layer_of(spec, [&](std::size_t i) { return maps.invalid.values()[i] / n; }),
+  GridLayerWriter layers(file, maps.spec(), crs_wkt);
+  layers.write("p_invalid", share_of_draws(maps, maps.invalid, nullptr),
                {"1", "share of the draws in which the bin has no elevation"});
-  const auto share = [&](const Grid<std::int32_t>& count) {
-    return layer_of(spec, [&](std::size_t i) {
-      return draws.region->values()[i] != 0 ? count.values()[i] / n : kNan;
-    });
-  };
+  const auto share = [&](const Grid<std::int32_t>& count) { return share_of_draws(maps, count, &*draws.region); };
   const std::string footprint = "share of the draws in which the footprint exceeds the limit of the ";
   layers.write("p_fail_rel_x", share(maps.fail_rel_x), {"1", footprint + "relative error of x"});
   layers.write("p_fail_rel_y", share(maps.fail_rel_y), {"1", footprint + "relative error of y"});
   layers.write("p_fail_rel_z", share(maps.fail_rel_z), {"1", footprint + "relative error of z"});
   layers.write("p_fail_absolute", share(maps.fail_absolute), {"1", footprint + "absolute horizontal error"});
-  if (maps.safety) write_safety(layers, *maps.safety);
-  layers.write("e_z_mean", layer_of(spec, [&](std::size_t i) { return maps.e_z.mean_m(i); }),
-               {"m", "mean of z_true - z_est over the draws"});
-  layers.write("e_z_std", layer_of(spec, [&](std::size_t i) { return maps.e_z.std_m(i); }),
-               {"m", "standard deviation of z_true - z_est over the draws"});
-  layers.write("e_map_std", layer_of(spec, [&](std::size_t i) { return maps.e_map.std_m(i); }),
+  if (maps.safety) {
+    layers.write("p_judged_safe", share_of_known(*maps.safety, maps.safety->judged_safe),
+                 {"1", "share of the draws in which the map says that the place is safe"});
+    layers.write("p_missed_hazard", share_of_known(*maps.safety, maps.safety->missed),
+                 {"1", "share of the draws in which the map says safe and the place is a hazard in truth"});
+  }
+  layers.write("e_z_mean", mean_of(maps.e_z), {"m", "mean of z_true - z_est over the draws"});
+  layers.write("e_z_std", std_of(maps.e_z), {"m", "standard deviation of z_true - z_est over the draws"});
+  layers.write("e_map_std", std_of(maps.e_map),
                {"m", "standard deviation over the draws of the true elevation at the bin centre less z_est"});
   if (draws.z_sigma_abs) {
     layers.write("z_sigma_abs", *draws.z_sigma_abs, {"m", "predicted standard deviation of the same"});
-    layers.write("e_map_std_over_sigma", layer_of(spec, [&](std::size_t i) {
-                   const double sigma_m = draws.z_sigma_abs->values()[i];
-                   return sigma_m > 0 ? maps.e_map.std_m(i) / sigma_m : kNan;
-                 }),
+    layers.write("e_map_std_over_sigma", std_over_sigma(maps.e_map, *draws.z_sigma_abs),
                  {"1", "e_map_std / z_sigma_abs"});
   }
   layers.write("z_true_map", *draws.z_true_map, {"m", "true elevation at the bin centre"});
-  layers.write("count_mean",
-               layer_of(spec, [&](std::size_t i) { return static_cast<double>(maps.count.values()[i]) / n; }),
-               {"1", "mean number of returns in the bin"});
+  layers.write("count_mean", mean_count(maps), {"1", "mean number of returns in the bin"});
   layers.write("in_region", *draws.region, {"1", "whether the bin is judged", {0, 1}, "no yes"});
 }
 
@@ -228,11 +200,6 @@ Json rate_json(const std::string& name, const PassRate& rate) {
           {"exact_lower_bound", exact_lower_bound(rate)}};
 }
 
-const DrawColumn* column_of(const DrawTable& table, const std::string& name) {
-  const auto found = std::ranges::find(table.metrics, name, &DrawColumn::name);
-  return found == table.metrics.end() ? nullptr : &*found;
-}
-
 /// Of a campaign that judges hazards: how often the chosen place is safe in truth. A draw without a safe place, or whose
 /// place is unknown in truth, counts as not safe.
 Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe, const std::vector<double>& site_x_m,
@@ -260,9 +227,9 @@ Json result_json(const DrawTable& table) {
   }
   rates.push_back(rate_json("all", {std::ranges::count(table.pass, 1), table.size()}));
   Json result = {{"rates", std::move(rates)}};
-  const DrawColumn* const chosen_safe = column_of(table, "site.true_safe");
-  const DrawColumn* const site_x = column_of(table, "site.x_m");
-  const DrawColumn* const missed = column_of(table, "score.missed_hazard_frac");
+  const DrawColumn* const chosen_safe = find_metric(table, "site.true_safe");
+  const DrawColumn* const site_x = find_metric(table, "site.x_m");
+  const DrawColumn* const missed = find_metric(table, "score.missed_hazard_frac");
   if (chosen_safe != nullptr && site_x != nullptr && missed != nullptr)
     result["hazard"] = hazard_json(table.size(), chosen_safe->values, site_x->values, missed->values);
   return result;

@@ -2,23 +2,14 @@
 #include "report/draws_data.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
-#include "evaluation/piecewise.h"
+#include "campaign/draw_layers.h"
 
 namespace landfall::html_report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
-
-Grid<float> layer_of(const GridSpec& spec, const auto& value) {
-  auto layer = Grid<float>::unset(spec);
-  for_each_index(spec.size(), [&](std::size_t i) { layer.values()[i] = static_cast<float>(value(i)); });
-  return layer;
-}
 
 /// The layers in the order of the page.
 class CampaignLayers {
@@ -29,19 +20,21 @@ class CampaignLayers {
   [[nodiscard]] Json all() {
     add({"z_true_map", "True elevation", "m"}, *draws_.z_true_map);
     add({"in_region", "Judged region", "", Style::mask, Rule::largest}, *draws_.region);
-    add_probability("p_invalid", "Empty bin", maps_.invalid, false);
+    add_probability("p_invalid", "Empty bin", share_of_draws(maps_, maps_.invalid, nullptr));
     const std::string footprint = "Footprint fails: ";
-    add_probability("p_fail_rel_z", footprint + "relative z", maps_.fail_rel_z, true);
-    add_probability("p_fail_rel_x", footprint + "relative x", maps_.fail_rel_x, true);
-    add_probability("p_fail_rel_y", footprint + "relative y", maps_.fail_rel_y, true);
-    add_probability("p_fail_absolute", footprint + "absolute", maps_.fail_absolute, true);
+    const auto in_region = [&](const Grid<std::int32_t>& count) {
+      return share_of_draws(maps_, count, &*draws_.region);
+    };
+    add_probability("p_fail_rel_z", footprint + "relative z", in_region(maps_.fail_rel_z));
+    add_probability("p_fail_rel_x", footprint + "relative x", in_region(maps_.fail_rel_x));
+    add_probability("p_fail_rel_y", footprint + "relative y", in_region(maps_.fail_rel_y));
+    add_probability("p_fail_absolute", footprint + "absolute", in_region(maps_.fail_absolute));
     if (maps_.safety) add_safety(*maps_.safety);
-    add_error("e_z_mean", "Mean error in z", Style::signed_error, Rule::extreme, "mean of e_z",
-              [&](std::size_t i) { return maps_.e_z.mean_m(i); });
-    add_error("e_z_std", "Spread of the error in z", Style::magnitude, Rule::largest,
-              "standard deviation of e_z", [&](std::size_t i) { return maps_.e_z.std_m(i); });
-    add_error("e_map_std", "Spread of the error of the map", Style::magnitude, Rule::mean,
-              "standard deviation", [&](std::size_t i) { return maps_.e_map.std_m(i); });
+    add_error("e_z_mean", "Mean error in z", Style::signed_error, Rule::extreme, "mean of e_z", mean_of(maps_.e_z));
+    add_error("e_z_std", "Spread of the error in z", Style::magnitude, Rule::largest, "standard deviation of e_z",
+              std_of(maps_.e_z));
+    add_error("e_map_std", "Spread of the error of the map", Style::magnitude, Rule::mean, "standard deviation",
+              std_of(maps_.e_map));
     if (draws_.z_sigma_abs) add_predicted(*draws_.z_sigma_abs);
     return std::move(list_);
   }
@@ -53,47 +46,29 @@ class CampaignLayers {
     list_.push_back(packer_.keep(reduced_layer(std::move(layer), values, factor_), id));
   }
 
-  void add_probability(const std::string& name, const std::string& title, const Grid<std::int32_t>& count,
-                       bool in_region) {
+  void add_probability(const std::string& name, const std::string& title, const Grid<float>& share) {
     ReportLayer layer{name, title, "", Style::chance, Rule::largest};
     layer.quantity = "share of the draws";
-    const auto n = static_cast<double>(maps_.draws);
-    add(std::move(layer), layer_of(maps_.spec(), [&](std::size_t i) {
-          return in_region && draws_.region->values()[i] == 0 ? kNoValue : count.values()[i] / n;
-        }));
+    add(std::move(layer), share);
   }
 
   void add_error(const std::string& name, const std::string& title, Style style, Rule rule,
-                 const std::string& quantity, const auto& value) {
+                 const std::string& quantity, const Grid<float>& values) {
     ReportLayer layer{name, title, "m", style, rule};
     layer.quantity = quantity;
-    add(std::move(layer), layer_of(maps_.spec(), value));
+    add(std::move(layer), values);
   }
 
-  /// Of the draws in which map and truth know the place.
   void add_safety(const SafetyCounts& safety) {
-    const auto add_share = [&](const std::string& name, const std::string& title, const Grid<std::int32_t>& count) {
-      ReportLayer layer{name, title, "", Style::chance, Rule::largest};
-      layer.quantity = "share of the draws";
-      add(std::move(layer), layer_of(maps_.spec(), [&](std::size_t i) {
-            const std::int32_t known = safety.known.values()[i];
-            return known > 0 ? static_cast<double>(count.values()[i]) / known : kNoValue;
-          }));
-    };
-    add_share("p_missed_hazard", "Missed hazard", safety.missed);
-    add_share("p_judged_safe", "Judged safe", safety.judged_safe);
+    add_probability("p_missed_hazard", "Missed hazard", share_of_known(safety, safety.missed));
+    add_probability("p_judged_safe", "Judged safe", share_of_known(safety, safety.judged_safe));
   }
 
   void add_predicted(const Grid<float>& sigma_m) {
-    ReportLayer layer{"z_sigma_abs", "Predicted spread", "m", Style::magnitude, Rule::mean};
-    layer.quantity = "standard deviation";
-    add(std::move(layer), sigma_m);
+    add_error("z_sigma_abs", "Predicted spread", Style::magnitude, Rule::mean, "standard deviation", sigma_m);
     ReportLayer ratio{"e_map_std_over_sigma", "Observed over predicted", "", Style::magnitude, Rule::mean};
     ratio.quantity = "e_map_std / z_sigma_abs";
-    add(std::move(ratio), layer_of(maps_.spec(), [&](std::size_t i) {
-          const double predicted_m = sigma_m.values()[i];
-          return predicted_m > 0 ? maps_.e_map.std_m(i) / predicted_m : kNoValue;
-        }));
+    add(std::move(ratio), std_over_sigma(maps_.e_map, sigma_m));
   }
 
   const Draws& draws_;
@@ -110,10 +85,6 @@ Json values_json(const DrawColumn& column, std::int64_t shown) {
   return {{"name", column.name}, {"values", std::move(values)}};
 }
 
-const DrawColumn& column_of(const DrawTable& table, const std::string& name) {
-  return *std::ranges::find(table.metrics, name, &DrawColumn::name);
-}
-
 const char* unit_name(RequirementUnit unit) {
   return unit == RequirementUnit::fraction ? "frac" : unit == RequirementUnit::bins ? "bins" : "footprints";
 }
@@ -122,13 +93,13 @@ Json requirements_json(const DrawTable& table, std::int64_t shown) {
   Json list = Json::array();
   for (const RequirementInfo& info : kRequirementInfo) {
     const std::string path = "requirements." + std::string(info.name) + ".";
-    Json requirement = values_json(column_of(table, path + "value"), shown);
+    Json requirement = values_json(*find_metric(table, path + "value"), shown);
     requirement["name"] = info.name;
     requirement["measured"] = info.measured;
     requirement["unit"] = unit_name(info.unit);
     requirement["at_least"] = info.at_least;
-    requirement["limits"] = values_json(column_of(table, path + "limit"), shown)["values"];
-    requirement["pass"] = values_json(column_of(table, path + "pass"), shown)["values"];
+    requirement["limits"] = values_json(*find_metric(table, path + "limit"), shown)["values"];
+    requirement["pass"] = values_json(*find_metric(table, path + "pass"), shown)["values"];
     list.push_back(std::move(requirement));
   }
   return list;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/campaign_parts.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <system_error>
 #include <utility>
@@ -108,8 +110,11 @@ std::optional<Draws> CampaignState::load(const std::function<void(const std::str
 }
 
 void CampaignState::save(const Draws& draws, const std::string& crs_wkt) const {
-  LandfallFileWriter file({path_, true, 1}, "draws", provenance_of(draws.table));
-  write_draws(file, draws, verdict_json(draws.table, std::nullopt), crs_wkt);
+  {
+    LandfallFileWriter file({path_, true, 1}, "draws", provenance_of(draws.table));
+    write_draws(file, draws, verdict_json(draws.table, std::nullopt), crs_wkt);
+  }
+  malloc_trim(0);  // the heap would keep the buffers of the writer, 60 MB, while draws go on
 }
 
 void CampaignState::remove() const noexcept {

@@ -261,6 +261,23 @@ TEST(Evaluate, TellsWhichBinsItJudged) {
   EXPECT_TRUE(same_bits(evaluate(perfect(5), small()).region, layers.coverage.in_region));
 }
 
+/// Without a sink the coverage is computed by itself, and no layer is made.
+TEST(Evaluate, GivesTheSameWithoutASink) {
+  DemLayers dem = perfect(5);
+  for (const BinIndex bin : {BinIndex{5, 5}, BinIndex{5, 6}, BinIndex{7, 3}})
+    dem.z_est.at(bin) = std::numeric_limits<double>::quiet_NaN();
+  dem.z_est.at({6, 4}) += 1;
+  Layers layers;
+  const Evaluation with = evaluate(dem, small(), {&layers});
+  const Evaluation without = evaluate(dem, small());
+  EXPECT_EQ(without.metrics, with.metrics);
+  EXPECT_EQ(without.holes, with.holes);
+  EXPECT_EQ(without.holes.size(), 2U);
+  EXPECT_TRUE(same_bits(without.fail, layers.fail));
+  EXPECT_TRUE(same_bits(with.fail, layers.fail));
+  EXPECT_GT(count_set(without.fail), 0);
+}
+
 TEST(Evaluate, WithoutTruthOnlyCoverageIsJudged) {
   DemLayers dem = perfect(5);
   dem.truth.reset();

@@ -18,7 +18,9 @@ void expect_equal(const Grid<double>& z_est, const BinMask& region, const Evalua
   Grid<std::int8_t> expected(z_est.spec(), 1);
   flag_coverage(dense, limits, expected);
   Grid<std::int8_t> fail(z_est.spec(), 1);
-  EXPECT_EQ(judge_coverage(z_est, region, limits, fail), dense.metrics);
+  const JudgedCoverage judged = judge_coverage(z_est, region, limits, fail);
+  EXPECT_EQ(judged.metrics, dense.metrics);
+  EXPECT_EQ(judged.holes, dense.holes);
   EXPECT_TRUE(std::ranges::equal(fail.values(), expected.values()));
 }
 

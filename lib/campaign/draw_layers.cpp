@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "campaign/draw_layers.h"
+
+#include <limits>
+
+#include "evaluation/piecewise.h"
+
+namespace landfall {
+namespace {
+
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
+Grid<float> layer_of(const GridSpec& spec, const auto& value) {
+  auto layer = Grid<float>::unset(spec);
+  for_each_index(spec.size(), [&](std::size_t i) { layer.values()[i] = static_cast<float>(value(i)); });
+  return layer;
+}
+
+}  // namespace
+
+Grid<float> share_of_draws(const DrawMaps& maps, const Grid<std::int32_t>& count, const BinMask* region) {
+  const auto n = static_cast<double>(maps.draws);
+  return layer_of(count.spec(), [&](std::size_t i) {
+    return region != nullptr && region->values()[i] == 0 ? kNoValue : count.values()[i] / n;
+  });
+}
+
+Grid<float> share_of_known(const SafetyCounts& safety, const Grid<std::int32_t>& count) {
+  return layer_of(count.spec(), [&](std::size_t i) {
+    const std::int32_t known = safety.known.values()[i];
+    return known > 0 ? static_cast<double>(count.values()[i]) / known : kNoValue;
+  });
+}
+
+Grid<float> mean_count(const DrawMaps& maps) {
+  const auto n = static_cast<double>(maps.draws);
+  return layer_of(maps.spec(), [&](std::size_t i) { return static_cast<double>(maps.count.values()[i]) / n; });
+}
+
+Grid<float> mean_of(const ErrorSums& sums) {
+  return layer_of(sums.count.spec(), [&](std::size_t i) { return sums.mean_m(i); });
+}
+
+Grid<float> std_of(const ErrorSums& sums) {
+  return layer_of(sums.count.spec(), [&](std::size_t i) { return sums.std_m(i); });
+}
+
+Grid<float> std_over_sigma(const ErrorSums& sums, const Grid<float>& sigma_m) {
+  return layer_of(sigma_m.spec(), [&](std::size_t i) {
+    const double predicted_m = sigma_m.values()[i];
+    return predicted_m > 0 ? sums.std_m(i) / predicted_m : kNoValue;
+  });
+}
+
+}  // namespace landfall
