@@ -42,6 +42,41 @@ Base base_of(const Json& json) {
   return PlaneBase{number("elevation_m"), number("slope_x"), number("slope_y")};
 }
 
+/// The keys that say which part of which raster a site is.
+DemBase site_raster(const Json& json) {
+  DemBase raster;
+  raster.path = json.at("path").get<std::string>();
+  raster.band = json.at("band").get<int>();
+  raster.center = optional_pair(json, "center");
+  raster.center_pixel = optional_pair(json, "center_pixel");
+  raster.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
+  if (json.contains("horizontal_scale_m"))
+    raster.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
+  return raster;
+}
+
+std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> ground_albedo(const Json& json) {
+  if (json.is_number()) return json.get<double>();
+  if (json.at("type") == "raster")
+    return AlbedoRaster{site_raster(json), number(json, "scale"), number(json, "offset")};
+  if (json.at("type") == "patches")
+    return AlbedoPatches{number(json, "albedo"), number(json, "albedo_between"), number(json, "cover_frac"),
+                         number(json, "longest_wavelength_m"), number(json, "hurst_exponent")};
+  AlbedoGradient gradient{number(json, "from"), number(json, "to"), radians(json, "azimuth_deg")};
+  if (json.contains("length_m")) gradient.length_m = number(json, "length_m");
+  return gradient;
+}
+
+AlbedoModel albedo_of(const Json& json) {
+  if (json.is_number()) return {.ground = json.get<double>()};
+  AlbedoModel albedo{.ground = ground_albedo(json.at("ground"))};
+  const std::vector<std::string>& kinds = feature_kinds();
+  for (std::size_t kind = 0; kind < kinds.size(); ++kind)
+    if (json.at("features").contains(kinds[kind]))
+      albedo.of_kind[kind] = number(json.at("features"), kinds[kind].c_str());
+  return albedo;
+}
+
 TerrainModel model_of(const Json& json) {
   TerrainModel model;
   model.bases.clear();
@@ -53,6 +88,7 @@ TerrainModel model_of(const Json& json) {
   const Json& patterns = json.at("patterns");
   for (std::size_t i = 0; i < patterns.size(); ++i)
     model.patterns.push_back(feature_pattern(patterns[i], "patterns/" + std::to_string(i)));
+  if (json.contains("albedo")) model.albedo = albedo_of(json.at("albedo"));
   model.seed = json.at("seed").get<std::uint64_t>();
   return model;
 }
@@ -70,22 +106,15 @@ MeshImport mesh_import(const Json& json) {
 }  // namespace
 
 DemBase dem_base(const Json& json) {
-  DemBase base;
-  base.path = json.at("path").get<std::string>();
-  base.band = json.at("band").get<int>();
-  base.center = optional_pair(json, "center");
-  base.center_pixel = optional_pair(json, "center_pixel");
-  base.interpolation = interpolation_of(json.at("interpolation").get<std::string>());
+  DemBase base = site_raster(json);
   base.datum = json.at("datum") == "center" ? Datum::center : Datum::none;
   if (json.contains("vertical_scale")) base.vertical_scale = json.at("vertical_scale").get<double>();
-  if (json.contains("horizontal_scale_m"))
-    base.horizontal_scale_m = json.at("horizontal_scale_m").get<double>();
   return base;
 }
 
 Json resolve_terrain_config(const JsonSource& source) {
   const bool is_mesh = source.value.is_object() && source.value.contains("mesh");
-  for (const char* const key : {"grid", "base", "features", "patterns"})
+  for (const char* const key : {"grid", "base", "features", "patterns", "albedo"})
     if (is_mesh && source.value.contains(key))
       throw UsageError(source.name + ": /" + key + ": is mutually exclusive with /mesh; remove one");
   Json resolved = resolve_config(source, embedded_schema("terrain"));

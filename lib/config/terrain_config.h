@@ -28,9 +28,9 @@ struct TerrainConfig {
 /// A base of type "dem", from its resolved configuration.
 [[nodiscard]] DemBase dem_base(const nlohmann::json& resolved);
 
-/// resolve_config() with the schema of terrain-gen. A mesh replaces grid, base, features and patterns:
-/// UsageError if one of them is given beside it. The resolved configuration then contains none of them, and
-/// no seed.
+/// resolve_config() with the schema of terrain-gen. A mesh replaces grid, base, features, patterns
+/// and albedo: UsageError if one of them is given beside it. The resolved configuration then contains none of
+/// them, and no seed.
 [[nodiscard]] nlohmann::json resolve_terrain_config(const JsonSource& source);
 
 /// `resolved` comes from resolve_config(); `name` begins the message of the UsageError for a combination of

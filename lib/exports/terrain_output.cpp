@@ -84,7 +84,7 @@ std::vector<std::string> posting_warnings(const DemBase& dem, const DemRaster& r
   const std::string subject = dem.path + ": the raster has one sample per " + short_number(posting_m) + " m";
   constexpr double kSlack = 1 + 1e-9;  // of the posting, which is the inverse of a matrix
   if (posting_m > kSlack * width_m / 4)
-    return {subject + ", the site is only " + short_number(width_m) + " m wide: its relief is interpolated"};
+    return {subject + ", the site is only " + short_number(width_m) + " m wide: its values are interpolated"};
   if (site.resolution_m < posting_m / 1000)
     return {subject + ", the grid one node per " + short_number(site.resolution_m) +
             " m: that is more than 1,000 times finer"};
@@ -121,14 +121,16 @@ std::vector<std::string> input_files(const TerrainConfig& config, const std::fil
   std::vector<std::string> files;
   std::error_code unreachable;
   const bool replaces = std::filesystem::exists(path, unreachable);
-  for (const Base& base : config.model.bases) {
-    const auto* const dem = std::get_if<DemBase>(&base);
-    if (dem == nullptr) continue;
-    files.push_back(dem->path);
-    if (!replaces) continue;
-    screen_raster(*dem, links);
-    for (std::string& file : dem_files(*dem, links)) files.push_back(std::move(file));
-  }
+  const auto add = [&](const DemBase& dem) {
+    files.push_back(dem.path);
+    if (!replaces) return;
+    screen_raster(dem, links);
+    for (std::string& file : dem_files(dem, links)) files.push_back(std::move(file));
+  };
+  for (const Base& base : config.model.bases)
+    if (const auto* const dem = std::get_if<DemBase>(&base)) add(*dem);
+  if (config.model.albedo)
+    if (const auto* const map = std::get_if<AlbedoRaster>(&config.model.albedo->ground)) add(map->raster);
   return files;
 }
 
@@ -136,6 +138,8 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
   const bool is_own = format_of(output.file.path) == Format::landfall;
   if (config.mesh) return build_mesh(*config.mesh, output);
   std::vector<std::string> warnings;
+  if (config.model.albedo && !is_own)
+    warnings.push_back("/albedo has no effect: only a .h5 or .nc terrain has that layer");
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
     screen_raster(dem, links);
     DemRaster raster = dem_loader(links)(dem, site);

@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
+#include "base/number_text.h"
 #include "files/grid_file.h"
 #include "files/terrain_file.h"
 
@@ -59,7 +61,39 @@ Grid<double> checked_window(const LayerFile& source, const Range& range, const G
   return nodes;
 }
 
+/// "[3, 17]": a node of a window by its row and column in the whole grid.
+std::string place_in(const GridSpec& whole, const GridSpec& window, std::size_t i) {
+  const auto cols = static_cast<std::size_t>(window.cols);
+  const std::int64_t row = window.first_row - whole.first_row + static_cast<std::int64_t>(i / cols);
+  const std::int64_t col = window.first_col - whole.first_col + static_cast<std::int64_t>(i % cols);
+  return "[" + std::to_string(row) + ", " + std::to_string(col) + "]";
+}
+
+Grid<float> checked_albedo(const LayerFile& source, const GridSpec& window) {
+  Grid<float> albedo = source.layers.read_window<float>("albedo", window);
+  const Grid<double> nodes = source.layers.read_window<double>("z", window);
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const float value = albedo.values()[i];
+    if (std::isfinite(nodes.values()[i]) && !(value >= 0 && value <= 1))
+      source.file.fail("/albedo" + place_in(source.layers.spec(), window, i) + " = " + number_text(value) +
+                       " is not in [0, 1]");
+  }
+  return albedo;
+}
+
 }  // namespace
+
+std::unique_ptr<const AlbedoMap> open_albedo(const std::filesystem::path& path) {
+  {
+    const LandfallFileReader file(path, {"terrain"});
+    if (!h5::exists(file.root(), "albedo"))
+      file.fail("has no layer /albedo, which /surface/albedo \"terrain\" asks for");
+  }
+  const auto source = std::make_shared<const LayerFile>(path);
+  return std::make_unique<const AlbedoMap>(
+      source->layers.spec(), source->layers.tile(),
+      [source](const GridSpec& window) { return checked_albedo(*source, window); });
+}
 
 std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path,
                                                     std::int64_t most_nodes,

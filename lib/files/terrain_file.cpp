@@ -25,11 +25,16 @@ TerrainIdentity identity_of(const LandfallFileReader& file) {
 
 GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
 
+GridLayerWriter::LayerText albedo_text() {
+  return {"1", "fraction of the light that the surface reflects at the grid node"};
+}
+
 }  // namespace
 
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
   layers.write("z", terrain.nodes, elevation_text());
+  if (terrain.albedo) layers.write("albedo", *terrain.albedo, albedo_text());
   write_features(file, terrain.features);
   file.commit();
 }
@@ -43,16 +48,23 @@ NodeCounts count_nodes(const Grid<double>& grid) {
 NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const ProgressCallback& progress) {
   const GridLayerWriter layers(file, strips.spec(), strips.crs_wkt(), "grid node");
   const h5::Handle z_layer = layers.begin<double>("z", elevation_text());
+  std::optional<h5::Handle> albedo_layer;
+  if (strips.has_albedo()) albedo_layer = layers.begin<float>("albedo", albedo_text());
   ValueRange range;
+  ValueRange albedo_range;
   NodeCounts written;
-  const auto write = [&](const Grid<double>& strip) {
-    range.add(strip.values());
-    const NodeCounts part = count_nodes(strip);
+  const auto write = [&](const TerrainStrip& strip) {
+    range.add(strip.nodes.values());
+    const NodeCounts part = count_nodes(strip.nodes);
     written = {written.nodes + part.nodes, written.holes + part.holes};
-    layers.write_rows(z_layer, "z", strip);
+    layers.write_rows(z_layer, "z", strip.nodes);
+    if (!albedo_layer) return;
+    albedo_range.add(strip.albedo->values());
+    layers.write_rows(*albedo_layer, "albedo", *strip.albedo);
   };
   strips.make(write, progress);
   GridLayerWriter::write_range<double>(z_layer, range);
+  if (albedo_layer) GridLayerWriter::write_range<float>(*albedo_layer, albedo_range);
   write_features(file, strips.features());
   file.commit();
   return written;

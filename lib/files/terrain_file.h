@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "files/landfall_file.h"
 #include "terrain/mesh/triangle_mesh.h"
+#include "terrain/relief/albedo_map.h"
 #include "terrain/relief/large_terrain.h"
 #include "terrain/relief/terrain_generator.h"
 #include "terrain/relief/terrain_strips.h"
@@ -15,8 +16,8 @@
 
 namespace landfall {
 
-/// Writes terrain.h5: /x /y /z (float64), the site frame (docs/user/files/terrain.md) and the list of objects
-/// (feature_file.h).
+/// Writes terrain.h5: /x /y /z (float64), /albedo (float32) if the terrain has one, the site frame
+/// (docs/user/files/terrain.md) and the list of objects (feature_file.h).
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain);
 
 /// The numbers of nodes of a terrain.
@@ -58,6 +59,11 @@ struct TerrainInput : TerrainIdentity {
 
 /// Terrains with more nodes are loaded in part.
 inline constexpr std::int64_t kMaxLoadedNodes = std::int64_t{1} << 24U;
+
+/// The layer /albedo of a gridded terrain, of which only the tiles in use are loaded; keeps the file open.
+/// Throws FormatError unless the file has one; a tile throws it unless all its nodes with an elevation are in
+/// [0, 1].
+[[nodiscard]] std::unique_ptr<const AlbedoMap> open_albedo(const std::filesystem::path& path);
 
 /// A gridded terrain of which only windows are loaded.
 struct LargeTerrainInput : TerrainIdentity {

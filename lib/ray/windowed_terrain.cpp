@@ -186,4 +186,17 @@ Eigen::Vector3d WindowedTerrain::normal(const Eigen::Vector3d& point) const {
   return window->surface->normal(point);
 }
 
+void WindowedTerrain::cosines(std::span<const Eigen::Vector3d> points,
+                              std::span<const Eigen::Vector3d> directions, std::span<double> out) const {
+  GroundBox box;
+  for (const Eigen::Vector3d& point : points) {
+    if (off_terrain(point.x(), point.y())) return TerrainSurface::cosines(points, directions, out);
+    box.add(point.x(), point.y());
+  }
+  if (points.empty()) return;
+  auto window = current();
+  if (!window || !window->certain.contains(box)) window = holding(box);
+  window->surface->cosines(points, directions, out);
+}
+
 }  // namespace landfall

@@ -53,6 +53,8 @@ class WindowedTerrain final : public TerrainSurface, public RayEngine {
   [[nodiscard]] double elevation(double x_m, double y_m) const override;
   [[nodiscard]] double highest_m() const override { return terrain_.highest_m; }
   [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
+  void cosines(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> directions,
+               std::span<double> out) const override;
 
   /// The nodes that are in memory; empty at first.
   [[nodiscard]] GridSpec window() const;

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
 #include <limits>
+#include <span>
 
 namespace landfall {
 
@@ -21,6 +24,13 @@ class TerrainSurface {
   /// A unit normal, of either sense, of the triangle at `point`, a point of the surface; on an edge or node,
   /// of one of the triangles that share it. NaN without a triangle.
   [[nodiscard]] virtual Eigen::Vector3d normal(const Eigen::Vector3d& point) const = 0;
+
+  /// |cosine| of the angle between normal() at each point and the unit vector there, many times as fast on a
+  /// grid; the spans have one length.
+  virtual void cosines(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> directions,
+                       std::span<double> out) const {
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] = std::abs(normal(points[i]).dot(directions[i]));
+  }
 
   /// Whether everything below elevation() is underground, where no lidar can be.
   [[nodiscard]] virtual bool is_ground_below() const { return true; }

@@ -57,12 +57,50 @@ struct DemBase {
 
 using Base = std::variant<PlaneBase, FractalBase, DemBase>;
 
+/// Linear from one albedo to another along an azimuth, through the mean of the two at the site centre, and
+/// constant beyond the length.
+struct AlbedoGradient {
+  double from = 0;
+  double to = 1;
+  double azimuth_rad = 0;            ///< from +x to +y
+  std::optional<double> length_m{};  ///< between the two albedos; none: from border to border of the site
+  friend bool operator==(const AlbedoGradient&, const AlbedoGradient&) = default;
+};
+
+/// Two albedos: of patches, where a fractal of wavelengths below the longest is above a threshold, and of
+/// what lies between them.
+struct AlbedoPatches {
+  double albedo = 1;
+  double albedo_between = 0;
+  double cover_frac = 0.5;  ///< the expected fraction of the ground that the patches cover
+  double longest_wavelength_m = 20;
+  double hurst_exponent = 0.8;
+  friend bool operator==(const AlbedoPatches&, const AlbedoPatches&) = default;
+};
+
+/// offset + scale times the samples of a raster, of which datum and vertical scale have no effect.
+struct AlbedoRaster {
+  DemBase raster;
+  double scale = 1;
+  double offset = 0;
+  friend bool operator==(const AlbedoRaster&, const AlbedoRaster&) = default;
+};
+
+/// The albedo of the nodes: that of the ground (a number: everywhere), and those of features on it.
+struct AlbedoModel {
+  std::variant<double, AlbedoGradient, AlbedoPatches, AlbedoRaster> ground = 1.0;
+  /// By index of FeatureShape; features of other kinds leave the albedo as it is.
+  std::array<std::optional<double>, std::variant_size_v<FeatureShape>> of_kind{};
+  friend bool operator==(const AlbedoModel&, const AlbedoModel&) = default;
+};
+
 /// A gridded terrain: the sum of the bases, then the features on it (feature_field.h): the listed ones in
 /// their order, then those of the patterns in theirs.
 struct TerrainModel {
   std::vector<Base> bases = {PlaneBase{}};
   std::vector<Feature> features;
   std::vector<FeaturePattern> patterns;
+  std::optional<AlbedoModel> albedo{};
   std::uint64_t seed = 1;
   friend bool operator==(const TerrainModel&, const TerrainModel&) = default;
 };

@@ -151,8 +151,25 @@ class FeatureBands {
   std::vector<std::size_t> entries_;
 };
 
+/// Gives nodes the albedo of a kind of features; without a layer it has no effect.
+class AlbedoBrush {
+ public:
+  AlbedoBrush(const AlbedoModel& model, Grid<float>* layer) : model_(model), layer_(layer) {}
+
+  void touch(const BinIndex& node, const Feature& feature) const {
+    if (layer_ == nullptr) return;
+    if (const std::optional<double>& albedo = model_.of_kind[feature.shape.index()])
+      layer_->at(node) = static_cast<float>(*albedo);
+  }
+
+ private:
+  const AlbedoModel& model_;
+  Grid<float>* layer_;
+};
+
 /// Adds the highest relief of all draped features to the ground.
-void drape(Grid<double>& part, const FeatureBands& bands, const ProgressCallback& progress) {
+void drape(Grid<double>& part, const FeatureBands& bands, const AlbedoBrush& brush,
+           const ProgressCallback& progress) {
   const GridSpec& spec = part.spec();
   bands.for_each(progress, [&](const NodeRange& rows, std::span<const std::size_t> entries) {
     std::vector<double> highest_m(static_cast<std::size_t>((rows.end - rows.begin) * spec.cols), kNoRelief);
@@ -162,7 +179,9 @@ void drape(Grid<double>& part, const FeatureBands& bands, const ProgressCallback
     for (const std::size_t entry : entries)
       stamp(spec, bands.feature(entry).feature, rows, [&](const BinIndex& node, double relief_m) {
         double& highest = highest_m[offset(node)];
-        if (!(highest >= relief_m)) highest = relief_m;
+        if (highest >= relief_m) return;
+        highest = relief_m;
+        brush.touch(node, bands.feature(entry).feature);
       });
     for (std::int64_t row = rows.begin; row < rows.end; ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col) {
@@ -239,7 +258,8 @@ void require_on_grid(const TerrainModel& model, const GridSpec& grid) {
         model.patterns[p]);
 }
 
-FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : grid_(grid) {
+FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid)
+    : grid_(grid), albedo_(model.albedo.value_or(AlbedoModel{})) {
   const auto add = [&](const PlacedFeature& placed) {
     require_on_grid(placed, grid);
     features_.push_back(placed);
@@ -250,15 +270,21 @@ FeatureField::FeatureField(const TerrainModel& model, const GridSpec& grid) : gr
                model.patterns[p]);
 }
 
-void FeatureField::shape_ground(Grid<double>& part, const ProgressCallback& progress) const {
+void FeatureField::shape_ground(Grid<double>& part, const ProgressCallback& progress,
+                                Grid<float>* albedo) const {
+  const AlbedoBrush brush(albedo_, albedo);
   const FeatureBands adding(features_, FeatureRole::adds, part.spec());
   adding.for_each([&](double fraction) { report(progress, fraction / 2); },
                   [&](const NodeRange& rows, std::span<const std::size_t> entries) {
-                    for (const std::size_t entry : entries)
-                      stamp(part.spec(), adding.feature(entry).feature, rows,
-                            [&](const BinIndex& node, double relief_m) { part.at(node) += relief_m; });
+                    for (const std::size_t entry : entries) {
+                      const Feature& feature = adding.feature(entry).feature;
+                      stamp(part.spec(), feature, rows, [&](const BinIndex& node, double relief_m) {
+                        part.at(node) += relief_m;
+                        brush.touch(node, feature);
+                      });
+                    }
                   });
-  drape(part, FeatureBands(features_, FeatureRole::drapes, part.spec()),
+  drape(part, FeatureBands(features_, FeatureRole::drapes, part.spec()), brush,
         [&](double fraction) { report(progress, 0.5 + fraction / 2); });
 }
 
@@ -287,7 +313,8 @@ bool FeatureField::can_stand(std::int64_t begin, std::int64_t end) const {
   });
 }
 
-void FeatureField::stand(Grid<double>& part, const ProgressCallback& progress) const {
+void FeatureField::stand(Grid<double>& part, const ProgressCallback& progress, Grid<float>* albedo) const {
+  const AlbedoBrush brush(albedo_, albedo);
   const FeatureBands standing(features_, FeatureRole::stands, part.spec());
   standing.for_each(progress, [&](const NodeRange& rows, std::span<const std::size_t> entries) {
     for (const std::size_t entry : entries) {
@@ -296,7 +323,9 @@ void FeatureField::stand(Grid<double>& part, const ProgressCallback& progress) c
         if (!placed.ground_m) throw std::logic_error("a standing feature was not seated");
         double& z = part.at(node);
         const double top_m = *placed.ground_m + relief_m;
-        if (z < top_m) z = top_m;
+        if (!(z < top_m)) return;
+        z = top_m;
+        brush.touch(node, placed.feature);
       });
     }
   });

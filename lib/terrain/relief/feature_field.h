@@ -39,8 +39,11 @@ class FeatureField {
   /// Places the features of a validated model on `grid`. Throws UsageError as require_on_grid().
   FeatureField(const TerrainModel& model, const GridSpec& grid);
 
-  /// `part`: some of the grid's nodes, holding the sum of the bases.
-  void shape_ground(Grid<double>& part, const ProgressCallback& progress = {}) const;
+  /// `part`: some of the grid's nodes, holding the sum of the bases. `albedo`: null, or the albedo of the
+  /// same nodes. A node on the footprint of a feature that adds takes the albedo of its kind, if the model
+  /// gives one, the last one's of several; then that of the highest feature that drapes over it.
+  void shape_ground(Grid<double>& part, const ProgressCallback& progress = {},
+                    Grid<float>* albedo = nullptr) const;
   /// Finds in `part` the ground under the centres that lie on it and have none yet. Centres on its last row
   /// count only where that is the grid's last row, since the cell there lies in the next part. So that every
   /// centre finds its cell and that cell's neighbours to the south, parts must be full rows, be given from
@@ -48,8 +51,9 @@ class FeatureField {
   /// feature at a fixed position is on a hole; one at a random position is seated at NaN and does not appear.
   void seat(const TriangulatedGrid& part);
   /// Throws std::logic_error if a standing feature that lies on the part is not seated. Holes of the ground
-  /// stay holes.
-  void stand(Grid<double>& part, const ProgressCallback& progress = {}) const;
+  /// stay holes. Nodes that become the surface of a standing feature take the `albedo` of its kind, as in
+  /// shape_ground().
+  void stand(Grid<double>& part, const ProgressCallback& progress = {}, Grid<float>* albedo = nullptr) const;
 
   /// Whether all standing features that reach rows [begin, end) of the grid, counted from 0, are seated.
   [[nodiscard]] bool can_stand(std::int64_t begin, std::int64_t end) const;
@@ -58,6 +62,7 @@ class FeatureField {
 
  private:
   GridSpec grid_;
+  AlbedoModel albedo_;
   std::vector<PlacedFeature> features_;
 };
 

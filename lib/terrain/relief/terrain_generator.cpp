@@ -14,8 +14,12 @@ GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spe
   TerrainStrips strips(model, spec, load_dem, size,
                        [&](double fraction) { report(progress, 0.1 * fraction); });
   GeneratedTerrain terrain{{}, strips.crs_wkt(), strips.dem_sources(), {}};
-  strips.make([&](Grid<double> nodes) { terrain.nodes = std::move(nodes); },
-              [&](double fraction) { report(progress, 0.1 + 0.9 * fraction); });
+  strips.make(
+      [&](TerrainStrip strip) {
+        terrain.nodes = std::move(strip.nodes);
+        terrain.albedo = std::move(strip.albedo);
+      },
+      [&](double fraction) { report(progress, 0.1 + 0.9 * fraction); });
   terrain.features = strips.features();
   return terrain;
 }

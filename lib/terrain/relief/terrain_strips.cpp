@@ -146,6 +146,7 @@ void validate(const TerrainModel& model, const GridSpec& spec) {
     throw UsageError("grid: " + std::to_string(spec.cols) + " x " + std::to_string(spec.rows) +
                      " nodes are more than 2^30");
   require_waves(model, spec);
+  if (model.albedo) validate(*model.albedo, spec);
   require_on_grid(model, spec);
 }
 
@@ -160,6 +161,8 @@ TerrainStrips::TerrainStrips(TerrainModel model, const GridSpec& spec, const Dem
     dems_.push_back({std::move(raster), datum_m});
   }
   make_fractals(progress);
+  if (model_.albedo)
+    albedo_.emplace(*model_.albedo, GroundSite{spec_, model_.seed, size_.most_nodes}, load_dem);
   report(progress, 1);
 }
 
@@ -211,7 +214,7 @@ std::vector<GridSpec> TerrainStrips::cut() const {
   return strips;
 }
 
-Grid<double> TerrainStrips::ground(const GridSpec& strip, const ProgressCallback& progress) {
+TerrainStrip TerrainStrips::ground(const GridSpec& strip, const ProgressCallback& progress) {
   Grid<double> z(strip);
   const std::size_t steps = model_.bases.size() + 1;
   auto dem_layer = dems_.begin();
@@ -230,9 +233,11 @@ Grid<double> TerrainStrips::ground(const GridSpec& strip, const ProgressCallback
         large_fractals_.at(i).add_to(z, step);
     }
   }
-  field_.shape_ground(z, step_of(progress, steps - 1, steps));
+  std::optional<Grid<float>> albedo;
+  if (albedo_) albedo = albedo_->layer(strip);
+  field_.shape_ground(z, step_of(progress, steps - 1, steps), albedo ? &*albedo : nullptr);
   require_elevations(z);
-  return z;
+  return {std::move(z), std::move(albedo)};
 }
 
 void TerrainStrips::require_elevations(const Grid<double>& z) const {
@@ -268,11 +273,13 @@ void TerrainStrips::seat(Grid<double>& strip) {
 
 void TerrainStrips::give_ready(const Sink& sink, const ProgressCallback& progress) {
   while (!waiting_.empty()) {
-    Grid<double>& strip = waiting_.front();
-    const std::int64_t begin = strip.spec().first_row - spec_.first_row;
-    if (!field_.can_stand(begin, begin + strip.spec().rows)) return;
-    field_.stand(strip, progress);
-    require_elevations(strip);
+    TerrainStrip& strip = waiting_.front();
+    const GridSpec& rows = strip.nodes.spec();
+    const std::int64_t begin = rows.first_row - spec_.first_row;
+    if (!field_.can_stand(begin, begin + rows.rows)) return;
+    field_.stand(strip.nodes, progress, strip.albedo ? &*strip.albedo : nullptr);
+    require_elevations(strip.nodes);
+    if (strip.albedo) albedo_->finish(*strip.albedo, strip.nodes);
     sink(std::move(strip));
     waiting_.pop_front();
   }
@@ -284,7 +291,7 @@ void TerrainStrips::make(const Sink& sink, const ProgressCallback& progress) {
     const ProgressCallback of_strip = step_of(progress, i, strips.size());
     waiting_.push_back(ground(strips[i], [&](double fraction) { report(of_strip, 0.9 * fraction); }));
     if (i + 1 == strips.size()) require_relief();
-    seat(waiting_.back());
+    seat(waiting_.back().nodes);
     give_ready(sink, strips.size() == 1
                          ? ProgressCallback([&](double fraction) { report(of_strip, 0.9 + fraction / 10); })
                          : ProgressCallback());

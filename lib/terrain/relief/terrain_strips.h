@@ -13,6 +13,7 @@
 #include "raster/grid.h"
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/feature_field.h"
+#include "terrain/relief/ground_albedo.h"
 #include "terrain/relief/large_fractal.h"
 #include "terrain/relief/triangulated_grid.h"
 #include "terrain/terrain_model.h"
@@ -23,6 +24,12 @@ namespace landfall {
 struct StripSize {
   std::int64_t most_nodes = std::int64_t{1} << 26U;  ///< of a terrain that is made in one piece
   std::int64_t rows = 768;  ///< of a strip of others, >= 4; chunks of a file have 256, fractals' patches 384
+};
+
+/// Some rows of a terrain.
+struct TerrainStrip {
+  Grid<double> nodes;
+  std::optional<Grid<float>> albedo{};  ///< if the model has one
 };
 
 /// Makes a terrain (generate_terrain()) in strips of rows, from south to north, and passes each on when it is
@@ -44,7 +51,9 @@ class TerrainStrips {
   /// The features, which are seated once all strips have been made.
   [[nodiscard]] const std::vector<PlacedFeature>& features() const { return field_.features(); }
 
-  using Sink = std::function<void(Grid<double> strip)>;
+  [[nodiscard]] bool has_albedo() const { return albedo_.has_value(); }
+
+  using Sink = std::function<void(TerrainStrip strip)>;
   /// Passes all strips to `sink`; may be called once. Throws as generate_terrain(), also after strips.
   void make(const Sink& sink, const ProgressCallback& progress = {});
 
@@ -60,7 +69,7 @@ class TerrainStrips {
   [[nodiscard]] double waves_without_raster_m() const;
   [[nodiscard]] bool is_whole() const { return spec_.rows * spec_.cols <= size_.most_nodes; }
   [[nodiscard]] std::vector<GridSpec> cut() const;
-  [[nodiscard]] Grid<double> ground(const GridSpec& strip, const ProgressCallback& progress);
+  [[nodiscard]] TerrainStrip ground(const GridSpec& strip, const ProgressCallback& progress);
   void require_elevations(const Grid<double>& z) const;
   void require_relief() const;
   void seat(Grid<double>& strip);
@@ -72,8 +81,9 @@ class TerrainStrips {
   FeatureField field_;
   std::vector<DemLayer> dems_;                          ///< of the DemBases, in their order
   std::map<std::size_t, LargeFractal> large_fractals_;  ///< by number of the base; empty for a single strip
+  std::optional<GroundAlbedo> albedo_;
   std::optional<Grid<double>> border_;  ///< the last two rows of the previous strip, ground only
-  std::deque<Grid<double>> waiting_;
+  std::deque<TerrainStrip> waiting_;
 };
 
 }  // namespace landfall

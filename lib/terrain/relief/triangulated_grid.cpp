@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "terrain/relief/incidence_cosines.h"
 
 namespace landfall {
 
@@ -75,23 +76,27 @@ Eigen::Vector2d TriangulatedGrid::gradient(double x_m, double y_m) const {
   const GridSpec& spec = nodes_.spec();
   const double gx = origin_.from_first(x_m / spec.resolution_m, spec.first_col);
   const double gy = origin_.from_first(y_m / spec.resolution_m, spec.first_row);
-  const auto cell_of = [](double position, std::int64_t nodes) {
-    return static_cast<std::int64_t>(std::clamp(position, 0.0, static_cast<double>(nodes - 2)));
+  const auto cell_of = [](double position, std::int64_t count) {
+    return static_cast<std::int64_t>(std::clamp(position, 0.0, static_cast<double>(count - 2)));
   };
-  const std::int64_t row = cell_of(gy, spec.rows);
-  const std::int64_t col = cell_of(gx, spec.cols);
-  const double b = nodes_.at({row, col + 1});
-  const double c = nodes_.at({row + 1, col});
-  const bool lower = (gx - static_cast<double>(col)) + (gy - static_cast<double>(row)) <= 1;
-  const double corner = nodes_.at(lower ? BinIndex{row, col} : BinIndex{row + 1, col + 1});
-  const Eigen::Vector2d rise = lower ? Eigen::Vector2d(b - corner, c - corner)  //
-                                     : Eigen::Vector2d(corner - c, corner - b);
+  const BinIndex cell{cell_of(gy, spec.rows), cell_of(gx, spec.cols)};
+  const bool is_lower = (gx - static_cast<double>(cell.col)) + (gy - static_cast<double>(cell.row)) <= 1;
+  const double b = nodes_.at({cell.row, cell.col + 1});
+  const double c = nodes_.at({cell.row + 1, cell.col});
+  const double corner = nodes_.at(is_lower ? cell : BinIndex{cell.row + 1, cell.col + 1});
+  const Eigen::Vector2d rise = is_lower ? Eigen::Vector2d(b - corner, c - corner)  //
+                                        : Eigen::Vector2d(corner - c, corner - b);
   return rise / spec.resolution_m;
 }
 
 Eigen::Vector3d TriangulatedGrid::normal(const Eigen::Vector3d& point) const {
   const Eigen::Vector2d slope = gradient(point.x(), point.y());
   return Eigen::Vector3d(-slope.x(), -slope.y(), 1).normalized();
+}
+
+void TriangulatedGrid::cosines(std::span<const Eigen::Vector3d> points,
+                               std::span<const Eigen::Vector3d> directions, std::span<double> out) const {
+  incidence_cosines(nodes_, origin_, points, directions, out);
 }
 
 std::size_t TriangulatedGrid::triangle_count() const {

@@ -68,6 +68,9 @@ class TriangulatedGrid final : public TerrainSurface {
   /// Upward normal, from gradient() at the point's x and y.
   [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& point) const override;
 
+  void cosines(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3d> directions,
+               std::span<double> out) const override;
+
   /// Triangles are numbered by cell, row-major: 2 cell is the lower left one, 2 cell + 1 the upper right one.
   /// Holes keep their numbers.
   [[nodiscard]] std::size_t triangle_count() const;

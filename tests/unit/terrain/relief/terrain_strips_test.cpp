@@ -56,7 +56,8 @@ Made made(std::int64_t most_nodes, std::int64_t rows) {
   TerrainStrips strips(model(), kGrid, bumpy_raster, {most_nodes, rows});
   Made result{Grid<double>(kGrid), {}, {}};
   std::int64_t next = 0;
-  strips.make([&](const Grid<double>& strip) {
+  strips.make([&](const TerrainStrip& part) {
+    const Grid<double>& strip = part.nodes;
     EXPECT_EQ(strip.spec().first_row, kGrid.first_row + next);
     EXPECT_EQ(strip.spec().cols, kGrid.cols);
     std::ranges::copy(strip.values(), result.nodes.row(next).begin());
@@ -99,7 +100,8 @@ TEST(TerrainStrips, FeaturesStandOnTheGroundUnderTheirCentre) {
   slope.bases = {PlaneBase{0, 0, 0.5}};
   slope.features = {{0, 31.25, Hemisphere{60}}};
   TerrainStrips strips(slope, kGrid, no_raster, {1000, 16});
-  strips.make([&](const Grid<double>& strip) {
+  strips.make([&](const TerrainStrip& part) {
+    const Grid<double>& strip = part.nodes;
     const GridSpec& spec = strip.spec();
     for (std::int64_t r = 0; r < spec.rows; ++r)
       for (std::int64_t c = 0; c < spec.cols; ++c) {
@@ -123,7 +125,7 @@ TEST(TerrainStrips, ADemWithoutRelief) {
   dem.datum = Datum::none;
   holes.bases = {dem};
   TerrainStrips strips(holes, kGrid, empty, {1000, 64});
-  EXPECT_THROW(strips.make([](const Grid<double>&) {}), FormatError);
+  EXPECT_THROW(strips.make([](const TerrainStrip&) {}), FormatError);
 }
 
 // At a pole, columns of longitude meet in one point: no wavelength can be told that the raster lacks.
@@ -155,7 +157,7 @@ TEST(TerrainStrips, AFractalOnTheDemOfAPole) {
 TEST(TerrainStrips, ProgressRisesToOne) {
   std::vector<double> fractions;
   TerrainStrips strips(model(), kGrid, bumpy_raster, {1000, 64});
-  strips.make([](const Grid<double>&) {}, [&](double fraction) { fractions.push_back(fraction); });
+  strips.make([](const TerrainStrip&) {}, [&](double fraction) { fractions.push_back(fraction); });
   EXPECT_TRUE(std::ranges::is_sorted(fractions));
   EXPECT_EQ(fractions.back(), 1);
 }

@@ -6,6 +6,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -103,6 +106,40 @@ TEST(TriangulatedGrid, TrianglesAreTheSurface) {
     const Eigen::Vector3d centroid = (corners[0] + corners[1] + corners[2]) / 3;
     EXPECT_NEAR(terrain.elevation(centroid.x(), centroid.y()), centroid.z(), 1e-14);
     EXPECT_GT((corners[1] - corners[0]).cross(corners[2] - corners[0]).z(), 0);
+  }
+}
+
+TEST(TriangulatedGrid, CosinesOfManyPointsAreThoseOfEach) {
+  constexpr GridSpec kSpec{0.5, -4, -4, 9, 9};
+  Grid<double> nodes(kSpec);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (double& z : nodes.values()) z = uniform(random);
+  nodes.at({4, 5}) = std::numeric_limits<double>::quiet_NaN();
+  for (const CellOrigin& origin : {CellOrigin(), CellOrigin::of_windows(kSpec, 1)}) {
+    const TriangulatedGrid grid(nodes, origin);
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Eigen::Vector3d> directions;
+    std::size_t holes = 0;
+    for (int i = 0; i < 1003; ++i) {  // also on nodes and edges, and off the grid
+      Eigen::Vector3d point(2.5 * uniform(random), 2.5 * uniform(random), 0);
+      if (i % 3 == 0) point.x() = 0.5 * std::round(2 * point.x());
+      if (i % 6 == 0) point.y() = 0.5 * std::round(2 * point.y());
+      points.push_back(point);
+      directions.push_back(Eigen::Vector3d(uniform(random), uniform(random), uniform(random)).normalized());
+    }
+    std::vector<double> cosines(points.size());
+    grid.cosines(points, directions, cosines);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double expected = std::abs(grid.normal(points[i]).dot(directions[i]));
+      ASSERT_EQ(std::isnan(cosines[i]), std::isnan(expected)) << points[i];
+      if (std::isnan(expected)) {
+        ++holes;
+      } else {
+        EXPECT_NEAR(cosines[i], expected, 1e-15) << points[i];
+      }
+    }
+    EXPECT_GT(holes, 10U);
   }
 }
 
