@@ -23,7 +23,18 @@ std::unique_ptr<const Scanner> make_flash(const Json&, const ComponentContext&) 
 MechanismTimingParameters timing_of(const Json& json) {
   return {.turnaround_time_s = json.at("turnaround_time_s").get<double>(),
           .settle_time_s = json.at("settle_time_s").get<double>(),
-          .settle_damping = json.at("settle_damping").get<double>()};
+          .settle_damping = json.at("settle_damping").get<double>(),
+          .max_acceleration_radps2 = json.at("max_acceleration_radps2").get<double>()};
+}
+
+std::vector<EncoderHarmonic> harmonics_of(const Json& scanner) {
+  std::vector<EncoderHarmonic> harmonics;
+  for (const Json& json : scanner.at("encoder_harmonics"))
+    harmonics.push_back({.axis = json.at("axis").get<int>(),
+                         .order = json.at("order").get<int>(),
+                         .amplitude_rad = json.at("amplitude_rad").get<double>(),
+                         .phase_rad = radians(json, "phase_deg")});
+  return harmonics;
 }
 
 std::unique_ptr<const Scanner> make_fsm(const Json& json, const ComponentContext& context) {
@@ -33,17 +44,19 @@ std::unique_ptr<const Scanner> make_fsm(const Json& json, const ComponentContext
                                              .pivot_m = {vector3(json.at("pivot_m"))},
                                              .focal_distance_m = json.at("focal_distance_m").get<double>(),
                                              .encoder_sigma_rad = json.at("encoder_sigma_rad").get<double>(),
+                                             .encoder_harmonics = harmonics_of(json),
                                              .timing = timing_of(json),
                                              .tof_lag = json.at("tof_lag").get<bool>(),
                                              .seed = context.seed});
 }
 
 std::unique_ptr<const Scanner> make_gimbal(const Json& json, const ComponentContext&) {
-  return std::make_unique<Gimbal>(
-      GimbalParameters{.max_deflection_rad = radians(json, "max_deflection_deg"), .timing = timing_of(json)});
+  return std::make_unique<Gimbal>(GimbalParameters{.max_deflection_rad = radians(json, "max_deflection_deg"),
+                                                   .timing = timing_of(json),
+                                                   .encoder_harmonics = harmonics_of(json)});
 }
 
-std::unique_ptr<const Scanner> make_polygon(const Json& json, const ComponentContext&) {
+std::unique_ptr<const Scanner> make_polygon(const Json& json, const ComponentContext& context) {
   return std::make_unique<Polygon>(
       PolygonParameters{.facets = json.at("facets").get<int>(),
                         .rate_hz = json.at("rate_hz").get<double>(),
@@ -51,7 +64,12 @@ std::unique_ptr<const Scanner> make_polygon(const Json& json, const ComponentCon
                         .line_azimuth_rad = radians(json, "line_azimuth_deg"),
                         .duty_frac = json.at("duty_frac").get<double>(),
                         .frame_amplitude_rad = radians(json, "frame_amplitude_deg"),
-                        .frame_rate_hz = json.at("frame_rate_hz").get<double>()});
+                        .frame_rate_hz = json.at("frame_rate_hz").get<double>(),
+                        .facet_tilt_rad = json.at("facet_tilt_rad").get<std::vector<double>>(),
+                        .facet_tilt_sigma_rad = json.at("facet_tilt_sigma_rad").get<double>(),
+                        .facet_tilt_known = json.at("facet_tilt_known").get<bool>(),
+                        .encoder_harmonics = harmonics_of(json),
+                        .seed = context.seed});
 }
 
 std::unique_ptr<const Scanner> make_palmer(const Json& json, const ComponentContext&) {

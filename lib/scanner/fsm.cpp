@@ -3,6 +3,7 @@
 
 #include "base/random.h"
 #include "geometry/parameter_check.h"
+#include "scanner/axes_jump.h"
 
 namespace landfall {
 namespace {
@@ -16,6 +17,7 @@ void check_fsm(const FsmParameters& p) {
   require_finite({"", "pivot_m"}, p.pivot_m.v);
   require_not_negative({"", "focal_distance_m"}, p.focal_distance_m);
   require_not_negative({"", "encoder_sigma_rad"}, p.encoder_sigma_rad);
+  check(p.encoder_harmonics);
 }
 
 }  // namespace
@@ -42,6 +44,11 @@ ScannerState Fsm::following(const PulseContext& pulse,
                       .angle_2_rad = commanded.angle_2_rad,
                       .mirror_normal = normal,
                       .blanked = timing_.blanks(pulse.since_jump_s)};
+  if (pulse.jump_aims &&
+      timing_.is_moving(pulse.since_jump_s, axes_jump(*pulse.jump_aims, [&](const auto& c) {
+                          return mirror_.tilts(mirror_.normal_towards(c));
+                        })))
+    at_aim.blanked = true;
   const double left = timing_.step_left(pulse.since_jump_s);
   if (left == 0 || !pulse.aim_before_jump) return at_aim;
   const TiltAngles before = mirror_.tilts(mirror_.normal_towards(*pulse.aim_before_jump));
@@ -55,10 +62,18 @@ ScannerState Fsm::with_tilts(const ScannerState& state, const TiltAngles& tilts)
           .blanked = state.blanked};
 }
 
-bool Fsm::is_known() const { return parameters_.encoder_sigma_rad == 0 && !parameters_.tof_lag; }
+bool Fsm::is_known() const {
+  return parameters_.encoder_sigma_rad == 0 && parameters_.encoder_harmonics.empty() && !parameters_.tof_lag;
+}
 
 ScannerState Fsm::believed_state(const PulseContext& pulse, const ScannerState& truth) const {
   ScannerState at_pulse = parameters_.tof_lag ? following(pulse, pulse.aim) : truth;
+  if (!parameters_.encoder_harmonics.empty()) {
+    const TiltAngles tilts{at_pulse.angle_1_rad, at_pulse.angle_2_rad};
+    const TiltAngles error = encoder_error(parameters_.encoder_harmonics, tilts);
+    at_pulse =
+        with_tilts(at_pulse, {tilts.angle_1_rad + error.angle_1_rad, tilts.angle_2_rad + error.angle_2_rad});
+  }
   if (parameters_.encoder_sigma_rad == 0) return at_pulse;
   const RandomField noise(parameters_.seed, RandomStream::encoder);
   const auto k = static_cast<std::uint64_t>(pulse.time.pulse);

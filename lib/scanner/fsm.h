@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <numbers>
+#include <vector>
 
 #include "scanner/deflection_limit.h"
+#include "scanner/encoder_harmonics.h"
 #include "scanner/mechanism_timing.h"
 #include "scanner/mirror_frame.h"
 #include "scanner/scanner.h"
@@ -23,6 +25,7 @@ struct FsmParameters {
   /// Distance from the focal point along the boresight to the resting mirror, >= 0.
   double focal_distance_m = 0;
   double encoder_sigma_rad = 0;  ///< one sigma of the reading of each tilt, per pulse, >= 0
+  std::vector<EncoderHarmonic> encoder_harmonics{};
   MechanismTimingParameters timing{};
   bool tof_lag = false;    ///< the line of sight uses the mirror's tilts at the time of the echo
   std::uint64_t seed = 1;  ///< of the encoder's noise
@@ -41,8 +44,9 @@ struct FsmParameters {
 ///
 /// After a jump of the aim (scanner/mechanism_timing.h) pulses are blanked, and the tilts still differ from
 /// the commanded ones by step_left() times the tilts before the jump minus the commanded ones. The encoder
-/// measures this difference. It measures neither its own noise nor tof_lag: state() is then the mirror at the
-/// echo, while the lander believes the mirror at the pulse.
+/// measures this difference. With a largest acceleration, the pulses until both tilts have caught up with the
+/// aim are blanked too. The encoder measures neither its own errors (noise, harmonics) nor tof_lag: state()
+/// is then the mirror at the echo, while the lander believes the mirror at the pulse.
 class Fsm : public Scanner {
  public:
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
@@ -54,7 +58,7 @@ class Fsm : public Scanner {
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
   [[nodiscard]] ContextNeeds needs() const override {
-    return {.jumps = timing_.minds_jumps(), .echo = parameters_.tof_lag};
+    return {.jumps = timing_.minds_jumps(), .echo = parameters_.tof_lag, .motion = timing_.is_accelerated()};
   }
   [[nodiscard]] bool is_known() const override;
   [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,

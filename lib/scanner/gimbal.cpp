@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/parameter_check.h"
+#include "scanner/axes_jump.h"
 
 namespace landfall {
 namespace {
@@ -29,7 +30,11 @@ TiltAngles gimbal_angles(const Direction<LidarFrame>& aim) {
 }
 
 Gimbal::Gimbal(const GimbalParameters& parameters)
-    : limit_(checked_limit(parameters.max_deflection_rad)), timing_(parameters.timing) {}
+    : limit_(checked_limit(parameters.max_deflection_rad)),
+      timing_(parameters.timing),
+      encoder_harmonics_(parameters.encoder_harmonics) {
+  check(encoder_harmonics_);
+}
 
 ScannerState Gimbal::state(const PulseContext& pulse) const {
   if (!pulse.aim) return {};
@@ -40,7 +45,17 @@ ScannerState Gimbal::state(const PulseContext& pulse) const {
     angles = between(angles, left, gimbal_angles(*pulse.aim_before_jump));
   return {.angle_1_rad = angles.angle_1_rad,
           .angle_2_rad = angles.angle_2_rad,
-          .blanked = timing_.blanks(pulse.since_jump_s)};
+          .blanked = timing_.blanks(pulse.since_jump_s) ||
+                     (pulse.jump_aims &&
+                      timing_.is_moving(pulse.since_jump_s, axes_jump(*pulse.jump_aims, gimbal_angles)))};
+}
+
+ScannerState Gimbal::believed_state(const PulseContext&, const ScannerState& truth) const {
+  const TiltAngles error = encoder_error(encoder_harmonics_, {truth.angle_1_rad, truth.angle_2_rad});
+  ScannerState believed = truth;
+  believed.angle_1_rad += error.angle_1_rad;
+  believed.angle_2_rad += error.angle_2_rad;
+  return believed;
 }
 
 void Gimbal::steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <numbers>
+#include <vector>
 
 #include "scanner/deflection_limit.h"
+#include "scanner/encoder_harmonics.h"
 #include "scanner/mechanism_timing.h"
 #include "scanner/scanner.h"
 #include "scanner/tilt_angles.h"
@@ -20,6 +22,7 @@ namespace landfall {
 struct GimbalParameters {
   double max_deflection_rad = std::numbers::pi / 6;  ///< aims farther off +z_L are refused; in (0, pi/2)
   MechanismTimingParameters timing{};
+  std::vector<EncoderHarmonic> encoder_harmonics{};
 };
 
 /// A gimbal with two axes that cross at the focal point and turn the whole camera: d' = R d, b = 0.
@@ -35,13 +38,20 @@ class Gimbal : public Scanner {
   /// Without an aim the gimbal rests at 0, 0. Throws FormatError, naming pulse and angle, for an aim beyond
   /// max_deflection.
   [[nodiscard]] ScannerState state(const PulseContext& pulse) const override;
-  [[nodiscard]] ContextNeeds needs() const override { return {.jumps = timing_.minds_jumps()}; }
+  [[nodiscard]] ContextNeeds needs() const override {
+    return {.jumps = timing_.minds_jumps(), .motion = timing_.is_accelerated()};
+  }
+  [[nodiscard]] bool is_known() const override { return encoder_harmonics_.empty(); }
+  /// The readings of the encoders.
+  [[nodiscard]] ScannerState believed_state(const PulseContext& pulse,
+                                            const ScannerState& truth) const override;
   void steer(const ScannerState& state, std::span<const Direction<LidarFrame>> pixels,
              std::span<Beam> beams) const override;
 
  private:
   DeflectionLimit limit_;
   MechanismTiming timing_;
+  std::vector<EncoderHarmonic> encoder_harmonics_;
 };
 
 }  // namespace landfall

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scanner/mechanism_timing.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parameter_check.h"
@@ -14,12 +15,20 @@ constexpr double kSettledExponent = 40;
 
 }  // namespace
 
+double transfer_time_s(double ahead_rad, double closing_radps, double acceleration_radps2) {
+  const double a = acceleration_radps2;
+  const double u = closing_radps;
+  const double sign = ahead_rad < u * std::abs(u) / (2 * a) ? -1 : 1;
+  return (2 * std::sqrt(std::max(0.0, u * u / 2 + sign * a * ahead_rad)) - sign * u) / a;
+}
+
 MechanismTiming::MechanismTiming(const MechanismTimingParameters& parameters) : parameters_(parameters) {
   const MechanismTimingParameters& p = parameters;
   require_not_negative({"", "turnaround_time_s"}, p.turnaround_time_s);
   require_not_negative({"", "settle_time_s"}, p.settle_time_s);
   require(p.settle_damping > 0 && p.settle_damping < 1, {"", "settle_damping"}, p.settle_damping,
           "in (0, 1)");
+  require_not_negative({"", "max_acceleration_radps2"}, p.max_acceleration_radps2);
   if (p.settle_time_s == 0) return;
   const double root = std::sqrt(1 - p.settle_damping * p.settle_damping);
   decay_per_s_ = 3 / p.settle_time_s;
@@ -29,6 +38,20 @@ MechanismTiming::MechanismTiming(const MechanismTimingParameters& parameters) : 
 
 bool MechanismTiming::blanks(double since_jump_s) const {
   return since_jump_s + kTimeRounding_s < parameters_.turnaround_time_s;
+}
+
+bool MechanismTiming::is_moving(double since_jump_s, const AxesJump& jump) const {
+  const double a = parameters_.max_acceleration_radps2;
+  if (a == 0) return false;
+  // The aim moves on as if it had come to the first pulse with the rate that it has after it.
+  const auto time_s = [&](double before, double rate_before, double after, double rate_after) {
+    return transfer_time_s(after - rate_after * jump.interval_s - before, rate_before - rate_after, a);
+  };
+  const double needed_s = std::max(time_s(jump.before.angle_1_rad, jump.rate_before.angle_1_rad,
+                                          jump.after.angle_1_rad, jump.rate_after.angle_1_rad),
+                                   time_s(jump.before.angle_2_rad, jump.rate_before.angle_2_rad,
+                                          jump.after.angle_2_rad, jump.rate_after.angle_2_rad));
+  return since_jump_s + jump.interval_s + kTimeRounding_s < needed_s;
 }
 
 double MechanismTiming::step_left(double since_jump_s) const {

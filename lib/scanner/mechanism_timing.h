@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scanner/tilt_angles.h"
+
 namespace landfall {
 
 struct MechanismTimingParameters {
@@ -10,7 +12,25 @@ struct MechanismTimingParameters {
   /// 0.9 (e^-3/sqrt(1 - zeta^2)); finite, >= 0. 0: the mechanism follows at once.
   double settle_time_s = 0;
   double settle_damping = 0.7;  ///< zeta, in (0, 1)
+  /// Largest angular acceleration of each axis, finite, >= 0. 0: unlimited.
+  double max_acceleration_radps2 = 0;
 };
+
+/// The motion of two axes around a jump of the aim, from the last pulse before it to the first one after it.
+struct AxesJump {
+  TiltAngles before{};       ///< at the last pulse before the jump
+  TiltAngles rate_before{};  ///< radians per second
+  TiltAngles after{};        ///< at the first pulse after the jump
+  TiltAngles rate_after{};
+  double interval_s = 0;  ///< between the two pulses
+};
+
+/// The shortest time in which an axis with the angular acceleration a > 0 reaches an aim that is `ahead_rad`
+/// away and recedes evenly; `closing_radps` is the axis's speed towards it at the begin. It ends at the speed
+/// of the aim. Full acceleration, then full braking: with D, u and s = sign(D - u |u|/2a),
+///   T = (2 sqrt(u^2/2 + s a D) - s u)/a,
+/// which is 2 sqrt(|D|/a) from rest and (1 + sqrt 2) |u|/a for an axis that passes its aim at the speed u.
+[[nodiscard]] double transfer_time_s(double ahead_rad, double closing_radps, double acceleration_radps2);
 
 /// How a mechanism follows a jump of its aim (a new line, the next step of a mosaic).
 class MechanismTiming {
@@ -20,8 +40,15 @@ class MechanismTiming {
 
   /// True if jumps affect the mechanism.
   [[nodiscard]] bool minds_jumps() const {
-    return parameters_.turnaround_time_s > 0 || parameters_.settle_time_s > 0;
+    return parameters_.turnaround_time_s > 0 || parameters_.settle_time_s > 0 || is_accelerated();
   }
+  [[nodiscard]] bool is_accelerated() const { return parameters_.max_acceleration_radps2 > 0; }
+
+  /// True for a pulse at which an axis with limited acceleration has not yet reached the aim, since_jump
+  /// after the first pulse after the jump. Both axes start at the last pulse before the jump and meet the
+  /// moving aim in the shortest time; the slower one counts. A pulse due at the very end of the motion is
+  /// fired (1 ns).
+  [[nodiscard]] bool is_moving(double since_jump_s, const AxesJump& jump) const;
 
   /// True for a pulse less than turnaround_time after the jump. A pulse due at the very end of the turnaround
   /// is fired, even if its time is rounded (1 ns).

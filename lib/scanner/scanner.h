@@ -10,6 +10,16 @@
 
 namespace landfall {
 
+/// The aims around the last jump, from which a scanner with inertia finds the motion that it has to make.
+/// Without a second pulse in its line or step an aim does not move: both are the same.
+struct JumpAims {
+  Direction<LidarFrame> before_last{};  ///< the pulse before the last one before the jump
+  Direction<LidarFrame> last{};         ///< the last pulse before the jump
+  Direction<LidarFrame> first{};        ///< the first pulse after the jump
+  Direction<LidarFrame> second{};       ///< the pulse after the first one
+  double interval_s = 0;                ///< from pulse to pulse
+};
+
 /// The input of a scanner for a pulse. All aims are seen from the nominal pose of this pulse.
 struct PulseContext {
   PulseTime time{};
@@ -19,6 +29,8 @@ struct PulseContext {
   /// without a jump. Only for scanners that ask for it.
   double since_jump_s = std::numeric_limits<double>::infinity();
   std::optional<Direction<LidarFrame>> aim_before_jump{};
+  /// Only for scanners that ask for it; empty without a jump.
+  std::optional<JumpAims> jump_aims{};
   /// The aim when the echo from the aimed point returns, 2 r/c after the pulse; the aim moves linearly
   /// between two pulses. Only for scanners that ask for it.
   std::optional<Direction<LidarFrame>> aim_at_echo{};
@@ -26,8 +38,9 @@ struct PulseContext {
 
 /// The parts of a PulseContext that are expensive and that not every mechanism needs.
 struct ContextNeeds {
-  bool jumps = false;  ///< since_jump_s, aim_before_jump
-  bool echo = false;   ///< aim_at_echo
+  bool jumps = false;   ///< since_jump_s, aim_before_jump
+  bool echo = false;    ///< aim_at_echo
+  bool motion = false;  ///< jump_aims; needs `jumps` too
 };
 
 /// The state of the mechanism at one pulse.

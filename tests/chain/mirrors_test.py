@@ -108,8 +108,68 @@ class Mirrors(ChainTest):
         self.assertAlmostEqual(np.median(lag), step_m * flight_s * 20000, delta=2e-4)
         self.assertLess(lag.max(), 2 * np.median(lag))  # also at the ends of lines
 
+    def test_encoder_harmonics_move_only_the_estimate(self):
+        plain, pulses = self.scan(self.fsm())
+        waves, _ = self.scan(self.fsm(encoder_harmonics=[{"axis": 2, "order": 100, "amplitude_rad": 1e-4}]))
+        for name in ("status", "x_true", "y_true", "z_true", "range_true", "range_measured"):
+            np.testing.assert_array_equal(plain[name], waves[name])
+        moved = np.hypot(plain["x_est"] - waves["x_est"], plain["y_est"] - waves["y_est"])
+        expected = 50 * 2 * np.cos(np.pi / 4) * 1e-4 * abs(np.sin(100 * pulses["angle_2"]))[plain["pulse"]]
+        hit = plain["status"] == 0
+        np.testing.assert_allclose(moved[hit], expected[hit], rtol=0.1, atol=2e-4)
+
+    def test_tilted_facets_move_the_beams_and_the_lander_may_know_them(self):
+        polygon = {"type": "polygon", "facets": 40, "rate_hz": 2}
+        tilted = {**polygon, "facet_tilt_rad": [0, 1e-4] * 20}
+        plain, pulses = self.scan(polygon)
+        unknown, _ = self.scan(tilted)
+        known, _ = self.scan({**tilted, "facet_tilt_known": True})
+        # A facet takes 1/80 s, and is at its middle at multiples of this time.
+        odd = np.floor(pulses["t"] * 80 + 0.5).astype(int)[plain["pulse"]] % 2 == 1
+        hit = (plain["status"] == 0) & (unknown["status"] == 0)
+        across = np.abs(unknown["y_true"] - plain["y_true"])[hit]
+        self.assertLess(across[~odd[hit]].max(), 1e-12)
+        self.assertAlmostEqual(np.median(across[odd[hit]]), 2e-4 * 50, delta=1e-3)
+        apart = np.abs(unknown["y_true"] - unknown["y_est"])[hit & odd]
+        self.assertAlmostEqual(np.median(apart), 2e-4 * 50, delta=1e-3)
+        for axis in "xyz":
+            np.testing.assert_allclose(known[f"{axis}_est"], known[f"{axis}_true"], rtol=0, atol=1e-9)
+
+    def test_a_redraw_requires_the_seed_of_drawn_facets(self):
+        drawn, given = ({"type": "polygon", **tilts} for tilts in ({"facet_tilt_sigma_rad": 1e-4}, {"facet_tilt_rad": [1e-4] * 48}))
+        for scanner, word in ((drawn, "/scanner/facet_tilt_sigma_rad"), (given, None)):
+            self.scan(scanner)
+            arguments = self.arguments(scanner, "--seed", 9, "--ranges-from", self.path("scan.h5"))
+            arguments[arguments.index("-o") + 1] = self.path("redrawn.h5")
+            if word:
+                self.refuse(2, *arguments, words=["/seed", word])
+            else:
+                self.succeed(*arguments)
+
+    def test_a_mirror_that_accelerates_slowly_loses_pulses(self):
+        """A line of 8 m in 20 pulses from 50 m, flown back: 4.57 degrees of tilt, 0.0840 rad and 20/19 of it in the frame of the new line."""
+        _, pulses = self.scan(self.fsm(incidence_deg=0, fold_azimuth_deg=0))
+        points, _ = self.scan(self.fsm(incidence_deg=0, fold_azimuth_deg=0, max_acceleration_radps2=1e4))
+        blanked = np.bincount(points["pulse"][points["status"] == 4], minlength=len(pulses["t"])) > 0
+        lines = blanked.reshape(-1, PULSES_PER_LINE)
+        self.assertFalse(lines[0].any())
+        way = np.abs(pulses["angle_2"].reshape(-1, PULSES_PER_LINE)[:, 0] - pulses["angle_2"].reshape(-1, PULSES_PER_LINE)[:, -1])
+        needed_s = 2 * np.sqrt(way * 20 / 19 / 1e4)
+        expected = np.ceil(needed_s * PULSE_RATE_HZ - 1e-5).astype(int) - 1
+        self.assertLessEqual(np.abs(lines.sum(axis=1) - expected)[1:].max(), 1)
+        self.assertGreater(lines.sum(axis=1)[1:].min(), 5)
+        self.assertTrue((np.diff(lines.astype(int), axis=1) <= 0).all())  # from the begin of each line
+
     def test_bad_values_are_refused_by_name(self):
-        bad = {"/scanner/focal_distance_m": self.fsm(focal_distance_m=-1),
+        bad = {"/scanner/facet_tilt_rad: 2 is not the number of facets": {"type": "polygon", "facet_tilt_rad": [0, 0]},
+               "/scanner/facet_tilt_rad/1": {"type": "polygon", "facet_tilt_rad": [0, 0.2]},
+               "/scanner/facet_tilt_sigma_rad": {"type": "polygon", "facet_tilt_sigma_rad": 0.02},
+               "/scanner/facet_tilt_known": {"type": "polygon", "facet_tilt_known": 1},
+               "/scanner/encoder_harmonics/0/order": self.fsm(encoder_harmonics=[{"order": 1.5, "amplitude_rad": 0}]),
+               "/scanner/encoder_harmonics/0/axis": self.fsm(encoder_harmonics=[{"axis": 0, "order": 1, "amplitude_rad": 0}]),
+               "/scanner/encoder_harmonics: ": {"type": "gimbal", "encoder_harmonics": 3},
+               "/scanner/max_acceleration_radps2": self.fsm(max_acceleration_radps2=-1),
+               "/scanner/focal_distance_m": self.fsm(focal_distance_m=-1),
                "/scanner/pivot_m/1": self.fsm(pivot_m=[0, "x", 0]),
                "/scanner/encoder_sigma_rad": self.fsm(encoder_sigma_rad=-1e-9),
                "/scanner/settle_damping": self.fsm(settle_damping=1),

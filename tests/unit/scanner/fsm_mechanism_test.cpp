@@ -217,5 +217,64 @@ TEST(FsmMechanism, RefusesAnEchoBeyondItsReach) {
                FormatError);
 }
 
+TEST(FsmEncoder, HasHarmonicsOfEachTilt) {
+  const Fsm fsm({.incidence_rad = 0.4,
+                 .encoder_harmonics = {{.axis = 1, .order = 1, .amplitude_rad = 1e-4, .phase_rad = kPi / 2},
+                                       {.axis = 2, .order = 50, .amplitude_rad = 2e-4},
+                                       {.axis = 2, .order = 3, .amplitude_rad = -1e-4, .phase_rad = 1}}});
+  EXPECT_FALSE(fsm.is_known());
+  for (int k = 0; k < 50; ++k) {
+    const PulseContext pulse{.time = {k, 0}, .aim = towards(0.2, k)};
+    const ScannerState truth = fsm.state(pulse);
+    const ScannerState read = fsm.believed_state(pulse, truth);
+    EXPECT_NEAR(read.angle_1_rad - truth.angle_1_rad, 1e-4 * std::cos(truth.angle_1_rad), 1e-15);
+    EXPECT_NEAR(read.angle_2_rad - truth.angle_2_rad,
+                2e-4 * std::sin(50 * truth.angle_2_rad) - 1e-4 * std::sin(3 * truth.angle_2_rad + 1), 1e-15);
+    EXPECT_LT((line_of_sight(fsm, truth) - pulse.aim->v).norm(), 2e-15);
+  }
+}
+
+TEST(FsmEncoder, NoiseComesOnTopOfHarmonics) {
+  const std::vector<EncoderHarmonic> harmonics = {{.order = 1, .amplitude_rad = 1e-3, .phase_rad = kPi / 2}};
+  const Fsm noisy({.encoder_sigma_rad = 1e-4});
+  const Fsm both({.encoder_sigma_rad = 1e-4, .encoder_harmonics = harmonics});
+  const PulseContext pulse{.time = {7, 0}, .aim = towards(0, 0)};
+  const ScannerState truth = both.state(pulse);
+  EXPECT_NEAR(both.believed_state(pulse, truth).angle_1_rad,
+              noisy.believed_state(pulse, truth).angle_1_rad + 1e-3, 1e-15);
+}
+
+TEST(FsmEncoder, RefusesHarmonicsOutOfRange) {
+  const auto refused = [](const EncoderHarmonic& harmonic, const std::string& key) {
+    try {
+      const Fsm fsm({.encoder_harmonics = {{}, harmonic}});
+      FAIL() << key;
+    } catch (const UsageError& error) {
+      EXPECT_NE(std::string(error.what()).find("encoder_harmonics/1/" + key), std::string::npos)
+          << error.what();
+    }
+  };
+  refused({.axis = 0}, "axis");
+  refused({.axis = 3}, "axis");
+  refused({.order = 0}, "order");
+  refused({.order = (1 << 20) + 1}, "order");
+  refused({.amplitude_rad = HUGE_VAL}, "amplitude_rad");
+  refused({.phase_rad = std::nan("")}, "phase_deg");
+}
+
+// Rest to rest, 0.2 rad of tilt 1 at an incidence of 0: 2 sqrt(0.2/100) after the last pulse before the jump.
+TEST(FsmTurnaround, LastsUntilTheMirrorHasCaughtUp) {
+  const Fsm fsm({.max_deflection_rad = 0.5, .timing = {.max_acceleration_radps2 = 100}});
+  EXPECT_TRUE(fsm.needs().motion && fsm.needs().jumps);
+  EXPECT_FALSE(Fsm({}).needs().motion);
+  const auto down = towards(0.2, -kPi / 2);
+  const auto up = towards(0.2, kPi / 2);
+  PulseContext pulse{.aim = up, .since_jump_s = 0.088, .jump_aims = JumpAims{down, down, up, up, 1e-3}};
+  EXPECT_TRUE(fsm.state(pulse).blanked);
+  pulse.since_jump_s = 0.089;
+  EXPECT_FALSE(fsm.state(pulse).blanked);
+  EXPECT_THROW(Fsm({.timing = {.max_acceleration_radps2 = -1}}), UsageError);
+}
+
 }  // namespace
 }  // namespace landfall

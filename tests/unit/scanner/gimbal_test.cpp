@@ -89,5 +89,32 @@ TEST(Gimbal, RefusesParametersOutOfRange) {
   EXPECT_THROW(Gimbal({.timing = {.settle_time_s = -1}}), UsageError);
 }
 
+TEST(Gimbal, ItsEncodersHaveHarmonics) {
+  const Gimbal gimbal(
+      {.encoder_harmonics = {{.axis = 2, .order = 4, .amplitude_rad = 1e-3, .phase_rad = 0.3}}});
+  EXPECT_FALSE(gimbal.is_known());
+  const PulseContext pulse{.aim = towards(0.2, 0)};
+  const ScannerState truth = gimbal.state(pulse);
+  const ScannerState read = gimbal.believed_state(pulse, truth);
+  EXPECT_EQ(read.angle_1_rad, truth.angle_1_rad);
+  EXPECT_NEAR(read.angle_2_rad, 0.2 + 1e-3 * std::sin(4 * 0.2 + 0.3), 1e-15);
+  EXPECT_THROW(Gimbal({.encoder_harmonics = {{.axis = 3}}}), UsageError);
+}
+
+TEST(Gimbal, BlanksUntilItHasCaughtUp) {
+  const Gimbal gimbal({.timing = {.max_acceleration_radps2 = 100}});
+  EXPECT_TRUE(gimbal.needs().jumps);
+  EXPECT_TRUE(gimbal.needs().motion);
+  const auto left = towards(0.1, kPi);
+  const auto right = towards(0.1, 0);
+  PulseContext pulse{
+      .aim = right, .since_jump_s = 0.088, .jump_aims = JumpAims{left, left, right, right, 1e-3}};
+  EXPECT_TRUE(gimbal.state(pulse).blanked);  // 2 sqrt(0.2/100) = 89.4 ms after the last pulse before the jump
+  pulse.since_jump_s = 0.089;
+  EXPECT_FALSE(gimbal.state(pulse).blanked);
+  pulse.jump_aims.reset();
+  EXPECT_FALSE(gimbal.state(pulse).blanked);
+}
+
 }  // namespace
 }  // namespace landfall

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -77,6 +78,75 @@ TEST(MechanismTiming, RefusesParametersOutOfRange) {
   EXPECT_THROW(MechanismTiming({.settle_time_s = std::nan("")}), UsageError);
   EXPECT_THROW(MechanismTiming({.settle_damping = 0}), UsageError);
   EXPECT_THROW(MechanismTiming({.settle_damping = 1}), UsageError);
+}
+
+// By hand: from rest, half of the way is s/2 = a (T/2)^2/2; a mirror that passes its aim at u brakes for u/a,
+// has then gone u^2/2a too far, and returns from rest.
+TEST(TransferTime, ClosedForms) {
+  for (const double a : {1.0, 2e4}) {
+    for (const double s : {0.1, -0.1, 1e-6})
+      EXPECT_NEAR(transfer_time_s(s, 0, a), 2 * std::sqrt(std::abs(s) / a), 1e-15);
+    for (const double u : {0.3, -0.3})
+      EXPECT_NEAR(transfer_time_s(0, u, a), std::abs(u) / a + 2 * std::sqrt(u * u / (2 * a) / a), 1e-15);
+    EXPECT_EQ(transfer_time_s(0, 0, a), 0);
+    // The aim lies where braking ends.
+    EXPECT_NEAR(transfer_time_s(0.5 * 0.3 * 0.3 / a, 0.3, a), 0.3 / a, 1e-12);
+    EXPECT_NEAR(transfer_time_s(-0.5 * 0.3 * 0.3 / a, -0.3, a), 0.3 / a, 1e-12);
+  }
+  EXPECT_NEAR(transfer_time_s(6.28 * kDegree, 0, 2e4), 4.68e-3, 1e-5);  // the example of scanner-fsm.md
+}
+
+// Property: T seconds of full acceleration and braking, switched once, end at the aim and at rest relative to
+// it.
+TEST(TransferTime, ReachesTheAim) {
+  RandomCases random;
+  for (int i = 0; i < 5000; ++i) {
+    const double a = random.uniform(0.1, 10);
+    const double ahead = random.uniform(-1, 1);
+    const double u = random.uniform(-1, 1);
+    const double total = transfer_time_s(ahead, u, a);
+    ASSERT_GE(total, std::abs(u) / a - 1e-12);
+    // With the first phase of t1 at +-a and the rest at -+a, the speed ends at 0: u +- a (2 t1 - T) = 0.
+    double nearest = 1e9;
+    for (const double sign : {1.0, -1.0}) {
+      const double t1 = (total - sign * u / a) / 2;
+      if (t1 < -1e-9 || t1 > total + 1e-9) continue;
+      const double t2 = total - t1;
+      const double middle = u + sign * a * t1;
+      nearest = std::min(
+          nearest, std::abs(u * t1 + sign * a * t1 * t1 / 2 + middle * t2 - sign * a * t2 * t2 / 2 - ahead));
+    }
+    ASSERT_NEAR(nearest, 0, 1e-9) << "a " << a << ", D " << ahead << ", u " << u;
+  }
+}
+
+TEST(MechanismTiming, MovesUntilTheSlowerAxisIsThere) {
+  const MechanismTiming timing({.max_acceleration_radps2 = 100});
+  EXPECT_TRUE(timing.minds_jumps());
+  const double h = 1e-3;
+  // Both aims at rest, 0.01 and 0.0025 rad away: 20 ms and 10 ms after the last pulse before the jump.
+  const AxesJump step{.before = {0, 0.0025}, .after = {0.01, 0}, .interval_s = h};
+  EXPECT_TRUE(timing.is_moving(0.0189, step));
+  EXPECT_FALSE(timing.is_moving(0.019, step));
+  const AxesJump other{.before = {0, 0.01}, .after = {0.0025, 0}, .interval_s = h};
+  EXPECT_TRUE(timing.is_moving(0.0189, other));
+  EXPECT_FALSE(timing.is_moving(0.019, other));
+  EXPECT_FALSE(MechanismTiming({}).is_moving(0, step));
+  // Lines in one direction: with the motion of the lines, the flyback is one from rest to rest. The aim would
+  // have been h w before the first pulse when the mirror left.
+  const double w = 3;
+  const AxesJump flyback{.before = {0.005, 0},
+                         .rate_before = {w, 0},
+                         .after = {-0.005 + h * w, 0},
+                         .rate_after = {w, 0},
+                         .interval_s = h};
+  EXPECT_TRUE(timing.is_moving(0.0189, flyback));
+  EXPECT_FALSE(timing.is_moving(0.019, flyback));
+  // There and back: a mirror that turns about meets the line that left it at once.
+  const AxesJump turn{.rate_before = {w, 0}, .after = {-h * w, 0}, .rate_after = {-w, 0}, .interval_s = h};
+  const double needed_s = (1 + std::sqrt(2.0)) * 2 * w / 100;
+  EXPECT_TRUE(timing.is_moving(needed_s - h - 1e-6, turn));
+  EXPECT_FALSE(timing.is_moving(needed_s - h + 1e-6, turn));
 }
 
 }  // namespace

@@ -100,5 +100,125 @@ TEST(Polygon, RefusesParametersOutOfRange) {
   EXPECT_NO_THROW(Polygon({.facets = 5, .duty_frac = 1}));
 }
 
+ScannerState believed(const Polygon& polygon, double t_s) {
+  const PulseContext pulse{.time = {0, t_s}};
+  return polygon.believed_state(pulse, polygon.state(pulse));
+}
+
+// Four facets, one revolution per second: facet f is at its middle at t = f/4, and its line is 2 eps beside
+// the nominal one, towards -y_L at azimuth 0, as with a positive angle of the frame.
+TEST(Polygon, EachFacetHasItsTilt) {
+  const std::vector<double> tilts = {0, 43e-6, -62e-6, 191e-6};
+  const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.5, .facet_tilt_rad = tilts});
+  for (int turn = 0; turn < 3; ++turn)
+    for (std::size_t facet = 0; facet < 4; ++facet) {
+      const Vector3d sight = line_of_sight(polygon, at(polygon, turn + 0.25 * static_cast<double>(facet)));
+      EXPECT_NEAR(sight.y(), -std::sin(2 * tilts[facet]), 1e-15) << facet;
+      EXPECT_NEAR(sight.x(), 0, 1e-15);
+    }
+  const Polygon by_frame({.frame_amplitude_rad = 1e-3});
+  EXPECT_LT(line_of_sight(by_frame, at(by_frame, 0)).y(), 0);
+}
+
+// Beside the middle the line is 2 eps cos(theta) from the nominal one, to third order: a bow of 2 eps (1 -
+// cos).
+TEST(Polygon, ATiltedFacetDrawsABow) {
+  const double tilt = 1e-4;
+  const Polygon polygon({.facets = 4, .rate_hz = 1, .duty_frac = 0.9, .facet_tilt_rad = {tilt, 0, 0, 0}});
+  for (const double t_s : {-0.1, -0.03, 0.05, 0.1}) {
+    const ScannerState state = at(polygon, t_s);
+    EXPECT_NEAR(state.angle_1_rad, 2 * kPi * t_s, 1e-15);
+    const Vector3d sight = line_of_sight(polygon, state);
+    EXPECT_NEAR(sight.y(), -2 * tilt * std::cos(state.angle_1_rad), 10 * tilt * tilt * tilt);
+    EXPECT_NEAR(std::atan2(sight.x(), sight.z()), 2 * state.angle_1_rad, 4 * tilt * tilt);
+  }
+}
+
+// Property: the exact reflection by the tilted facet, in the frame that turns with psi.
+TEST(Polygon, TiltedFacetsReflectExactly) {
+  RandomCases random;
+  for (int i = 0; i < 500; ++i) {
+    const double azimuth = random.uniform(-4, 4);
+    const double tilt = random.uniform(-0.1, 0.1);
+    const Polygon polygon({.facets = 12,
+                           .rate_hz = 3,
+                           .line_azimuth_rad = azimuth,
+                           .frame_amplitude_rad = 0.3,
+                           .facet_tilt_rad = std::vector<double>(12, tilt)});
+    const ScannerState state = at(polygon, random.uniform(0, 10));
+    const Vector3d u(std::cos(azimuth), std::sin(azimuth), 0);
+    const Vector3d v(-std::sin(azimuth), std::cos(azimuth), 0);
+    const Vector3d m = turn_about(v, state.angle_1_rad) * turn_about(u, tilt) * Vector3d::UnitZ();
+    const Vector3d pixel = random.within(0.1).v;
+    const Vector3d expected =
+        turn_about(u, state.angle_2_rad) * reflected(reflected(pixel, Vector3d::UnitZ()), m);
+    ASSERT_LT((beam_of(polygon, state, pixel).direction.v - expected).norm(), 1e-14);
+  }
+}
+
+TEST(Polygon, FacetsWithoutATiltReflectAsBefore) {
+  const Polygon plain({.frame_amplitude_rad = 0.1});
+  const Polygon flat({.frame_amplitude_rad = 0.1, .facet_tilt_rad = std::vector<double>(48, 0)});
+  EXPECT_TRUE(plain.is_known());
+  for (const double t_s : {0.0, 0.123, 3.4})
+    EXPECT_LT((line_of_sight(plain, at(plain, t_s)) - line_of_sight(flat, at(flat, t_s))).norm(), 1e-15);
+}
+
+TEST(Polygon, TheLanderKnowsTheTiltsOfACalibratedScanner) {
+  PolygonParameters parameters{.facets = 4, .rate_hz = 1, .facet_tilt_rad = {1e-3, 2e-3, 3e-3, 4e-3}};
+  const Polygon unknown(parameters);
+  parameters.facet_tilt_known = true;
+  const Polygon known(parameters);
+  parameters.encoder_harmonics = {{.order = 1, .amplitude_rad = 1e-4, .phase_rad = kPi / 2}};
+  const Polygon misread(parameters);
+  EXPECT_FALSE(unknown.is_known());
+  EXPECT_TRUE(known.is_known());
+  EXPECT_FALSE(misread.is_known());
+  EXPECT_NEAR(line_of_sight(unknown, believed(unknown, 0.25)).y(), 0, 1e-15);
+  const Vector3d sight = line_of_sight(misread, believed(misread, 0.25));
+  EXPECT_NEAR(sight.y(), line_of_sight(known, at(known, 0.25)).y(), 1e-9);
+}
+
+// The encoder of the drum counts whole turns: an eccentric disc reads the same error once a revolution.
+TEST(Polygon, TheEncoderOfTheDrumHasItsHarmonics) {
+  const Polygon polygon(
+      {.facets = 4,
+       .rate_hz = 1,
+       .frame_amplitude_rad = 0.1,
+       .encoder_harmonics = {{.order = 1, .amplitude_rad = 1e-3},
+                             {.axis = 2, .order = 3, .amplitude_rad = 2e-3, .phase_rad = 0.5}}});
+  for (const double t_s : {0.0, 0.1, 0.25, 0.3, 0.7}) {
+    const ScannerState truth = at(polygon, t_s);
+    const ScannerState read = believed(polygon, t_s);
+    EXPECT_NEAR(read.angle_1_rad - truth.angle_1_rad, 1e-3 * std::sin(2 * kPi * t_s), 1e-15);
+    EXPECT_NEAR(read.angle_2_rad - truth.angle_2_rad, 2e-3 * std::sin(3 * truth.angle_2_rad + 0.5), 1e-15);
+    EXPECT_EQ(read.blanked, truth.blanked);
+  }
+}
+
+// 1000 facets: the sample sigma is within 5/sqrt(2000) = 11 % of the true one.
+TEST(Polygon, DrawsTilts) {
+  const auto tilt = [](const Polygon& polygon, int facet) {
+    return std::asin(-line_of_sight(polygon, at(polygon, facet / 1000.0)).y()) / 2;
+  };
+  PolygonParameters parameters{.facets = 1000, .rate_hz = 1, .facet_tilt_sigma_rad = 1e-4, .seed = 5};
+  const Polygon drawn(parameters);
+  double squares = 0;
+  for (int facet = 0; facet < 1000; ++facet) squares += std::pow(tilt(drawn, facet) / 1e-4, 2);
+  EXPECT_NEAR(std::sqrt(squares / 1000), 1, 0.11);
+  parameters.facet_tilt_rad = std::vector<double>(1000, 1e-3);
+  EXPECT_NEAR(tilt(Polygon(parameters), 7), 1e-3 + tilt(drawn, 7), 1e-12);
+  parameters.seed = 6;
+  EXPECT_NE(tilt(Polygon(parameters), 7), 1e-3 + tilt(drawn, 7));
+}
+
+TEST(Polygon, RefusesTiltsOutOfRange) {
+  EXPECT_THROW(Polygon({.facets = 4, .facet_tilt_rad = {0, 0, 0}}), UsageError);
+  EXPECT_THROW(Polygon({.facets = 2, .duty_frac = 0.2, .facet_tilt_rad = {0, 0.11}}), UsageError);
+  EXPECT_THROW(Polygon({.facet_tilt_sigma_rad = -1e-6}), UsageError);
+  EXPECT_THROW(Polygon({.facet_tilt_sigma_rad = 0.011}), UsageError);
+  EXPECT_THROW(Polygon({.encoder_harmonics = {{.order = 0}}}), UsageError);
+}
+
 }  // namespace
 }  // namespace landfall
