@@ -12,7 +12,7 @@ import sys
 LEVELS = {
     "base": 0,
     "geometry": 1, "raster": 1, "output": 1, "returns": 1,
-    "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "hdf5": 2,
+    "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "receiver": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
     "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
     "campaign": 5,
@@ -25,7 +25,7 @@ LEVELS = {
 ONLY_IN = {
     r"CGAL/": {"ray"},
     r"boost/(?!numeric/odeint/|math/)": {"ray"},
-    r"boost/math/": {"terrain", "campaign"},
+    r"boost/math/": {"terrain", "campaign", "receiver"},
     r"boost/numeric/odeint/": {"trajectory"},
     r"(gdal|ogr|cpl_|vrt)": {"terrain/gdal"},
     r"(hdf5\.h|hdf5_hl\.h|H5)": {"hdf5", "files"},

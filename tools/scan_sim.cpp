@@ -6,6 +6,7 @@
 #include "cli/outcomes.h"
 #include "cli/plan.h"
 #include "cli/tool.h"
+#include "config/receiver_config.h"
 #include "config/scan_config.h"
 #include "files/number_table.h"
 #include "files/range_file.h"
@@ -37,6 +38,7 @@ struct Options {
   std::string engine = "auto";
   std::int64_t batch_points = 16384;
   bool keep_misses = false;
+  bool keep_echoes = false;
   bool float32 = false;
   cli::PlanOptions plan;
 };
@@ -60,6 +62,8 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "Write a row per pixel and pulse, not only per return");
+  app.add_flag("--keep-echoes", o.keep_echoes,
+               "Write the echo of every pixel, from which --ranges-from draws the errors of a receiver anew");
   app.add_flag("--float32", o.float32, "Write coordinates and ranges in single precision");
   cli::bind_plan(app, o.plan);
 }
@@ -68,6 +72,7 @@ void bind(CLI::App& app, Options& o) {
 nlohmann::json options_json(const Options& o) {
   nlohmann::json options;
   if (o.keep_misses) options["keep_misses"] = true;
+  if (o.keep_echoes) options["keep_echoes"] = true;
   if (o.float32) options["float32"] = true;
   return options;
 }
@@ -87,6 +92,14 @@ Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ra
   return scene;
 }
 
+void require_one_echo(const Receiver& receiver) {
+  if (!receiver.sees_waveforms()) throw UsageError("--keep-echoes needs a receiver (/receiver/type)");
+  if (!receiver.needs_one_echo())
+    throw UsageError(
+        "--keep-echoes keeps one echo for each pixel; /receiver/type geiger and /receiver/returns all need "
+        "more");
+}
+
 ExitCode run(cli::Session& session, const Options& o) {
   if (o.plan.requested) {
     if (!o.terrain.empty() || !o.ranges_from.empty())
@@ -100,16 +113,19 @@ ExitCode run(cli::Session& session, const Options& o) {
   ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
   std::unique_ptr<RangeFile> ranges;
   if (!o.ranges_from.empty()) ranges = std::make_unique<RangeFile>(o.ranges_from);
+  if (o.keep_echoes) require_one_echo(model.lidar.receiver);
   const Scene scene = scanned_scene(session, o, ranges.get(), model.lidar.range_errors.needs_incidence());
   session.count("engine", scene.engine_name);
   provenance.add_input("terrain", scene.file_id, scene.chain);
   if (ranges) ranges->require_match(provenance);
   LandfallFileWriter file(output, "scan", provenance);
-  const Simulation simulation(std::move(model), scene.engine.get(), scene.surface.get());
-  Replay replay;
+  std::unique_ptr<const AlbedoMap> albedo;
+  if (uses_albedo_map(session.config()) && !ranges) albedo = open_albedo(o.terrain);
+  const Simulation simulation(std::move(model), scene.engine.get(), scene.surface.get(), albedo.get());
+  Replay replay{.keep_echoes = o.keep_echoes};
   if (ranges)
-    replay.ranges = [&](PulseSpan pulses) { return ranges->ranges_m(pulses, simulation.pixel_count()); };
-  ScanWriter writer(file, {o.keep_misses, o.float32}, scene.crs_wkt);
+    replay.ranges = [&](PulseSpan pulses) { return ranges->read(pulses, simulation.pixel_count()); };
+  ScanWriter writer(file, {o.keep_misses, o.float32, simulation.columns(o.keep_echoes)}, scene.crs_wkt);
   const bool same_rows = ranges && ranges->has_rows_of(session.config(), o.keep_misses);
   if (same_rows && writer.copy_truth(ranges->points())) replay.content = PointContent::estimate;
   const double scan_s = session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
@@ -140,7 +156,10 @@ int main(int argc, char** argv) {
   tool.schema = "scan";
   tool.has_seed = true;
   tool.bind = [&](CLI::App& app) { bind(app, options); };
-  tool.check = [](const cli::Session& s) { static_cast<void>(scan_model(s.config(), s.config_name(), {})); };
+  tool.check = [](cli::Session& session) {
+    static_cast<void>(scan_model(session.config(), session.config_name(), {}));
+    for (const std::string& warning : receiver_warnings(session.config())) session.warn(warning);
+  };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);
 }

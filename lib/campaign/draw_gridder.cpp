@@ -30,9 +30,8 @@ void require_layers(DrawnDem& dem, const GridSpec& grid) {
 
 }  // namespace
 
-DrawGridder::DrawGridder(std::span<const double> ranges_true_m, const TerrainSurface& terrain,
-                         const GridSpec& grid)
-    : ranges_true_m_(ranges_true_m), terrain_(terrain), grid_(grid) {}
+DrawGridder::DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid)
+    : truth_(truth), terrain_(terrain), grid_(grid) {}
 
 DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
   Accumulator& bins = empty_bins(method);
@@ -88,8 +87,8 @@ void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {
                      std::min(static_cast<std::int64_t>(end) * per_piece, pulses.count) - slot;
                  const PulseSpan piece{pulses.first + slot, count};
                  simulation.replay_slots(piece,
-                                         ranges_true_m_.subspan(static_cast<std::size_t>(piece.first * pixels),
-                                                                static_cast<std::size_t>(count * pixels)),
+                                         truth_.part(static_cast<std::size_t>(piece.first * pixels),
+                                                     static_cast<std::size_t>(count * pixels)),
                                          static_cast<std::size_t>(slot), batch_);
                });
 }
@@ -118,7 +117,13 @@ GridPoints DrawGridder::take_returns() {
   // No layer of the DEM that is judged needs the times of the returns.
   no_times_.resize(std::max(no_times_.size(), first.back()));
   const auto column = [&](std::size_t i) { return std::span<const double>(returns_[i]).first(first.back()); };
-  return {column(0), column(1), column(2), column(3), column(4), column(5), std::span(no_times_).first(first.back())};
+  return {column(0),
+          column(1),
+          column(2),
+          column(3),
+          column(4),
+          column(5),
+          std::span(no_times_).first(first.back())};
 }
 
 }  // namespace landfall

@@ -21,8 +21,8 @@ namespace landfall {
 
 /// The DEM of one draw, as regrid writes it and dem-eval reads it: the same bits.
 struct DrawnDem {
-  DemLayers layers;           ///< with truth
-  Grid<std::int32_t> count;   ///< returns of each bin
+  DemLayers layers;          ///< with truth
+  Grid<std::int32_t> count;  ///< returns of each bin
 };
 
 /// Redraws the errors of a scan on its true ranges and grids the returns, without files: scan-sim
@@ -30,12 +30,12 @@ struct DrawnDem {
 /// not depend on their number. Memory beside the ranges: 2^17 points, and the sums of the method.
 class DrawGridder {
  public:
-  /// `ranges_true_m` holds one range per pixel and pulse, NaN for a miss (RangeFile). Both must outlive this
-  /// object.
-  DrawGridder(std::span<const double> ranges_true_m, const TerrainSurface& terrain, const GridSpec& grid);
+  /// `truth` holds one range per pixel and pulse (RangeFile), and its echo if the receiver sees waveforms.
+  /// Both must outlive this object.
+  DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid);
 
-  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation` has as
-  /// many pulses and pixels as the ranges: throws FormatError where it has not.
+  /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
+  /// has as many pulses and pixels as the ranges: throws FormatError where it has not.
   [[nodiscard]] DrawnDem& draw(const Simulation& simulation, Method method, TruthAt truth_at);
 
  private:
@@ -45,7 +45,7 @@ class DrawGridder {
   [[nodiscard]] GridPoints take_returns();
   void take_values(TruthAt truth_at);
 
-  std::span<const double> ranges_true_m_;
+  TrueRanges truth_;
   const TerrainSurface& terrain_;
   GridSpec grid_;
   // Reused by all draws: the system clears fresh memory, which costs as much as gridding.

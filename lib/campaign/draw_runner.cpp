@@ -21,22 +21,10 @@ Grid<double> elevations_of(const TerrainSurface& terrain, const GridSpec& grid) 
   return map;
 }
 
-/// Adds the verdicts on footprints to the maps.
-class VerdictSink final : public LayerSink {
- public:
-  explicit VerdictSink(DrawMaps& maps) : maps_(maps) {}
-  void take(const CoverageLayers& /*layers*/) override {}
-  void take(Axis /*axis*/, const AxisLayers& /*layers*/) override {}
-  void take(const Grid<std::int8_t>& fail) override { maps_.add_verdicts(fail); }
-
- private:
-  DrawMaps& maps_;
-};
-
 }  // namespace
 
 DrawRunner::DrawRunner(CampaignScene scene, bool with_maps)
-    : scene_(std::move(scene)), gridder_(scene_.ranges_true_m, scene_.terrain, scene_.grid) {
+    : scene_(std::move(scene)), gridder_(scene_.truth, scene_.terrain, scene_.grid) {
   if (with_maps) z_true_map_ = elevations_of(scene_.terrain, scene_.grid);
 }
 
@@ -68,10 +56,9 @@ DrawResult DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
     return {verdict.metrics, std::move(hazards)};
   }
   if (setup.evaluation.region_shape == RegionShape::mask) dem.layers.region_mask = scene_.region;
-  std::optional<VerdictSink> sink;
-  if (maps != nullptr) sink.emplace(*maps);
-  const std::vector<LayerSink*> sinks = sink ? std::vector<LayerSink*>{&*sink} : std::vector<LayerSink*>{};
-  return {evaluate(std::exchange(dem.layers, {}), setup.evaluation, sinks).metrics, std::move(hazards)};
+  const Evaluation evaluation = evaluate(std::exchange(dem.layers, {}), setup.evaluation);
+  if (maps != nullptr) maps->add_verdicts(evaluation.fail);
+  return {evaluation.metrics, std::move(hazards)};
 }
 
 }  // namespace landfall

@@ -22,7 +22,7 @@ enum class MetricsKind {
 
 /// What the draws of a campaign share.
 struct CampaignScene {
-  std::span<const double> ranges_true_m;  ///< one per pixel and pulse, NaN for a miss
+  TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms
   const TerrainSurface& terrain;
   GridSpec grid;
   BinMask region;  ///< judged_region(), which no draw changes
@@ -63,8 +63,8 @@ class DrawRunner {
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
 
   /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
-  /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null. Throws as
-  /// Simulation, DrawGridder, evaluate() and map_hazards() do.
+  /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null.
+  /// Throws as Simulation, DrawGridder, evaluate() and map_hazards() do.
   [[nodiscard]] DrawResult run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
 
  private:

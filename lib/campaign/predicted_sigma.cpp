@@ -32,7 +32,8 @@ struct GriddedReturns {
     for (const auto member :
          {&PulseColumns::t, &PulseColumns::px_est, &PulseColumns::py_est, &PulseColumns::pz_est,
           &PulseColumns::qw_est, &PulseColumns::qx_est, &PulseColumns::qy_est, &PulseColumns::qz_est})
-      (pulses.*member).insert((pulses.*member).end(), (batch.pulses.*member).begin(), (batch.pulses.*member).end());
+      (pulses.*member)
+          .insert((pulses.*member).end(), (batch.pulses.*member).begin(), (batch.pulses.*member).end());
   }
 };
 
@@ -44,8 +45,8 @@ GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& sim
   for (std::int64_t first = 0; first < simulation.pulse_count(); first += per_batch) {
     const PulseSpan span{first, std::min(per_batch, simulation.pulse_count() - first)};
     simulation.replay(span,
-                      scene.ranges_true_m.subspan(static_cast<std::size_t>(first * pixels),
-                                                  static_cast<std::size_t>(span.count * pixels)),
+                      scene.truth.part(static_cast<std::size_t>(first * pixels),
+                                       static_cast<std::size_t>(span.count * pixels)),
                       batch);
     batch.keep_returns();
     gridded.add(batch, first);
@@ -55,7 +56,8 @@ GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& sim
 
 }  // namespace
 
-Grid<float> predicted_sigma(const CampaignScene& scene, ScanModel scan, const UncertaintyParameters& parameters) {
+Grid<float> predicted_sigma(const CampaignScene& scene, ScanModel scan,
+                            const UncertaintyParameters& parameters) {
   const Simulation simulation(std::move(scan), nullptr, &scene.terrain);
   const GriddedReturns gridded = gridded_returns(scene, simulation);
   const Grid<Slope> slopes = slope_layer(gridded.bins);

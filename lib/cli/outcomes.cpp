@@ -53,13 +53,17 @@ void report_scan(Session& session, const Simulation& simulation, const ScanWrite
   session.count("ray_count", simulation.ray_count());
   session.count("real_time_factor", simulation.duration_s() / session.elapsed_s());
   for (const PointStatusInfo& info : kPointStatuses)
-    if (info.is_counted()) session.count(info.count_name, writer.count(info.status));
+    if (info.is_counted(simulation.columns().intensity))
+      session.count(info.count_name, writer.count(info.status));
   const std::int64_t misses = writer.count(PointStatus::miss);
   const std::int64_t returns = writer.count(PointStatus::returned) + writer.count(PointStatus::false_return);
-  const std::int64_t aimed = std::max<std::int64_t>(1, returns + misses + writer.count(PointStatus::dropout));
+  const std::int64_t undetected = writer.count(PointStatus::undetected);
+  const std::int64_t aimed =
+      std::max<std::int64_t>(1, returns + misses + undetected + writer.count(PointStatus::dropout));
   const double missed = static_cast<double>(misses) / static_cast<double>(aimed);
   session.conclude(grouped(simulation.ray_count()) + " rays: " + grouped(returns) + " returns, " +
-                   percent_text(missed) + " missed the terrain");
+                   percent_text(missed) + " missed the terrain" +
+                   (undetected > 0 ? ", " + grouped(undetected) + " echoes were too weak" : ""));
   if (missed > kNotable)
     session.warn(percent_text(missed) + " of the rays missed the terrain; enlarge it, or narrow the scan");
 }

@@ -145,7 +145,7 @@ struct Tool {
   std::function<void(JsonSource&)> complete;
   /// Builds the typed configuration, so that --check also finds errors that the schema cannot express; not
   /// called without a schema.
-  std::function<void(const Session&)> check;
+  std::function<void(Session&)> check;
   std::function<ExitCode(Session&)> run;
 };
 

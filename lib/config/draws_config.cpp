@@ -31,8 +31,7 @@ void merge(Json& base, const Json& changes, const std::string& where) {
     const std::string path = where + "/" + key;
     if (base.is_array()) {
       const Json::json_pointer element = Json::json_pointer() / key;
-      const bool is_number = !key.empty() && std::ranges::all_of(key, [](char c) { return c >= '0' && c <= '9'; });
-      if (!is_number || !base.contains(element))
+      if (!is_index(key) || !base.contains(element))
         throw UsageError(path + ": is not an index of an array of " + std::to_string(base.size()));
       merge(base.at(element), value, path);
     } else if (value.is_null()) {
@@ -74,12 +73,18 @@ KeyPath split_key(const std::string& key) {
 
 /// Why a key cannot vary on the same rays, grid and region; empty if it can.
 std::string fixed_because(const std::string& key) {
-  static constexpr std::array kRays = {"scan.detector.",  "scan.laser.",      "scan.scanner.",
-                                       "scan.mount.",     "scan.trajectory.", "scan.pointing_error.misalignment_rpy_rad",
-                                       "scan.pointing_error.jitter_sigma_rad"};
+  static constexpr std::array kRays = {"scan.detector.",
+                                       "scan.laser.",
+                                       "scan.scanner.",
+                                       "scan.mount.",
+                                       "scan.trajectory.",
+                                       "scan.pointing_error.misalignment_rpy_rad",
+                                       "scan.pointing_error.jitter_",
+                                       "scan.pointing_error.mirror_time_"};
   for (const char* const prefix : kRays)
     if (key.starts_with(prefix))
-      return "changes the rays, and only errors are drawn anew; trace a scan for each value (docs/user/studies)";
+      return "changes the rays, and only errors are drawn anew; trace a scan for each value "
+             "(docs/user/studies)";
   if (key == "scan.seed") return "is set by the number of the draw";
   static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.resolution_m", "eval.region"};
   for (const char* const prefix : kGrid)
@@ -96,7 +101,9 @@ Variation<double> variation_of(const Json& json) {
 
 /// The standard deviation of the values.
 double sigma_of(const NormalVariation& variation) { return variation.sigma; }
-double sigma_of(const UniformVariation& variation) { return (variation.high - variation.low) / std::sqrt(12.0); }
+double sigma_of(const UniformVariation& variation) {
+  return (variation.high - variation.low) / std::sqrt(12.0);
+}
 double sigma_of(const ListVariation<double>& variation) {
   const auto n = static_cast<double>(variation.values.size());
   const double mean = std::accumulate(variation.values.begin(), variation.values.end(), 0.0) / n;
@@ -111,7 +118,8 @@ const Json& stage_of(const DrawStages& stages, const std::string& stage) {
 
 }  // namespace
 
-DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& scanned, const NumberTable* samples)
+DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& scanned,
+                         const NumberTable* samples)
     : name_(std::move(name)),
       json_(resolved),
       draw_count_(resolved.at("draws")),
@@ -133,7 +141,8 @@ DrawsConfig::DrawsConfig(const Json& resolved, std::string name, const Json& sca
   }
   if (samples != nullptr) take_samples(*samples);
   json_["draws"] = draw_count_;
-  for (const auto& [key, json] : resolved.at("vary").items()) add_variation(name_ + ": /vary/", key, variation_of(json));
+  for (const auto& [key, json] : resolved.at("vary").items())
+    add_variation(name_ + ": /vary/", key, variation_of(json));
   if (resolved.at("sigma")) predict();
 }
 
@@ -175,12 +184,13 @@ void DrawsConfig::take_samples(const NumberTable& samples) {
   }
 }
 
-void DrawsConfig::add_variation(const std::string& owner, const std::string& key, Variation<double> variation) {
+void DrawsConfig::add_variation(const std::string& owner, const std::string& key,
+                                Variation<double> variation) {
   const std::string where = owner + key + ": ";
   if (vary_.contains(key)) throw UsageError(where + "is a column of the samples too");
   const auto [stage, pointer] = split_key(key);
   if (stage != "scan" && stage != "regrid" && stage != "eval")
-    throw UsageError(where + "unknown key; keys begin with scan., regrid. or eval.");
+    throw UsageError(where + "unknown key; its first part is scan, regrid or eval");
   if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
   const Json& config = stage_of(stages_, stage);
   if (pointer.empty() || !config.contains(pointer)) throw UsageError(where + "unknown key of " + stage);

@@ -61,7 +61,11 @@ PointingError make_pointing_error(const Json& json, const ComponentContext& cont
            .jitter_sigma_x_rad = jitter_x,
            .jitter_sigma_y_rad = jitter_y,
            .time_stamp_bias_s = json.at("time_stamp_bias_s").get<double>(),
-           .time_stamp_sigma_s = json.at("time_stamp_sigma_s").get<double>()},
+           .time_stamp_sigma_s = json.at("time_stamp_sigma_s").get<double>(),
+           .mirror_time_bias_s = json.at("mirror_time_bias_s").get<double>(),
+           .mirror_time_sigma_s = json.at("mirror_time_sigma_s").get<double>(),
+           .jitter_time_s = json.at("jitter_time_s").get<double>(),
+           .pulse_interval_s = context.pulse_interval_s},
           context.seed};
 }
 

@@ -16,6 +16,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/json_levels.h"
+#include "config/config_path.h"
 
 namespace landfall {
 namespace {
@@ -138,10 +139,6 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
     throw UsageError("--set " + abbreviated(assignment) + ": '" + abbreviated(key) +
                      "' is not an index of an array of " + std::to_string(array.size()));
   return array[index];
-}
-
-bool is_index(const std::string& key) {
-  return !key.empty() && std::ranges::all_of(key, [](char c) { return c >= '0' && c <= '9'; });
 }
 
 /// What a value that nothing has set yet becomes, so that `key` exists below it: an array where the key is an

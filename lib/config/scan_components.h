@@ -25,6 +25,7 @@ struct ComponentContext {
   TableLoader load_table;
   std::uint64_t seed = 1;
   double scan_time_s = 2;
+  double pulse_interval_s = 5e-5;
 };
 
 /// A kind of component by its "type". To add one: its class, a maker in the file of its group, an entry in

@@ -5,6 +5,7 @@
 
 #include "config/config_path.h"
 #include "config/json_values.h"
+#include "config/receiver_config.h"
 #include "config/scan_components.h"
 #include "detector/perspective.h"
 
@@ -32,7 +33,8 @@ AttitudeKnowledge attitude_knowledge_of(const Json& navigation_error) {
 ScanModel build(const Json& resolved, const TableLoader& load_table) {
   const Json& laser = resolved.at("laser");
   const ComponentContext context{load_table, resolved.at("seed").get<std::uint64_t>(),
-                                 laser.at("scan_time_s").get<double>()};
+                                 laser.at("scan_time_s").get<double>(),
+                                 1 / laser.at("pulse_rate_hz").get<double>()};
   const Json& scanner = resolved.at("scanner");
   const Json& navigation = resolved.at("navigation_error");
   const auto make = [&](const char* part, const auto& maker, const ComponentContext& needed) {
@@ -40,15 +42,19 @@ ScanModel build(const Json& resolved, const TableLoader& load_table) {
   };
   const PointingError pointing = make("pointing_error", make_pointing_error, context);
   const ComponentContext stamped = until_last_stamp(context, pointing);
-  ScanModel model{{make("detector", make_detector, context), make("scanner", make_scanner, context),
-                   at_path("scanner/pattern/", [&] { return make_pattern(scanner, context); }),
-                   mount_of(resolved.at("mount")), make("noise", make_range_errors, context), pointing},
-                  make("trajectory", make_trajectory, stamped),
-                  make("navigation_error", make_navigation_error, stamped),
-                  laser.at("pulse_rate_hz").get<double>(),
-                  context.scan_time_s,
-                  make("navigation_error", make_estimate, context),
-                  attitude_knowledge_of(navigation)};
+  Detector detector = make("detector", make_detector, context);
+  std::vector<double> link_constants = make_link_constants(resolved, detector);
+  ScanModel model{
+      {std::move(detector), make("scanner", make_scanner, context),
+       at_path("scanner/pattern/", [&] { return make_pattern(scanner, context); }),
+       mount_of(resolved.at("mount")), make("noise", make_range_errors, context), pointing,
+       make_receiver(resolved, context), make_range_timer(resolved, context), std::move(link_constants)},
+      make("trajectory", make_trajectory, stamped),
+      make("navigation_error", make_navigation_error, stamped),
+      laser.at("pulse_rate_hz").get<double>(),
+      context.scan_time_s,
+      make("navigation_error", make_estimate, context),
+      attitude_knowledge_of(navigation)};
   static_cast<void>(at_path("laser/", [&] { return pulse_count(model); }));
   return model;
 }

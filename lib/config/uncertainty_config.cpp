@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/light.h"
 #include "base/number_text.h"
 #include "config/config_path.h"
 #include "config/json_values.h"
@@ -61,17 +63,31 @@ bool is_on(const Json& config, const std::string& where, const std::vector<Json>
          std::ranges::find(off, config.at(pointer)) == off.end();
 }
 
+/// The white errors of the timer beside the range noise: jitter, and rounding to steps, uniform over one.
+double with_timer(double range_sigma_m, const Json& config) {
+  const double jitter_m =
+      range_of_time_m(number_at(config, Json::json_pointer("/receiver/jitter_sigma_s")).value_or(0));
+  const double step_m =
+      range_of_time_m(number_at(config, Json::json_pointer("/receiver/timer_step_s")).value_or(0));
+  if (jitter_m == 0 && step_m == 0) return range_sigma_m;
+  return std::sqrt(range_sigma_m * range_sigma_m + jitter_m * jitter_m + step_m * step_m / 12);
+}
+
 double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   static const Json::json_pointer kWhere("/noise/range_sigma_m");
   const std::string remedy = "; give --range-sigma METRES or /uncertainty/range_sigma_m";
   std::optional<double> common;
   for (const ScanOrigin& scan : scans) {
-    const std::optional<double> sigma = number_at(scan.config, kWhere);
+    std::optional<double> sigma = number_at(scan.config, kWhere);
     if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not state its range noise" + remedy);
     for (const char* const where : {"/noise/range_sigma_per_m", "/noise/incidence_sigma_rad"})
       if (is_on(scan.config, where, {0}))
         throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" + where +
                          ")" + remedy);
+    if (is_on(scan.config, "/receiver/type", {"none"}))
+      throw UsageError("--uncertainty: " + scan.name +
+                       " has range noise that follows the signal (/receiver/type)" + remedy);
+    sigma = with_timer(*sigma, scan.config);
     if (common && *common != *sigma)
       throw UsageError("--uncertainty: range noise " + number_text(*common) + " m in " + scans.front().name +
                        ", " + number_text(*sigma) + " m in " + scan.name + remedy);
@@ -140,13 +156,27 @@ std::vector<std::string> navigation_left_out(const NavigationSigma& sigma, const
 /// Errors that are not random, or follow no normal distribution.
 std::vector<std::string> never_covered(const Json& config) {
   std::vector<std::string> errors;
-  for (const char* const where : {"/noise/range_bias_m", "/noise/false_return_frac"})
+  for (const char* const where :
+       {"/noise/range_bias_m", "/noise/false_return_frac", "/pointing_error/mirror_time_bias_s",
+        "/pointing_error/mirror_time_sigma_s"})
     if (is_on(config, where, {0})) errors.emplace_back(where);
+  for (const char* const where : {"/receiver/pixel_offset_sigma_m", "/receiver/clock_scale_ppm"})
+    if (is_on(config, where, {0})) errors.emplace_back(where);
+  if (is_on(config, "/receiver/pixel_offset_table", {})) errors.emplace_back("/receiver/pixel_offset_table");
+  if (is_on(config, "/receiver/type", {"none"})) errors.emplace_back("/receiver/type");
   static const Json::json_pointer kEstimator("/detector/estimator");
   if (is_on(config, "/detector/subpixels", {1}) && config.contains(kEstimator) &&
       config.at(kEstimator) == "first")
     errors.emplace_back("/detector/estimator");
   if (is_on(config, "/scanner/tof_lag", {false})) errors.emplace_back("/scanner/tof_lag");
+  if (is_on(config, "/scanner/encoder_harmonics", {Json::array()}))
+    errors.emplace_back("/scanner/encoder_harmonics");
+  if (!is_on(config, "/scanner/facet_tilt_known", {false})) {
+    if (is_on(config, "/scanner/facet_tilt_rad", {Json::array()}))
+      errors.emplace_back("/scanner/facet_tilt_rad");
+    if (is_on(config, "/scanner/facet_tilt_sigma_rad", {0}))
+      errors.emplace_back("/scanner/facet_tilt_sigma_rad");
+  }
   return errors;
 }
 

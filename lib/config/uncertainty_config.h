@@ -25,16 +25,17 @@ struct ScanOrigin {
 void add_navigation_sigma(nlohmann::json& config, const std::string& assignment);
 
 /// The sigmas of regrid.json's /uncertainty; missing ones are taken from the scans. range_sigma_m is that of
-/// the scans if they agree, and navigation_sigma is 0 if they were made without navigation and pointing
-/// errors. Throws UsageError, saying which option to give, if a sigma cannot be determined: a navigation
-/// error in a scan is one draw, not its sigma.
+/// the scans if they agree, with the timer's jitter and steps, and navigation_sigma is 0 if they were made
+/// without navigation and pointing errors. Throws UsageError, saying which option to give, if a sigma cannot
+/// be determined: a navigation error in a scan is one draw, not its sigma.
 [[nodiscard]] UncertaintyParameters uncertainty_parameters(const nlohmann::json& config,
                                                            const std::string& name,
                                                            const std::vector<ScanOrigin>& scans);
 
 /// The errors that are switched on in the scans and that these sigmas leave out, each once, by their place in
-/// the scan's configuration: systematic ones (range_bias_m, tof_lag, the estimator "first" with sub-pixels),
-/// false returns, and navigation and pointing errors whose sigma is 0.
+/// the scan's configuration: systematic ones (range_bias_m, tof_lag, errors of the mirror's clock, encoder
+/// harmonics, unknown facet tilts, the estimator "first" with sub-pixels, a receiver, pixel offsets, the
+/// clock's scale), false returns, and navigation and pointing errors whose sigma is 0.
 [[nodiscard]] std::vector<std::string> errors_left_out(const UncertaintyParameters& parameters,
                                                        const std::vector<ScanOrigin>& scans);
 

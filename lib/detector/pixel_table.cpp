@@ -23,6 +23,20 @@ std::string pixel_text(std::size_t pixel, std::size_t columns) {
          ")";
 }
 
+/// Calls take(pixel, line) for each row of the table.
+void for_each_pixel(const NumberTable& table, int rows, int columns, const auto& take) {
+  const auto width = static_cast<std::size_t>(columns);
+  std::vector<bool> seen(static_cast<std::size_t>(rows) * width);
+  for (std::size_t line = 0; line < table.row_count(); ++line) {
+    const std::size_t pixel = whole(table, "row", line, rows) * width + whole(table, "column", line, columns);
+    if (seen[pixel]) table.fail_at(line, pixel_text(pixel, width) + " has a row already");
+    seen[pixel] = true;
+    take(pixel, line);
+  }
+  for (std::size_t pixel = 0; pixel < seen.size(); ++pixel)
+    if (!seen[pixel]) table.fail(pixel_text(pixel, width) + " has no row");
+}
+
 }  // namespace
 
 const TableColumns& pixel_table_columns() {
@@ -31,20 +45,28 @@ const TableColumns& pixel_table_columns() {
 }
 
 std::vector<ImagePoint> pixel_points(const NumberTable& table, int rows, int columns) {
-  const auto width = static_cast<std::size_t>(columns);
-  std::vector<ImagePoint> points(static_cast<std::size_t>(rows) * width);
-  std::vector<bool> seen(points.size());
-  for (std::size_t line = 0; line < table.row_count(); ++line) {
-    const std::size_t pixel = whole(table, "row", line, rows) * width + whole(table, "column", line, columns);
+  std::vector<ImagePoint> points(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+  for_each_pixel(table, rows, columns, [&](std::size_t pixel, std::size_t line) {
     const ImagePoint point{table.column("u")[line], table.column("v")[line]};
-    if (seen[pixel]) table.fail_at(line, pixel_text(pixel, width) + " has a row already");
     if (!std::isfinite(point.u) || !std::isfinite(point.v)) table.fail_at(line, "u and v must be finite");
-    seen[pixel] = true;
     points[pixel] = point;
-  }
-  for (std::size_t pixel = 0; pixel < seen.size(); ++pixel)
-    if (!seen[pixel]) table.fail(pixel_text(pixel, width) + " has no row");
+  });
   return points;
+}
+
+const TableColumns& pixel_offset_columns() {
+  static const TableColumns columns{{"row", "column", "offset_m"}};
+  return columns;
+}
+
+std::vector<double> pixel_offsets_m(const NumberTable& table, int rows, int columns) {
+  std::vector<double> offsets_m(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+  for_each_pixel(table, rows, columns, [&](std::size_t pixel, std::size_t line) {
+    const double offset_m = table.column("offset_m")[line];
+    if (!std::isfinite(offset_m)) table.fail_at(line, "offset_m must be finite");
+    offsets_m[pixel] = offset_m;
+  });
+  return offsets_m;
 }
 
 }  // namespace landfall

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "base/random.h"
+#include "error_models/pulse_process.h"
 #include "geometry/frames.h"
 #include "geometry/rotation.h"
 
@@ -15,17 +17,28 @@ struct PointingErrorParameters {
   double jitter_sigma_y_rad = 0;  ///< about y_L
   double time_stamp_bias_s = 0;   ///< pose time - pulse time, in [-1e6, 1e6]
   double time_stamp_sigma_s = 0;  ///< one sigma, per pulse, in [0, 1e6]
+  /// Time of the true mirror - time of the pulse, in [-1, 1]; negative for a mirror that lags.
+  double mirror_time_bias_s = 0;
+  double mirror_time_sigma_s = 0;  ///< one sigma, per pulse, in [0, 1]
+  double jitter_time_s = 0;        ///< tau, correlation time of the jitter, in [0, 1e6]; 0: none
+  double pulse_interval_s = 0;     ///< positive with a jitter_time
 };
 
 /// Where and when the lidar really looks, as opposed to what the lander believes.
 ///
 /// On the true side, the whole lidar, exit points included, turns about its origin:
 ///   R_body_lidar_true = R_body_lidar R_lidar_true,   R_lidar_true = R_misalignment R(rpy = (j_x, j_y, 0)),
-/// j_x and j_y drawn per pulse. The estimate uses the nominal mount. A beam along +z_L thereby moves by
-/// -j_x along y_L and by +j_y along x_L (to first order).
+/// j_x and j_y drawn per pulse: independently or, with a correlation time tau, as first-order Gauss-Markov
+/// processes with E j(t) j(t + d) = sigma^2 exp(-d / tau) (PulseProcess). The estimate uses the nominal
+/// mount. A beam along +z_L thereby moves by -j_x along y_L and by +j_y along x_L (to first order).
 ///
 /// On the estimated side, a pulse at t is combined with the pose that the lander believes for t + e, e = bias
 /// + N(0, sigma) per pulse.
+///
+/// Mirror clock: at the pulse at t the true mechanism is where its pattern or its motor puts it at t + e, e =
+/// bias + N(0, sigma) per pulse, while the lander computes its points from the mechanism at t. The poses are
+/// not affected. A sweep that moves a footprint at w m/s thus puts the true points w e ahead of the estimated
+/// ones: 10 km/s x 10 us = 0.1 m, with alternating sign along a boustrophedon.
 ///
 /// Every draw is a function of (seed, cause, pulse).
 class PointingError {
@@ -42,7 +55,9 @@ class PointingError {
   [[nodiscard]] Rotation<LidarFrame, LidarFrame> turn(std::int64_t pulse) const;
   /// The time-stamp error e of the pulse, seconds.
   [[nodiscard]] double time_stamp_error_s(std::int64_t pulse) const;
-  /// An upper bound: the bias and 9 sigma (RandomField's normal draws end at 8.6).
+  /// The mirror-clock error e of the pulse, seconds.
+  [[nodiscard]] double mirror_time_error_s(std::int64_t pulse) const;
+  /// An upper bound of time_stamp_error_s(): the bias and 9 sigma (RandomField's normal draws end at 8.6).
   [[nodiscard]] double largest_time_stamp_error_s() const;
 
  private:
@@ -50,7 +65,9 @@ class PointingError {
   bool turns_beams_;
   Rotation<LidarFrame, LidarFrame> misalignment_;
   RandomField jitter_;
+  std::optional<PulseProcess> jitter_process_;
   RandomField time_stamp_;
+  RandomField mirror_time_;
 };
 
 }  // namespace landfall

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kSecondDraw = std::int64_t{1} << 32U;
 
 double draw_uniform(const RandomField& field, PulsePixel where) {
-  return field.uniform(static_cast<std::uint64_t>(where.pulse), static_cast<std::uint64_t>(where.pixel));
+  return field.uniform(where.i(), where.j());
 }
 
 }  // namespace
@@ -60,18 +60,19 @@ double RangeErrors::sigma_m(double range_m, double tan_incidence) const {
 double RangeErrors::measured_m(double range_m, PulsePixel where, double tan_incidence) const {
   const double biased = range_m + parameters_.range_bias_m;
   if (!is_noisy_) return biased;  // skips the draw, which would add zero
-  return biased + sigma_m(range_m, tan_incidence) * noise_.normal(static_cast<std::uint64_t>(where.pulse),
-                                                                  static_cast<std::uint64_t>(where.pixel));
+  return biased + sigma_m(range_m, tan_incidence) * noise_.normal(where.i(), where.j());
 }
 
 void RangeErrors::measure(std::int64_t pulse, std::span<const double> ranges_m,
-                          std::span<const double> tan_incidences, std::span<double> measured_m) const {
+                          std::span<const double> tan_incidences, std::span<double> measured_m,
+                          std::int64_t number) const {
   const double bias = parameters_.range_bias_m;
   if (!is_noisy_) {
     std::ranges::transform(ranges_m, measured_m.begin(), [&](double range) { return range + bias; });
     return;
   }
-  noise_.normals(static_cast<std::uint64_t>(pulse), 0, measured_m);
+  const PulsePixel first{pulse, 0, number};
+  noise_.normals(first.i(), first.j(), measured_m);
   if (has_constant_sigma_) {
     const double sigma = parameters_.range_sigma_m;
     for (std::size_t i = 0; i < ranges_m.size(); ++i)

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/random.h"
+#include "returns/pulse_pixel.h"
 
 namespace landfall {
 
@@ -19,12 +20,6 @@ struct RangeErrorParameters {
   double false_return_frac = 0;    ///< probability of a false detection per pixel and pulse, in [0, 1]
   double false_range_min_m = 0;    ///< false ranges lie in [min, max), 0 <= min < max
   double false_range_max_m = 1000;
-};
-
-/// One measurement: the pulse, counted from 0, and the pixel's row-major position on the detector.
-struct PulsePixel {
-  std::int64_t pulse = 0;
-  std::int64_t pixel = 0;
 };
 
 /// The receiver's effect on a range. Every draw is a function of (seed, stream, pulse, pixel), and each cause
@@ -48,10 +43,10 @@ class RangeErrors {
   [[nodiscard]] bool needs_incidence() const { return parameters_.incidence_sigma_rad > 0; }
   /// r + b + v, v ~ N(0, sigma) per pixel and pulse.
   [[nodiscard]] double measured_m(double range_m, PulsePixel where, double tan_incidence = 0) const;
-  /// measured_m() for all pixels of a pulse from pixel 0 on, many times faster; NaN stays NaN. All spans have
-  /// the same length, but `tan_incidences` may be empty unless needs_incidence().
+  /// measured_m() for return `number` of all pixels of a pulse from pixel 0 on, many times faster; NaN stays
+  /// NaN. All spans have the same length, but `tan_incidences` may be empty unless needs_incidence().
   void measure(std::int64_t pulse, std::span<const double> ranges_m, std::span<const double> tan_incidences,
-               std::span<double> measured_m) const;
+               std::span<double> measured_m, std::int64_t number = 0) const;
   /// False: no pixel has a false detection.
   [[nodiscard]] bool has_false_returns() const { return parameters_.false_return_frac > 0; }
   /// The range of a false detection, uniform in its gate; empty without a false detection.

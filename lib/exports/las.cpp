@@ -21,15 +21,57 @@ void append_text(std::string& out, std::string text, std::size_t length) {
   out += text;
 }
 
-/// Columns of a pass over the points: coordinates, then time, then status.
+/// Columns of a pass over the points: coordinates, then time, status and, if the scan has it, intensity.
 constexpr std::size_t kTimeColumn = 3;
 constexpr std::size_t kStatusColumn = 4;
+constexpr std::size_t kIntensityColumn = 5;
 
-void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch, std::size_t row) {
+/// The number of each return, from 1, and of all returns of its pixel, by row of the scan; empty: 1 of 1.
+class ReturnNumbers {
+ public:
+  ReturnNumbers() = default;
+  explicit ReturnNumbers(const PointReader& points) {
+    if (!has_column(points, name_of(&PointColumns::return_number))) return;
+    const PointReader::Pass pass{{name_of(&PointColumns::return_number)}, {.only_returns = false}, 0};
+    points.read(pass, [&](const PointBatch& batch) {
+      const auto& rows = std::get<std::vector<std::int8_t>>(batch.columns[0]);
+      number_.insert(number_.end(), rows.begin(), rows.end());
+    });
+    total_ = number_;
+    for (std::size_t row = total_.size(); row-- > 1;)
+      if (number_[row] > 1) total_[row - 1] = total_[row];
+  }
+
+  [[nodiscard]] static bool has_column(const PointReader& points, const std::string& name) {
+    return std::ranges::find(points.columns(), name, &ContentInfo::name) != points.columns().end();
+  }
+  [[nodiscard]] std::uint8_t number(std::size_t row) const { return value(number_, row); }
+  [[nodiscard]] std::uint8_t total(std::size_t row) const { return value(total_, row); }
+
+ private:
+  /// In 1 .. 5, also for a file of another program.
+  [[nodiscard]] static std::uint8_t value(const std::vector<std::int8_t>& values, std::size_t row) {
+    return row < values.size() ? static_cast<std::uint8_t>(std::clamp<int>(values[row], 1, 5))
+                               : std::uint8_t{1};
+  }
+
+  std::vector<std::int8_t> number_, total_;
+};
+
+std::uint16_t intensity_of(const PointBatch& batch, std::size_t row) {
+  if (batch.columns.size() <= kIntensityColumn) return 0;
+  const double photoelectrons = batch.real(kIntensityColumn)[row];
+  return photoelectrons > 0 ? static_cast<std::uint16_t>(std::min(std::round(photoelectrons), 65535.0))
+                            : std::uint16_t{0};
+}
+
+void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch,
+                  const ReturnNumbers& numbers, std::size_t row) {
   for (std::size_t axis = 0; axis < 3; ++axis) append_raw(out, grid.stored(batch.real(axis)[row], axis));
   const bool is_false = batch.number(kStatusColumn, row) == static_cast<double>(PointStatus::false_return);
-  append_raw(out, std::uint16_t{0});               // intensity
-  append_raw(out, std::uint8_t{1U | (1U << 3U)});  // return 1 of 1
+  const std::size_t in_file = batch.first_row + row;
+  append_raw(out, intensity_of(batch, row));
+  append_raw(out, static_cast<std::uint8_t>(numbers.number(in_file) | (numbers.total(in_file) << 3U)));
   append_raw(out, static_cast<std::uint8_t>(is_false ? 7 : 1));
   append_raw(out, std::uint8_t{0});   // scan angle
   append_raw(out, std::uint8_t{0});   // user data
@@ -40,14 +82,18 @@ void append_point(std::string& out, const LasGrid& grid, const PointBatch& batch
 struct Extent {
   PointBox box;
   std::size_t count = 0;
+  std::array<std::size_t, 5> count_by_return{};
 };
 
-Extent extent_of(const PointReader& points, const PointReader::Pass& pass, const ProgressCallback& progress) {
+Extent extent_of(const PointReader& points, const PointReader::Pass& pass, const ReturnNumbers& numbers,
+                 const ProgressCallback& progress) {
   Extent extent;
   points.read(
       pass,
-      [&extent](const PointBatch& batch) {
+      [&](const PointBatch& batch) {
         extent.count += batch.selected.size();
+        for (const std::uint32_t row : batch.selected)
+          ++extent.count_by_return[std::size_t{numbers.number(batch.first_row + row)} - 1];
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const std::vector<double>& values = batch.real(axis);
           for (const std::uint32_t row : batch.selected) {
@@ -99,8 +145,7 @@ std::string las_header(const LasContent& content) {
   append_raw(out, std::uint8_t{1});   // point format
   append_raw(out, static_cast<std::uint16_t>(kLasPointBytes));
   append_raw(out, static_cast<std::uint32_t>(content.count));
-  append_raw(out, static_cast<std::uint32_t>(content.count));  // first returns
-  append_text(out, "", 16);                                    // second to fifth returns
+  for (const std::size_t count : content.count_by_return) append_raw(out, static_cast<std::uint32_t>(count));
   for (int axis = 0; axis < 3; ++axis) append_raw(out, content.grid.scale_m);
   for (const double offset : content.grid.offset_m) append_raw(out, offset);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -118,18 +163,24 @@ void write_points_las(const PointReader& points, const std::string& position, st
                       const std::string& software, ByteSink& sink, const ProgressCallback& progress) {
   static_cast<void>(points.column(name_of(&PulseColumns::t)));
   PointReader::Pass pass{position_columns(position), {true, every}, 3};
-  const Extent extent = extent_of(points, pass, [&](double f) { report(progress, f / 4); });
+  const ReturnNumbers numbers(points);
+  const Extent extent = extent_of(points, pass, numbers, [&](double f) { report(progress, f / 4); });
   if (extent.count == 0) points.file().fail("holds no return");
   if (extent.count > kMaxPoints)
     points.file().fail("has " + std::to_string(extent.count) +
                        " points; LAS 1.2 holds 4294967295: use --every, or export .ply");
-  const LasContent content{LasGrid::fitting(extent.box, points.file().name()), extent.box, extent.count,
-                           software, points.file().file_id().substr(0, 256)};
+  const LasContent content{LasGrid::fitting(extent.box, points.file().name()),
+                           extent.box,
+                           extent.count,
+                           extent.count_by_return,
+                           software,
+                           points.file().file_id().substr(0, 256)};
   sink.write(las_header(content));
   pass.columns.insert(pass.columns.end(), {name_of(&PulseColumns::t), name_of(&PointColumns::status)});
-  const auto encode = [&content](const PointBatch& batch, std::span<const std::uint32_t> rows,
-                                 std::string& out) {
-    for (const std::uint32_t row : rows) append_point(out, content.grid, batch, row);
+  if (ReturnNumbers::has_column(points, name_of(&PointColumns::intensity)))
+    pass.columns.emplace_back(name_of(&PointColumns::intensity));
+  const auto encode = [&](const PointBatch& batch, std::span<const std::uint32_t> rows, std::string& out) {
+    for (const std::uint32_t row : rows) append_point(out, content.grid, batch, numbers, row);
   };
   write_points(points, pass, encode, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
 }

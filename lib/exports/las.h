@@ -45,19 +45,21 @@ struct LasGrid {
 struct LasContent {
   LasGrid grid;
   PointBox box;
-  std::size_t count = 0;  ///< at most 2^32 - 1
-  std::string software;   ///< cut to 32 bytes
-  std::string file_id;    ///< of the scan: a variable-length record of user "landfall", number 1
+  std::size_t count = 0;                         ///< at most 2^32 - 1
+  std::array<std::size_t, 5> count_by_return{};  ///< the first returns, the second ones, ...
+  std::string software;                          ///< cut to 32 bytes
+  std::string file_id;  ///< of the scan: a variable-length record of user "landfall", number 1
 };
 
 /// The public header block (LAS 1.2, ASPRS 2008) and the record. The bounds are those of the coordinates as
 /// they are read back; the creation day is 0, so that equal points give equal bytes.
 [[nodiscard]] std::string las_header(const LasContent& content);
 
-/// Writes the selected returns as LAS 1.2, point format 1: GPS time is the pulse's time, return 1 of 1,
-/// classification 1 (unclassified) for a return and 7 (low point, noise) for a false return; intensity, scan
-/// angle, user data and point source are 0. `position` is "est" or "true".
-/// Throws FormatError for a scan that does not fit (LasGrid::fitting, more than 2^32 - 1 points).
+/// Writes the selected returns as LAS 1.2, point format 1: GPS time is the pulse's time, the number of the
+/// return and of all returns of its pixel (1 of 1 unless the scan has several), the intensity in
+/// photoelectrons, at most 65535 (0 without a receiver), classification 1 (unclassified) for a return and 7
+/// (low point, noise) for a false return; scan angle, user data and point source are 0. `position` is "est"
+/// or "true". Throws FormatError for a scan that does not fit (LasGrid::fitting, more than 2^32 - 1 points).
 void write_points_las(const PointReader& points, const std::string& position, std::size_t every,
                       const std::string& software, ByteSink& sink, const ProgressCallback& progress = {});
 

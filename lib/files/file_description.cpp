@@ -16,7 +16,7 @@
 #include "hdf5/dataset_list.h"
 #include "hdf5/table.h"
 #include "hdf5/value_statistics.h"
-#include "returns/point_status.h"
+#include "returns/columns.h"
 
 namespace landfall {
 namespace {
@@ -201,7 +201,7 @@ Json scan_json(const LandfallFileReader& file, const Json& datasets, const Json&
   }
   const TableReader points(file.root(), "points", file.name());
   for (const PointStatusInfo& info : kPointStatuses) {
-    if (!info.is_counted()) continue;
+    if (!info.is_counted(points.has(name_of(&PointColumns::intensity)))) continue;
     const auto count = h5::read_number_attribute(points.group(), info.count_name);
     json[info.count_name] =
         count && std::abs(*count) < 0x1p62 ? Json(static_cast<std::int64_t>(*count)) : Json(nullptr);

@@ -211,8 +211,11 @@ void GridLayerWriter::write_range(const h5::Handle& layer, const ValueRange& ran
 }
 
 template h5::Handle GridLayerWriter::begin<double>(const std::string&, const LayerText&) const;
+template h5::Handle GridLayerWriter::begin<float>(const std::string&, const LayerText&) const;
 template void GridLayerWriter::write_rows(const h5::Handle&, const std::string&, const Grid<double>&) const;
+template void GridLayerWriter::write_rows(const h5::Handle&, const std::string&, const Grid<float>&) const;
 template void GridLayerWriter::write_range<double>(const h5::Handle&, const ValueRange&);
+template void GridLayerWriter::write_range<float>(const h5::Handle&, const ValueRange&);
 template void GridLayerWriter::write(const std::string&, const Grid<double>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<float>&, const LayerText&);
 template void GridLayerWriter::write(const std::string&, const Grid<std::int32_t>&, const LayerText&);
@@ -325,6 +328,8 @@ std::optional<std::array<double, 2>> GridLayerReader::range(const std::string& n
 
 template Grid<double> GridLayerReader::read_window(const std::string&, const GridSpec&,
                                                    const ProgressCallback&) const;
+template Grid<float> GridLayerReader::read_window(const std::string&, const GridSpec&,
+                                                  const ProgressCallback&) const;
 template Grid<double> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 template Grid<float> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 template Grid<std::int32_t> GridLayerReader::read(const std::string&, const ProgressCallback&) const;

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "base/abbreviated.h"
 #include "base/error.h"
 #include "files/crs.h"
 #include "returns/columns.h"
@@ -14,8 +16,25 @@ namespace {
 
 constexpr const char* kRange = name_of(&PointColumns::range_true);
 constexpr const char* kPixel = name_of(&PointColumns::pixel);
+constexpr std::array kEchoColumns = {&PointColumns::echo_signal, &PointColumns::echo_peak,
+                                     &PointColumns::echo_edge, &PointColumns::echo_width,
+                                     &PointColumns::echo_range};
+constexpr std::array kEchoMembers = {&Echo::signal_pe, &Echo::peak, &Echo::edge_m, &Echo::width_m,
+                                     &Echo::range_m};
+static_assert(kEchoColumns.size() == kEchoMembers.size());
+
+/// The keys of /receiver that shape the echoes or choose the one that is reported.
+constexpr std::array kEchoKeys = {"type",     "pulse_fwhm_s", "threshold_pe",
+                                  "fraction", "returns",      "max_returns"};
+
 constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
 constexpr const char* kCount = name_of(&PulseColumns::point_count);
+
+std::vector<std::string> names_of(const auto& members) {
+  std::vector<std::string> names;
+  for (const auto member : members) names.emplace_back(name_of(member));
+  return names;
+}
 
 /// The value at a path such as /noise/dropout_frac, null if it does not exist: a foreign file's configuration
 /// may have any structure.
@@ -24,18 +43,35 @@ nlohmann::json value_at(const nlohmann::json& config, const std::string& path) {
   return config.contains(where) ? config.at(where) : nlohmann::json();
 }
 
-/// The path of the first difference, "/detector/rows"; empty if there is none.
-std::string first_difference(const nlohmann::json& a, const nlohmann::json& b, const std::string& pointer) {
-  if (a == b) return {};
-  if (!a.is_object() || !b.is_object()) return pointer;
-  for (const auto& [key, value] : a.items()) {
-    if (!b.contains(key)) return pointer + "/" + key;
-    std::string inner = first_difference(value, b.at(key), pointer + "/" + key);
-    if (!inner.empty()) return inner;
+/// A key whose values differ; a value is null where there is none.
+struct Difference {
+  std::string where;  ///< "/detector/rows"
+  nlohmann::json theirs;
+  nlohmann::json ours;
+
+  [[nodiscard]] std::string text() const {
+    const auto shown = [](const nlohmann::json& value) {
+      return value.is_null() ? std::string("none") : abbreviated(value.dump());
+    };
+    return where + " differs: " + shown(theirs) + " in the scan, " + shown(ours) + " in this configuration";
   }
-  for (const auto& [key, value] : b.items())
-    if (!a.contains(key)) return pointer + "/" + key;
-  return pointer;
+};
+
+std::optional<Difference> first_difference(const nlohmann::json& theirs, const nlohmann::json& ours,
+                                           const std::string& where) {
+  if (theirs == ours) return std::nullopt;
+  if (!theirs.is_object() || !ours.is_object()) return Difference{where, theirs, ours};
+  for (const auto& [key, value] : theirs.items())
+    if (auto inner = first_difference(value, ours.value(key, nlohmann::json()), where + "/" + key))
+      return inner;
+  for (const auto& [key, value] : ours.items())
+    if (!theirs.contains(key)) return Difference{where + "/" + key, nullptr, value};
+  return std::nullopt;
+}
+
+bool has_receiver(const nlohmann::json& config) {
+  const nlohmann::json type = value_at(config, "/receiver/type");
+  return !type.is_null() && type != "none";
 }
 
 /// True if the configuration drops no pixel that hit.
@@ -44,7 +80,7 @@ bool loses_nothing(const nlohmann::json& config) {
   const auto is_zero = [&](const char* key) {
     return noise.is_object() && noise.contains(key) && noise[key] == 0;
   };
-  return is_zero("dropout_frac") && is_zero("dead_pixel_frac");
+  return is_zero("dropout_frac") && is_zero("dead_pixel_frac") && !has_receiver(config);
 }
 
 bool has_false_returns(const nlohmann::json& config) {
@@ -57,6 +93,10 @@ std::string seed_moves_beams_by(const nlohmann::json& config) {
   const nlohmann::json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
   const nlohmann::json sigma = config.value(jitter, nlohmann::json(0));
   if (sigma != 0 && sigma != nlohmann::json({0, 0})) return jitter.to_string();
+  const nlohmann::json::json_pointer mirror_time("/pointing_error/mirror_time_sigma_s");
+  if (config.value(mirror_time, 0.0) != 0) return mirror_time.to_string();
+  const nlohmann::json::json_pointer facets("/scanner/facet_tilt_sigma_rad");
+  if (config.value(facets, 0.0) != 0) return facets.to_string();
   // The encoder error of an fsm affects only the estimate, but that of prisms affects the true beam.
   const nlohmann::json::json_pointer encoder("/scanner/encoder_sigma_rad");
   if (config.value(nlohmann::json::json_pointer("/scanner/type"), "") == "risley" &&
@@ -67,21 +107,25 @@ std::string seed_moves_beams_by(const nlohmann::json& config) {
 
 /// The reason why the lidars' true pointing differs; empty if it does not.
 std::string turned_beams_differ(const nlohmann::json& theirs, const nlohmann::json& ours) {
-  for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad"}) {
+  for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad", "jitter_time_s",
+                                "mirror_time_bias_s", "mirror_time_sigma_s"}) {
     const std::string where = "/pointing_error/" + std::string(key);
-    if (value_at(theirs, where) != value_at(ours, where)) return where + " differs from this configuration's";
+    if (const auto found = first_difference(value_at(theirs, where), value_at(ours, where), where))
+      return found->text();
   }
   const std::string key = seed_moves_beams_by(ours);
-  if (!key.empty() && theirs.value("seed", nlohmann::json()) != ours.value("seed", nlohmann::json()))
-    return "/seed differs from this configuration's, and the true beams follow it by " + key;
-  return {};
+  if (key.empty()) return {};
+  const auto found = first_difference(value_at(theirs, "/seed"), value_at(ours, "/seed"), "/seed");
+  return found ? found->text() + "; the true beams follow it by " + key : "";
 }
 
 /// The input files that determine the true ranges.
 nlohmann::json inputs_of_truth(const nlohmann::json& inputs) {
   nlohmann::json kept = nlohmann::json::array();
-  for (const nlohmann::json& input : inputs)
-    if (input.value("role", "") != "navigation") kept.push_back(input);
+  for (const nlohmann::json& input : inputs) {
+    const std::string role = input.value("role", "");
+    if (role != "navigation" && role != "offsets") kept.push_back(input);
+  }
   return kept;
 }
 
@@ -94,6 +138,7 @@ RangeFile::RangeFile(const std::filesystem::path& path)
       range_and_pixel_(points_, {kRange, kPixel}),
       begin_and_count_(pulses_, {kBegin, kCount}),
       pulse_count_(pulses_.row_count(kBegin)) {
+  if (points_.has(name_of(&PointColumns::echo_range))) echoes_.emplace(points_, names_of(kEchoColumns));
   if (pulse_count_ != pulses_.row_count(kCount))
     file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
   if (points_.row_count(kRange) != points_.row_count(kPixel))
@@ -101,34 +146,53 @@ RangeFile::RangeFile(const std::filesystem::path& path)
 }
 
 void RangeFile::require_match(const Provenance& provenance, const std::string& option) const {
-  const auto refuse = [&](const std::string& what) {
-    throw UsageError(option + file_.name() + ": " + what);
-  };
+  const auto refuse = [&](const std::string& what) { throw UsageError(option + file_.name() + ": " + what); };
   const nlohmann::json& theirs = file_.config();
   if (!theirs.is_object() || file_.chain().empty()) refuse("does not say how it was made");
   const nlohmann::json& step = file_.chain().back();
   if (step.value("version", "") != program_version())
     refuse("made by version " + step.value("version", "?") + ", this is " + program_version());
   for (const char* const key : {"detector", "laser", "scanner", "mount", "trajectory"}) {
-    const std::string where =
-        first_difference(theirs.value(key, nlohmann::json()), provenance.config.value(key, nlohmann::json()),
-                         std::string("/") + key);
-    if (!where.empty()) refuse(where + " differs from this configuration's");
+    const std::string where = std::string("/") + key;
+    if (const auto found =
+            first_difference(value_at(theirs, where), value_at(provenance.config, where), where))
+      refuse(found->text());
   }
   const std::string turned = turned_beams_differ(theirs, provenance.config);
   if (!turned.empty()) refuse(turned);
+  require_same_receiver(provenance.config, option);
   if (inputs_of_truth(step.value("inputs", nlohmann::json())) !=
       inputs_of_truth(provenance.as_step().at("inputs")))
     refuse("its terrain or a table (trajectory, pixels, ...) differs from this run's");
   require_complete_ranges(option);
 }
 
+void RangeFile::require_same_receiver(const nlohmann::json& config, const std::string& option) const {
+  const auto refuse = [&](const std::string& what) { throw UsageError(option + file_.name() + ": " + what); };
+  if (points_.has(name_of(&PointColumns::return_number)))
+    refuse(
+        "has several returns per pixel (/receiver/returns all), of which no single echo can be drawn anew");
+  const nlohmann::json& theirs = file_.config();
+  for (const char* const key : kEchoKeys) {
+    const std::string where = std::string("/receiver/") + key;
+    if (const auto found = first_difference(value_at(theirs, where), value_at(config, where), where))
+      refuse(found->text());
+  }
+  if (!has_receiver(config)) return;
+  for (const char* const where : {"/beam", "/surface", "/link"})
+    if (const auto found = first_difference(value_at(theirs, where), value_at(config, where), where))
+      refuse(found->text());
+  if (config["receiver"]["type"] == "geiger")
+    refuse("a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
+  if (!keeps_echoes()) refuse("does not hold the echoes that its receiver saw; make it with --keep-echoes");
+}
+
 void RangeFile::require_complete_ranges(const std::string& option) const {
   if (!loses_nothing(file_.config()) && !misses_kept())
-    throw UsageError(
-        option + file_.name() +
-        ": the ranges of its dropped and dead pixels are missing; make it with --keep-misses, or with "
-        "/noise/dropout_frac and /noise/dead_pixel_frac 0");
+    throw UsageError(option + file_.name() +
+                     ": the ranges of its dropped, dead and undetected pixels are missing; make it with "
+                     "--keep-misses, or with "
+                     "/noise/dropout_frac and /noise/dead_pixel_frac 0 and no receiver");
   if (points_.element_size(kRange) != sizeof(double))
     throw UsageError(option + file_.name() + ": its ranges are in single precision (--float32)");
 }
@@ -181,10 +245,22 @@ bool RangeFile::PulseRows::hold_every_pixel(std::span<const std::int32_t> pixel,
   return in_order;
 }
 
-std::vector<double> RangeFile::ranges_m(PulseSpan pulses, std::size_t pixel_count) {
+std::vector<Echo> RangeFile::read_echoes(std::size_t first_row, std::size_t count) {
+  std::vector<std::vector<double>> columns(kEchoColumns.size(), std::vector<double>(count));
+  std::vector<ColumnTarget> targets;
+  for (std::vector<double>& column : columns) targets.emplace_back(std::span(column));
+  echoes_->read(first_row, targets);
+  std::vector<Echo> echoes(count);
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (std::size_t i = 0; i < count; ++i) echoes[i].*kEchoMembers[c] = columns[c][i];
+  return echoes;
+}
+
+RecordedRanges RangeFile::read(PulseSpan pulses, std::size_t pixel_count) {
   const auto most = pulses.count * static_cast<std::int64_t>(pixel_count);
   const PulseRows rows = rows_of(pulses, most);
-  std::vector<double> range(static_cast<std::size_t>(rows.total));
+  RecordedRanges found{std::vector<double>(static_cast<std::size_t>(rows.total))};
+  std::vector<double>& range = found.ranges_m;
   std::vector<std::int32_t> pixel(range.size());
   const std::array<ColumnTarget, 2> targets = {std::span(range), std::span(pixel)};
   range_and_pixel_.read(static_cast<std::size_t>(rows.begin.front()), targets);
@@ -192,14 +268,17 @@ std::vector<double> RangeFile::ranges_m(PulseSpan pulses, std::size_t pixel_coun
     if (std::isinf(range[i]) || range[i] < 0)  // NaN is a miss
       file_.fail("/points/range_true[" + std::to_string(rows.begin.front() + static_cast<std::int64_t>(i)) +
                  "] is not a finite range >= 0");
-  if (rows.hold_every_pixel(pixel, pixel_count)) return range;
-  return by_pixel(rows, range, pixel, pixel_count);
+  if (keeps_echoes()) found.echoes = read_echoes(static_cast<std::size_t>(rows.begin.front()), range.size());
+  if (rows.hold_every_pixel(pixel, pixel_count)) return found;
+  return by_pixel(rows, found, pixel, pixel_count);
 }
 
-std::vector<double> RangeFile::by_pixel(const PulseRows& rows, std::span<const double> range_m,
-                                        std::span<const std::int32_t> pixel, std::size_t pixel_count) const {
+RecordedRanges RangeFile::by_pixel(const PulseRows& rows, const RecordedRanges& found,
+                                   std::span<const std::int32_t> pixel, std::size_t pixel_count) const {
   const std::int64_t first_row = rows.begin.front();
-  std::vector<double> result(rows.count.size() * pixel_count, std::numeric_limits<double>::quiet_NaN());
+  RecordedRanges result{
+      std::vector<double>(rows.count.size() * pixel_count, std::numeric_limits<double>::quiet_NaN())};
+  if (!found.echoes.empty()) result.echoes.resize(result.ranges_m.size());
   for (std::size_t pulse = 0; pulse < rows.count.size(); ++pulse)
     for (std::int64_t i = 0; i < rows.count[pulse]; ++i) {
       const std::int64_t row = rows.begin[pulse] + i - first_row;
@@ -207,7 +286,9 @@ std::vector<double> RangeFile::by_pixel(const PulseRows& rows, std::span<const d
       const std::int32_t where = pixel[static_cast<std::size_t>(row)];
       if (where < 0 || static_cast<std::size_t>(where) >= pixel_count)
         file_.fail("/points/pixel[" + std::to_string(first_row + row) + "] is not a pixel of the detector");
-      result[pulse * pixel_count + static_cast<std::size_t>(where)] = range_m[static_cast<std::size_t>(row)];
+      const std::size_t to = pulse * pixel_count + static_cast<std::size_t>(where);
+      result.ranges_m[to] = found.ranges_m[static_cast<std::size_t>(row)];
+      if (!found.echoes.empty()) result.echoes[to] = found.echoes[static_cast<std::size_t>(row)];
     }
   return result;
 }

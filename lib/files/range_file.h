@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,7 +14,7 @@
 #include "files/terrain_file.h"
 #include "hdf5/column_reader.h"
 #include "hdf5/table.h"
-#include "simulation/simulation.h"
+#include "simulation/scan_pipeline.h"
 
 namespace landfall {
 
@@ -23,10 +24,11 @@ class RangeFile {
   /// Throws FormatError unless it is a complete scan.
   explicit RangeFile(const std::filesystem::path& path);
 
-  /// Throws UsageError, naming the key, unless the scan was made by this version with the same detector,
+  /// Throws UsageError, naming the key and both values, unless the scan was made by this version with the same detector,
   /// laser, scanner, mount, trajectory (including the bytes of its table), rotation of the true beams and
   /// terrain as in `provenance`, and holds the true range of every pixel that hit, in double precision: made
-  /// with --keep-misses, or with neither dropouts nor dead pixels.
+  /// with --keep-misses, or with neither dropouts, dead pixels nor a receiver. With a receiver also the beam,
+  /// the surface, the link and what shapes and chooses the echoes must be the same, and the echoes kept.
   /// `option` begins the message.
   void require_match(const Provenance& provenance, const std::string& option = "--ranges-from ") const;
 
@@ -40,9 +42,12 @@ class RangeFile {
   /// The terrain that was scanned.
   [[nodiscard]] TerrainIdentity terrain() const;
 
-  /// The true ranges, one per pixel and pulse, NaN for a miss; fastest if read in order. Throws FormatError
-  /// if the file's rows are inconsistent, or a range is infinite or negative.
-  [[nodiscard]] std::vector<double> ranges_m(PulseSpan pulses, std::size_t pixel_count);
+  /// True if the scan was made with --keep-echoes.
+  [[nodiscard]] bool keeps_echoes() const { return echoes_.has_value(); }
+  /// The true ranges, one per pixel and pulse, NaN for a miss, and the echoes if the scan keeps them; fastest
+  /// if read in order. Throws FormatError if the file's rows are inconsistent, or a range is infinite or
+  /// negative.
+  [[nodiscard]] RecordedRanges read(PulseSpan pulses, std::size_t pixel_count);
 
  private:
   /// The rows of some pulses.
@@ -57,10 +62,11 @@ class RangeFile {
 
   void require_complete_ranges(const std::string& option) const;
   [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t most);
-  /// Sorts ranges from row order to pixel order.
-  [[nodiscard]] std::vector<double> by_pixel(const PulseRows& rows, std::span<const double> range_m,
-                                             std::span<const std::int32_t> pixel,
-                                             std::size_t pixel_count) const;
+  /// Sorts from row order to pixel order.
+  [[nodiscard]] RecordedRanges by_pixel(const PulseRows& rows, const RecordedRanges& found,
+                                        std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
+  [[nodiscard]] std::vector<Echo> read_echoes(std::size_t first_row, std::size_t count);
+  void require_same_receiver(const nlohmann::json& config, const std::string& option) const;
   [[nodiscard]] bool misses_kept() const;
 
   LandfallFileReader file_;
@@ -68,6 +74,7 @@ class RangeFile {
   TableReader pulses_;
   ColumnReader range_and_pixel_;
   ColumnReader begin_and_count_;
+  std::optional<ColumnReader> echoes_;
   std::size_t pulse_count_;
 };
 

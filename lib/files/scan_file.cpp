@@ -31,17 +31,20 @@ ColumnSpec spec_of(const Column<Table, T>& column, bool single_precision) {
 }
 
 template <class Columns>
-std::vector<ColumnSpec> specs_of(const Columns& columns, bool single_precision) {
+std::vector<ColumnSpec> specs_of(const Columns& columns, const ScanFileOptions& options) {
   std::vector<ColumnSpec> specs;
-  for_each_column(columns, [&](const auto& column) { specs.push_back(spec_of(column, single_precision)); });
+  for_each_column(columns, [&](const auto& column) {
+    if (options.columns.has(column.group)) specs.push_back(spec_of(column, options.single_precision));
+  });
   return specs;
 }
 
 /// The rows of every column, in the order of specs_of().
 template <class Columns, class Table>
-std::vector<ColumnRows> rows_of(const Columns& columns, const Table& table) {
+std::vector<ColumnRows> rows_of(const Columns& columns, const Table& table, const OptionalColumns& present) {
   std::vector<ColumnRows> all;
   for_each_column(columns, [&](const auto& column) {
+    if (!present.has(column.group)) return;
     using Value = typename std::decay_t<decltype(column)>::Value;
     const std::vector<Value>& rows = table.*column.rows;
     if constexpr (std::is_same_v<Value, PointStatus>) {
@@ -110,15 +113,16 @@ void close_gaps(ScanPoints& points, std::size_t rows_per_piece, std::span<const 
 ScanWriter::ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options, const std::string& crs_wkt)
     : file_(file),
       options_(options),
-      points_(file.root(), "points", specs_of(kPointColumns, options.single_precision), file.compression()),
-      pulses_(file.root(), "pulses", specs_of(kPulseColumns, false), file.compression()) {
+      points_(file.root(), "points", specs_of(kPointColumns, options), file.compression()),
+      pulses_(file.root(), "pulses", specs_of(kPulseColumns, {}), file.compression()) {
   write_crs(file.root(), crs_wkt);
 }
 
 bool ScanWriter::copy_truth(const TableReader& source) {
   std::vector<const char*> unchanged;
   for_each_column(kPointColumns, [&](const auto& column) {
-    if (column.effect == ErrorEffect::unchanged) unchanged.push_back(column.name);
+    if (column.effect == ErrorEffect::unchanged && options_.columns.has(column.group))
+      unchanged.push_back(column.name);
   });
   return points_.copy_columns(source, unchanged);
 }
@@ -133,8 +137,8 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
     batch.pulses.point_begin[i] = next;
     next += batch.pulses.point_count[i];
   }
-  const Chunks pulses = pulses_.take(rows_of(kPulseColumns, batch.pulses));
-  const Chunks points = points_.take(rows_of(kPointColumns, batch.points));
+  const Chunks pulses = pulses_.take(rows_of(kPulseColumns, batch.pulses, {}));
+  const Chunks points = points_.take(rows_of(kPointColumns, batch.points, options_.columns));
   if (pulses.empty() && points.empty()) return {};
   return {[this, pulses, points] {
             for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.encode(*chunk);
@@ -161,7 +165,8 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   pulses_.finish();
   h5::write_attribute(points_.group(), "misses_kept", std::int64_t{options_.keep_misses ? 1 : 0});
   for (const PointStatusInfo& info : kPointStatuses)
-    if (info.is_counted()) h5::write_attribute(points_.group(), info.count_name, count(info.status));
+    if (info.is_counted(options_.columns.intensity))
+      h5::write_attribute(points_.group(), info.count_name, count(info.status));
   write_detector(file_, detector, dead_map);
   name_rows(file_.root(), "points", "point");
   name_rows(file_.root(), "pulses", "pulse");

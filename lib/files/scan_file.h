@@ -21,6 +21,7 @@ namespace landfall {
 struct ScanFileOptions {
   bool keep_misses = false;       ///< a row per pixel and pulse, not only per return
   bool single_precision = false;  ///< coordinates and ranges as float32
+  OptionalColumns columns{};      ///< those of the batches
 };
 
 /// Writes scan.h5 (docs/user/files/scan.md) batch by batch, in bounded memory.

@@ -18,7 +18,7 @@ namespace landfall::lidar {
 namespace {
 
 // The public header repeats the statuses, so that it needs no other header.
-static_assert(static_cast<std::size_t>(Status::false_return) + 1 == kPointStatusCount);
+static_assert(static_cast<std::size_t>(Status::undetected) + 1 == kPointStatusCount);
 static_assert(static_cast<int>(Status::lost_in_optics) == static_cast<int>(PointStatus::lost_in_optics));
 
 Vector3 array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -95,6 +95,8 @@ ScanModel model_of(const std::string& text, const std::string& name, ReadTable r
   require_no_estimate(config, name);
   if (config.at("noise").at("incidence_sigma_rad") != 0)
     throw UsageError(name + ": /noise/incidence_sigma_rad: needs the terrain's surface, which no host gives");
+  if (config.at("receiver").at("type") != "none")
+    throw UsageError(name + ": /receiver/type: needs the terrain's surface, which no host gives");
   config["trajectory"] = nlohmann::json{{"type", "constant_velocity"}};  // the host moves the lander
   config = resolve_config({name, config}, embedded_schema("scan"));
   return scan_model(config, name, loader_of(std::move(read_table)));

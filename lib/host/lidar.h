@@ -50,6 +50,7 @@ enum class Status : std::int8_t {
   blanked = 4,
   lost_in_optics = 5,
   false_return = 6,
+  undetected = 7,
 };
 
 struct Pulse {

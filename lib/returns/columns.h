@@ -18,6 +18,26 @@ namespace landfall {
 /// Whether the errors of a lidar, except false returns, change a column of /points.
 enum class ErrorEffect { changed, unchanged };
 
+/// The scans that have a column.
+enum class ColumnGroup {
+  always,
+  intensity,      ///< with a receiver
+  return_number,  ///< with several returns for each pixel
+  echo,           ///< with the echoes of all pixels kept, to draw the errors of the receiver anew
+};
+
+struct OptionalColumns {
+  bool intensity = false;
+  bool return_number = false;
+  bool echo = false;
+
+  [[nodiscard]] constexpr bool has(ColumnGroup group) const {
+    return group == ColumnGroup::always || (group == ColumnGroup::intensity && intensity) ||
+           (group == ColumnGroup::return_number && return_number) || (group == ColumnGroup::echo && echo);
+  }
+  friend bool operator==(const OptionalColumns&, const OptionalColumns&) = default;
+};
+
 /// One column: its name, unit and long name in the scan file, and the member that holds it. Its stored type
 /// is that of the values; doubles of /points become float32 with --float32.
 template <class Table, class T>
@@ -25,14 +45,21 @@ struct Column {
   using Value = T;
 
   constexpr Column(const char* column_name, std::vector<T> Table::*member, const char* unit,
-                   const char* meaning, ErrorEffect error_effect = ErrorEffect::changed)
-      : name(column_name), rows(member), units(unit), long_name(meaning), effect(error_effect) {}
+                   const char* meaning, ErrorEffect error_effect = ErrorEffect::changed,
+                   ColumnGroup of_group = ColumnGroup::always)
+      : name(column_name),
+        rows(member),
+        units(unit),
+        long_name(meaning),
+        effect(error_effect),
+        group(of_group) {}
 
   const char* name;
   std::vector<T> Table::*rows;
   const char* units;
   const char* long_name;
   ErrorEffect effect;
+  ColumnGroup group;
 };
 
 /// Calls visit(column) for each column of a declaration, in order.
@@ -41,14 +68,15 @@ constexpr void for_each_column(const Columns& columns, const Visit& visit) {
   std::apply([&](const auto&... column) { (visit(column), ...); }, columns);
 }
 
-/// One row per pixel and pulse, ordered by pulse, then pixel. Positions in D and ranges in metres; values
-/// that the status leaves undefined are NaN:
+/// One row per pixel and pulse, or per return, ordered by pulse, then pixel, then return. Positions in D and
+/// ranges in metres; values that the status leaves undefined are NaN:
 /// - a return has all values;
 /// - a false return has all values, except that range_true is NaN where nothing was hit; its true point then
 /// lies on the true beam at the false range;
 /// - a dropout, and a dead pixel whose ray hit the terrain, have range_true and the true point;
+/// - an undetected pixel likewise, and its echo;
 /// - all others have no values.
-/// A column that is not requested is empty.
+/// A column that is not requested, or of which the scan has none, is empty.
 struct PointColumns {
   std::vector<double> x_est, y_est, z_est;     ///< Eq. 7, from the measured range and the estimated pose
   std::vector<double> x_true, y_true, z_true;  ///< Eq. 1, from the true range and the true pose
@@ -56,9 +84,13 @@ struct PointColumns {
   std::vector<std::int32_t> pulse;
   std::vector<std::int32_t> pixel;  ///< row * columns + column
   std::vector<PointStatus> status;
+  std::vector<float> intensity;            ///< photoelectrons of a return; NaN without
+  std::vector<std::int8_t> return_number;  ///< 1 for a pixel's first return, 0 where it has none
+  std::vector<double> echo_signal, echo_peak, echo_edge, echo_width, echo_range;  ///< Echo's members
 
   [[nodiscard]] std::size_t size() const { return status.size(); }
   [[nodiscard]] bool holds_truth() const { return !pixel.empty(); }
+  [[nodiscard]] bool holds_echoes() const { return !echo_signal.empty(); }
   friend bool operator==(const PointColumns&, const PointColumns&) = default;
 };
 
@@ -74,7 +106,23 @@ inline constexpr std::tuple kPointColumns = {
     Column{"pulse", &PointColumns::pulse, "1", "row in /pulses", ErrorEffect::unchanged},
     Column{"pixel", &PointColumns::pixel, "1", "row * columns + column on the detector",
            ErrorEffect::unchanged},
-    Column{"status", &PointColumns::status, "1", "what became of the pixel at this pulse"}};
+    Column{"status", &PointColumns::status, "1", "what became of the pixel at this pulse"},
+    Column{"intensity", &PointColumns::intensity, "1", "detected photoelectrons", ErrorEffect::changed,
+           ColumnGroup::intensity},
+    Column{"return_number", &PointColumns::return_number, "1",
+           "number of the return, 1 for a pixel's first, 0 without", ErrorEffect::changed,
+           ColumnGroup::return_number},
+    Column{"echo_signal", &PointColumns::echo_signal, "1", "mean photoelectrons of the echo",
+           ErrorEffect::unchanged, ColumnGroup::echo},
+    Column{"echo_peak", &PointColumns::echo_peak, "1",
+           "maximum of the echo's waveform over that of an unstretched one", ErrorEffect::unchanged,
+           ColumnGroup::echo},
+    Column{"echo_edge", &PointColumns::echo_edge, "m", "standard deviation of the echo's leading edge",
+           ErrorEffect::unchanged, ColumnGroup::echo},
+    Column{"echo_width", &PointColumns::echo_width, "m", "standard deviation of the echo's waveform",
+           ErrorEffect::unchanged, ColumnGroup::echo},
+    Column{"echo_range", &PointColumns::echo_range, "m", "range of the echo's timing point",
+           ErrorEffect::unchanged, ColumnGroup::echo}};
 
 /// The estimated position of a return, then its true position: x, y, z each. Finite in every return.
 inline constexpr std::array kCoordinates = {&PointColumns::x_est,  &PointColumns::y_est,

@@ -16,6 +16,7 @@ enum class PointStatus : std::int8_t {
   blanked = 4,
   lost_in_optics = 5,
   false_return = 6,
+  undetected = 7,
 };
 
 /// The names of one status.
@@ -25,7 +26,10 @@ struct PointStatusInfo {
   const char* count_name;  ///< number of such rows: attribute of /points, key of summaries; empty: not shown
   const char* cause;       ///< after a number, why there are no returns: "12 misses"; empty for returns
 
-  [[nodiscard]] constexpr bool is_counted() const { return *count_name != '\0'; }
+  /// A scan without a receiver has no undetected pixels, and does not count them.
+  [[nodiscard]] constexpr bool is_counted(bool has_receiver) const {
+    return *count_name != '\0' && (has_receiver || status != PointStatus::undetected);
+  }
 };
 
 /// Every status once, in the order of its value. Scan files hold values and meanings: add new ones at the end
@@ -38,7 +42,8 @@ inline constexpr std::array kPointStatuses = {
     PointStatusInfo{PointStatus::blanked, "blanked", "", " of blanked pulses"},
     PointStatusInfo{PointStatus::lost_in_optics, "total_reflection", "",
                     " lost in the scanner (total reflection)"},
-    PointStatusInfo{PointStatus::false_return, "false_return", "false_return_count", ""}};
+    PointStatusInfo{PointStatus::false_return, "false_return", "false_return_count", ""},
+    PointStatusInfo{PointStatus::undetected, "undetected", "undetected_count", " too weak to be detected"}};
 
 inline constexpr std::size_t kPointStatusCount = kPointStatuses.size();
 

@@ -33,20 +33,23 @@ void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsCon
   }
 }
 
-std::vector<double, LargeAllocator<double>> read_ranges(const RangeFile& scan, const ProgressCallback& progress) {
+CampaignTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
   constexpr std::int64_t kPulsesPerPiece = 4096;
   RangeFile file(scan.file().name());
   const nlohmann::json& detector = scan.file().config().at("detector");
   const auto pixels = detector.at("rows").get<std::size_t>() * detector.at("columns").get<std::size_t>();
   const auto pulses = static_cast<std::int64_t>(scan.pulse_count());
-  std::vector<double, LargeAllocator<double>> ranges(scan.pulse_count() * pixels);
+  CampaignTruth truth;
+  truth.ranges_m.resize(scan.pulse_count() * pixels);
+  if (file.keeps_echoes()) truth.echoes.resize(truth.ranges_m.size());
   for (std::int64_t first = 0; first < pulses; first += kPulsesPerPiece) {
-    const std::vector<double> piece =
-        file.ranges_m({first, std::min(kPulsesPerPiece, pulses - first)}, pixels);
-    std::ranges::copy(piece, ranges.begin() + first * static_cast<std::int64_t>(pixels));
+    const RecordedRanges piece = file.read({first, std::min(kPulsesPerPiece, pulses - first)}, pixels);
+    const auto row = first * static_cast<std::int64_t>(pixels);
+    std::ranges::copy(piece.ranges_m, truth.ranges_m.begin() + row);
+    std::ranges::copy(piece.echoes, truth.echoes.begin() + row);
     report(progress, static_cast<double>(first) / static_cast<double>(pulses));
   }
-  return ranges;
+  return truth;
 }
 
 void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& row) {
@@ -60,7 +63,9 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
                    const DrawSpan& span, std::optional<std::int64_t> pair, Provenance& provenance,
                    const ProgressCallback& progress)
-    : config_(config), pair_(pair), regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
+    : config_(config),
+      pair_(pair),
+      regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
   provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
   scene_ = open_scene({.terrain = terrain, .use = SceneUse::surface});
   provenance.add_input("terrain", scene_.file_id, scene_.chain);
@@ -68,7 +73,7 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
   if (scene_.window)
     scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
   require_same_rays(scan, scene_, config, span);
-  ranges_true_m_ = read_ranges(scan, progress);
+  truth_ = read_truth(scan, progress);
   std::optional<BinMask> mask;
   if (const auto source = region_mask_source(config.stages().eval)) {
     RegionMask read = read_region_mask(source->path, source->layer, grid);
@@ -76,8 +81,10 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
     mask = std::move(read.mask);
   }
   const EvaluationParameters evaluation = evaluation_config(config.stages().eval, config.name() + ": /eval");
-  at_path(config.name() + ": /eval/", [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
-  runner_ = std::make_unique<DrawRunner>(CampaignScene{ranges_true_m_, *scene_.surface, grid, region_}, config.has_layers());
+  at_path(config.name() + ": /eval/",
+          [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
+  runner_ = std::make_unique<DrawRunner>(
+      CampaignScene{{truth_.ranges_m, truth_.echoes}, *scene_.surface, grid, region_}, config.has_layers());
   if (config.predicted())
     z_sigma_abs_ = predicted_sigma(runner_->scene(), setup_of(config.stages(), 0).scan, *config.predicted());
 }

@@ -17,6 +17,12 @@
 
 namespace landfall {
 
+/// What a scan saw, in memory: one for each pixel and pulse.
+struct CampaignTruth {
+  std::vector<double, LargeAllocator<double>> ranges_m;
+  std::vector<Echo, LargeAllocator<Echo>> echoes;  ///< empty unless the scan keeps them
+};
+
 /// The draws first .. end - 1.
 struct DrawSpan {
   std::int64_t first = 0;
@@ -26,11 +32,11 @@ struct DrawSpan {
 /// A campaign over one traced scan: its inputs in memory, and its draws.
 class Campaign {
  public:
-  /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before, and
-  /// their rows have it as the column kPairColumn.
-  /// Reads the true ranges (8 bytes per ray) and the terrain, and adds both to the inputs of `provenance`.
-  /// Throws UsageError, naming the key, unless every draw of `span` has the rays of the scan; FormatError as
-  /// the readers do, or for a terrain other than the one that was scanned.
+  /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before,
+  /// and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and the
+  /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
+  /// draw of `span` has the rays of the scan; FormatError as the readers do, or for a terrain other than the
+  /// one that was scanned.
   Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config, const DrawSpan& span,
            std::optional<std::int64_t> pair, Provenance& provenance, const ProgressCallback& progress);
 
@@ -47,7 +53,7 @@ class Campaign {
   const DrawsConfig& config_;
   std::optional<std::int64_t> pair_;
   Scene scene_;
-  std::vector<double, LargeAllocator<double>> ranges_true_m_;
+  CampaignTruth truth_;
   RegridConfig regrid_;
   BinMask region_;
   std::unique_ptr<DrawRunner> runner_;

@@ -2,6 +2,7 @@
 #include "simulation/pulse_simulator.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -9,13 +10,14 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/light.h"
 #include "simulation/incidence.h"
 
 namespace landfall {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSpeedOfLight_mps = 299792458;
+constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
 
 /// The direction from the lidar, at this pose, to a point.
 Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
@@ -65,6 +67,62 @@ Point<DemFrame> aim_after(const Pattern& pattern, const PulseInput& pulse, doubl
   return *start + (pulses - static_cast<double>(from)) * (*aim(to) - *start);
 }
 
+/// The aims around a jump, whose last pulse before it is `before`.
+JumpAims aims_around(const Pattern& pattern, const PulseInput& pulse, const PulseTime& before,
+                     const Transform<DemFrame, LidarFrame>& T_dem_lidar) {
+  const auto offset = [&](std::int64_t number) { return number - pulse.time.pulse; };
+  const auto time = [&](std::int64_t number) { return pulse_ahead(pulse, offset(number)); };
+  const auto begins_at = [&](std::int64_t number) {
+    const auto jump = pattern.last_jump(time(number));
+    return jump && jump->before.pulse + 1 == number;
+  };
+  const auto aim = [&](std::int64_t number, std::int64_t otherwise) {
+    const auto point = pattern.ground_aim(time(number));
+    return direction_to(point ? *point : *pattern.ground_aim(time(otherwise)), T_dem_lidar);
+  };
+  const std::int64_t last = before.pulse;
+  const std::int64_t first = last + 1;
+  return {.before_last = aim(last == 0 || begins_at(last) ? last : last - 1, last),
+          .last = aim(last, last),
+          .first = aim(first, first),
+          .second = aim(begins_at(first + 1) ? first : first + 1, first),
+          .interval_s = pulse.interval_s};
+}
+
+/// As aim_after(), a part of a pulse interval before a pulse. After a jump it extrapolates from the two next
+/// pulses.
+Point<DemFrame> aim_before(const Pattern& pattern, const PulseInput& pulse, double earlier_s) {
+  const auto aim = [&](std::int64_t ahead) { return pattern.ground_aim(pulse_ahead(pulse, ahead)); };
+  const auto jump = pattern.last_jump(pulse.time);
+  const bool is_first =
+      pulse.time.pulse == 0 || (jump && jump->before.pulse == pulse.time.pulse - 1) || !aim(-1);
+  if (is_first && (pulses_without_jump(pattern, pulse, 1) == 0 || !aim(1))) return *aim(0);
+  const Vector<DemFrame> motion = is_first ? *aim(1) - *aim(0) : *aim(0) - *aim(-1);
+  return *aim(0) - (earlier_s / pulse.interval_s) * motion;
+}
+
+Point<DemFrame> aim_at(const Pattern& pattern, const PulseInput& pulse, double later_s) {
+  return later_s < 0 ? aim_before(pattern, pulse, -later_s) : aim_after(pattern, pulse, later_s);
+}
+
+/// A time that lies within one pulse interval of a pulse.
+struct TimeNearPulse {
+  PulseInput pulse;
+  double later_s = 0;
+};
+
+/// t + e as the last pulse on the way there from the pulse at t, and the rest. Where the pattern has no aim
+/// at that pulse, before its begin or after its end, it is the pulse at t.
+TimeNearPulse time_after(const Pattern& pattern, const PulseInput& pulse, double error_s) {
+  if (error_s == 0 || pulse.interval_s == 0) return {pulse};
+  const double pulses = std::trunc(error_s / pulse.interval_s);
+  const PulseTime there = pulse_ahead(pulse, static_cast<std::int64_t>(pulses));
+  if (there.pulse < 0 || !pattern.ground_aim(there)) return {pulse};
+  TimeNearPulse near{pulse, error_s - pulses * pulse.interval_s};
+  near.pulse.time = there;
+  return near;
+}
+
 /// The columns of a true or an estimated pose.
 struct PoseColumns {
   std::vector<double>&px, &py, &pz, &qw, &qx, &qy, &qz;
@@ -108,10 +166,19 @@ std::vector<std::int8_t> dead_map_of(const Lidar& lidar) {
 
 }  // namespace
 
-PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground)
-    : lidar_(std::move(lidar)), engine_(engine), ground_(ground), dead_map_(dead_map_of(lidar_)) {
+PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+                               const SurfaceAlbedo* albedo)
+    : lidar_(std::move(lidar)),
+      engine_(engine),
+      ground_(ground),
+      albedo_(albedo),
+      dead_map_(dead_map_of(lidar_)) {
   if (lidar_.range_errors.needs_incidence() && ground_ == nullptr)
     throw UsageError("incidence_sigma_rad: needs the terrain's surface");
+  if (lidar_.receiver.sees_waveforms() && engine_ != nullptr && ground_ == nullptr)
+    throw UsageError("receiver/type: needs the terrain's surface");
+  assert(lidar_.link_constants_pe_m2.size() ==
+         (lidar_.receiver.sees_waveforms() ? lidar_.detector.samples().size() : 0));
 }
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
@@ -121,10 +188,11 @@ void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBa
   record(pulse, slot, batch, workspace);
 }
 
-void PulseSimulator::replay(const PulseInput& pulse, std::span<const double> ranges_true_m, std::size_t slot,
+void PulseSimulator::replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot,
                             PulseBatch& batch, PulseWorkspace& workspace) const {
   steer(pulse, workspace);
-  workspace.ranges_m.assign(ranges_true_m.begin(), ranges_true_m.end());
+  workspace.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
+  workspace.echoes.assign(truth.echoes.begin(), truth.echoes.end());
   record(pulse, slot, batch, workspace);
 }
 
@@ -133,55 +201,69 @@ Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) 
   return {lidar_.mount.rotation * lidar_.pointing_error.turn(pulse), lidar_.mount.position};
 }
 
-PulseContext PulseSimulator::context_of(const PulseInput& pulse) const {
-  PulseContext context{.time = pulse.time};
+PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_time_error_s) const {
+  PulseContext context{.time = {pulse.time.pulse, pulse.time.since_start_s + mirror_time_error_s}};
   const Pattern* const pattern = lidar_.pattern.get();
-  const auto target = pattern != nullptr ? pattern->ground_aim(pulse.time) : std::nullopt;
-  if (!target) return context;
+  if (pattern == nullptr || !pattern->ground_aim(pulse.time)) return context;
+  const auto [near, later_s] = time_after(*pattern, pulse, mirror_time_error_s);
+  const Point<DemFrame> target =
+      later_s == 0 ? *pattern->ground_aim(near.time) : aim_at(*pattern, near, later_s);
   const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.nominal * lidar_.mount;
-  context.aim = direction_to(*target, T_dem_lidar);
+  context.aim = direction_to(target, T_dem_lidar);
   const ContextNeeds needs = lidar_.scanner->needs();
   if (needs.jumps) {
-    if (const auto jump = pattern->last_jump(pulse.time)) {
-      context.since_jump_s = jump->since_s;
+    if (const auto jump = pattern->last_jump(near.time)) {
+      context.since_jump_s = std::max(0.0, jump->since_s + later_s);
       if (const auto before = pattern->ground_aim(jump->before))
         context.aim_before_jump = direction_to(*before, T_dem_lidar);
+      if (needs.motion && context.aim_before_jump && pulse.interval_s > 0)
+        context.jump_aims = aims_around(*pattern, near, jump->before, T_dem_lidar);
     }
   }
   if (needs.echo) {
-    const double distance_m = (*target - T_dem_lidar.position).norm();
-    const Point<DemFrame> later = aim_after(*pattern, pulse, 2 * distance_m / kSpeedOfLight_mps);
-    context.aim_at_echo = direction_to(later, T_dem_lidar);
+    const double distance_m = (target - T_dem_lidar.position).norm();
+    const Point<DemFrame> at_echo = aim_at(*pattern, near, later_s + 2 * distance_m / kSpeedOfLight_mps);
+    context.aim_at_echo = direction_to(at_echo, T_dem_lidar);
   }
   return context;
 }
 
 void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) const {
   const Scanner& scanner = *lidar_.scanner;
-  const PulseContext context = context_of(pulse);
-  workspace.state = scanner.state(context);
+  const PulseContext context = context_of(pulse, 0);
+  const ScannerState on_time = scanner.state(context);
+  const double mirror_time_error_s = lidar_.pointing_error.mirror_time_error_s(pulse.time.pulse);
+  workspace.state = on_time;
+  if (mirror_time_error_s != 0) {
+    workspace.state = scanner.state(context_of(pulse, mirror_time_error_s));
+    workspace.state.blanked = on_time.blanked;  // the laser keeps the lander's time
+  }
   workspace.T_dem_lidar = pulse.truth * true_mount(pulse.time.pulse);
   if (lidar_.pattern && !context.aim) workspace.state.blanked = true;
   const auto pixels = lidar_.detector.pixels();
   workspace.beams.resize(pixels.size());
   scanner.steer(workspace.state, pixels, workspace.beams);
   workspace.believed_beams.clear();
-  if (scanner.is_known()) return;
+  if (scanner.is_known() && mirror_time_error_s == 0) return;
   workspace.believed_beams.resize(pixels.size());
-  scanner.steer(scanner.believed_state(context, workspace.state), pixels, workspace.believed_beams);
+  scanner.steer(scanner.believed_state(context, on_time), pixels, workspace.believed_beams);
   for (std::size_t i = 0; i < pixels.size(); ++i)
     if (workspace.believed_beams[i].lost) workspace.beams[i].lost = true;  // such a point has no estimate
 }
 
 void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
   PulseWorkspace& w = workspace;
+  const bool sees_waveforms = lidar_.receiver.sees_waveforms();
   w.ranges_m.assign(w.beams.size(), kNan);
+  w.echoes.assign(sees_waveforms && lidar_.receiver.needs_one_echo() ? w.beams.size() : 0, {});
   if (w.state.blanked) return;
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
   std::span<const Beam> beams = w.beams;
   if (per_pixel > 1) {
-    w.sample_beams.resize(lidar_.detector.samples().size());
+    const std::size_t sample_count = lidar_.detector.samples().size();
+    w.sample_beams.resize(sample_count);
     lidar_.scanner->steer(w.state, lidar_.detector.samples(), w.sample_beams);
+    if (sees_waveforms) w.sample_beams.insert(w.sample_beams.end(), w.beams.begin(), w.beams.end());
     beams = w.sample_beams;
   }
   w.rays.clear();
@@ -192,10 +274,54 @@ void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) c
   assert(engine_ != nullptr);
   engine_->first_hits(w.rays, w.hits_m);
   if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
+  if (sees_waveforms) return see(w, beams);
   for (std::size_t i = 0; i < w.beams.size(); ++i)
     if (!w.beams[i].lost)
       w.ranges_m[i] =
           lidar_.detector.estimator().range_m(std::span(w.hits_m).subspan(i * per_pixel, per_pixel));
+}
+
+/// The pixels' own rays follow those of all samples, unless a pixel has a single sample.
+void PulseSimulator::see(PulseWorkspace& workspace, std::span<const Beam> beams) const {
+  PulseWorkspace& w = workspace;
+  const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
+  const std::size_t first_own = beams.size() - w.beams.size();
+  for (std::size_t i = 0; i < w.beams.size(); ++i)
+    if (!w.beams[i].lost) w.ranges_m[i] = w.hits_m[first_own + i];
+  find_signals(w, beams.first(lidar_.detector.samples().size()));
+  w.waveforms.clear(per_pixel);
+  for (std::size_t i = 0; i < w.beams.size(); ++i) {
+    const std::size_t seen = std::isnan(w.ranges_m[i]) ? 0 : per_pixel;
+    lidar_.receiver.add_pixel(std::span(w.hits_m).subspan(i * per_pixel, seen),
+                              std::span(w.signals_pe).subspan(i * per_pixel, seen), w.waveforms);
+  }
+  lidar_.receiver.time(w.waveforms);
+  if (lidar_.receiver.needs_one_echo()) lidar_.receiver.choose(w.waveforms, w.echoes);
+}
+
+void PulseSimulator::find_signals(PulseWorkspace& workspace, std::span<const Beam> samples) const {
+  PulseWorkspace& w = workspace;
+  w.hits.clear();
+  w.hit_directions.clear();
+  for (std::size_t i = 0, ray = 0; i < samples.size(); ++i) {
+    if (samples[i].lost) continue;
+    const Ray& traced = w.rays[ray++];
+    if (std::isnan(w.hits_m[i])) continue;
+    w.hits.push_back(traced.origin.v + w.hits_m[i] * traced.direction.v);
+    w.hit_directions.push_back(traced.direction.v);
+  }
+  w.cosines.resize(w.hits.size());
+  ground_->cosines(w.hits, w.hit_directions, w.cosines);
+  w.signals_pe.assign(samples.size(), kNan);
+  for (std::size_t i = 0, hit = 0; i < samples.size(); ++i) {
+    const double range_m = w.hits_m[i];
+    if (std::isnan(range_m)) continue;
+    double signal_pe = lidar_.link_constants_pe_m2[i] / (range_m * range_m);
+    if (!std::isnan(w.cosines[hit])) signal_pe *= w.cosines[hit];  // NaN on the edge of a hole
+    if (albedo_ != nullptr) signal_pe *= albedo_->at(w.hits[hit].x(), w.hits[hit].y());
+    w.signals_pe[i] = signal_pe;
+    ++hit;
+  }
 }
 
 void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const {
@@ -217,22 +343,33 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   if (workspace.state.blanked) return PointStatus::blanked;
   if (workspace.beams[i].lost) return PointStatus::lost_in_optics;
   if (std::isnan(workspace.ranges_m[i])) return PointStatus::miss;
+  if (!workspace.receptions.empty() &&
+      std::isnan(workspace.receptions[i * lidar_.receiver.most_returns()].range_m))
+    return PointStatus::undetected;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
 
 PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorkspace& workspace) const {
   const auto i = static_cast<std::size_t>(where.pixel);
-  const PointStatus what = status(where, workspace);
+  const auto number = static_cast<std::size_t>(where.number);
+  const PointStatus what = status({where.pulse, where.pixel}, workspace);
   const bool has_echo = what == PointStatus::returned;
-  const bool can_be_false = lidar_.range_errors.has_false_returns() &&
-                            (has_echo || what == PointStatus::miss || what == PointStatus::dropout);
-  if (can_be_false) {
+  const bool may_be_false = has_echo || what == PointStatus::miss || what == PointStatus::undetected ||
+                            what == PointStatus::dropout;
+  if (number == 0 && may_be_false && lidar_.range_errors.has_false_returns()) {
     // The first detection is reported. The true range decides, so that other errors do not change the choice.
     const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
     if (false_m && !(has_echo && *false_m >= workspace.ranges_m[i]))
-      return {PointStatus::false_return, *false_m};
+      return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  return {what, has_echo ? workspace.measured_m[i] : kNan};
+  if (workspace.receptions.empty()) return {what, has_echo ? workspace.measured_m[i] : kNan, kNoIntensity};
+  const Reception& reception = workspace.receptions[i * lidar_.receiver.most_returns() + number];
+  const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
+  if (!is_background && (!has_echo || std::isnan(reception.range_m)))
+    return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
+  return {is_background ? PointStatus::false_return : what,
+          workspace.measured_m[number * workspace.beams.size() + i], reception.intensity_pe,
+          static_cast<std::int8_t>(number + 1)};
 }
 
 void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace) const {
@@ -243,19 +380,62 @@ void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace)
       w.tan_incidences.push_back(
           tan_incidence(*ground_, w.T_dem_lidar * (w.beams[i].exit + w.ranges_m[i] * w.beams[i].direction),
                         w.T_dem_lidar.rotation * w.beams[i].direction));
-  w.measured_m.resize(w.beams.size());
-  lidar_.range_errors.measure(pulse.time.pulse, w.ranges_m, w.tan_incidences, w.measured_m);
+  const std::size_t pixels = w.beams.size();
+  const std::size_t most = lidar_.receiver.most_returns();
+  receive(pulse, w);
+  w.measured_m.resize(pixels * most);
+  for (std::size_t number = 0; number < most; ++number) {
+    const std::span<double> measured_m = std::span(w.measured_m).subspan(number * pixels, pixels);
+    const auto n = static_cast<std::int64_t>(number);
+    std::span<const double> reported_m = w.ranges_m;
+    if (!w.receptions.empty()) {
+      for (std::size_t i = 0; i < pixels; ++i) w.reported_m[i] = w.receptions[i * most + number].range_m;
+      reported_m = w.reported_m;
+    }
+    lidar_.range_errors.measure(pulse.time.pulse, reported_m, w.tan_incidences, measured_m, n);
+    lidar_.range_timer.apply(pulse.time.pulse, n, measured_m);
+  }
+}
+
+void PulseSimulator::receive(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  PulseWorkspace& w = workspace;
+  const Receiver& receiver = lidar_.receiver;
+  w.receptions.clear();
+  if (!receiver.sees_waveforms()) return;
+  w.receptions.resize(rows_per_pulse());
+  w.reported_m.resize(w.beams.size());
+  if (w.state.blanked) return;
+  if (receiver.needs_one_echo()) {
+    receiver.receive(pulse.time.pulse, w.echoes, w.receptions);
+  } else {
+    receiver.receive(pulse.time.pulse, w.waveforms, w.receptions);
+  }
 }
 
 void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                             PulseWorkspace& workspace) const {
-  const std::size_t pixel_count = workspace.beams.size();
+  const std::size_t rows = rows_per_pulse();
   record_pulse(pulse, workspace.state, slot, batch.pulses);
-  batch.pulses.point_count[slot] = static_cast<std::int32_t>(pixel_count);
+  batch.pulses.point_count[slot] = static_cast<std::int32_t>(rows);
   measure(pulse, workspace);
-  const std::size_t first_row = slot * pixel_count;
+  const std::size_t first_row = slot * rows;
   record_estimate(pulse, first_row, batch.points, workspace);
-  if (batch.points.holds_truth()) record_truth(pulse, first_row, batch.points, workspace);
+  if (!batch.points.holds_truth()) return;
+  record_truth(pulse, first_row, batch.points, workspace);
+  if (batch.points.holds_echoes()) record_echoes(first_row, batch.points, workspace);
+}
+
+void PulseSimulator::record_echoes(std::size_t first_row, PointColumns& out,
+                                   const PulseWorkspace& workspace) {
+  for (std::size_t i = 0; i < workspace.echoes.size(); ++i) {
+    const Echo& echo = workspace.echoes[i];
+    const std::size_t row = first_row + i;
+    out.echo_signal[row] = echo.signal_pe;
+    out.echo_peak[row] = echo.peak;
+    out.echo_edge[row] = echo.edge_m;
+    out.echo_width[row] = echo.width_m;
+    out.echo_range[row] = echo.range_m;
+  }
 }
 
 // A NaN range gives a NaN point.
@@ -264,25 +444,33 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
       workspace.believed_beams.empty() ? workspace.beams : workspace.believed_beams;
+  const std::size_t most = lidar_.receiver.most_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
-    const auto [what, measured] = report({pulse.time.pulse, static_cast<std::int64_t>(i)}, workspace);
-    const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + measured * beam.direction);
-    const std::size_t row = first_row + i;
-    out.x_est[row] = estimate.v.x();
-    out.y_est[row] = estimate.v.y();
-    out.z_est[row] = estimate.v.z();
-    out.range_measured[row] = measured;
-    out.status[row] = what;
+    for (std::size_t number = 0; number < most; ++number) {
+      const Report said = report(
+          {pulse.time.pulse, static_cast<std::int64_t>(i), static_cast<std::int64_t>(number)}, workspace);
+      const Point<DemFrame> estimate = T_dem_lidar_est * (beam.exit + said.range_m * beam.direction);
+      const std::size_t row = first_row + i * most + number;
+      out.x_est[row] = estimate.v.x();
+      out.y_est[row] = estimate.v.y();
+      out.z_est[row] = estimate.v.z();
+      out.range_measured[row] = said.range_m;
+      out.status[row] = said.status;
+      if (!out.intensity.empty()) out.intensity[row] = said.intensity_pe;
+      if (!out.return_number.empty()) out.return_number[row] = said.number;
+    }
   }
 }
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                                  const PulseWorkspace& workspace) {
-  for (std::size_t i = 0; i < workspace.beams.size(); ++i) {
+                                  const PulseWorkspace& workspace) const {
+  const std::size_t most = lidar_.receiver.most_returns();
+  for (std::size_t k = 0; k < workspace.beams.size() * most; ++k) {
+    const std::size_t i = k / most;
     const Beam& beam = workspace.beams[i];
     const double range = workspace.ranges_m[i];
-    const std::size_t row = first_row + i;
+    const std::size_t row = first_row + k;
     const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
     const double shown = has_no_hit ? out.range_measured[row] : range;
     const Point<DemFrame> truth = workspace.T_dem_lidar * (beam.exit + shown * beam.direction);

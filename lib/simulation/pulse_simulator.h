@@ -12,10 +12,13 @@
 #include "error_models/range_errors.h"
 #include "geometry/rotation.h"
 #include "ray/engine.h"
+#include "receiver/range_timer.h"
+#include "receiver/receiver.h"
 #include "scanner/pattern.h"
 #include "scanner/scanner.h"
 #include "simulation/pulse_batch.h"
 #include "terrain/surface.h"
+#include "terrain/surface_albedo.h"
 #include "trajectory/trajectory.h"
 
 namespace landfall {
@@ -29,6 +32,12 @@ struct Lidar {
   Transform<BodyFrame, LidarFrame> mount{rotation_from<BodyFrame, LidarFrame>({std::numbers::pi, 0, 0}), {}};
   RangeErrors range_errors;
   PointingError pointing_error{};
+  Receiver receiver{};
+  RangeTimer range_timer{};
+  /// The link constants of the detector's samples, photoelectrons x m^2 (receiver/link_budget.h): those of a
+  /// whole pixel over the samples of a pixel, times the beam's relative irradiance and, if the terrain has no
+  /// map of it, the albedo. Empty unless the receiver sees waveforms.
+  std::vector<double> link_constants_pe_m2{};
 };
 
 /// One pulse, as the caller that moves the lander defines it.
@@ -41,17 +50,35 @@ struct PulseInput {
   Pose nominal{};   ///< the pose that the pattern aims from
 };
 
+/// What an earlier run saw: one for each pixel.
+struct TrueRanges {
+  std::span<const double> ranges_m;  ///< NaN for a miss
+  std::span<const Echo> echoes{};    ///< empty unless the receiver sees waveforms
+
+  [[nodiscard]] TrueRanges part(std::size_t first, std::size_t count) const {
+    return {ranges_m.subspan(first, count), echoes.empty() ? echoes : echoes.subspan(first, count)};
+  }
+};
+
 /// Memory that a thread reuses between pulses. Its contents have no meaning for the caller.
 struct PulseWorkspace {
   ScannerState state;
   std::vector<Beam> beams;
-  std::vector<Beam> believed_beams;  ///< empty where the scanner is known: equal to `beams`
+  std::vector<Beam> believed_beams;  ///< empty where the lander knows the true ones: equal to `beams`
   std::vector<Beam> sample_beams;
   std::vector<Ray> rays;
   std::vector<double> hits_m;
   std::vector<double> ranges_m;
   std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them
-  std::vector<double> measured_m;
+  std::vector<double> signals_pe;      ///< of the samples; NaN for a miss
+  std::vector<Eigen::Vector3d> hits;   ///< points on the ground of the samples that hit
+  std::vector<Eigen::Vector3d> hit_directions;
+  std::vector<double> cosines;  ///< of their incidence angles; NaN on the edge of a hole
+  Waveforms waveforms;
+  std::vector<Echo> echoes;           ///< one for each pixel; empty unless the receiver needs one echo
+  std::vector<Reception> receptions;  ///< by pixel, then return; empty without a receiver
+  std::vector<double> reported_m;     ///< the ranges of one return of each pixel, before range errors
+  std::vector<double> measured_m;     ///< by return, then pixel
   Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
 };
 
@@ -61,56 +88,87 @@ struct PulseWorkspace {
 /// The true beam leaves from the true pose and mount (PointingError), aimed from the nominal ones: navigation
 /// error never moves it. A point is s = p + R (p_BL + R_BL (b + r n)) (Eqs. 1 and 7). The true point uses the
 /// true range, mount and pose; the estimated point uses the measured range, the nominal mount and the
-/// estimated pose. Both use the same n and b unless the lander does not know the mechanism's state
-/// (Scanner::is_known). A pixel's status is the first that applies of dead, blanked, total reflection, miss,
-/// dropout. A false return may replace a miss, a dropout or a return from farther away.
+/// estimated pose. With a receiver the true range is that of the pixel's own direction, while the receiver
+/// sees the echoes of its samples; a pixel whose own direction misses is a miss. Both use the same n and b
+/// unless the lander does not know the mechanism's state (Scanner::is_known,
+/// PointingError::mirror_time_error_s). A pixel's status is the first that applies of dead, blanked, total
+/// reflection, miss, undetected, dropout. A false return may replace a miss, an undetected echo, a dropout or
+/// a return from farther away; a background photoelectron is one.
 ///
 /// The caller applies time-stamp errors when it chooses the estimated poses.
 class PulseSimulator {
  public:
   /// `engine` must outlive this object; if it is null, only replay() may be called. `ground` must outlive it
   /// too; if given, a beam that starts at or below it is refused (for surfaces with ground below). Throws
-  /// UsageError if it is missing and the noise depends on the incidence.
-  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground);
+  /// UsageError if it is missing and the noise or the receiver depends on the incidence. `albedo`: of the
+  /// ground, in [0, 1], that of the nearest node; null: 1 everywhere; must outlive this object.
+  PulseSimulator(Lidar lidar, const RayEngine* engine, const TerrainSurface* ground,
+                 const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] const Lidar& lidar() const { return lidar_; }
   /// 1 for each dead pixel, 0 for the others, row-major.
   [[nodiscard]] std::span<const std::int8_t> dead_map() const { return dead_map_; }
+  /// The rows of a pulse in a batch, including those of returns that do not exist
+  /// (PulseBatch::kNoSuchReturn).
+  [[nodiscard]] std::size_t rows_per_pulse() const {
+    return lidar_.detector.pixel_count() * lidar_.receiver.most_returns();
+  }
+  [[nodiscard]] std::size_t rays_per_pulse() const {
+    const Detector& detector = lidar_.detector;
+    const bool own_rays = lidar_.receiver.sees_waveforms() && detector.samples_per_pixel() > 1;
+    return detector.samples().size() + (own_rays ? detector.pixel_count() : 0);
+  }
+  /// The columns of this lidar's points.
+  [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
+    return {.intensity = lidar_.receiver.sees_waveforms(),
+            .return_number = lidar_.receiver.most_returns() > 1,
+            .echo = keep_echoes};
+  }
 
-  /// Fills pulse `slot` of `batch`, which has been resized to this detector's pixels; the truth only where
+  /// Fills pulse `slot` of `batch`, which has been resized to rows_per_pulse(); the truth only where
   /// the batch holds it. All rays of the pulse go to the engine in one call, in pixel order and, within a
   /// pixel, in sub-pixel order. Throws FormatError, naming the pulse, where the scanner cannot follow the
   /// aim, or for a beam that starts at or below the ground.
   void simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                 PulseWorkspace& workspace) const;
 
-  /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss.
-  void replay(const PulseInput& pulse, std::span<const double> ranges_true_m, std::size_t slot,
-              PulseBatch& batch, PulseWorkspace& workspace) const;
+  /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss, and
+  /// so do the echoes if the receiver sees waveforms; it must then need one echo.
+  void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
+              PulseWorkspace& workspace) const;
 
  private:
   [[nodiscard]] Transform<BodyFrame, LidarFrame> true_mount(std::int64_t pulse) const;
-  [[nodiscard]] PulseContext context_of(const PulseInput& pulse) const;
+  /// The scanner's input at the pulse's time plus an error of the mirror's clock, seen from the pose of the
+  /// pulse.
+  [[nodiscard]] PulseContext context_of(const PulseInput& pulse, double mirror_time_error_s) const;
   void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void see(PulseWorkspace& workspace, std::span<const Beam> beams) const;
+  void find_signals(PulseWorkspace& workspace, std::span<const Beam> beams) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
+  void receive(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void measure(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
   void record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                        const PulseWorkspace& workspace) const;
-  static void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
-                           const PulseWorkspace& workspace);
+  void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
+                    const PulseWorkspace& workspace) const;
+  static void record_echoes(std::size_t first_row, PointColumns& out, const PulseWorkspace& workspace);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
   /// What the receiver reports for a pixel.
   struct Report {
     PointStatus status;
-    double range_m;  ///< NaN without a return
+    double range_m;          ///< NaN without a return
+    float intensity_pe;      ///< NaN without a return or a receiver
+    std::int8_t number = 0;  ///< return_number
   };
   [[nodiscard]] Report report(PulsePixel where, const PulseWorkspace& workspace) const;
 
   Lidar lidar_;
   const RayEngine* engine_;
   const TerrainSurface* ground_;
+  const SurfaceAlbedo* albedo_;
   std::vector<std::int8_t> dead_map_;
 };
 

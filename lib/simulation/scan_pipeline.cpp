@@ -19,7 +19,7 @@ using BatchPtr = std::unique_ptr<PulseBatch>;
 /// A batch of pulses that passes through the stages.
 struct Passage {
   PulseSpan pulses;
-  std::vector<double> ranges_true_m;  ///< empty: trace the rays
+  RecordedRanges truth;  ///< unused where rays are traced
   BatchPtr batch;
   /// Why there is no batch. It is thrown when the batch's turn comes, so that the error names the first pulse
   /// that fails, for any number of threads.
@@ -65,7 +65,7 @@ class ScanPipeline {
     Passage& passage = passages_[begun_++ % passages_.size()];
     passage.pulses = {next_pulse_, std::min(pulses_per_batch, simulation_.pulse_count() - next_pulse_)};
     next_pulse_ += passage.pulses.count;
-    if (replay_.ranges) passage.ranges_true_m = replay_.ranges(passage.pulses);
+    if (replay_.ranges) passage.truth = replay_.ranges(passage.pulses);
     return &passage;
   }
 
@@ -73,9 +73,10 @@ class ScanPipeline {
     passage.batch = pool_.take();
     try {
       if (replay_.ranges) {
-        simulation_.replay(passage.pulses, passage.ranges_true_m, *passage.batch, replay_.content);
+        simulation_.replay(passage.pulses, {passage.truth.ranges_m, passage.truth.echoes}, *passage.batch,
+                           replay_.content, replay_.keep_echoes);
       } else {
-        simulation_.simulate(passage.pulses, *passage.batch);
+        simulation_.simulate(passage.pulses, *passage.batch, replay_.keep_echoes);
       }
     } catch (...) {
       passage.failure = std::current_exception();

@@ -10,13 +10,19 @@
 
 namespace landfall {
 
-/// The true ranges of consecutive pulses, one per pixel and pulse, NaN for a miss.
-using RangeSource = std::function<std::vector<double>(PulseSpan pulses)>;
+/// The true ranges of consecutive pulses, one per pixel and pulse, NaN for a miss, and the echoes, where the
+/// receiver sees waveforms.
+struct RecordedRanges {
+  std::vector<double> ranges_m;
+  std::vector<Echo> echoes{};
+};
+using RangeSource = std::function<RecordedRanges(PulseSpan pulses)>;
 
 /// The source of true ranges from an earlier run.
 struct Replay {
   RangeSource ranges{};                      ///< empty: trace the rays
   PointContent content = PointContent::all;  ///< the columns that the batches hold
+  bool keep_echoes = false;                  ///< the batches also hold the echoes; also of traced rays
 };
 
 /// The remaining work after a sink has taken a batch. Either function may be empty.

@@ -26,7 +26,8 @@ std::int64_t pulse_count(const ScanModel& model) {
   return std::min(count, model.lidar.pattern->pulse_limit().value_or(count));
 }
 
-Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground)
+Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground,
+                       const SurfaceAlbedo* albedo)
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
       attitude_knowledge_(model.attitude_knowledge),
@@ -34,10 +35,12 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),
       estimate_(std::move(model.estimate)),
-      simulator_(std::move(model.lidar), engine, ground) {
+      simulator_(std::move(model.lidar), engine, ground, albedo) {
   // Fail now, not after an hour, if a trajectory or a table of angles is too short.
   const PulseInput last = pulse(pulse_count_ - 1);
-  static_cast<void>(simulator_.lidar().scanner->state({.time = last.time}));
+  const double mirror_s = simulator_.lidar().pointing_error.mirror_time_error_s(last.time.pulse);
+  static_cast<void>(
+      simulator_.lidar().scanner->state({.time = {last.time.pulse, last.time.since_start_s + mirror_s}}));
   static_cast<void>(believed_pose(0));
   static_cast<void>(believed_pose(static_cast<double>(pulse_count_ - 1) / pulse_rate_hz_));
 }
@@ -73,12 +76,14 @@ PulseInput Simulation::pulse(std::int64_t k) const {
   return input;
 }
 
-void Simulation::simulate(PulseSpan pulses, PulseBatch& batch) const {
+void Simulation::simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes) const {
+  const OptionalColumns columns = this->columns(keep_echoes);
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
-  batch.resize(static_cast<std::size_t>(pulses.count), pixel_count());
+  batch.resize(static_cast<std::size_t>(pulses.count), rows_per_pulse(), PointContent::all, columns);
   PulseWorkspace workspace;
   for (std::int64_t i = 0; i < pulses.count; ++i)
     simulator_.simulate(pulse(pulses.first + i), static_cast<std::size_t>(i), batch, workspace);
+  if (columns.return_number) batch.remove_absent_returns();
 }
 
 PulseBatch Simulation::simulate(PulseSpan pulses) const {
@@ -87,24 +92,33 @@ PulseBatch Simulation::simulate(PulseSpan pulses) const {
   return batch;
 }
 
-void Simulation::replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
-                        PointContent content) const {
-  batch.resize(static_cast<std::size_t>(pulses.count), pixel_count(), content);
-  replay_slots(pulses, ranges_true_m, 0, batch);
+void Simulation::replay(PulseSpan pulses, const TrueRanges& truth, PulseBatch& batch, PointContent content,
+                        bool keep_echoes) const {
+  batch.resize(static_cast<std::size_t>(pulses.count), rows_per_pulse(), content, columns(keep_echoes));
+  replay_slots(pulses, truth, 0, batch);
 }
 
-void Simulation::replay_slots(PulseSpan pulses, std::span<const double> ranges_true_m, std::size_t first_slot,
+void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::size_t first_slot,
                               PulseBatch& batch) const {
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   const std::size_t pixels = pixel_count();
   const auto count = static_cast<std::size_t>(pulses.count);
-  if (ranges_true_m.size() != count * pixels)
-    throw FormatError("replay: " + std::to_string(ranges_true_m.size()) + " ranges where " +
-                      std::to_string(count * pixels) + " are needed");
+  const Receiver& receiver = simulator_.lidar().receiver;
+  if (!receiver.needs_one_echo())
+    throw UsageError(
+        "receiver: " + std::string(receiver.type() == ReceiverType::geiger ? "type geiger" : "returns all") +
+        " needs the whole waveforms, which no scan keeps; trace the rays");
+  const auto require_count = [&](std::size_t given, const char* what) {
+    if (given != count * pixels)
+      throw FormatError("replay: " + std::to_string(given) + " " + what + " where " +
+                        std::to_string(count * pixels) + " are needed");
+  };
+  require_count(truth.ranges_m.size(), "ranges");
+  if (receiver.sees_waveforms()) require_count(truth.echoes.size(), "echoes");
   PulseWorkspace workspace;
   for (std::size_t i = 0; i < count; ++i)
-    simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)),
-                      ranges_true_m.subspan(i * pixels, pixels), first_slot + i, batch, workspace);
+    simulator_.replay(pulse(pulses.first + static_cast<std::int64_t>(i)), truth.part(i * pixels, pixels),
+                      first_slot + i, batch, workspace);
 }
 
 }  // namespace landfall

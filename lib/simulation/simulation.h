@@ -46,18 +46,25 @@ struct PulseSpan {
 /// Immutable: any number of threads may simulate batches of any size, with identical results.
 class Simulation {
  public:
-  /// `engine` and `ground` must outlive this object (see PulseSimulator); a null `engine` allows replay()
-  /// only. The model's scanner and trajectory must be set. Throws as pulse_count() does, and FormatError
-  /// where the trajectory or a scanner that replays angles ends before the last pulse, or where an estimate
-  /// does not cover all pulses.
-  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground = nullptr);
+  /// `engine`, `ground` and `albedo` must outlive this object (see PulseSimulator); a null `engine` allows
+  /// replay() only. The model's scanner and trajectory must be set. Throws as pulse_count() does, and
+  /// FormatError where the trajectory or a scanner that replays angles ends before the last pulse, or where
+  /// an estimate does not cover all pulses.
+  Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground = nullptr,
+             const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
   /// Number of pulses over pulse rate, seconds.
   [[nodiscard]] double duration_s() const { return static_cast<double>(pulse_count_) / pulse_rate_hz_; }
   /// Rays of all pulses, including those of sub-pixels.
   [[nodiscard]] std::int64_t ray_count() const {
-    return pulse_count_ * static_cast<std::int64_t>(detector().samples().size());
+    return pulse_count_ * static_cast<std::int64_t>(simulator_.rays_per_pulse());
+  }
+  /// The rows of a pulse in a batch that is to be filled (PulseSimulator).
+  [[nodiscard]] std::size_t rows_per_pulse() const { return simulator_.rows_per_pulse(); }
+  /// The columns of this lidar's points.
+  [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
+    return simulator_.columns(keep_echoes);
   }
   [[nodiscard]] std::size_t pixel_count() const { return simulator_.lidar().detector.pixel_count(); }
   [[nodiscard]] const Detector& detector() const { return simulator_.lidar().detector; }
@@ -66,16 +73,17 @@ class Simulation {
 
   /// Fills `batch` with all pixels of the pulses, which must lie in 0 .. pulse_count() - 1. Throws
   /// FormatError, naming the pulse, as PulseSimulator does.
-  void simulate(PulseSpan pulses, PulseBatch& batch) const;
+  void simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes = false) const;
   [[nodiscard]] PulseBatch simulate(PulseSpan pulses) const;
 
-  /// simulate() without tracing: the true ranges come from an earlier run, one per pixel and pulse, NaN for a
-  /// miss; only the errors are drawn anew. Throws FormatError where the number of ranges does not fit.
-  void replay(PulseSpan pulses, std::span<const double> ranges_true_m, PulseBatch& batch,
-              PointContent content = PointContent::all) const;
+  /// simulate() without tracing: the true ranges and, if the receiver sees waveforms, the echoes come from an
+  /// earlier run, one per pixel and pulse; only the errors are drawn anew. Throws FormatError where their
+  /// number does not fit, and UsageError for a receiver that needs more than one echo.
+  void replay(PulseSpan pulses, const TrueRanges& truth, PulseBatch& batch,
+              PointContent content = PointContent::all, bool keep_echoes = false) const;
   /// replay() into the slots from `first_slot` on of a batch that has been resized. Several threads may fill
   /// different slots at the same time.
-  void replay_slots(PulseSpan pulses, std::span<const double> ranges_true_m, std::size_t first_slot,
+  void replay_slots(PulseSpan pulses, const TrueRanges& truth, std::size_t first_slot,
                     PulseBatch& batch) const;
 
  private:

@@ -40,16 +40,6 @@ PANELS = [
 ]
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_features.py", description=__doc__)
-    parser.add_argument("-o", "--output", metavar="PNG", required=True)
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.require_png(options.output)
-    return options
-
-
 def terrain(panel, folder, options):
     """x and y of the nodes, metres, and the elevations, one row per y."""
     config, path = os.path.join(folder, "terrain.json"), os.path.join(folder, "terrain.h5")
@@ -110,7 +100,7 @@ def draw(terrains):
 
 
 def main(arguments):
-    options = parse(arguments)
+    options = plots.parse_figure_of_tools(arguments, "plot_features.py", __doc__)
     command.check_outputs([options.output], options.overwrite)
     with tempfile.TemporaryDirectory(prefix="landfall-features-") as folder:
         terrains = [(panel, *terrain(panel, folder, options)) for panel in PANELS]

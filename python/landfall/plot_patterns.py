@@ -43,16 +43,6 @@ PANELS = [
 ]
 
 
-def parse(arguments):
-    parser = command.Parser(prog="plot_patterns.py", description=__doc__)
-    parser.add_argument("-o", "--output", metavar="PNG", required=True)
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
-    plots.add_output_options(parser)
-    options = parser.parse_args(arguments)
-    plots.require_png(options.output)
-    return options
-
-
 def write_json(path, tree):
     with open(path, "w", encoding="utf-8") as file:
         json.dump(tree, file)
@@ -132,7 +122,7 @@ def draw(scans):
 
 
 def main(arguments):
-    options = parse(arguments)
+    options = plots.parse_figure_of_tools(arguments, "plot_patterns.py", __doc__)
     command.check_outputs([options.output], options.overwrite)
     with tempfile.TemporaryDirectory(prefix="landfall-patterns-") as folder:
         write_star(os.path.join(folder, "star.csv"))

@@ -5,6 +5,7 @@ import contextlib
 import math
 import os
 
+from landfall import command
 from landfall.errors import DataError, UsageError
 
 
@@ -16,6 +17,17 @@ def add_output_options(parser):
 def add_data_only_option(parser):
     parser.add_argument("--data-only", action="store_true",
                         help="scales of errors end where the data does, even if their limits lie outside")
+
+
+def parse_figure_of_tools(arguments, prog, description):
+    """The options of a figure that is drawn from runs of the tools: -o, --bin, --dpi, -O."""
+    parser = command.Parser(prog=prog, description=description)
+    parser.add_argument("-o", "--output", metavar="PNG", required=True)
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    add_output_options(parser)
+    options = parser.parse_args(arguments)
+    require_png(options.output)
+    return options
 
 
 def require_png(path):

@@ -18,7 +18,7 @@ SCENES = 50
 PASSES = [f"requirements.{name}.pass" for name in REQUIREMENTS]
 # Of a scan's configuration, the numbers that --ranges-from redraws; the rest of these sections moves the rays.
 REDRAWN = ("noise", "pointing_error", "navigation_error")
-RAYS = ("pointing_error.jitter_sigma_rad", "pointing_error.misalignment_rpy_rad")
+RAYS = tuple(f"pointing_error.{key}" for key in ("jitter_", "mirror_time_", "misalignment_rpy_rad"))
 
 
 def leaves(value, path):

@@ -20,8 +20,9 @@ SCAN = {
     # False returns are nearer than all true ones, so that the rows that they replace do not depend on ranges.
     "noise": {"range_sigma_m": 0.01, "range_sigma_per_m": 1e-4, "incidence_sigma_rad": 6e-4, "range_bias_m": 0.02,
               "dead_pixel_frac": 0.3, "dropout_frac": 0.1, "false_return_frac": 0.1, "false_range_m": [5, 40]},
-    "pointing_error": {"misalignment_rpy_rad": [1e-3, -2e-3, 1e-3], "jitter_sigma_rad": [2e-4, 1e-4],
-                       "time_stamp_bias_s": 0.002, "time_stamp_sigma_s": 1e-4},
+    "pointing_error": {"misalignment_rpy_rad": [1e-3, -2e-3, 1e-3], "jitter_sigma_rad": [2e-4, 1e-4], "jitter_time_s": 0.005,
+                       "time_stamp_bias_s": 0.002, "time_stamp_sigma_s": 1e-4, "mirror_time_bias_s": 2e-5,
+                       "mirror_time_sigma_s": 1e-5},
     "navigation_error": {"position_m": [0.1, 0, 0], "velocity_mps": [0.1, 0.2, 0.3], "rpy_rad": [1e-4, 0, 0],
                          "rpy_rate_radps": [0, 1e-4, 0],
                          "random_walk": {"position_m_per_sqrt_s": [0.02, 0.02, 0.02],
@@ -35,6 +36,7 @@ SCAN = {
 OFF = {"noise.range_sigma_m": 0, "noise.range_sigma_per_m": 0, "noise.incidence_sigma_rad": 0,
        "noise.dead_pixel_frac": 0, "noise.dropout_frac": 0, "noise.false_return_frac": 0,
        "scanner.encoder_sigma_rad": 0, "pointing_error.jitter_sigma_rad": 0, "pointing_error.time_stamp_sigma_s": 0,
+       "pointing_error.mirror_time_sigma_s": 0,
        "navigation_error.random_walk": {}, "navigation_error.gauss_markov": {}}
 RANGE_NOISE = ["noise.range_sigma_m", "noise.range_sigma_per_m", "noise.incidence_sigma_rad"]
 TRUTH = ["x_true", "y_true", "z_true", "range_true"]
@@ -125,16 +127,19 @@ class Errors(ChainTest):
             self.assertFalse((some.status == code).any(), key)
             self.assertTrue(same(every.pulses, some.pulses, every.pulses), key)
 
-    def test_jitter_moves_true_beams_and_changes_no_draw(self):
+    def test_jitter_and_the_mirror_clock_move_true_beams_and_change_no_draw(self):
         every = self.without(*RANGE_NOISE[1:])
-        some = self.without(*RANGE_NOISE[1:], "pointing_error.jitter_sigma_rad")
-        self.assertTrue(same(every.pulses, some.pulses, every.pulses))
-        struck = ~np.isnan(every.points["range_true"]) & ~np.isnan(some.points["range_true"])
-        self.assertTrue((every.points["range_true"] != some.points["range_true"])[struck].all())
-        self.assertTrue((every.status == some.status)[struck].all())
-        hit = struck & (every.status == 0)
-        noise = [(scan.points["range_measured"] - scan.points["range_true"])[hit] for scan in (every, some)]
-        np.testing.assert_allclose(noise[0], noise[1], atol=1e-12)
+        angles = {"angle_1", "angle_2"}
+        for key, moved in (("pointing_error.jitter_sigma_rad", set()), ("pointing_error.mirror_time_sigma_s", angles)):
+            some = self.without(*RANGE_NOISE[1:], key)
+            self.assertTrue(same(every.pulses, some.pulses, set(every.pulses) - moved), key)
+            self.assertEqual(any((every.pulses[name] != some.pulses[name]).any() for name in moved), bool(moved), key)
+            struck = ~np.isnan(every.points["range_true"]) & ~np.isnan(some.points["range_true"])
+            self.assertGreater((every.points["range_true"] != some.points["range_true"])[struck].mean(), 0.9, key)
+            self.assertTrue((every.status == some.status)[struck].all(), key)
+            hit = struck & (every.status == 0)
+            noise = [(scan.points["range_measured"] - scan.points["range_true"])[hit] for scan in (every, some)]
+            np.testing.assert_allclose(noise[0], noise[1], atol=1e-12)
 
     def test_time_stamps_and_navigation_move_only_the_estimate(self):
         every = self.without()
@@ -170,7 +175,8 @@ class Errors(ChainTest):
             self.assertEqual(traced, read_bytes(self.path("replayed.h5")), options)
 
     def test_a_redraw_that_adds_or_removes_false_returns_equals_a_traced_run(self):
-        plain = scan_config(["pointing_error.jitter_sigma_rad", "noise.dropout_frac", "noise.dead_pixel_frac"])
+        plain = scan_config(["pointing_error.jitter_sigma_rad", "pointing_error.mirror_time_sigma_s", "noise.dropout_frac",
+                             "noise.dead_pixel_frac"])
         silent = copy.deepcopy(plain)
         silent["noise"]["false_return_frac"] = 0
         for source, wanted in ((plain, silent), (silent, plain)):
@@ -191,7 +197,10 @@ class Errors(ChainTest):
                 ([], ["--terrain", "/noise/incidence_sigma_rad"]),
                 ([*terrain, "--seed", 4], ["/seed", "jitter_sigma_rad"]),
                 ([*terrain, "--set", "pointing_error.misalignment_rpy_rad=[0,0,0]"], ["misalignment_rpy_rad"]),
-                ([*terrain, "--set", "pointing_error.jitter_sigma_rad=0"], ["jitter_sigma_rad"])):
+                ([*terrain, "--set", "pointing_error.jitter_sigma_rad=0"], ["jitter_sigma_rad"]),
+                ([*terrain, "--set", "pointing_error.jitter_time_s=0.1"], ["jitter_time_s"]),
+                ([*terrain, "--set", "pointing_error.mirror_time_bias_s=1e-5"], ["mirror_time_bias_s"]),
+                ([*terrain, "--set", "pointing_error.mirror_time_sigma_s=2e-5"], ["mirror_time_sigma_s"])):
             self.refuse(2, *self.redraw_arguments(*options), words=words, output=self.path("out.h5"))
 
     def test_estimated_poses_from_a_table(self):

@@ -144,19 +144,6 @@ class Layout(ChainTest):
             self.check_table(file["detector"], {"direction_x": FLOAT64, "direction_y": FLOAT64,
                                                 "direction_z": FLOAT64, "dead": INT8}, 64)
 
-    def test_scan_page_lists_the_datasets_with_their_types_and_units(self):
-        with open(os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "files", "scan.md"), encoding="utf-8") as page:
-            rows = re.findall(r"^\| (`/.*?) \| (\S+) \| (\S+) \| (.*) \|$", page.read(), re.MULTILINE)
-        listed = {name: (kind, unit) for names, kind, unit, _ in rows for name in re.findall("`/(.*?)`", names)}
-        statuses = next(meaning for names, _, _, meaning in rows if names == "`/points/status`")
-        with h5py.File(self.chain.scan) as file:
-            held = {name: (item.dtype.name, attributes(item)["units"]) for name, item in items(file).items()
-                    if isinstance(item, h5py.Dataset) and item.shape}
-            flags = attributes(file["points/status"])
-        self.assertEqual(listed, held)
-        self.assertEqual(statuses, ", ".join(f"{value} {meaning.replace('_', ' ')}" for value, meaning in
-                                             zip(flags["flag_values"], flags["flag_meanings"].split())))
-
     def test_float32_scan(self):
         self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--float32", "-o", self.path("s.h5"))
         with h5py.File(self.path("s.h5")) as file, h5py.File(self.chain.scan) as plain:

@@ -87,12 +87,12 @@ class Inputs(FaultsTest):
             self.refuse_campaign(1, ["edited.h5: /points/range_true[5] is not a finite range >= 0"], scan=self.edited(self.chain.scan, change(value)))
 
     def test_keys_that_change_the_rays_or_the_bins(self):
-        for assignment, words in [("scan.scanner.pattern.rows=21", ["/scanner/pattern/rows differs"]),
-                                  ("scan.detector.ifov_rad=0.002", ["/detector/ifov_rad differs"]),
-                                  ("scan.laser.pulse_rate_hz=1000", ["/laser/pulse_rate_hz differs"]),
-                                  ("scan.trajectory.velocity_mps.2=-6", ["/trajectory/velocity_mps differs"]),
-                                  ("scan.mount.position_m.0=1", ["/mount/position_m differs"]),
-                                  ("scan.pointing_error.misalignment_rpy_rad.0=0.01", ["/pointing_error/misalignment_rpy_rad differs"]),
+        for assignment, words in [("scan.scanner.pattern.rows=21", ["/scanner/pattern/rows differs: 20 in the scan, 21 in this configuration"]),
+                                  ("scan.detector.ifov_rad=0.002", ["/detector/ifov_rad differs: 0.0011 in the scan, 0.002 in this"]),
+                                  ("scan.laser.pulse_rate_hz=1000", ["/laser/pulse_rate_hz differs: 2000 in the scan, 1000 in"]),
+                                  ("scan.trajectory.velocity_mps.2=-6", ["/trajectory/velocity_mps differs: [", ",-6]"]),
+                                  ("scan.mount.position_m.0=1", ["/mount/position_m differs: [0.3,-0.2,-0.5] in the scan, [1,-0.2,-0.5] in"]),
+                                  ("scan.pointing_error.misalignment_rpy_rad.0=0.01", ["/pointing_error/misalignment_rpy_rad differs: [0,0,0] in the scan, [0.01,0,0] in"]),
                                   ("regrid.resolution_m=-1", ["mc.json: /regrid: /resolution_m: -1 is not in"]),
                                   ("eval.quantile=1.5", ["mc.json: /eval: /quantile: 1.5 is not in [0, 1]"])]:
             with self.subTest(assignment):

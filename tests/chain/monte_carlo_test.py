@@ -382,11 +382,12 @@ class Refusals(DrawsTest):
         for key, word in {"scan.detector.rows": rays, "scan.laser.scan_time_s": rays, "scan.scanner.encoder_sigma_rad": rays,
                           "scan.mount.position_m.0": rays, "scan.trajectory.velocity_mps.2": rays,
                           "scan.pointing_error.jitter_sigma_rad": rays, "scan.pointing_error.misalignment_rpy_rad.0": rays,
+                          "scan.pointing_error.jitter_time_s": rays, "scan.pointing_error.mirror_time_bias_s": rays, "scan.pointing_error.mirror_time_sigma_s": rays,
                           "scan.seed": "number of the draw", "regrid.resolution_m": bins, "regrid.half_width_m": bins,
                           "eval.region_radius_m": bins, "eval.region.half_width_m": bins, "scan.nothing": "unknown key of scan",
                           "scan.noise.range_sigma_m.0": "unknown key", "scan.navigation_error.velocity_mps.3": "unknown key",
                           "scan.noise~3": "unknown key", "scan..": "unknown key", "scan": "unknown key", "": "unknown key",
-                          "dem.x": "keys begin with scan., regrid. or eval.", "scan.noise": "is not a number",
+                          "dem.x": "its first part is scan, regrid or eval", "scan.noise": "is not a number",
                           "scan.navigation_error.velocity_mps": "velocity_mps.0", "regrid.method": "is not a number"}.items():
             self.refuse_draws(2, ["mc.json", f"/vary/{key}", word], vary={key: {**NORMAL, "sigma": 1}})
         dropout = "scan.noise.dropout_frac"

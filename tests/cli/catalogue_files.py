@@ -46,6 +46,13 @@ def vrt(content, head="", data_type="Float32"):
             f"{content}</VRTRasterBand></VRTDataset>")
 
 
+def add_albedo(file, value):
+    file["albedo"] = np.full(file["z"].shape, value, np.float32)
+    for key in ("grid_mapping", "units"):
+        if key in file["z"].attrs:
+            file["albedo"].attrs[key] = file["z"].attrs[key]
+
+
 def replaced(name, values):
     """A change that rewrites a dataset with another shape or other values."""
     def change(file):
@@ -94,6 +101,20 @@ def run_quietly(*arguments):
         raise AssertionError(f"{arguments}: {result.stderr}")
 
 
+def make_campaigns():
+    write("mc.json", json.dumps({"draws": 3, "metrics": "verdict", "regrid": REGRID, "eval": EVAL}))
+    campaign = ["monte-carlo", "full_scan.h5", "--terrain", "terrain.h5", "-c", "mc.json"]
+    for name, draws in (("a", "0:1"), ("b", "1:3"), ("b_again", "0:2"), ("c", "2:3")):
+        run_quietly(*campaign, "--draws", draws, "-o", f"part_{name}.h5")
+    run_quietly(*campaign, "--set", "scan.seed=8", "--draws", "1:3", "-o", "part_other.h5")
+
+    def too_many(file):
+        file["state/invalid"][7] = 2
+    edited("part_edited.h5", "part_a.h5", too_many)
+    edited("part_no_seed.h5", "part_a.h5", removed("draws/seed"))
+    edited("part_no_first.h5", "part_a.h5", lambda file: file["draws"].attrs.pop("first_draw"))
+
+
 def make_chain():
     for name, config in [("terrain", TERRAIN), ("scan", SCAN), ("regrid", REGRID), ("eval", EVAL)]:
         write(name + ".json", json.dumps(config))
@@ -105,12 +126,18 @@ def make_chain():
     run_quietly(*scan, "incidence_scan.h5", "--set", "noise.incidence_sigma_rad=0.001")
     run_quietly(*scan, "quiet_scan.h5", "--set", "noise.range_sigma_m=0.02")
     run_quietly(*scan, "full_scan.h5", "--keep-misses")
+    link = ["--set", "link.reference_pe=100", "--set", "link.reference_range_m=50", "--set", "detector.subpixels=2",
+            "--keep-misses"]
+    for name, of_receiver in (("waveform_scan.h5", {"type": "peak"}), ("returns_scan.h5", {"type": "peak", "returns": "all"}),
+                              ("geiger_scan.h5", {"type": "geiger"})):
+        run_quietly(*scan, name, *link, "--set", "receiver=" + json.dumps(of_receiver))
     run_quietly(*scan, "moved_scan.h5", "--set", "trajectory.position_m.0=0.6")
     run_quietly("regrid", "scan.h5", "-c", "regrid.json", "--terrain", "terrain.h5", "-o", "dem.h5")
     run_quietly("regrid", "scan.h5", "-c", "regrid.json", "-o", "no_truth_dem.h5")
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "-o", "eval.h5")
     run_quietly("dem-eval", "dem.h5", "-c", "eval.json", "--metrics-only", "-o", "metrics_only.h5")
     run_quietly("hazard-map", "dem.h5", "-o", "hazards.h5")
+    make_campaigns()
     write("tetra.obj", TETRAHEDRON)
     run_quietly("terrain-gen", "--from", "tetra.obj", "-o", "mesh.h5")
 
@@ -182,6 +209,7 @@ def make_broken_landfall_files():
     edited("falling_x.h5", "terrain.h5", value_at("x", slice(None), x[::-1]))
     edited("infinite_z.h5", "terrain.h5", value_at("z", (0, 0), np.inf))
     edited("holes_z.h5", "terrain.h5", value_at("z", slice(None), np.nan))
+    edited("bright.h5", "terrain.h5", lambda file: add_albedo(file, 1.5))
     damaged("damaged_z.h5", "terrain.h5", "z")
     edited("no_points.h5", "scan.h5", removed("points"))
     edited("no_column.h5", "scan.h5", removed("points/z_est"))

@@ -111,7 +111,7 @@ class Warnings(ChainTest):
         self.succeed("terrain-gen", "-o", raster, "--set", "grid.half_width_m=50", "--set", "grid.resolution_m=10")
         text = self.warning("terrain-gen", "--from", raster, "--half-width", "10", "--resolution", "1", "-o",
                             self.path("t.h5"))
-        self.assertIn("one sample per 10 m, the site is only 20 m wide: its relief is interpolated", text)
+        self.assertIn("one sample per 10 m, the site is only 20 m wide: its values are interpolated", text)
         text = self.warning("terrain-gen", "--from", raster, "--half-width", "25", "--resolution", "0.005", "-o",
                             self.path("t.h5"), "--set", "grid={\"half_width_m\": 25, \"resolution_m\": 0.0078125}")
         self.assertIn("one node per 0.00781 m: that is more than 1,000 times finer", text)

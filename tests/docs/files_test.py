@@ -17,16 +17,19 @@ from harness import attributes
 BIN = os.environ["LANDFALL_BIN"]
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
         "--set", 'scanner.pattern={"type":"line_search","rows":20,"columns":20,"half_width_m":4}']
+RECEIVER = ["--set", "receiver.type=peak", "--set", 'link={"reference_pe":1000,"reference_range_m":500}']
 MAP = ["--set", "half_width_m=5", "--set", "resolution_m=0.1"]
 CAMPAIGN = ["--set", "draws=2", "--set", 'regrid={"half_width_m":5,"resolution_m":0.1}', "--set", "eval.region_radius_m=3",
             "--set", 'hazard={"region_radius_m":3}', "--set", 'vary={"scan.noise.range_sigma_m":{"type":"uniform","low":0,"high":0.02}}']
 # The commands that make the files, and the page of each; together they write every dataset.
 RUNS = {
     "terrain.h5": ("terrain.md", ["terrain-gen", "--half-width", "6", "--resolution", "0.1", "--set",
-                                  'features=[{"type":"cone","radius_m":1,"height_m":0.5}]']),
+                                  'features=[{"type":"cone","radius_m":1,"height_m":0.5}]', "--set", "albedo=0.5"]),
     "terrain.obj": (None, ["terrain-gen", "--half-width", "6", "--resolution", "0.5"]),
     "mesh.h5": ("terrain.md", ["terrain-gen", "--from", "terrain.obj"]),
     "scan.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN]),
+    "returns.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN, *RECEIVER, "--set", "receiver.returns=all"]),
+    "echoes.h5": ("scan.md", ["scan-sim", "--terrain", "terrain.h5", *SCAN, *RECEIVER, "--keep-echoes"]),
     "plan.h5": ("plan.md", ["scan-sim", "--plan", "--plan-radius", "5", *SCAN]),
     "dem.h5": ("dem.md", ["regrid", "scan.h5", "--terrain", "terrain.h5", "--uncertainty", "--corrected", *MAP]),
     "eval.h5": ("evaluation.md", ["dem-eval", "dem.h5", "--metrics", "metrics.json", "--set", "region_radius_m=3"]),
@@ -128,7 +131,7 @@ class Files(unittest.TestCase):
 
     def test_attributes_of_points(self):
         text = "\n".join(pages.Page("docs/user/files/scan.md").prose.values())
-        with h5py.File(self.path("scan.h5")) as file:
+        with h5py.File(self.path("returns.h5")) as file:
             self.assertEqual([key for key in file["points"].attrs if f"`{key}`" not in text], [])
             for value, meaning in enumerate(attributes(file["points/status"])["flag_meanings"].split()):
                 self.assertIn(f"{value} {meaning.replace('_', ' ')}", text)

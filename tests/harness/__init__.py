@@ -139,11 +139,11 @@ class ToolTest(unittest.TestCase):
         return result
 
     def refuse(self, code, name, *arguments, words=(), output=None, **options):
-        """Runs a tool that must fail with `code` and one line that begins with the tool's name and contains `words`."""
+        """Runs a tool that must fail with `code` and, after warnings, one line that begins with the tool's name and contains `words`."""
         result = run(name, *arguments, **options)
         self.assertEqual(result.returncode, code, f"{name} {arguments}: {result.stderr}")
         self.assertEqual(result.stdout, "", f"{name} {arguments}")
-        self.check_message(name, result.stderr, words)
+        self.check_message(name, without_warnings(name, result.stderr), words)
         if output is not None:
             self.assertFalse(os.path.exists(output), f"{output} was left behind")
         self.assertEqual([entry for entry in self.entries() if entry.endswith(".part")], [])

@@ -31,6 +31,8 @@ NAVIGATION = ["none", "linear", "walk", "gauss_markov", "all", "table", "command
 METHODS = ["bilinear_nearest", "bilinear_nearest", "bilinear4", "mean", "min", "max", "median"]
 REGIONS = ["circle", "circle", "square", "mask"]
 ESTIMATORS = ["mean", "median", "first", "strongest"]
+RECEIVERS = ["none", "leading_edge", "constant_fraction", "none", "peak", "centroid", "geiger", "clock"]
+RETURNS = ["first", "last", "strongest", "all"]
 
 
 class CaseGenerator(Sites, Lidars):
@@ -40,14 +42,17 @@ class CaseGenerator(Sites, Lidars):
         super().__init__(seed, folder)
         self.decks = {name: Deck(self.rng, kinds) for name, kinds in (
             ("terrain", TERRAINS), ("pattern", PATTERNS), ("scanner", SCANNERS), ("trajectory", TRAJECTORIES),
-            ("navigation", NAVIGATION), ("method", METHODS), ("region", REGIONS), ("estimator", ESTIMATORS))}
+            ("navigation", NAVIGATION), ("method", METHODS), ("region", REGIONS), ("estimator", ESTIMATORS),
+            ("receiver", RECEIVERS), ("returns", RETURNS))}
 
     def case(self, **wanted):
         """The configurations of the four tools and the kinds dealt for them; `wanted` replaces kinds of the decks."""
         dealt = {name: deck.deal() for name, deck in self.decks.items()} | wanted
         scan = self.scan(dealt)
         regrid = self.regrid(dealt)
-        return {"dealt": dealt, "terrain": self.terrain(dealt["terrain"]), "scan": scan, "regrid": regrid,
+        albedo = {"least": self.between(0, 0.5), "greatest": 1.0, "seed": self.whole(0, 999)} if (
+            scan.get("surface", {}).get("albedo") == "terrain") else None
+        return {"dealt": dealt, "albedo": albedo, "terrain": self.terrain(dealt["terrain"]), "scan": scan, "regrid": regrid,
                 "eval": self.eval(dealt, regrid), "options": self.options(dealt)}
 
     def options(self, dealt):

@@ -33,6 +33,8 @@ def run_chain(case):
     """Writes terrain.h5, scan.h5, dem.h5, eval.h5 and metrics.json to the working folder."""
     flag = lambda name: ["--" + name.replace("_", "-")] if case["options"][name] else []
     run("terrain-gen", "-O", "-c", write_json("terrain.json", case["terrain"]), "-o", "terrain.h5")
+    if case.get("albedo"):
+        surface.paint("terrain.h5", **case["albedo"])
     run("scan-sim", "-O", "-c", write_json("scan.json", case["scan"]), "--terrain", "terrain.h5", "-o", "scan.h5",
         *flag("keep_misses"), *flag("float32"))
     truth = ["--terrain", "terrain.h5"] if case["options"]["truth"] else []
@@ -94,20 +96,30 @@ POINTS = ["range_true", "range_measured", "x_true", "y_true", "z_true", "x_est",
 
 def check_scan(case, ledger, ground):
     config = config_of("scan.h5")
-    expected, made, optics = scan.columns(config, ground)
+    expected, made, optics = scan.columns(config, ground, surface.albedo("terrain.h5"))
     is_rigid_body = config["trajectory"]["type"] == "dynamics"
     suffix, bound = (" (dynamics)", 1e-8) if is_rigid_body else ("", 1e-9)
     relative = SINGLE if case["options"]["float32"] else 0
-    kept = np.ones(len(expected["status"]), bool) if case["options"]["keep_misses"] else (
-        np.isin(expected["status"], (scan.RETURN, scan.FALSE_RETURN)))
+    kept = expected["exists"]
+    if not case["options"]["keep_misses"]:
+        kept = kept & np.isin(expected["status"], (scan.RETURN, scan.FALSE_RETURN))
     points = columns("scan.h5", "points")
-    for name in ("pulse", "pixel", "status"):
+    type_of_receiver = config["receiver"]["type"]
+    columns_of_receiver = optional_columns(config)
+    ledger.equal("points: columns", [sorted(points)], [sorted(["pulse", "pixel", "status", *POINTS, *columns_of_receiver])])
+    for name in ("pulse", "pixel", "status", *[name for name in columns_of_receiver if name == "return_number"]):
         ledger.equal(f"points: {name}", points[name], expected[name][kept], expected["doubtful"][kept])
     for name in POINTS if len(points["status"]) == kept.sum() else ():
         ledger.close(f"points: {name}" + suffix + (" (float32)" if relative else ""), points[name], expected[name][kept],
                      bound, relative, expected["doubtful" if name.endswith("true") else "doubtful_estimate"][kept])
+    if "intensity" in columns_of_receiver and len(points["status"]) == kept.sum():
+        ledger.close("points: intensity", points["intensity"], expected["intensity"][kept], 0, SINGLE,
+                     expected["doubtful"][kept])
+        single = ", float32" if relative else ""
+        ledger.close(f"points: range_measured ({type_of_receiver}{single})", points["range_measured"],
+                     expected["range_measured"][kept], bound, relative, expected["doubtful_estimate"][kept])
     check_pulses(ledger, made, np.bincount(expected["pulse"][kept], minlength=len(made.k)), suffix)
-    check_counts(ledger, expected["status"])
+    check_counts(ledger, expected["status"][expected["exists"]])
     detector = columns("scan.h5", "detector")
     ledger.equal("detector: dead", detector["dead"], optics["dead"])
     for axis in "xyz":
@@ -133,9 +145,19 @@ def check_pulses(ledger, made, counts, suffix):
     ledger.equal("pulses: point_begin", pulses["point_begin"], np.cumsum(counts) - counts)
 
 
+def optional_columns(config):
+    if config["receiver"]["type"] == "none":
+        return []
+    return ["intensity", "return_number"] if config["receiver"]["returns"] == "all" and config["receiver"]["max_returns"] > 1 else (
+        ["intensity"])
+
+
 def check_counts(ledger, status):
     with h5py.File("scan.h5") as file:
-        for code, name in ((0, "return"), (1, "miss"), (2, "dropout"), (3, "dead"), (6, "false_return")):
+        counted = [(0, "return"), (1, "miss"), (2, "dropout"), (3, "dead"), (6, "false_return")]
+        if "intensity" in file["points"]:
+            counted.append((7, "undetected"))
+        for code, name in counted:
             ledger.equal("points: counts", [file["points"].attrs[f"{name}_count"]], [(status == code).sum()])
 
 

@@ -45,11 +45,11 @@ def pixels(config):
 
 
 def subpixels(config):
-    """Directions of the sub-pixels, (pixels, m m, 3)."""
+    """Directions of the sub-pixels, (pixels, m m, 3), row by row from the top."""
     m = config["subpixels"]
     across, down = pitch(config) * (np.sqrt(config["fill_factor"]) if m > 1 else 1)
     offset = (np.arange(m) - (m - 1) / 2) / m
-    du, dv = (grid.ravel() for grid in np.meshgrid(offset * across, offset * down))
+    du, dv = (grid.ravel() for grid in np.meshgrid(offset * across, -offset * down))
     u, v = centres(config)
     return directions(config, u[:, None] + du, v[:, None] + dv)
 

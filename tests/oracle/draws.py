@@ -3,8 +3,10 @@
 import numpy as np
 
 RANGE_NOISE, DROPOUT, DEAD_PIXEL, ENCODER, FALSE_RETURN = 1, 2, 3, 5, 6
-POINTING_JITTER, TIME_STAMP, NAVIGATION_WALK, DISTURBANCE, RISLEY_ENCODER, GAUSS_MARKOV = 8, 9, 10, 11, 12, 13
+POINTING_JITTER, TIME_STAMP, NAVIGATION_WALK, DISTURBANCE, RISLEY_ENCODER, GAUSS_MARKOV, MIRROR_TIME = 8, 9, 10, 11, 12, 13, 14
+FACET_TILT = 15
 PENITENTE = 20
+PHOTON_COUNT, PHOTON_TIME, BACKGROUND, TIMING_JITTER, PIXEL_OFFSET = 50, 51, 52, 53, 54
 
 LOW = np.uint64(0xFFFFFFFF)
 HALF = np.uint64(32)
@@ -51,3 +53,20 @@ def normal(seed, stream, i, j=0):
     """Box and Muller (1958): the cosine branch of the block's first two words."""
     words = blocks(seed, stream, i, j)
     return np.sqrt(-2 * np.log1p(-unit(words[0]))) * np.cos(2 * np.pi * unit(words[1]))
+
+
+def correlated(seed, stream, k, j, share):
+    """A Gauss-Markov process at the pulses k, share = interval / correlation time: docs/reference/draws.md."""
+    levels = next(n for n in range(32) if n == 31 or share * 2.0**n > 40)
+    drawn = lambda pulse: normal(seed, stream, pulse, j)
+    first = k // 2**levels * 2**levels
+    x_first, f = drawn(first), np.exp(-share * 2.0**levels)
+    x_last = f * x_first + np.sqrt(1 - f**2) * drawn(first + 2**levels)
+    for n in reversed(range(levels)):
+        half = share * 2.0**n
+        e = np.exp(-half)
+        middle = first + 2**n
+        x = e / (1 + e**2) * (x_first + x_last) + np.sqrt(np.tanh(half)) * drawn(middle)
+        later = k >= middle
+        x_first, x_last, first = np.where(later, x, x_first), np.where(later, x_last, x), np.where(later, middle, first)
+    return x_first

@@ -4,7 +4,7 @@ import os
 
 import numpy as np
 
-from oracle import tables
+from oracle import detector, receiver, tables
 from oracle.drawing import DURATION_S
 from oracle.mechanisms import Mechanisms
 
@@ -25,7 +25,60 @@ class Lidars(Mechanisms):
         if kind in ("flash", "polygon", "palmer"):
             config["detector"].pop("ifov_rad", None)
             config["detector"]["fov_deg"] = self.between(2, 4) if kind != "flash" else self.between(4, 6, 2)
+        config.update(self.light(dealt, config))
         return config
+
+    def light(self, dealt, scan):
+        """The sections beam, surface, link and receiver. Signals are near the threshold, so that some echoes are not detected."""
+        b, kind = self.between, dealt["receiver"]
+        clock = {"jitter_sigma_s": b(0, 1e-10), "pixel_offset_sigma_m": b(0, 0.03), "clock_scale_ppm": b(-100, 100),
+                 "timer_step_s": self.one_of([0, b(1e-11, 3e-10)])} if kind == "clock" or self.chance(0.5) else {}
+        if kind in ("none", "clock"):
+            return {"receiver": clock} if clock else {}
+        optics = scan["detector"]
+        optics.pop("estimator", None)
+        if self.chance(0.7):
+            optics["subpixels"] = self.whole(2, 4)
+        mean = self.one_of([b(0.3, 3), b(10, 200)]) if kind == "geiger" else self.one_of([b(5, 40), b(30, 300), b(1e3, 1e5)])
+        albedo = 1.0 if self.chance(0.3) else b(0.1, 1)
+        threshold = mean * albedo * b(0.1, 0.6)
+        if dealt["terrain"] != "mesh" and self.chance(0.4):
+            albedo = "terrain"
+        sections = {"beam": self.beam(optics), "surface": {"albedo": albedo}}
+        sections["link"] = {**self.link(mean, optics, sections["beam"]),
+                            "background_pe": self.one_of([0, b(0, 1), b(0, 1000)])}
+        returns = dealt["returns"] if (kind, dealt["returns"]) != ("geiger", "strongest") else "all"
+        sections["receiver"] = {"type": kind, "pulse_fwhm_s": self.one_of([b(1e-10, 5e-10), b(5e-10, 3e-9)]), "returns": returns,
+                                **clock}
+        if returns == "all":
+            sections["receiver"]["max_returns"] = self.whole(1, 5)
+        if kind == "geiger":
+            sections["receiver"]["dead_time_s"] = self.one_of([0, b(1e-9, 1e-7)])
+        else:
+            sections["receiver"].update(threshold_pe=threshold, photon_noise=self.chance(0.75))
+        if kind == "constant_fraction":
+            sections["receiver"]["fraction"] = self.one_of([0.5, b(0.05, 0.95)])
+        if kind == "leading_edge":
+            sections["receiver"]["walk_correction"] = self.chance(0.5)
+        return sections
+
+    def beam(self, optics):
+        b = self.between
+        if self.chance(0.4):
+            return {}
+        field = 0.02 if "distribution" in optics else np.max(detector.pitch(optics)) * max(optics["rows"], optics["columns"])
+        return {"profile": self.one_of(["gaussian", "top_hat"]), "divergence_rad": field * b(0.8, 3),
+                "offset_rad": b(-1e-3, 1e-3, 2)}
+
+    def link(self, mean, optics, beam):
+        """A link with about this mean at 50 m: as a reference, or from a design whose energy follows from it."""
+        if not beam or "distribution" in optics or self.chance(0.4):
+            range_m = self.between(20, 500)
+            return {"reference_pe": mean * (50 / range_m)**2, "reference_range_m": range_m}
+        design = {"pulse_energy_J": 1, "wavelength_m": self.one_of([1.064e-6, 532e-9]),
+                  "aperture_m": self.between(0.02, 0.1), "efficiency": self.between(0.05, 0.6)}
+        of_a_joule = receiver.link_constant({"link": design, "beam": beam, "detector": {"fill_factor": 1, **optics}})
+        return {**design, "pulse_energy_J": mean * 50**2 / of_a_joule}
 
     def detector(self, dealt):
         rows, columns = self.whole(3, 6), self.whole(3, 6)
@@ -59,8 +112,11 @@ class Lidars(Mechanisms):
             config["misalignment_rpy_rad"] = self.between(-2e-3, 2e-3, 3)
         if self.chance(0.4):
             config["jitter_sigma_rad"] = self.one_of([self.between(0, 1e-3), self.between(0, 1e-3, 2)])
+            config["jitter_time_s"] = self.one_of([0, 1e-5, self.between(1e-3, 1), 1e5])
         if self.chance(0.4):
             config.update(time_stamp_bias_s=self.between(-0.01, 0.01), time_stamp_sigma_s=self.between(0, 1e-3))
+        if self.chance(0.4):
+            config.update(mirror_time_bias_s=self.one_of([1e-4, 2e-3]) * self.between(-1, 1), mirror_time_sigma_s=self.between(0, 1e-4))
         return config
 
     def trajectory(self, kind):

@@ -12,22 +12,28 @@ class Mechanisms(Drawing):
         if kind == "flash":
             return {"type": "flash"}
         if kind == "polygon":
-            return {"type": kind, "facets": self.whole(20, 40), "rate_hz": b(2, 4), "phase_deg": b(0, 360),
+            facets = self.whole(20, 40)
+            tilts = {"facet_tilt_rad": b(-0.003, 0.003, facets)} if self.chance(0.4) else {}
+            if self.chance(0.4):
+                tilts.update(facet_tilt_sigma_rad=b(0, 1e-3), facet_tilt_known=self.chance(0.5))
+            return {"type": kind, "facets": facets, "rate_hz": b(2, 4), "phase_deg": b(0, 360),
                     "line_azimuth_deg": b(-180, 180), "duty_frac": b(0.2, 0.4), "frame_amplitude_deg": b(1, 3),
-                    "frame_rate_hz": b(2, 10)}
+                    "frame_rate_hz": b(2, 10), **tilts, **self.encoders()}
         if kind == "palmer":
             return {"type": kind, "tilt_deg": b(0.5, 1.8), "incidence_deg": b(0, 50), "fold_azimuth_deg": b(-180, 180),
                     "rate_hz": b(20, 100), "phase_deg": b(-180, 180)}
         if kind == "table":
-            t = np.concatenate([[0], np.cumsum(self.rng.uniform(0.01, 0.04, 8))])
-            t[-1] = max(t[-1], DURATION_S)
+            t = np.concatenate([[0], np.cumsum(self.rng.uniform(0.01, 0.04, 8))]) - 0.01
+            t[-1] = max(t[-1], DURATION_S + 0.01)
             size = 0.05 if more[0] == "gimbal" else 0.025
             path = self.table("angles.csv", {"t_s": t, "angle_1_rad": b(-size, size, 9), "angle_2_rad": b(-size, size, 9)})
             mirror = {"incidence_deg": b(0, 45), "fold_azimuth_deg": b(-90, 90)} if more[0] == "fsm" else {}
             return {"type": kind, "path": path, "mechanism": more[0], **mirror}
         if kind == "risley":
             return self.risley(more[0], dealt)
-        config = {"type": kind, "pattern": self.pattern(dealt["pattern"])}
+        config = {"type": kind, "pattern": self.pattern(dealt["pattern"]), **self.encoders()}
+        if self.chance(0.3):
+            config["max_acceleration_radps2"] = b(20, 2000)
         if self.chance(0.4):
             config.update(turnaround_time_s=b(0.0005, 0.003), settle_time_s=b(0.001, 0.01), settle_damping=b(0.3, 0.9))
         if kind == "fsm":
@@ -36,6 +42,12 @@ class Mechanisms(Drawing):
                 config.update(pivot_m=b(-0.02, 0.02, 3), focal_distance_m=b(0, 0.3))
             config.update(tof_lag=self.chance(0.3), encoder_sigma_rad=b(0, 1e-3) if self.chance(0.4) else 0)
         return config
+
+    def encoders(self):
+        if not self.chance(0.4):
+            return {}
+        return {"encoder_harmonics": [{"axis": self.whole(1, 2), "order": self.whole(1, 200), "amplitude_rad": self.between(0, 1e-3),
+                                       "phase_deg": self.between(-180, 180)} for _ in range(self.whole(1, 3))]}
 
     def risley(self, kind, dealt):
         b = self.between

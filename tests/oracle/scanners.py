@@ -48,7 +48,7 @@ class Aimed(Scanner):
         self.c = config
 
     def commanded(self, scan):
-        return self.tilts(scan.aim(self.c["pattern"], scan.k))
+        return self.tilts(scan.aim(self.c["pattern"]))
 
     def settled(self, scan, commanded):
         """The commanded tilts plus e(t) times (tilts to the last aim before the jump, as seen now - tilts commanded now)."""
@@ -58,8 +58,8 @@ class Aimed(Scanner):
         zeta = self.c["settle_damping"]
         wn = 3 / (zeta * time)
         wd = wn * np.sqrt(1 - zeta**2)
-        first = patterns.first_after_jump(pattern, k)
-        t = (k - first) / scan.rate
+        first = patterns.first_after_jump(pattern, scan.there)
+        t = np.maximum(0, (scan.there - first) / scan.rate + scan.later)
         e = np.exp(-zeta * wn * t) * (np.cos(wd * t) + zeta / np.sqrt(1 - zeta**2) * np.sin(wd * t))
         last = np.maximum(first - 1, 0)
         before = self.tilts(scan.look_at(pattern, k, patterns.aims(pattern, last, last / scan.rate))[0])
@@ -69,7 +69,34 @@ class Aimed(Scanner):
         k = scan.k
         first = patterns.first_after_jump(self.c["pattern"], k)
         turning = (first > 0) & ((k - first) / scan.rate < self.c["turnaround_time_s"] - 1e-9)
-        return turning | np.isnan(scan.aim(self.c["pattern"], k)[:, 0])
+        turning |= (first > 0) & ((k - first + 1) / scan.rate < self.catching_up(scan, first) - 1e-9)
+        return turning | np.isnan(scan.aim(self.c["pattern"])[:, 0])
+
+
+    def catching_up(self, scan, first):
+        """The time from the last pulse before a jump until both axes, accelerated as they can be, are at the aim."""
+        a, pattern = self.c["max_acceleration_radps2"], self.c["pattern"]
+        if a == 0:
+            return np.zeros(len(first))
+        seen = lambda pulses: self.tilts(scan.look_at(pattern, scan.k, patterns.aims(pattern, pulses, pulses / scan.rate))[0])
+        begin = lambda pulses: patterns.first_after_jump(pattern, pulses)
+        last, following = np.maximum(first - 1, 0), first + 1
+        before, at = seen(np.where(begin(last) == last, last, last - 1)), seen(last)
+        ends = (begin(following) == following) | np.isnan(patterns.aims(pattern, following, following / scan.rate)[:, 0])
+        now, after = seen(first), seen(np.where(ends, first, following))
+        # Seen from the moving aim: the distance D to go, and the speed u at which it becomes shorter.
+        u, d = (at - before - (after - now)) * scan.rate, now - (after - now) - at
+        sign = np.where(d < u * abs(u) / (2 * a), -1, 1)
+        return ((2 * np.sqrt(u**2 / 2 + sign * a * d) - sign * u) / a).max(axis=1)
+
+
+def encoder_errors(config, angles):
+    """The errors (n, 2) of the readings of angles (n, 2)."""
+    errors = np.zeros(angles.shape)
+    for harmonic in config["encoder_harmonics"]:
+        n = harmonic["axis"] - 1
+        errors[:, n] += harmonic["amplitude_rad"] * np.sin(harmonic["order"] * angles[:, n] + np.radians(harmonic["phase_deg"]))
+    return errors
 
 
 class Gimbal(Aimed):
@@ -79,7 +106,7 @@ class Gimbal(Aimed):
 
     def angles(self, scan):
         angles = self.settled(scan, self.commanded(scan))
-        return angles, angles, self.blanked(scan)
+        return angles, angles + encoder_errors(self.c, angles), self.blanked(scan)
 
     @staticmethod
     def beams(angles, pixels):
@@ -129,19 +156,14 @@ class Fsm(Aimed):
         at_pulse = self.settled(scan, self.commanded(scan))
         true = self.settled(scan, self.tilts(self.aim_at_echo(scan))) if self.c["tof_lag"] else at_pulse
         noise = np.stack([draws.normal(scan.seed, draws.ENCODER, scan.k, n) for n in (0, 1)], -1)
-        return true, at_pulse + self.c["encoder_sigma_rad"] * noise, self.blanked(scan)
+        read = at_pulse + encoder_errors(self.c, at_pulse) + self.c["encoder_sigma_rad"] * noise
+        return true, read, self.blanked(scan)
 
     def aim_at_echo(self, scan):
-        """The aim 2 r/c after the pulse. It moves uniformly to the next aim; at the end of a line or pattern, as before it."""
-        pattern, k = self.c["pattern"], scan.k
-        ground = lambda pulses: patterns.aims(pattern, pulses, pulses / scan.rate)
-        first = lambda pulses: patterns.first_after_jump(pattern, pulses)
-        here = ground(k)
-        after = ground(k + 1)
-        ends, begins = (first(k + 1) != first(k)) | np.isnan(after[:, 0]), first(k) == k
-        step = np.where(ends[:, None], np.where(begins[:, None], 0, here - ground(np.maximum(k - 1, 0))), after - here)
-        delay = 2 * scan.look_at(pattern, k, here)[1] / LIGHT_MPS * scan.rate
-        return scan.look_at(pattern, k, here + delay[:, None] * step)[0]
+        """The aim 2 r/c after the pulse."""
+        pattern = self.c["pattern"]
+        distance = scan.look_at(pattern, scan.k, scan.ground(pattern, scan.later))[1]
+        return scan.look_at(pattern, scan.k, scan.ground(pattern, scan.later + 2 * distance / LIGHT_MPS))[0]
 
     def beams(self, angles, pixels):
         return self.mirror.beams(self.mirror.turn(angles), pixels, np.array(self.c["pivot_m"]),
@@ -174,12 +196,21 @@ class Polygon(Scanner):
         x = c["frame_rate_hz"] * scan.since
         psi = np.radians(c["frame_amplitude_deg"]) * (1 - 4 * abs(x - np.rint(x)))
         angles = np.stack([theta, psi], -1)
-        return angles, angles, abs(theta) > c["duty_frac"] * np.pi / c["facets"]
+        read = angles + encoder_errors(c, np.stack([2 * np.pi / c["facets"] * q, psi], -1))
+        tilt = self.tilts(scan.seed)[np.floor(q + 0.5).astype(int) % c["facets"]][:, None]
+        blanked = abs(theta) > c["duty_frac"] * np.pi / c["facets"]
+        return np.hstack([angles, tilt]), np.hstack([read, tilt if c["facet_tilt_known"] else 0 * tilt]), blanked
+
+    def tilts(self, seed):
+        facets = np.arange(self.c["facets"])
+        given = np.array(self.c["facet_tilt_rad"] or [0] * len(facets))
+        return given + self.c["facet_tilt_sigma_rad"] * draws.normal(seed, draws.FACET_TILT, facets)
 
     def beams(self, angles, pixels):
         along = about(Z, np.radians(self.c["line_azimuth_deg"]))
-        turn = about(along @ X, angles[:, 1]) @ about(along @ Y, 2 * angles[:, 0])
-        directions = np.einsum("nij,mj->nmi", turn, pixels)
+        normal = rotated(about(along @ Y, angles[:, 0]) @ about(along @ X, angles[:, 2]), Z)
+        mirrored = reflected(reflected(pixels, Z), normal[:, None])
+        directions = np.einsum("nij,nmj->nmi", about(along @ X, angles[:, 1]), mirrored)
         return (directions, *no_offset(directions))
 
 
@@ -211,7 +242,7 @@ class Risley(Scanner):
 
     def angles(self, scan):
         if "pattern" in self.c:
-            commanded = self.steered(scan.aim(self.c["pattern"], scan.k))
+            commanded = self.steered(scan.aim(self.c["pattern"]))
             blanked = np.isnan(commanded[:, 0])
         else:
             turns = np.outer(scan.since, self.c["rates_hz"]) + np.array(self.c["phases_deg"]) / 360

@@ -20,12 +20,17 @@ SCAN_CHANGES = {
     "trajectory.rpy_deg.0": 1e-8, "trajectory.rpy_rate_degps.2": 1e-5, "detector.roll_deg": 1e-6, "detector.ifov_rad": 1e-8,
     "detector.distortion.k1": 1e-3, "detector.fill_factor": 1e-5, "scanner.incidence_deg": 1e-6,
     "scanner.fold_azimuth_deg": 1e-3, "scanner.pivot_m.2": 1e-5, "scanner.focal_distance_m": 1e-5,
-    "scanner.encoder_sigma_rad": 1e-8, "scanner.turnaround_time_s": 0.001, "scanner.settle_time_s": 1e-6,
+    "scanner.encoder_sigma_rad": 1e-8, "scanner.encoder_harmonics.0.amplitude_rad": 1e-8,
+    "scanner.encoder_harmonics.0.phase_deg": 1e-3, "scanner.max_acceleration_radps2": -999000, "scanner.turnaround_time_s": 0.001, "scanner.settle_time_s": 1e-6,
     "scanner.settle_damping": 1e-6, "scanner.pattern.half_width_m": 1e-8, "noise.range_sigma_m": 1e-8,
     "noise.range_sigma_per_m": 1e-9, "noise.incidence_sigma_rad": 1e-9, "noise.range_bias_m": 1e-8,
     "noise.dead_pixel_frac": 0.3, "noise.dropout_frac": 0.05, "noise.false_return_frac": 0.1, "noise.false_range_m.0": 1e-8,
-    "pointing_error.misalignment_rpy_rad.0": 1e-9, "pointing_error.jitter_sigma_rad": 1e-9,
+    "pointing_error.misalignment_rpy_rad.0": 1e-9, "pointing_error.jitter_sigma_rad": 1e-9, "pointing_error.jitter_time_s": 1e-7,
     "pointing_error.time_stamp_bias_s": 1e-8, "pointing_error.time_stamp_sigma_s": 1e-8,
+    "pointing_error.mirror_time_bias_s": 1e-9, "pointing_error.mirror_time_sigma_s": 1e-9,
+    "beam.divergence_rad": 1e-8, "beam.offset_rad.0": 1e-7, "surface.albedo": 1e-7, "link.reference_pe": 1e-4,
+    "link.reference_range_m": 1e-5, "link.background_pe": 1e-4, "receiver.pulse_fwhm_s": 1e-16, "receiver.threshold_pe": 1e-5,
+    "receiver.jitter_sigma_s": 1e-16, "receiver.pixel_offset_sigma_m": 1e-8, "receiver.clock_scale_ppm": 1e-3,
     "navigation_error.position_m.1": 1e-8, "navigation_error.velocity_mps.1": 1e-6, "navigation_error.rpy_rad.0": 1e-9,
     "navigation_error.rpy_rate_radps.0": 1e-7, "navigation_error.interval_s": 1e-5,
     "navigation_error.random_walk.position_m_per_sqrt_s.0": 1e-6, "navigation_error.random_walk.velocity_mps_per_sqrt_s.0": 1e-4,
@@ -55,21 +60,28 @@ def changed(config, path, delta):
 
 def rich_case(folder):
     """A case in which every key of SCAN_CHANGES affects the results."""
-    case = cases.CaseGenerator(11, folder).case(
+    case = cases.CaseGenerator(12, folder).case(
         terrain="all", pattern="line_search", scanner="fsm", trajectory="constant_velocity", navigation="all",
-        method="bilinear_nearest", region="circle", estimator="mean")
+        method="bilinear_nearest", region="circle", receiver="none")
     case["options"] = {"keep_misses": True, "float32": False, "truth": True, "uncertainty": True, "corrected": True}
     scan = case["scan"]
     scan["detector"] = {"rows": 4, "columns": 5, "ifov_rad": 0.0022, "roll_deg": 5, "subpixels": 2, "fill_factor": 0.7,
                         "distortion": {"k1": 2.0}}
     scan["scanner"] = {"type": "fsm", "incidence_deg": 30, "fold_azimuth_deg": 20, "pivot_m": [0.01, 0, 0.01],
                        "focal_distance_m": 0.1, "encoder_sigma_rad": 1e-4, "turnaround_time_s": 0.001,
+                       "encoder_harmonics": [{"order": 7, "amplitude_rad": 1e-4, "phase_deg": 20}], "max_acceleration_radps2": 1e6,
                        "settle_time_s": 0.004, "settle_damping": 0.6, "tof_lag": True,
                        "pattern": {"type": "line_search", "rows": 11, "columns": 11, "half_width_m": 2}}
     scan["noise"] = {"range_sigma_m": 0.01, "range_sigma_per_m": 1e-4, "incidence_sigma_rad": 5e-4, "range_bias_m": 0.01,
                      "dead_pixel_frac": 0.1, "dropout_frac": 0.05, "false_return_frac": 0.05, "false_range_m": [35, 65]}
-    scan["pointing_error"] = {"misalignment_rpy_rad": [1e-3, 0, 0], "jitter_sigma_rad": 1e-4, "time_stamp_bias_s": 0.001,
-                              "time_stamp_sigma_s": 1e-4}
+    scan["beam"] = {"divergence_rad": 0.02, "offset_rad": [1e-3, 0]}
+    scan["surface"] = {"albedo": 0.5}
+    scan["link"] = {"reference_pe": 200, "reference_range_m": 50, "background_pe": 500}
+    scan["receiver"] = {"type": "leading_edge", "threshold_pe": 10, "jitter_sigma_s": 1e-11, "pixel_offset_sigma_m": 0.01,
+                        "clock_scale_ppm": 10}
+    scan["pointing_error"] = {"misalignment_rpy_rad": [1e-3, 0, 0], "jitter_sigma_rad": 1e-4, "jitter_time_s": 0.01,
+                              "time_stamp_bias_s": 0.001,
+                              "time_stamp_sigma_s": 1e-4, "mirror_time_bias_s": 1e-5, "mirror_time_sigma_s": 1e-6}
     scan["navigation_error"].update({
         "random_walk": {"position_m_per_sqrt_s": [0.1] * 3, "velocity_mps_per_sqrt_s": [0.5] * 3, "rpy_rad_per_sqrt_s": [1e-3] * 3},
         "gauss_markov": {"position_sigma_m": [0.05] * 3, "position_time_s": 0.5, "velocity_sigma_mps": [0.5] * 3,

@@ -16,6 +16,28 @@ def of_file(path):
         return Grid(file["x"][()], file["y"][()], file["z"][()])
 
 
+def paint(path, least, greatest, seed):
+    """Adds a random layer /albedo to a terrain file."""
+    with h5py.File(path, "r+") as file:
+        shape = file["z"].shape
+        values = np.random.default_rng(seed).uniform(least, greatest, shape).astype(np.float32)
+        file["albedo"] = np.where(np.isnan(file["z"][()]), np.float32(np.nan), values)
+        file["albedo"].attrs.update(dict(file["z"].attrs))
+
+
+def albedo(path):
+    """The layer /albedo at the nearest node of points, as a function; None if the file has none."""
+    with h5py.File(path) as file:
+        if "albedo" not in file:
+            return None
+        x, y, values = file["x"][()], file["y"][()], file["albedo"][()].astype(float)
+
+    def at(px, py):
+        nearest = lambda axis, p: np.clip(np.rint((np.nan_to_num(p) - axis[0]) / (axis[1] - axis[0])).astype(int), 0, len(axis) - 1)
+        return np.where(np.isnan(px), np.nan, values[nearest(y, py), nearest(x, px)])
+    return at
+
+
 class Grid:
     """A grid whose cells are split from (column + 1, row) to (column, row + 1); triangles with a NaN node are holes (D6)."""
 

@@ -48,9 +48,18 @@ class Stages(StudyTest):
     def test_keys_that_move_the_true_beams_share_no_truth(self):
         for key, values in (("detector.rows", [8, 9]), ("laser.scan_time_s", [0.1, 0.2]), ("mount.position_m", [[0, 0, 0], [0, 0, 1]]),
                             ("trajectory.velocity_mps", [[0, 0, 0], [0, 0, -1]]), ("scanner.incidence_deg", [0, 45]),
-                            ("pointing_error.jitter_sigma_rad", [0, 0.1]),
+                            ("pointing_error.jitter_sigma_rad", [0, 0.1]), ("pointing_error.jitter_time_s", [0, 0.1]),
+                            ("pointing_error.mirror_time_bias_s", [0, 1e-5]),
                             ("pointing_error.misalignment_rpy_rad", [[0, 0, 0], [0, 0, 0.1]])):
             self.assertEqual(self.counts(study({"key": "scan." + key, "list": values}))[:3], [1, 0, 2], key)
+
+    def test_a_scan_with_a_receiver_is_traced_for_itself(self):
+        for axis in ({"key": "scan.receiver.type", "list": ["none", "peak", "centroid"]},
+                     {"key": "scan.receiver.timer_step_s", "list": [0, 1e-9, 2e-9]}, {"key": "scan.seed", "list": [1, 2, 3]}):
+            tree = study(axis)
+            tree["set"] = {"scan.receiver": {"type": "peak"}, "scan.link": {"reference_pe": 400, "reference_range_m": 500}}
+            self.assertEqual(self.counts(tree)[:3], [1, 0, 3], axis["key"])
+        self.assertEqual(self.counts(study({"key": "scan.receiver.timer_step_s", "list": [0, 1e-9]}))[:3], [1, 1, 2])
 
     def test_seeds_that_move_the_true_beams(self):
         seeds = {"key": "scan.seed", "list": [1, 2, 3]}
@@ -58,6 +67,9 @@ class Stages(StudyTest):
         for more, truths in (({"scan.pointing_error": {"jitter_sigma_rad": 1e-4}}, 0),
                              ({"scan.pointing_error": {"jitter_sigma_rad": [0, 1e-4]}}, 0),
                              ({"scan.pointing_error": {"jitter_sigma_rad": [0, 0]}}, 1),
+                             ({"scan.pointing_error.mirror_time_sigma_s": 1e-6}, 0), ({"scan.pointing_error.mirror_time_bias_s": 1e-6}, 1),
+                             ({"scan.scanner": {"type": "polygon", "facet_tilt_sigma_rad": 1e-4}}, 0),
+                             ({"scan.scanner": {"type": "polygon", "facet_tilt_rad": [1e-4] * 48}}, 1),
                              ({"scan.scanner": prisms}, 0), ({"scan.scanner": {**prisms, "encoder_sigma_rad": 0}}, 1),
                              ({"scan.scanner.encoder_sigma_rad": 0.001}, 1)):
             self.assertEqual(self.counts(study(seeds, set=more))[1], truths, more)

@@ -6,7 +6,7 @@
     terrain -> truth -> verdict of a campaign
 
 Scans that differ in errors only share a truth, the same scan traced without errors: `scan-sim --ranges-from truth`. A campaign draws
-the errors of the truth.
+the errors of the truth. A scan with a receiver is traced for itself: it needs the waveforms.
 """
 import hashlib
 import json
@@ -18,7 +18,7 @@ from landfall.study import model
 
 # Keys of a scan that true ranges depend on; beside them, the seed where it moves the beams.
 TRUTH_KEYS = ("detector", "laser", "scanner", "mount", "trajectory")
-TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad")
+TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad", "jitter_time_s", "mirror_time_bias_s", "mirror_time_sigma_s")
 UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid", "draws": "scan"}
 # Stages whose files are a case's results, in the order of its files.
 RESULTS = ("eval", "hazard", "draws")
@@ -93,6 +93,10 @@ def truth_config(scan):
     return truth
 
 
+def has_receiver(scan):
+    return _object(scan, "receiver").get("type", "none") != "none"
+
+
 def errors_config(scan):
     """The rest of the scan: what --ranges-from draws anew."""
     errors = {key: value for key, value in scan.items() if key not in TRUTH_KEYS}
@@ -119,10 +123,12 @@ def _object(config, key):
 
 
 def _seed_moves_beams(scan):
-    jitter = _object(scan, "pointing_error").get("jitter_sigma_rad", 0)
+    pointing = _object(scan, "pointing_error")
     scanner = _object(scan, "scanner")
     noisy_prisms = scanner.get("type") == "risley" and scanner.get("encoder_sigma_rad", 0) != 0
-    return jitter not in (0, [0, 0]) or noisy_prisms
+    noisy_mirror = pointing.get("mirror_time_sigma_s", 0) != 0
+    noisy_mirror = noisy_mirror or scanner.get("facet_tilt_sigma_rad", 0) != 0
+    return pointing.get("jitter_sigma_rad", 0) not in (0, [0, 0]) or noisy_mirror or noisy_prisms
 
 
 def data_files(value):
@@ -166,8 +172,12 @@ class _Builder:
         mine = tuple(index for index, matters in zip(indices, self.relevant[name]) if matters)
         if mine not in self.known[name]:
             config = configuration(self.study, name, indices)
-            self.known[name][mine] = (self.add_config(name, config), tuple(self.checked_files(config)),
-                                      canonical(truth_config(config)) if name == "scan" else None)
+            if name == "scan" and has_receiver(config) and "draws" in self.study.base:
+                raise UsageError(f"{self.study.path}: scan.receiver: a campaign of a study draws from true ranges, without a receiver; use "
+                                 "scan-sim --keep-echoes and monte-carlo")
+            # The whole configuration of a scan with a receiver, so that it shares its truth with no other.
+            truth = canonical(config if has_receiver(config) else truth_config(config)) if name == "scan" else None
+            self.known[name][mine] = (self.add_config(name, config), tuple(self.checked_files(config)), truth)
         config_id, files, _ = self.known[name][mine]
         options = " ".join(self.study.options.get(name, []))
         # A campaign does not depend on the errors of a scan that has the same truth.

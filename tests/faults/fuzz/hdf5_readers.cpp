@@ -71,7 +71,7 @@ void read_ranges(const Path& path) {
   static_cast<void>(ranges.terrain());
   ranges.require_match(scan_provenance());
   static_cast<void>(ranges.has_rows_of(scan_provenance().config, false));
-  static_cast<void>(ranges.ranges_m({0, 3}, 4));
+  static_cast<void>(ranges.read({0, 3}, 4));
 }
 
 /// What regrid --uncertainty takes from a scan's history.
@@ -125,7 +125,8 @@ void merge_part(const Path& path) {
   if (!merged.draws.maps) return;
   DrawMaps& maps = *merged.draws.maps;
   maps.merge(DrawMaps(maps));
-  for (std::size_t bin = 0; bin < maps.spec().size(); ++bin) static_cast<void>(maps.e_z.std_m(bin) + maps.e_map.mean_m(bin));
+  for (std::size_t bin = 0; bin < maps.spec().size(); ++bin)
+    static_cast<void>(maps.e_z.std_m(bin) + maps.e_map.mean_m(bin));
 }
 
 void draw(const Path& path) { static_cast<void>(quick_look(path, "")); }

@@ -95,6 +95,7 @@ def configs():
             yield config(letter, path.read_text())
     for page in sorted((ROOT / "docs").rglob("*.md")):
         yield from page_configs(page.read_text())
+    yield from receivers()
     yield config("i", {}, "site.tif", "10,20", "", "1", "bicubic", "none", "1.5", "", "60", "0.5")
     yield config("i", {"grid": {"half_width_m": 5}}, "site.tif", "", "3,4", "", "", "", "", "2", "", "1", "seed=3")
     yield config("i", {}, "site.obj")
@@ -102,6 +103,20 @@ def configs():
     for letter, key in itertools.product("srtehm", ["seed", "x" * 3000, "seed.x", "seed=" + "x" * 3000]):
         yield config(letter, {}, key if "=" in key else key + "=1")
     yield config("u", {"uncertainty": {"range_sigma_m": 0.02}}, "velocity_mps=0.3,0.3,0.7", "position_m=1")
+
+
+def receivers():
+    """A scan with each type of receiver, and with either form of the link."""
+    measured = {"reference_pe": 200, "reference_range_m": 500, "background_pe": 2}
+    design = {"pulse_energy_J": 1e-5, "wavelength_m": 1.064e-6, "aperture_m": 0.1, "efficiency": 0.2}
+    kinds = schema("scan")["properties"]["receiver"]["properties"]["type"]["enum"]
+    for kind, link in itertools.product(kinds, (measured, design)):
+        receiver = {"type": kind, "pulse_fwhm_s": 2e-9, "returns": "all", "max_returns": 3, "jitter_sigma_s": 1e-11,
+                    "pixel_offset_sigma_m": 0.01, "clock_scale_ppm": 5, "timer_step_s": 1e-10, "walk_correction": True,
+                    "dead_time_s": 1e-8, "threshold_pe": 10, "fraction": 0.4, "photon_noise": False}
+        beam = {"profile": "top_hat", "divergence_rad": 0.01, "offset_rad": [1e-3, 0]}
+        yield config("s", {"beam": beam, "surface": {"albedo": 0.3}, "link": link, "receiver": receiver,
+                           "detector": {"rows": 2, "columns": 2, "subpixels": 3}})
 
 
 def page_configs(text: str):

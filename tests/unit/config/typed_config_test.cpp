@@ -60,13 +60,43 @@ TEST(TerrainConfig, MeshAndGridAreOneTooMany) {
   const auto refused = [](const std::string& text) {
     return refusal([&] { static_cast<void>(resolve_terrain_config({"c.json", Json::parse(text)})); });
   };
-  for (const std::string key : {"grid", "base", "features", "patterns"})
+  for (const std::string key : {"grid", "base", "features", "patterns", "albedo"})
     EXPECT_EQ(refused(R"({"mesh": {"path": "m.obj"}, ")" + key + R"(": {}})"),
               "c.json: /" + key + ": is mutually exclusive with /mesh; remove one");
   EXPECT_THAT(refused(R"({"mesh": {}})"), HasSubstr("/mesh: needs the key \"path\""));
   EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 0}})"), HasSubstr("/mesh/scale_m"));
   EXPECT_THAT(refused(R"({"mesh": {"path": "m", "scale_m": 1e13}})"),
               HasSubstr("/mesh/scale_m: 10000000000000.0 is not in (0, 1e12]"));
+}
+
+TEST(TerrainConfig, Albedo) {
+  const auto albedo = [](const std::string& text) {
+    return terrain_config(resolved("terrain", R"({"albedo": )" + text + "}"), "c.json").model.albedo.value();
+  };
+  EXPECT_FALSE(terrain_config(resolved("terrain", "{}"), "c.json").model.albedo);
+  EXPECT_EQ(albedo("0.3"), AlbedoModel{.ground = 0.3});
+  AlbedoModel rocks{.ground = AlbedoGradient{0.1, 0.2, kPi / 2, 7.0}};
+  rocks.of_kind[FeatureShape(Rock{}).index()] = 0.05;
+  EXPECT_EQ(
+      albedo(R"({"ground": {"type": "gradient", "from": 0.1, "to": 0.2, "azimuth_deg": 90, "length_m": 7},
+                       "features": {"rock": 0.05}})"),
+      rocks);
+  EXPECT_EQ(albedo(R"({"ground": {"type": "gradient", "from": 0.1, "to": 0.2}})"),
+            (AlbedoModel{.ground = AlbedoGradient{0.1, 0.2}}));
+  EXPECT_EQ(albedo(R"({"ground": {"type": "patches", "albedo": 0.9, "albedo_between": 0.2, "cover_frac": 0.3,
+                                  "longest_wavelength_m": 8, "hurst_exponent": 0.4}})"),
+            (AlbedoModel{.ground = AlbedoPatches{0.9, 0.2, 0.3, 8, 0.4}}));
+  AlbedoRaster raster{{}, 0.01, 0.1};
+  raster.raster.path = "a.tif";
+  raster.raster.band = 3;
+  raster.raster.center_pixel = {4, 5};
+  raster.raster.interpolation = Interpolation::nearest;
+  raster.raster.horizontal_scale_m = 2;
+  EXPECT_EQ(
+      albedo(
+          R"({"ground": {"type": "raster", "path": "a.tif", "band": 3, "center_pixel": [4, 5], "scale": 0.01,
+                                  "offset": 0.1, "interpolation": "nearest", "horizontal_scale_m": 2}})"),
+      AlbedoModel{.ground = raster});
 }
 
 TEST(TerrainConfig, BaseDefaultsAreThoseOfTheDomain) {

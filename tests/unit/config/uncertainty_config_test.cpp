@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/error.h"
 #include "config/schema.h"
 #include "refusal.h"
@@ -115,10 +117,23 @@ TEST(UncertaintyConfig, ListsErrorsThatNoSigmaCovers) {
   EXPECT_THAT(left_out({}, {scan_with(Json::object()), {"b.h5", nullptr}}), ElementsAre());
   const ScanOrigin systematic = scan_with({{"noise", {{"range_bias_m", -0.01}, {"false_return_frac", 0.1}}},
                                            {"detector", {{"subpixels", 3}, {"estimator", "first"}}},
-                                           {"scanner", {{"type", "fsm"}, {"tof_lag", true}}}});
+                                           {"scanner", {{"type", "fsm"}, {"tof_lag", true}}},
+                                           {"pointing_error", {{"mirror_time_sigma_s", 1e-6}}}});
   EXPECT_THAT(left_out({}, {systematic, systematic}),
-              ElementsAre("/noise/range_bias_m", "/noise/false_return_frac", "/detector/estimator",
-                          "/scanner/tof_lag"));
+              ElementsAre("/noise/range_bias_m", "/noise/false_return_frac",
+                          "/pointing_error/mirror_time_sigma_s", "/detector/estimator", "/scanner/tof_lag"));
+  EXPECT_THAT(left_out({}, {scan_with({{"pointing_error", {{"mirror_time_bias_s", -1e-5}}}})}),
+              ElementsAre("/pointing_error/mirror_time_bias_s"));
+  const auto polygon = [](bool known) {
+    Json scanner = Json::parse(R"({"type": "polygon", "facet_tilt_rad": [1e-4], "facet_tilt_sigma_rad": 1e-4,
+                                   "encoder_harmonics": [{"order": 1, "amplitude_rad": 1e-5}]})");
+    scanner["facet_tilt_known"] = known;
+    return scan_with({{"scanner", scanner}});
+  };
+  EXPECT_THAT(
+      left_out({}, {polygon(false)}),
+      ElementsAre("/scanner/encoder_harmonics", "/scanner/facet_tilt_rad", "/scanner/facet_tilt_sigma_rad"));
+  EXPECT_THAT(left_out({}, {polygon(true)}), ElementsAre("/scanner/encoder_harmonics"));
   // The estimator matters only with sub-pixels.
   EXPECT_THAT(left_out({}, {scan_with({{"detector", {{"estimator", "first"}}}})}), ElementsAre());
   EXPECT_THAT(left_out({}, {scan_with({{"detector", {{"subpixels", 2}}}})}), ElementsAre());
@@ -192,6 +207,33 @@ TEST(NavigationSigmaOption, RefusesWhatItCannotRead) {
   EXPECT_THAT(refused("position_m="), HasSubstr("'' is not a number"));
   EXPECT_THAT(refused("position_m=1,2"), HasSubstr("2 numbers; expected 1 or 3"));
   EXPECT_THAT(refused("position_m=1,2,3,4"), HasSubstr("4 numbers"));
+}
+
+TEST(UncertaintyConfig, TheTimerAddsToTheRangeNoise) {
+  const Json noise = {{"range_sigma_m", 0.03}};
+  const auto sigma = [&](const Json& receiver) {
+    return uncertainty_parameters(Json::object(), "regrid.json",
+                                  {scan_with({{"noise", noise}, {"receiver", receiver}})})
+        .range_sigma_m;
+  };
+  EXPECT_EQ(sigma({{"type", "none"}}), 0.03);
+  EXPECT_NEAR(sigma({{"jitter_sigma_s", 0.04 / 149896229}}), 0.05, 1e-15);
+  EXPECT_NEAR(sigma({{"timer_step_s", 0.04 * std::sqrt(12.0) / 149896229}}), 0.05, 1e-15);
+}
+
+TEST(UncertaintyConfig, ANoiseThatFollowsTheSignalMustBeGiven) {
+  const ScanOrigin scan = scan_with({{"noise", {{"range_sigma_m", 0.03}}}, {"receiver", {{"type", "peak"}}}});
+  EXPECT_THROW(static_cast<void>(uncertainty_parameters(Json::object(), "regrid.json", {scan})), UsageError);
+  const Json given = {{"uncertainty", {{"range_sigma_m", 0.02}}}};
+  EXPECT_EQ(uncertainty_parameters(given, "regrid.json", {scan}).range_sigma_m, 0.02);
+}
+
+TEST(UncertaintyConfig, NamesTheErrorsOfAReceiver) {
+  const ScanOrigin scan =
+      scan_with({{"receiver", {{"type", "peak"}, {"pixel_offset_sigma_m", 0.01}, {"clock_scale_ppm", 5}}}});
+  EXPECT_THAT(
+      errors_left_out({.range_sigma_m = 0.01}, {scan}),
+      testing::ElementsAre("/receiver/pixel_offset_sigma_m", "/receiver/clock_scale_ppm", "/receiver/type"));
 }
 
 }  // namespace

@@ -81,5 +81,17 @@ TEST(PixelTable, PlacesMustBeFinite) {
   }
 }
 
+TEST(PixelOffsets, OneRowPerPixelInAnyOrder) {
+  const auto offsets_of = [](std::vector<double> rows, std::vector<double> offsets) {
+    return pixel_offsets_m(
+        {"offsets.csv", {{"row", std::move(rows)}, {"column", {1, 0}}, {"offset_m", std::move(offsets)}}}, 1,
+        2);
+  };
+  EXPECT_EQ(offsets_of({0, 0}, {0.02, -0.01}), (std::vector<double>{-0.01, 0.02}));
+  EXPECT_THROW(static_cast<void>(offsets_of({0, 1}, {0.02, -0.01})), FormatError);
+  EXPECT_THROW(static_cast<void>(offsets_of({0, 0}, {0.02, std::numeric_limits<double>::infinity()})),
+               FormatError);
+}
+
 }  // namespace
 }  // namespace landfall

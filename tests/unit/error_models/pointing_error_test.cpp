@@ -78,6 +78,20 @@ TEST(PointingError, JitterComesFirstInTheMisalignedLidar) {
   EXPECT_GT((both.turn(9).m - jitter.turn(9).m * rotation_matrix(misalignment)).norm(), 1e-3);
 }
 
+TEST(PointingError, JitterWithACorrelationTimeIsAProcessOfThePulses) {
+  const PointingError error({.jitter_sigma_x_rad = 0.5,
+                             .jitter_sigma_y_rad = 0.25,
+                             .jitter_time_s = 0.01,
+                             .pulse_interval_s = 5e-5},
+                            4);
+  const PulseProcess process(5e-3);
+  const RandomField draws(4, RandomStream::pointing_jitter);
+  for (const std::int64_t k : {0, 1, 17, 40000})
+    EXPECT_EQ(error.turn(k).m,
+              rotation_matrix({0.5 * process.at(k, draws, 0), 0.25 * process.at(k, draws, 1), 0}));
+  EXPECT_LT((boresight(error, 100) - boresight(error, 101)).norm(), 0.2);
+}
+
 TEST(PointingError, TimeStampsHaveTheirBiasAndSigma) {
   const PointingError bias({.time_stamp_bias_s = -0.002}, 1);
   EXPECT_FALSE(bias.turns_beams());
@@ -92,6 +106,15 @@ TEST(PointingError, TimeStampsHaveTheirBiasAndSigma) {
   for (std::int64_t k = 0; k < kPulses; ++k) ASSERT_LE(error.time_stamp_error_s(k), 1.4);
 }
 
+TEST(PointingError, TheMirrorClockHasItsBiasAndSigma) {
+  const PointingError bias({.mirror_time_bias_s = -1e-5}, 1);
+  EXPECT_FALSE(bias.turns_beams());
+  EXPECT_EQ(bias.mirror_time_error_s(3), -1e-5);
+  EXPECT_EQ(PointingError().mirror_time_error_s(3), 0);
+  const PointingError error({.mirror_time_bias_s = 0.5, .mirror_time_sigma_s = 0.25}, 4);
+  EXPECT_EQ(error.mirror_time_error_s(9), 0.5 + 0.25 * RandomField(4, RandomStream::mirror_time).normal(9));
+}
+
 TEST(PointingError, ASigmaOfOneIsASigma) {
   const PointingError jitter({.jitter_sigma_x_rad = 1, .jitter_sigma_y_rad = 1}, 4);
   const RandomField draws(4, RandomStream::pointing_jitter);
@@ -103,7 +126,8 @@ TEST(PointingError, ASigmaOfOneIsASigma) {
 TEST(PointingError, OneErrorChangesNoDrawOfAnother) {
   const PointingError jitter({.jitter_sigma_x_rad = 0.1}, 4);
   const PointingError stamp({.time_stamp_sigma_s = 0.1}, 4);
-  const PointingError both({.jitter_sigma_x_rad = 0.1, .time_stamp_sigma_s = 0.1}, 4);
+  const PointingError both({.jitter_sigma_x_rad = 0.1, .time_stamp_sigma_s = 0.1, .mirror_time_sigma_s = 0.1},
+                           4);
   for (std::int64_t k = 0; k < 100; ++k) {
     EXPECT_EQ(both.turn(k), jitter.turn(k));
     EXPECT_EQ(both.time_stamp_error_s(k), stamp.time_stamp_error_s(k));
@@ -133,6 +157,13 @@ TEST(PointingError, RefusesWhatIsOutOfRange) {
   refused({.time_stamp_bias_s = -1.5e6}, "time_stamp_bias_s: -1500000 is not in [-1e6, 1e6]");
   refused({.time_stamp_sigma_s = -1e-3}, "time_stamp_sigma_s: -0.001");
   refused({.time_stamp_sigma_s = 1.5e6}, "time_stamp_sigma_s: 1500000 is not in [0, 1e6]");
+  refused({.mirror_time_bias_s = -1.5}, "mirror_time_bias_s: -1.5 is not in [-1, 1]");
+  refused({.mirror_time_bias_s = std::nan("")}, "mirror_time_bias_s");
+  refused({.jitter_time_s = -1}, "jitter_time_s: -1 is not in [0, 1e6]");
+  refused({.jitter_time_s = 1.5e6}, "jitter_time_s");
+  refused({.jitter_time_s = 1}, "pulse_interval_s: 0");
+  refused({.mirror_time_sigma_s = -1e-6}, "mirror_time_sigma_s: -1e-06");
+  refused({.mirror_time_sigma_s = 1.5}, "mirror_time_sigma_s: 1.5 is not in [0, 1]");
 }
 
 }  // namespace

@@ -45,7 +45,8 @@ TEST(Columns, ErrorsLeaveTheTruthUnchanged) {
   for_each_column(kPointColumns, [&](const auto& column) {
     if (column.effect == ErrorEffect::unchanged) unchanged.emplace_back(column.name);
   });
-  EXPECT_THAT(unchanged, ElementsAre("x_true", "y_true", "z_true", "range_true", "pulse", "pixel"));
+  EXPECT_THAT(unchanged, ElementsAre("x_true", "y_true", "z_true", "range_true", "pulse", "pixel",
+                                     "echo_signal", "echo_peak", "echo_edge", "echo_width", "echo_range"));
 }
 
 TEST(Columns, CoordinatesAreTheEstimateThenTheTruth) {
@@ -62,9 +63,9 @@ TEST(PointStatus, ValuesAndMeaningsAreTheFiles) {
     values.push_back(static_cast<int>(info.status));
     meanings.emplace_back(info.meaning);
   }
-  EXPECT_THAT(values, ElementsAre(0, 1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(values, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
   EXPECT_THAT(meanings, ElementsAre("return", "miss", "dropout", "dead", "blanked", "total_reflection",
-                                    "false_return"));
+                                    "false_return", "undetected"));
   EXPECT_EQ(static_cast<int>(lost_in_optics), 5);
 }
 
@@ -74,11 +75,16 @@ TEST(PointStatus, OnlyReturnsHaveNoCauseToBeMissing) {
 }
 
 TEST(PointStatus, NamesTheCountsThatAreTold) {
-  std::vector<std::string> names;
-  for (const PointStatusInfo& info : kPointStatuses)
-    if (info.is_counted()) names.emplace_back(info.count_name);
-  EXPECT_THAT(names,
+  const auto counted = [](bool has_receiver) {
+    std::vector<std::string> names;
+    for (const PointStatusInfo& info : kPointStatuses)
+      if (info.is_counted(has_receiver)) names.emplace_back(info.count_name);
+    return names;
+  };
+  EXPECT_THAT(counted(false),
               ElementsAre("return_count", "miss_count", "dropout_count", "dead_count", "false_return_count"));
+  EXPECT_THAT(counted(true), ElementsAre("return_count", "miss_count", "dropout_count", "dead_count",
+                                         "false_return_count", "undetected_count"));
 }
 
 }  // namespace

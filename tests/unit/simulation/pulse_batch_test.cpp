@@ -25,12 +25,15 @@ PulseBatch numbered(std::initializer_list<PointStatus> status) {
   return batch;
 }
 
-TEST(PulseBatch, ResizesEveryColumn) {
+TEST(PulseBatch, ResizesTheColumnsOfTheScan) {
   PulseBatch batch;
-  batch.resize(4, 3);
-  for_each_column(kPointColumns, [&](const auto& column) {
-    EXPECT_EQ((batch.points.*column.rows).size(), 12U) << column.name;
-  });
+  for (const OptionalColumns& optional :
+       {OptionalColumns{}, OptionalColumns{.intensity = true}, OptionalColumns{true, true, true}}) {
+    batch.resize(4, 3, PointContent::all, optional);
+    for_each_column(kPointColumns, [&](const auto& column) {
+      EXPECT_EQ((batch.points.*column.rows).size(), optional.has(column.group) ? 12U : 0U) << column.name;
+    });
+  }
   for_each_column(kPulseColumns, [&](const auto& column) {
     EXPECT_EQ((batch.pulses.*column.rows).size(), 4U) << column.name;
   });
@@ -61,7 +64,7 @@ TEST(PulseBatch, CanLeaveOutTheTruth) {
 
 TEST(PulseBatch, CountsEachStatus) {
   const PulseBatch batch = numbered({returned, miss, returned, dead, false_return, blanked});
-  EXPECT_THAT(batch.status_counts(), ElementsAre(2, 1, 0, 1, 1, 0, 1));
+  EXPECT_THAT(batch.status_counts(), ElementsAre(2, 1, 0, 1, 1, 0, 1, 0));
 }
 
 TEST(PulseBatch, KeepsReturnsInOrder) {

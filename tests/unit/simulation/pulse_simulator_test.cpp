@@ -317,11 +317,11 @@ TEST(PulseSimulator, ReplayRedrawsOnlyTheErrors) {
   PulseBatch replayed;
   replayed.resize(1, 9);
   PulseWorkspace workspace;
-  simulator.replay(at(kAt500m, 4), traced.points.range_true, 0, replayed, workspace);
+  simulator.replay(at(kAt500m, 4), {traced.points.range_true}, 0, replayed, workspace);
   EXPECT_EQ(replayed.points, traced.points);
   EXPECT_EQ(replayed.pulses, traced.pulses);
   traced.points.range_true[5] = kNan;
-  simulator.replay(at(kAt500m, 4), traced.points.range_true, 0, replayed, workspace);
+  simulator.replay(at(kAt500m, 4), {traced.points.range_true}, 0, replayed, workspace);
   EXPECT_EQ(replayed.points.status[5], miss);
 }
 

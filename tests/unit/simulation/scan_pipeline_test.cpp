@@ -84,9 +84,9 @@ TEST_F(ScanPipeline, KeepsNothingOfARunThatFails) {
 
 TEST_F(ScanPipeline, ThrowsWhatTheSourceThrows) {
   Replay replay;
-  replay.ranges = [](PulseSpan pulses) -> std::vector<double> {
+  replay.ranges = [](PulseSpan pulses) -> RecordedRanges {
     if (pulses.first >= 20) throw std::runtime_error("no more");
-    return std::vector<double>(static_cast<std::size_t>(pulses.count), 500.0);
+    return RecordedRanges{std::vector<double>(static_cast<std::size_t>(pulses.count), 500.0)};
   };
   std::int64_t taken = 0;
   const auto sink = [&](PulseBatch& batch) {

@@ -260,11 +260,11 @@ TEST(Simulation, ReplayNeedsNoEngineAndGivesTheSameReturns) {
   const Simulation blind(fsm_scan(18, {}, {}, kAllErrors), nullptr);
   const PulseBatch original = traced.simulate({100, 30});
   PulseBatch replayed;
-  blind.replay({100, 30}, original.points.range_true, replayed);
+  blind.replay({100, 30}, {original.points.range_true}, replayed);
   expect_same_bits(replayed.points.x_est, original.points.x_est);
   expect_same_bits(replayed.points.z_true, original.points.z_true);
   EXPECT_EQ(replayed.points.status, original.points.status);
-  EXPECT_THROW(blind.replay({100, 29}, original.points.range_true, replayed), FormatError);
+  EXPECT_THROW(blind.replay({100, 29}, {original.points.range_true}, replayed), FormatError);
 }
 
 // The descent meets the ground at 500/23 = 21.74 s; with 1 pulse per second the 23rd is the first below it.

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "receiver/receiver.h"
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "base/elementary.h"
+#include "base/error.h"
+#include "base/light.h"
+#include "base/parameter_check.h"
+#include "base/poisson.h"
+
+namespace landfall {
+namespace {
+
+/// Full width at half maximum over standard deviation of a Gaussian: 2 sqrt(2 ln 2).
+constexpr double kFwhmPerSigma = 2.3548200450309493;
+
+double walk(double ratio) { return std::sqrt(2 * natural_log(ratio)); }
+
+EchoTiming timing_of(const ReceiverParameters& p, double sigma_m) {
+  const auto point = [&] {
+    if (p.type == ReceiverType::leading_edge) return TimingPoint::leading_edge;
+    if (p.type == ReceiverType::constant_fraction) return TimingPoint::constant_fraction;
+    return p.type == ReceiverType::centroid ? TimingPoint::centroid : TimingPoint::peak;
+  };
+  return {point(), sigma_m, p.threshold_pe, p.fraction};
+}
+
+double peak_pe(const Echo& echo) { return echo.signal_pe * echo.peak; }
+
+}  // namespace
+
+void Waveforms::clear(std::size_t rays_per_pixel) {
+  rays.clear(rays_per_pixel);
+  first_echo.assign(1, 0);
+  echoes.clear();
+}
+
+Receiver::Receiver(const ReceiverParameters& p, std::uint64_t seed)
+    : parameters_(p),
+      sigma_m_(range_of_time_m(p.pulse_fwhm_s) / kFwhmPerSigma),
+      background_in_pulse_pe_(p.background_pe * range_of_time_m(p.pulse_fwhm_s) /
+                              (p.gate_end_m - p.gate_begin_m)),
+      count_(seed, RandomStream::photon_count),
+      time_(seed, RandomStream::photon_time),
+      background_(seed, RandomStream::background) {
+  require_positive({"", "pulse_fwhm_s"}, p.pulse_fwhm_s);
+  require_positive({"", "threshold_pe"}, p.threshold_pe);
+  require(p.fraction > 0 && p.fraction < 1, {"", "fraction"}, p.fraction, "in (0, 1)");
+  require_not_negative({"", "dead_time_s"}, p.dead_time_s);
+  require_not_negative({"", "background_pe"}, p.background_pe);
+  require(p.most_returns >= 1 && p.most_returns <= 5, {"", "max_returns"}, p.most_returns, "in 1..5");
+  if (p.type == ReceiverType::geiger && p.returns == ReportedReturns::strongest)
+    throw UsageError(
+        "returns: a Geiger-mode pixel measures no signal, so none of its returns is the strongest");
+  if (p.type == ReceiverType::constant_fraction) fraction_offset_m_ = sigma_m_ * walk(1 / p.fraction);
+}
+
+void Receiver::add_pixel(std::span<double> ranges_m, std::span<double> signals_pe,
+                         Waveforms& waveforms) const {
+  waveforms.rays.add_pixel(ranges_m, signals_pe, kFwhmPerSigma * sigma_m_);
+  waveforms.first_echo.push_back(waveforms.rays.size());
+}
+
+void Receiver::time(Waveforms& waveforms) const {
+  if (parameters_.type == ReceiverType::geiger) return;
+  waveforms.echoes.resize(waveforms.rays.size());
+  time_echoes(waveforms.rays, timing_of(parameters_, sigma_m_), waveforms.echoes);
+}
+
+void Receiver::choose(const Waveforms& waveforms, std::span<Echo> chosen) const {
+  assert(needs_one_echo() && chosen.size() + 1 == waveforms.first_echo.size());
+  const auto is_detectable = [&](const Echo& echo) { return peak_pe(echo) >= parameters_.threshold_pe; };
+  for (std::size_t pixel = 0; pixel < chosen.size(); ++pixel) {
+    const std::span<const Echo> echoes = waveforms.of(pixel);
+    chosen[pixel] = {};
+    if (echoes.empty()) continue;
+    const Echo* best = nullptr;
+    for (const Echo& echo : echoes) {
+      if (!is_detectable(echo)) continue;
+      const bool better =
+          best == nullptr || parameters_.returns == ReportedReturns::last ||
+          (parameters_.returns == ReportedReturns::strongest && echo.signal_pe > best->signal_pe);
+      if (better) best = &echo;
+    }
+    chosen[pixel] = best != nullptr ? *best : *std::ranges::max_element(echoes, {}, peak_pe);
+  }
+}
+
+Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where, const PhotonDraw& draw) const {
+  const ReceiverParameters& p = parameters_;
+  const double mean = echo.signal_pe;
+  if (mean == 0) return {};
+  double n = mean;
+  if (p.photon_noise) {
+    const double total = mean + background_in_pulse_pe_;
+    const double uniform = total < kLargePoissonMean ? count_.uniform(where.i(), where.j()) : 0;
+    n = poisson_count(total, {draw.count_normal, uniform}) - background_in_pulse_pe_;
+  }
+  const double ratio = n * echo.peak / p.threshold_pe;
+  if (!(ratio >= 1)) return {};
+  double range_m = echo.range_m + fraction_offset_m_;
+  if (p.type == ReceiverType::leading_edge) {
+    range_m -= echo.edge_m * walk(ratio);
+    if (p.walk_correction) range_m += sigma_m_ * walk(n / p.threshold_pe);
+  }
+  if (p.photon_noise) range_m += echo.width_m * std::sqrt(n + background_in_pulse_pe_) / n * draw.time_normal;
+  return {range_m, static_cast<float>(n)};
+}
+
+Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where) const {
+  if (!parameters_.photon_noise) return receive_echo(echo, where, {});
+  return receive_echo(echo, where, {count_.normal(where.i(), where.j()), time_.normal(where.i(), where.j())});
+}
+
+void Receiver::receive(std::int64_t pulse, std::span<const Echo> chosen, std::span<Reception> out) const {
+  assert(needs_one_echo() && chosen.size() == out.size());
+  if (!parameters_.photon_noise) {
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      out[i] = receive_echo(chosen[i], {pulse, static_cast<std::int64_t>(i)}, {});
+    return;
+  }
+  constexpr std::size_t kAtOnce = 256;
+  std::array<double, kAtOnce> counts;
+  std::array<double, kAtOnce> times;
+  const auto i = static_cast<std::uint64_t>(pulse);
+  for (std::size_t begin = 0; begin < chosen.size(); begin += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, chosen.size() - begin);
+    count_.normals(i, begin, std::span(counts).first(count));
+    time_.normals(i, begin, std::span(times).first(count));
+    for (std::size_t k = 0; k < count; ++k)
+      out[begin + k] = receive_echo(chosen[begin + k], {pulse, static_cast<std::int64_t>(begin + k)},
+                                    {counts[k], times[k]});
+  }
+}
+
+void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const {
+  const std::size_t most = most_returns();
+  const std::size_t pixels = waveforms.first_echo.size() - 1;
+  assert(out.size() == pixels * most);
+  std::ranges::fill(out, Reception{});
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+    const PulsePixel where{pulse, static_cast<std::int64_t>(pixel)};
+    const auto returns = out.subspan(pixel * most, most);
+    if (parameters_.type == ReceiverType::geiger) {
+      receive_geiger(where, waveforms, returns);
+    } else {
+      receive_linear(where, waveforms.of(pixel), returns);
+    }
+  }
+}
+
+void Receiver::receive_linear(PulsePixel where, std::span<const Echo> echoes,
+                              std::span<Reception> out) const {
+  std::size_t reported = 0;
+  for (const Echo& echo : echoes) {
+    const Reception reception = receive_echo(echo, where);
+    ++where.number;
+    if (std::isnan(reception.range_m)) continue;
+    out[reported++] = reception;
+    if (reported == out.size()) return;
+  }
+}
+
+double Receiver::first_photon_m(const EchoRays& rays, std::size_t echo, const PulsePixel& where) const {
+  // The first of a process of mean e lies at the quantile E/e of the pulse's shape, E exponentially
+  // distributed.
+  static const boost::math::normal_distribution<double> kShape;
+  double first_m = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < rays.rays_per_echo(); ++j) {
+    const std::size_t at = rays.index(echo, j);
+    const double mean = rays.signals_pe()[at];
+    if (mean == 0) continue;
+    const double u = time_.uniform(where.i(), where.j() + (std::uint64_t{j + 1} << 24U));
+    if (u >= mean) continue;  // -log(1 - u) >= u
+    const double quantile = -natural_log(1 - u) / mean;
+    if (quantile >= 1) continue;
+    const double from_center = quantile > 0 ? boost::math::quantile(kShape, quantile) : -8.3;
+    first_m = std::min(first_m, rays.ranges_m()[at] + sigma_m_ * from_center);
+  }
+  return first_m;
+}
+
+std::vector<double> Receiver::photons_m(PulsePixel where, const Waveforms& waveforms) const {
+  const auto pixel = static_cast<std::size_t>(where.pixel);
+  std::vector<double> photons_m;
+  for (std::size_t echo = waveforms.first_echo[pixel]; echo < waveforms.first_echo[pixel + 1]; ++echo) {
+    const double photon_m = first_photon_m(waveforms.rays, echo, where);
+    ++where.number;
+    if (std::isfinite(photon_m)) photons_m.push_back(photon_m);
+  }
+  std::ranges::sort(photons_m);  // a strong echo may begin before a weaker, nearer one
+  return photons_m;
+}
+
+void Receiver::receive_geiger(PulsePixel where, const Waveforms& waveforms, std::span<Reception> out) const {
+  const ReceiverParameters& p = parameters_;
+  const double dead_m = range_of_time_m(p.dead_time_s);
+  const double background_per_m = p.background_pe / (p.gate_end_m - p.gate_begin_m);
+  const bool is_first_enough = p.returns == ReportedReturns::first;
+  PulsePixel background = where;
+  const auto next_background_m = [&](double after_m) {
+    if (background_per_m == 0) return std::numeric_limits<double>::infinity();
+    const double u = background_.uniform(background.i(), background.j());
+    ++background.number;
+    const double at_m = after_m - natural_log(1 - u) / background_per_m;
+    return at_m < p.gate_end_m ? at_m : std::numeric_limits<double>::infinity();
+  };
+  std::size_t reported = 0;
+  double armed_m = -std::numeric_limits<double>::infinity();
+  double background_m = next_background_m(p.gate_begin_m);
+  const auto report = [&](double range_m, bool is_background) {
+    if (reported == out.size() && p.returns == ReportedReturns::last) reported = 0;
+    if (reported < out.size()) out[reported++] = {range_m, 1, is_background};
+    armed_m = range_m + dead_m;
+    if (background_m < armed_m || is_background) background_m = next_background_m(armed_m);
+    return !is_first_enough && (p.returns == ReportedReturns::last || reported < out.size());
+  };
+  for (const double photon_m : photons_m(where, waveforms)) {
+    while (background_m < photon_m)
+      if (!report(background_m, true)) return;
+    if (photon_m >= armed_m && !report(photon_m, false)) return;
+  }
+  while (std::isfinite(background_m))
+    if (!report(background_m, true)) return;
+}
+
+}  // namespace landfall

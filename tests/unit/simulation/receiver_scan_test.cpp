@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "base/error.h"
+#include "detector/perspective.h"
+#include "ray/flat_ground.h"
+#include "scanner/flash.h"
+#include "simulation/pulse_simulator.h"
+#include "simulation/simulation.h"
+#include "terrain/relief/albedo_map.h"
+#include "trajectory/constant_velocity.h"
+
+namespace landfall {
+namespace {
+
+using Eigen::Vector3d;
+using enum PointStatus;
+using testing::Each;
+
+const Pose kAt500m{{}, {{0, 0, 500}}};
+constexpr double kReference_pe = 400;  ///< at 500 m
+constexpr double kPitch_rad = 1e-4;
+
+/// Level ground at 0, and a step of this height where x > 0.
+class Step final : public TerrainSurface, public RayEngine {
+ public:
+  explicit Step(double height_m) : height_m_(height_m) {}
+  void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Vector3d& d = rays[i].direction.v;
+      const double high = (height_m_ - rays[i].origin.v.z()) / d.z();
+      const bool on_step = rays[i].origin.v.x() + high * d.x() > 0;
+      ranges[i] = on_step ? high : -rays[i].origin.v.z() / d.z();
+    }
+  }
+  [[nodiscard]] double elevation(double x_m, double) const override { return x_m > 0 ? height_m_ : 0; }
+  [[nodiscard]] Vector3d normal(const Vector3d&) const override { return Vector3d::UnitZ(); }
+
+ private:
+  double height_m_;
+};
+
+struct Instrument {
+  ReceiverParameters receiver{.type = ReceiverType::centroid, .photon_noise = false};
+  int pixels = 1;
+  int subpixels = 1;
+  RangeErrorParameters errors{};
+  RangeTimerParameters timer{};
+};
+
+Lidar lidar_of(const Instrument& instrument) {
+  Detector detector = perspective_detector({.rows = 1,
+                                            .columns = instrument.pixels,
+                                            .field_of_view = PixelFieldOfView{kPitch_rad, kPitch_rad},
+                                            .subpixels = instrument.subpixels});
+  RangeTimer timer(instrument.timer, detector.pixel_count(), 1);
+  Lidar lidar{.detector = std::move(detector),
+              .scanner = std::make_unique<Flash>(),
+              .range_errors = RangeErrors(instrument.errors, 1),
+              .receiver = Receiver(instrument.receiver, 1),
+              .range_timer = std::move(timer)};
+  const double per_sample =
+      kReference_pe * 500 * 500 / static_cast<double>(lidar.detector.samples_per_pixel());
+  if (lidar.receiver.sees_waveforms())
+    lidar.link_constants_pe_m2.assign(lidar.detector.samples().size(), per_sample);
+  return lidar;
+}
+
+template <class Ground>
+PulseBatch simulate(const Instrument& instrument, const Ground& ground, const Pose& pose = kAt500m,
+                    const SurfaceAlbedo* albedo = nullptr) {
+  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground, albedo);
+  PulseBatch batch;
+  batch.resize(1, simulator.rows_per_pulse(), PointContent::all, simulator.columns());
+  PulseWorkspace workspace;
+  simulator.simulate({.truth = pose, .estimate = pose, .nominal = pose}, 0, batch, workspace);
+  return batch;
+}
+
+/// A lander that looks along a line which meets the ground at this angle from its normal.
+Pose tilted(double angle_rad, double range_m) {
+  return {rotation_from<DemFrame, BodyFrame>({angle_rad, 0, 0}), {{0, 0, range_m * std::cos(angle_rad)}}};
+}
+
+TEST(ReceiverScan, WithoutAReceiverThereAreNoColumns) {
+  const PulseBatch batch = simulate({.receiver = {}, .pixels = 3}, FlatGround());
+  EXPECT_TRUE(batch.points.intensity.empty());
+  EXPECT_TRUE(batch.points.return_number.empty());
+  EXPECT_TRUE(batch.points.echo_signal.empty());
+  EXPECT_THAT(batch.points.status, Each(returned));
+}
+
+TEST(ReceiverScan, SignalFollowsRangeAndIncidence) {
+  for (const double angle_deg : {0.0, 30.0, 60.0, 80.0})
+    for (const double range_m : {250.0, 500.0, 1000.0}) {
+      const double angle_rad = angle_deg * std::numbers::pi / 180;
+      Instrument instrument;
+      instrument.receiver.threshold_pe = 1;
+      const PulseBatch batch = simulate(instrument, FlatGround(), tilted(angle_rad, range_m));
+      const double expected = kReference_pe * std::cos(angle_rad) * std::pow(500 / range_m, 2);
+      EXPECT_NEAR(static_cast<double>(batch.points.intensity[0]), expected, 1e-6 * expected)
+          << angle_deg << ' ' << range_m;
+      EXPECT_NEAR(batch.points.range_true[0], range_m, 1e-9);
+    }
+}
+
+TEST(ReceiverScan, SignalFollowsTheAlbedoOfTheNearestNode) {
+  Grid<float> nodes({1, -1, -1, 3, 3}, 0.25F);
+  nodes.at({1, 1}) = 0.75F;
+  const AlbedoMap albedo(nodes.spec(), {3, 3}, [&](const GridSpec&) { return nodes; });
+  EXPECT_FLOAT_EQ(simulate({}, FlatGround(), kAt500m, &albedo).points.intensity[0], 300);
+  const Pose beside{{}, {{0.6, 0, 500}}};
+  EXPECT_FLOAT_EQ(simulate({}, FlatGround(), beside, &albedo).points.intensity[0], 100);
+}
+
+TEST(ReceiverScan, APixelWithoutEnoughSignalIsUndetected) {
+  Instrument instrument{.errors = {.dropout_frac = 1}};
+  instrument.receiver.threshold_pe = 500;
+  const PulseBatch batch = simulate(instrument, FlatGround());
+  EXPECT_EQ(batch.points.status[0], undetected);  // before a dropout
+  EXPECT_TRUE(std::isnan(batch.points.range_measured[0]));
+  EXPECT_TRUE(std::isnan(batch.points.intensity[0]));
+  EXPECT_EQ(batch.points.range_true[0], 500);
+  instrument.receiver.threshold_pe = 100;
+  EXPECT_EQ(simulate(instrument, FlatGround()).points.status[0], dropout);
+}
+
+/// The pixel of 5 cm sees a step of 6 cm, half of it: a mixed pixel that reports the mean, while its own ray
+/// is on one side.
+TEST(ReceiverScan, AMixedPixelReportsBetweenItsSurfaces) {
+  const Step ground(0.06);
+  const PulseBatch batch = simulate({.subpixels = 8}, ground);
+  EXPECT_NEAR(batch.points.range_measured[0], 499.97, 1e-4);
+  EXPECT_NEAR(batch.points.range_true[0], 500, 1e-9);
+}
+
+TEST(ReceiverScan, FarSurfacesAreSeveralReturns) {
+  const Step ground(2);
+  Instrument instrument{.pixels = 3, .subpixels = 8};
+  instrument.receiver.returns = ReportedReturns::all;
+  instrument.receiver.most_returns = 3;
+  ConstantVelocityParameters still;
+  still.position_m = {{0, 0, 500}};
+  still.velocity_mps = {};
+  const auto model = [&] {
+    return ScanModel{.lidar = lidar_of(instrument),
+                     .trajectory = std::make_unique<ConstantVelocity>(still),
+                     .pulse_rate_hz = 10,
+                     .scan_time_s = 0.2};
+  };
+  const Simulation simulation(model(), &ground, &ground);
+  const PulseBatch batch = simulation.simulate({0, 2});
+  // the middle pixel of each pulse sees both surfaces
+  ASSERT_EQ(batch.points.size(), 8U);
+  EXPECT_THAT(batch.pulses.point_count, Each(4));
+  EXPECT_THAT(batch.points.pixel, testing::ElementsAre(0, 1, 1, 2, 0, 1, 1, 2));
+  EXPECT_THAT(batch.points.return_number, testing::ElementsAre(1, 1, 2, 1, 1, 1, 2, 1));
+  EXPECT_NEAR(batch.points.range_measured[1], 498, 1e-5);
+  EXPECT_NEAR(batch.points.range_measured[2], 500, 1e-5);
+  EXPECT_FLOAT_EQ(batch.points.intensity[1] + batch.points.intensity[2],
+                  static_cast<float>(kReference_pe * 0.5 * (1 + std::pow(500.0 / 498, 2))));
+  EXPECT_EQ(batch.points.range_true[2], batch.points.range_true[1]);
+  EXPECT_THROW(simulation.replay({0, 1}, {std::vector<double>(3)}, *std::make_unique<PulseBatch>()),
+               UsageError);
+}
+
+TEST(ReceiverScan, ADroppedPixelLosesAllItsReturns) {
+  Instrument instrument{.pixels = 201, .subpixels = 8, .errors = {.dropout_frac = 0.5}};
+  instrument.receiver = {.type = ReceiverType::geiger,
+                         .background_pe = 20,
+                         .gate_end_m = 1000,
+                         .returns = ReportedReturns::all,
+                         .most_returns = 3};
+  const PulseBatch batch = simulate(instrument, FlatGround());
+  int dropped = 0;
+  for (std::size_t row = 0; row < batch.points.size(); row += 3) {
+    const bool is_dropped = batch.points.status[row] == dropout;
+    EXPECT_EQ(batch.points.return_number[row], is_dropped ? 0 : 1) << row;
+    for (const std::size_t further : {row + 1, row + 2})
+      EXPECT_EQ(batch.points.return_number[further] == PulseBatch::kNoSuchReturn, is_dropped) << further;
+    dropped += is_dropped ? 1 : 0;
+  }
+  EXPECT_NEAR(dropped, 100, 30);
+}
+
+TEST(ReceiverScan, TheTimerComesLast) {
+  const double step_m = 149896229 * 1e-9;
+  Instrument instrument{.errors = {.range_sigma_m = 0.01}, .timer = {.timer_step_s = 1e-9}};
+  const double range_m = simulate(instrument, FlatGround()).points.range_measured[0];
+  EXPECT_NEAR(range_m / step_m, std::round(range_m / step_m), 1e-6);
+}
+
+TEST(ReceiverScan, ReplayOfEchoesEqualsTheTrace) {
+  const Step ground(0.1);
+  Instrument instrument{.receiver = {.type = ReceiverType::leading_edge},
+                        .pixels = 5,
+                        .subpixels = 3,
+                        .errors = {.range_sigma_m = 0.01},
+                        .timer = {.jitter_sigma_s = 1e-11}};
+  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground);
+  OptionalColumns columns = simulator.columns();
+  columns.echo = true;
+  PulseBatch traced;
+  traced.resize(1, 5, PointContent::all, columns);
+  PulseWorkspace workspace;
+  const PulseInput pulse{.time = {4, 0}, .truth = kAt500m, .estimate = kAt500m, .nominal = kAt500m};
+  simulator.simulate(pulse, 0, traced, workspace);
+  const std::vector<Echo> echoes = workspace.echoes;
+  PulseBatch replayed;
+  replayed.resize(1, 5, PointContent::all, columns);
+  PulseWorkspace fresh;
+  simulator.replay(pulse, {traced.points.range_true, echoes}, 0, replayed, fresh);
+  EXPECT_EQ(replayed.points, traced.points);
+}
+
+TEST(ReceiverScan, NeedsTheSurface) {
+  const FlatGround ground;
+  EXPECT_THROW(PulseSimulator(lidar_of({}), &ground, nullptr), UsageError);
+}
+
+}  // namespace
+}  // namespace landfall
