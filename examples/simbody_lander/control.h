@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "lander.h"
+#include "navigation.h"
+
+namespace lander {
+
+/// First-order lag of engine and thrusters, within their limits.
+class Actuators {
+ public:
+  struct Limits {
+    double thrust_n = 1800;
+    double torque_nm = 60;  ///< per axis
+    double thrust_lag_s = 0.15;
+    double torque_lag_s = 0.05;
+  };
+  explicit Actuators(const Limits& limits, const Controls& now) : limits_(limits), now_(now) {}
+  /// What acts at the end of a period, given what acted at its start and the command.
+  const Controls& follow(const Controls& command, double period_s);
+
+ private:
+  Limits limits_;
+  Controls now_;
+};
+
+/// Flies down at a constant rate above the origin of D, upright, yaw 0; sees only what the filter knows.
+class Controller {
+ public:
+  struct Gains {
+    double descent_mps = 23;
+    double descent_gain_per_s = 0.5;
+    double position_gain_per_s2 = 0.04;
+    double velocity_gain_per_s = 0.32;
+    double tilt_limit_rad = 0.14;
+    double attitude_frequency_radps = 1.2;  ///< of the bus's closed loop, were it rigid and alone
+    double attitude_damping = 0.8;
+  };
+  Controller(const Gains& gains, const Design& design) : gains_(gains), design_(design) {}
+  [[nodiscard]] Controls command(const BusState& estimate) const;
+
+ private:
+  /// The specific force to fly, in D.
+  [[nodiscard]] Vector3d guidance(const BusState& estimate) const;
+
+  Gains gains_;
+  Design design_;
+};
+
+}  // namespace lander
