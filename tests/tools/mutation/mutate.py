@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mutation testing of lib/gridding, lib/evaluation, lib/error_models, lib/geometry and lib/hazards.
+"""Mutation testing of lib/gridding, lib/evaluation, lib/error_models, lib/geometry, lib/hazards and lib/campaign.
 
     mutate.py write | build | trace | run | chain | report     in this order; each continues where it was stopped
 
@@ -24,17 +24,17 @@ ROOT = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), 
 WORK = os.path.join(ROOT, "build", "mutation")
 SURVIVORS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.json")  # {key of a mutant: why it survives}
 DATABASE = os.path.join(ROOT, "build", "dev", "compile_commands.json")
-LIBRARIES = ["geometry", "error_models", "gridding", "evaluation", "hazards"]
+LIBRARIES = ["geometry", "error_models", "gridding", "evaluation", "hazards", "campaign"]
 # Headers of lib/geometry are included everywhere. Their mutants are built separately, with few tests, so that the rest of
 # the project need not be built again.
 TREES = {"sources": lambda file: not re.match(r"lib/geometry/.*\.h", file), "headers": lambda file: re.match(r"lib/geometry/.*\.h", file)}
 TESTS = {"sources": ["geometry_test", "error_models_test", "gridding_test", "evaluation_test", "simulation_test", "config_test",
-                     "hazards_test"],
+                     "hazards_test", "campaign_test"],
          "headers": ["geometry_test", "error_models_test"]}
 SEED = 20261121
 SLOWEST_S = 20  # slower tests are excluded, because they would run for thousands of mutants
 IMPOSSIBLE, UNCOMPILABLE = "not possible with these types", "does not compile"
-TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "landfall-info", "landfall-export"]
+TOOLS = ["terrain-gen", "scan-sim", "regrid", "dem-eval", "monte-carlo", "landfall-info", "landfall-export"]
 
 
 def path(*names):
