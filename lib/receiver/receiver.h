@@ -28,14 +28,14 @@ enum class ReportedReturns { first, last, strongest, all };
 
 struct ReceiverParameters {
   ReceiverType type = ReceiverType::none;
-  double pulse_fwhm_s =
-      1e-9;  ///< full width at half maximum of the Gaussian pulse, as the receiver sees it; > 0
-  double threshold_pe = 20;  ///< an echo is detected where its maximum reaches that of an unstretched one of
-                             ///< so many photoelectrons; > 0
-  double fraction = 0.5;     ///< of constant_fraction, in (0, 1)
-  double dead_time_s = 0;    ///< of geiger, after each photoelectron, >= 0
-  double background_pe =
-      0;  ///< mean photoelectrons of a pixel and pulse that are not signal, over the whole gate; >= 0
+  /// Full width at half maximum of the Gaussian pulse, as the receiver sees it; > 0
+  double pulse_fwhm_s = 1e-9;
+  /// An echo is detected where its maximum reaches that of an unstretched one of so many photoelectrons; > 0
+  double threshold_pe = 20;
+  double fraction = 0.5;   ///< of constant_fraction, in (0, 1)
+  double dead_time_s = 0;  ///< of geiger, after each photoelectron, >= 0
+  /// Mean photoelectrons of a pixel and pulse that are not signal, over the whole gate; >= 0
+  double background_pe = 0;
   double gate_begin_m = 0;  ///< the range gate, 0 <= begin < end
   double gate_end_m = 1000;
   bool photon_noise = true;      ///< false: counts and times are their means
@@ -70,11 +70,13 @@ struct Waveforms {
 /// Linear types. Echo of mean N and maximum N p: its photoelectrons n are Poisson distributed with the mean N
 /// + b, less the mean b of the background within one FWHM. It is detected where n p >= threshold_pe.
 /// Reported, against the echo's true time:
-///   leading_edge        r_max - edge sqrt(2 ln(n p/threshold_pe)); sigma sqrt(2 ln(n/threshold_pe)) is added
-///   with
-///                       walk_correction, which makes echoes that are not stretched exact
-///   constant_fraction   the crossing plus sigma sqrt(2 ln(1/fraction)), exact for echoes that are not
-///   stretched peak, centroid      the maximum, the mean
+///
+/// - leading_edge: r_max - edge sqrt(2 ln(n p/threshold_pe)). walk_correction adds
+///   sigma sqrt(2 ln(n/threshold_pe)), which makes echoes that are not stretched exact;
+/// - constant_fraction: the crossing plus sigma sqrt(2 ln(1/fraction)), exact for echoes that are not
+///   stretched;
+/// - peak, centroid: the maximum, the mean;
+///
 /// and to each a normal error of the echo's width times sqrt(n + b)/n: the Cramer-Rao bound of the time of a
 /// Gaussian signal. Of several echoes with N p >= threshold_pe a receiver that reports one reports the first,
 /// the last, or that of the largest N; without any such echo, that of the largest N p.
