@@ -158,9 +158,9 @@ class ReportTest(PageTest):
             const box = plot.querySelector('canvas').getBoundingClientRect();
             plot.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width / 2,
                                                                 clientY: box.top + box.height / 2}));""")
-        readout = self.window.run("return document.querySelector('#maps canvas[data-layer=e_z]').closest('figure')"
-                                  ".querySelector('.readout').textContent")
-        self.assertRegex(readout, r"^x .?0\.0\d m, y .?0\.0\d m: ")
+        readout = "return document.querySelector('#maps canvas[data-layer=e_z]').closest('figure').querySelector('.readout').textContent"
+        self.window.wait(readout + ".trim()")  # written with the next frame
+        self.assertRegex(self.window.run(readout), r"^x .?0\.0\d m, y .?0\.0\d m: ")
 
     def layers(self, *names):
         with h5py.File(self.path("eval.h5")) as evaluation, h5py.File(self.chain.dem) as dem:
