@@ -54,6 +54,24 @@ class FarDraws(DrawsTest):
             with self.subTest(draw):
                 self.check_draw(rows, config, draw)
 
+    def test_draws_of_a_receiver_with_every_key_varied(self):
+        """The errors of a receiver as well, drawn anew from the echoes of the scan."""
+        scan = self.path("echoes.h5")
+        self.succeed("scan-sim", "-c", self.config({
+            **SCAN, "detector": {**SCAN["detector"], "subpixels": 2}, "beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},
+            "link": {"reference_pe": 150, "reference_range_m": 50}, "receiver": {"type": "constant_fraction", "threshold_pe": 30}}),
+            "--terrain", self.chain.terrain, "--keep-misses", "--keep-echoes", "-o", scan)
+        receiver = {f"scan.receiver.{key}": {"type": "uniform", "low": 0, "high": high} for key, high in [
+            ("jitter_sigma_s", 1e-10), ("pixel_offset_sigma_m", 0.02), ("clock_scale_ppm", 20), ("timer_step_s", 5e-10)]}
+        config = campaign(draws=299, scan=with_values(ERRORS, navigation_error__attitude="commanded"), layers=False,
+                          vary={**self.every_key(), **receiver})
+        rows = self.draws(config, scan=scan)
+        for key in receiver:
+            self.assertEqual(len(set(rows[key])), 299, key)
+        for draw in (0, 7, 298):
+            with self.subTest(draw):
+                self.check_draw(rows, config, draw, scan=scan)
+
 
 class Verdicts(ToolTest):
     """`verdict` and `full` have the same seeds, values, verdicts and counts; `full` has more columns."""

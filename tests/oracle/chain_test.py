@@ -11,7 +11,7 @@ import sys
 import tempfile
 import unittest
 
-from oracle import cases, comparison
+from oracle import cases, comparison, landing
 
 from oracle.ledger import Ledger
 
@@ -28,14 +28,17 @@ class Chain(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
 
     def test_every_number_of_every_case(self):
-        ledger, generator = Ledger(), cases.CaseGenerator(SEED, self.folder)
+        ledger, generator, landers = Ledger(), cases.CaseGenerator(SEED, self.folder), landing.Landers(SEED)
         with comparison.inside(self.folder):
             for number in range(COUNT):
                 case = generator.case()
+                lander = landers.config(case["regrid"]["resolution_m"])
                 if ONLY is None or int(ONLY) == number:
                     ledger.case = f"{number} {case['dealt']} {case['options']}"
                     comparison.run_chain(case)
                     comparison.check(case, ledger)
+                    ledger.case += f" {lander}"
+                    landing.check(lander, ledger)
         print(f"seed {SEED}, {COUNT} configurations", *ledger.table(), sep="\n")
         self.assertEqual(ledger.failures, [], "\n".join(ledger.failures))
         if WRITE:

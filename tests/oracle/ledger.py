@@ -2,7 +2,7 @@
 """The record of comparisons: for each quantity the number of values, the largest difference, its bound, and failures."""
 import numpy as np
 
-STAGES = ["resolved configuration", "terrain", "points", "pulses", "detector", "dem", "eval", "holes", "metrics"]
+STAGES = ["resolved configuration", "terrain", "points", "pulses", "detector", "dem", "eval", "holes", "metrics", "hazards"]
 
 
 class Ledger:

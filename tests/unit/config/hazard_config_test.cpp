@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "base/error.h"
@@ -103,7 +104,7 @@ TEST(HazardConfig, ValuesOutOfBoundsAreRefused) {
   EXPECT_THAT(refusal(R"({"slope_deg": 3})"), HasSubstr("unknown key"));
 }
 
-// The first preset states the defaults; the second is the one of NASA JPL's competition.
+// The first preset states the defaults, the second is the one of NASA JPL's competition.
 TEST(HazardConfig, Presets) {
   const auto preset = [](const std::string& name) {
     return hazard_config(
@@ -118,6 +119,16 @@ TEST(HazardConfig, Presets) {
                 .body_radius_m = 1.7};
   jpl.limits = {.slope_deg = 10, .roughness_m = 0.353};
   expect_equal(preset("jpl-2015"), jpl);
+  HazardParameters alhat;
+  alhat.limits.slope_deg = 5;
+  expect_equal(preset("alhat"), alhat);
+  HazardParameters viking;
+  viking.lander.legs = 3;
+  viking.lander.pad_diameter_m = 0.3;
+  viking.lander.leg_radius_m = viking.lander.body_radius_m = 1.276;
+  EXPECT_NEAR(viking.lander.leg_radius_m, 2.21 / std::sqrt(3), 1e-4);
+  viking.limits = {.slope_deg = 19, .roughness_m = 0.22};
+  expect_equal(preset("viking"), viking);
 }
 
 }  // namespace
