@@ -19,6 +19,11 @@ namespace {
 /// Full width at half maximum over standard deviation of a Gaussian: 2 sqrt(2 ln 2).
 constexpr double kFwhmPerSigma = 2.3548200450309493;
 
+/// What a photoelectron of the background within one FWHM adds to the variance of a time, over what one of
+/// the signal does: 4 sqrt(pi)/kFwhmPerSigma, the Cramer-Rao bound of a weak Gaussian on a constant
+/// background.
+constexpr double kBackgroundWeight = 3.01076739115701;
+
 double walk(double ratio) { return std::sqrt(2 * natural_log(ratio)); }
 
 EchoTiming timing_of(const ReceiverParameters& p, double sigma_m) {
@@ -91,6 +96,11 @@ void Receiver::choose(const Waveforms& waveforms, std::span<Echo> chosen) const 
   }
 }
 
+double Receiver::timing_sigma_m(const Echo& echo, double signal_pe) const {
+  const double background_pe = kBackgroundWeight * background_in_pulse_pe_ * echo.width_m / sigma_m_;
+  return echo.width_m * std::sqrt(signal_pe + background_pe) / signal_pe;
+}
+
 Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where, const PhotonDraw& draw) const {
   const ReceiverParameters& p = parameters_;
   const double mean = echo.signal_pe;
@@ -108,7 +118,7 @@ Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where, cons
     range_m -= echo.edge_m * walk(ratio);
     if (p.walk_correction) range_m += sigma_m_ * walk(n / p.threshold_pe);
   }
-  if (p.photon_noise) range_m += echo.width_m * std::sqrt(n + background_in_pulse_pe_) / n * draw.time_normal;
+  if (p.photon_noise) range_m += timing_sigma_m(echo, n) * draw.time_normal;
   return {range_m, static_cast<float>(n)};
 }
 

@@ -166,7 +166,9 @@ class Receiver:
                                draws.uniform(self.seed, draws.PHOTON_COUNT, pulse, draw))
             n = n - b
             self.doubtful[pulse[close], pixel[close]] = True
-            noise = echoes.width[rows] * np.sqrt(n + b) / n * draws.normal(self.seed, draws.PHOTON_TIME, pulse, draw)
+            width = echoes.width[rows]
+            dark = b * 4 * np.sqrt(np.pi) / FWHM_PER_SIGMA * width
+            noise = width * np.sqrt(n + dark) / n * draws.normal(self.seed, draws.PHOTON_TIME, pulse, draw)
         ratio = n * share / threshold
         close = abs(ratio - 1) < 1e-9
         self.doubtful[pulse[close], pixel[close]] = True
