@@ -186,6 +186,8 @@ std::vector<std::string> receiver_warnings(const Json& resolved) {
       warnings.push_back("/receiver/" + std::string(key) + " has no effect with the receiver type " + type);
   if (type != "none" && receiver.at("returns") != "all" && is_set("max_returns"))
     warnings.emplace_back("/receiver/max_returns has no effect unless returns is all");
+  if (type == "geiger" && receiver.at("returns") == "first" && is_set("dead_time_s"))
+    warnings.emplace_back("/receiver/dead_time_s has no effect if returns is first");
   const Json& beam = resolved.at("beam");
   const bool shifts_beam = beam.at("offset_rad") != Json({0, 0});
   const bool shapes_beam = beam.at("profile") != "gaussian";
