@@ -85,6 +85,16 @@ std::string fixed_because(const std::string& key) {
     if (key.starts_with(prefix))
       return "changes the rays, and only errors are drawn anew; trace a scan for each value "
              "(docs/user/studies)";
+  static constexpr std::array kEchoes = {"scan.beam.",
+                                         "scan.surface.",
+                                         "scan.link.",
+                                         "scan.receiver.pulse_fwhm_s",
+                                         "scan.receiver.threshold_pe",
+                                         "scan.receiver.fraction",
+                                         "scan.receiver.max_returns"};
+  for (const char* const prefix : kEchoes)
+    if (key.starts_with(prefix))
+      return "changes the echoes that the scan keeps; trace a scan for each value (docs/user/studies)";
   if (key == "scan.seed") return "is set by the number of the draw";
   static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.resolution_m", "eval.region"};
   for (const char* const prefix : kGrid)

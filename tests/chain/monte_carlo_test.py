@@ -378,11 +378,13 @@ class Refusals(DrawsTest):
         self.assertEqual([entry for entry in self.entries() if "draws.h5" in entry], [])
 
     def test_varied_keys(self):
-        rays, bins = "changes the rays", "changes the bins"
+        rays, echoes, bins = "changes the rays", "changes the echoes", "changes the bins"
         for key, word in {"scan.detector.rows": rays, "scan.laser.scan_time_s": rays, "scan.scanner.encoder_sigma_rad": rays,
                           "scan.mount.position_m.0": rays, "scan.trajectory.velocity_mps.2": rays,
                           "scan.pointing_error.jitter_sigma_rad": rays, "scan.pointing_error.misalignment_rpy_rad.0": rays,
                           "scan.pointing_error.jitter_time_s": rays, "scan.pointing_error.mirror_time_bias_s": rays, "scan.pointing_error.mirror_time_sigma_s": rays,
+                          "scan.link.reference_pe": echoes, "scan.link.background_pe": echoes, "scan.beam.divergence_rad": echoes,
+                          "scan.surface.albedo": echoes, "scan.receiver.threshold_pe": echoes, "scan.receiver.pulse_fwhm_s": echoes,
                           "scan.seed": "number of the draw", "regrid.resolution_m": bins, "regrid.half_width_m": bins,
                           "eval.region_radius_m": bins, "eval.region.half_width_m": bins, "scan.nothing": "unknown key of scan",
                           "scan.noise.range_sigma_m.0": "unknown key", "scan.navigation_error.velocity_mps.3": "unknown key",
