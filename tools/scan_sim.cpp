@@ -158,7 +158,8 @@ int main(int argc, char** argv) {
   tool.bind = [&](CLI::App& app) { bind(app, options); };
   tool.check = [](cli::Session& session) {
     static_cast<void>(scan_model(session.config(), session.config_name(), {}));
-    for (const std::string& warning : receiver_warnings(session.config())) session.warn(warning);
+    for (const auto& warnings : {pointing_warnings(session.config()), receiver_warnings(session.config())})
+      for (const std::string& warning : warnings) session.warn(warning);
   };
   tool.run = [&](cli::Session& session) { return run(session, options); };
   return cli::tool_main(argc, argv, tool);

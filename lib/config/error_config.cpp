@@ -69,6 +69,19 @@ PointingError make_pointing_error(const Json& json, const ComponentContext& cont
           context.seed};
 }
 
+std::vector<std::string> pointing_warnings(const Json& resolved) {
+  const Json& pointing = resolved.at("pointing_error");
+  const auto is_set = [&](const char* key) { return pointing.at(key) != 0; };
+  std::vector<std::string> warnings;
+  if (is_set("jitter_time_s") && pair_of(pointing.at("jitter_sigma_rad")) == std::array{0.0, 0.0})
+    warnings.emplace_back("/pointing_error/jitter_time_s has no effect without jitter_sigma_rad");
+  if (resolved.at("scanner").at("type") == "flash")
+    for (const char* const key : {"mirror_time_bias_s", "mirror_time_sigma_s"})
+      if (is_set(key))
+        warnings.push_back("/pointing_error/" + std::string(key) + " has no effect with the scanner flash");
+  return warnings;
+}
+
 std::unique_ptr<const NavigationError> make_navigation_error(const Json& json,
                                                              const ComponentContext& context) {
   const NavigationErrorParameters linear{{vector3(json.at("position_m"))},

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "base/number_table.h"
 #include "detector/detector.h"
@@ -58,6 +60,8 @@ std::unique_ptr<const Component> make_component(std::span<const ComponentMaker<C
 [[nodiscard]] RangeErrors make_range_errors(const nlohmann::json& noise, const ComponentContext& context);
 [[nodiscard]] PointingError make_pointing_error(const nlohmann::json& pointing_error,
                                                 const ComponentContext& context);
+/// Warnings of keys of /pointing_error that are set but have no effect in this configuration of a whole scan.
+[[nodiscard]] std::vector<std::string> pointing_warnings(const nlohmann::json& resolved);
 /// Random errors are drawn for the context's scan time.
 [[nodiscard]] std::unique_ptr<const NavigationError> make_navigation_error(
     const nlohmann::json& navigation_error, const ComponentContext& context);

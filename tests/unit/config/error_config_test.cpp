@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "config/json_source.h"
+#include "config/scan_components.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "error_models/random_navigation_error.h"
@@ -112,6 +114,22 @@ TEST(ErrorConfig, ATableExcludesOtherNavigationErrors) {
     EXPECT_THAT(refusal_of(R"({"navigation_error": {"table": "a.csv", )" + std::string(other) + "}}"),
                 HasSubstr("c.json: /navigation_error/table: excludes "))
         << other;
+}
+
+TEST(ErrorConfig, WarnsOfPointingErrorsWithoutEffect) {
+  const auto warnings = [](const char* changes) {
+    nlohmann::json config = resolve_config(parse_json(changes, "c.json"), embedded_schema("scan"));
+    complete_scan_config(config);
+    return pointing_warnings(config);
+  };
+  EXPECT_THAT(warnings("{}"), testing::IsEmpty());
+  EXPECT_THAT(warnings(R"({"pointing_error": {"jitter_time_s": 1}})"),
+              testing::ElementsAre(HasSubstr("/pointing_error/jitter_time_s has no effect")));
+  EXPECT_THAT(warnings(R"({"pointing_error": {"jitter_time_s": 1, "jitter_sigma_rad": [0, 1e-5],
+                                              "mirror_time_bias_s": 1e-5, "mirror_time_sigma_s": 1e-5}})"),
+              testing::IsEmpty());
+  EXPECT_THAT(warnings(R"({"scanner": {"type": "flash"}, "pointing_error": {"mirror_time_bias_s": -1e-5}})"),
+              testing::ElementsAre(HasSubstr("/pointing_error/mirror_time_bias_s has no effect")));
 }
 
 TEST(ErrorConfig, RefusalsNameKeyValueAndBound) {
