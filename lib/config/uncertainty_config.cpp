@@ -162,6 +162,9 @@ std::vector<std::string> never_covered(const Json& config) {
     if (is_on(config, where, {0})) errors.emplace_back(where);
   for (const char* const where : {"/receiver/pixel_offset_sigma_m", "/receiver/clock_scale_ppm"})
     if (is_on(config, where, {0})) errors.emplace_back(where);
+  if (is_on(config, "/pointing_error/jitter_time_s", {0}) &&
+      is_on(config, "/pointing_error/jitter_sigma_rad", {0, {0, 0}}))
+    errors.emplace_back("/pointing_error/jitter_time_s");
   if (is_on(config, "/receiver/pixel_offset_table", {})) errors.emplace_back("/receiver/pixel_offset_table");
   if (is_on(config, "/receiver/type", {"none"})) errors.emplace_back("/receiver/type");
   static const Json::json_pointer kEstimator("/detector/estimator");

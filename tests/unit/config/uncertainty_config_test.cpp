@@ -152,6 +152,16 @@ TEST(UncertaintyConfig, ListsNavigationErrorsWithASigmaOf0) {
   EXPECT_THAT(left_out({.position_m = {{1, 0, 0}}, .rpy_rad = {0, 1e-4, 0}}, {moved}), ElementsAre());
 }
 
+TEST(UncertaintyConfig, NamesJitterThatIsCommonToSomePulses) {
+  const auto jittered = [](double sigma_rad) {
+    return scan_with({{"pointing_error", {{"jitter_sigma_rad", sigma_rad}, {"jitter_time_s", 1e-3}}}});
+  };
+  // A sigma of the attitude is common to the whole map, and independent jitter is not correlated.
+  EXPECT_THAT(left_out({.rpy_rad = {1e-5, 1e-5, 0}}, {jittered(1e-5)}),
+              testing::ElementsAre("/pointing_error/jitter_time_s"));
+  EXPECT_THAT(left_out({}, {jittered(0)}), testing::ElementsAre());
+}
+
 TEST(UncertaintyConfig, RefusesRangeNoiseThatNobodyTells) {
   EXPECT_THAT(refusal_of("{}", {{"a.h5", nullptr}}), AllOf(HasSubstr("a.h5"), HasSubstr("--range-sigma")));
   EXPECT_THAT(refusal_of("{}", {scan("a.h5", 0.02), scan("b.h5", 0.03)}),
