@@ -71,8 +71,11 @@ void report_scan(Session& session, const Simulation& simulation, const ScanWrite
 void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid) {
   session.count("inside_count", returns.inside_count);
   session.count("outside_count", returns.outside_count);
-  session.conclude(grouped(returns.inside_count) + " returns in the map, " + grouped(returns.outside_count) +
-                   " outside it; " + grouped(returns.empty_bins) + " of " +
+  session.count("returns_used", returns.returns_used);
+  const std::string of_pixels =
+      returns.returns_used == "one" ? "" : " (" + returns.returns_used + " of each pixel)";
+  session.conclude(grouped(returns.inside_count) + " returns in the map" + of_pixels + ", " +
+                   grouped(returns.outside_count) + " outside it; " + grouped(returns.empty_bins) + " of " +
                    grouped(static_cast<std::int64_t>(grid.size())) + " bins are empty");
   for (const std::string& warning : returns.warnings) session.warn(warning);
 }

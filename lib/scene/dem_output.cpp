@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/dem_output.h"
 
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "config/config_path.h"
@@ -45,6 +47,26 @@ std::vector<std::string> warnings_of(const UncertaintyInputs& inputs) {
   if (!inputs.left_out.empty())
     warnings.push_back("--uncertainty: the sigmas leave out errors of the scans: " + inputs.left_out);
   return warnings;
+}
+
+/// The text at a path of a scan's configuration, which may have any structure in a foreign file.
+std::string text_at(const nlohmann::json& config, const char* path, const char* otherwise) {
+  const nlohmann::json::json_pointer where(path);
+  const bool is_text = config.is_object() && config.contains(where) && config.at(where).is_string();
+  return is_text ? config.at(where).get<std::string>() : otherwise;
+}
+
+std::string returns_used(const Scans& scans) {
+  std::vector<std::string> all;
+  for (const auto& scan : scans) {
+    const nlohmann::json& config = scan->file().config();
+    const bool has_receiver = text_at(config, "/receiver/type", "none") != "none";
+    const std::string used = has_receiver ? text_at(config, "/receiver/returns", "first") : "one";
+    if (std::ranges::find(all, used) == all.end()) all.push_back(used);
+  }
+  std::string text;
+  for (const std::string& used : all) text += (text.empty() ? "" : ", ") + used;
+  return text;
 }
 
 /// The terrain of the true elevations; without one the scene has no surface.
@@ -100,7 +122,8 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   output.phase("write", [&](const ProgressCallback& progress) {
     empty_bins = write_dem(file, gridded, layers, scans.front()->crs_wkt(), progress);
   });
-  return {gridded.bins->inside_count(), gridded.bins->outside_count(), empty_bins, std::move(warnings)};
+  return {gridded.bins->inside_count(), gridded.bins->outside_count(), empty_bins, std::move(warnings),
+          returns_used(scans)};
 }
 
 }  // namespace landfall

@@ -30,6 +30,9 @@ struct BinnedReturns {
   std::int64_t outside_count = 0;  ///< off the grid
   std::int64_t empty_bins = 0;
   std::vector<std::string> warnings = {};  ///< about the sigmas
+  /// Which returns of a pixel the scans hold, and the DEM uses: their values of /receiver/returns, "one" for
+  /// scans without a receiver; "first, all" if they differ.
+  std::string returns_used = {};
 };
 
 /// Grids scans into dem.h5. `layers.truth` and `layers.truth_at` are set here. The

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The receiver of scan-sim: closed forms on planes and steps, draws, kept echoes, replays, and the other tools' view of it."""
+import json
 import math
 import os
 import struct
@@ -269,6 +270,16 @@ class Draws(ReceiverTest):
             self.refuse(2, *self.replay(config), words=[words], output=self.path("replayed.h5"))
             self.refuse(2, "scan-sim", "-c", self.config(config), "--terrain", self.chain.terrain, "-o", self.path("no.h5"),
                         "--keep-echoes", words=["--keep-echoes"], output=self.path("no.h5"))
+
+    def test_regrid_says_which_returns_it_uses(self):
+        scans = {"one": {**self.RICH}, "last": self.rich("peak", returns="last"), "all": self.rich("peak", returns="all")}
+        for returns, config in scans.items():
+            points = self.scan(config, self.chain.terrain, output=returns + ".h5")
+            summary = json.loads(self.succeed("regrid", self.path(returns + ".h5"), "-O", "-o", self.path("dem.h5"), "--json").stdout)
+            self.assertEqual(summary["returns_used"], returns)
+            self.assertEqual(summary["inside_count"] + summary["outside_count"], len(points["pixel"]), returns)
+        both = json.loads(self.succeed("regrid", self.path("all.h5"), self.path("one.h5"), "-O", "-o", self.path("dem.h5"), "--json").stdout)
+        self.assertEqual(both["returns_used"], "all, one")
 
     def test_other_tools_show_the_columns(self):
         points = self.scan(self.rich("leading_edge", returns="all"), self.chain.terrain, "--keep-misses")
