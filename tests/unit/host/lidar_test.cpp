@@ -152,9 +152,21 @@ TEST(Instrument, RefusesErrorsThatAreTheHosts) {
       {R"({"navigation_error": {"attitude": "commanded"}})", "/navigation_error/attitude"},
       {R"({"pointing_error": {"time_stamp_bias_s": 0.1}})", "/pointing_error/time_stamp_bias_s"},
       {R"({"pointing_error": {"time_stamp_sigma_s": 0.1}})", "/pointing_error/time_stamp_sigma_s"},
-      {R"({"noise": {"incidence_sigma_rad": 0.1}})", "noise/incidence_sigma_rad"}};
+      {R"({"noise": {"incidence_sigma_rad": 0.1}})", "noise/incidence_sigma_rad"},
+      {R"({"receiver": {"type": "peak"}, "link": {"reference_pe": 100, "reference_range_m": 10}})",
+       "/receiver/type"}};
   for (const auto& entry : key_of)
     EXPECT_THAT(refusal([&] { Instrument(entry.first, plane, "c"); }), HasSubstr(entry.second));
+}
+
+TEST(Instrument, HasTheClockOfAReceiver) {
+  const Instrument lidar = instrument(R"({"scanner": {"type": "flash"}, "receiver": {"timer_step_s": 1e-9}})");
+  const double step_m = 299792458.0 / 2 * 1e-9;
+  const PulseReturns returns = lidar.step({.truth = kAt10m});
+  for (const PixelReturn& pixel : returns.pixels) {
+    EXPECT_DOUBLE_EQ(pixel.range_measured_m, step_m * std::floor(pixel.range_true_m / step_m + 0.5));
+    EXPECT_NE(pixel.range_measured_m, pixel.range_true_m);
+  }
 }
 
 TEST(Instrument, MemoryIsUsedAgain) {
