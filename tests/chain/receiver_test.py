@@ -27,6 +27,15 @@ def plane(slope=0.0):
     return {"grid": {"half_width_m": 10, "resolution_m": 1}, "base": {"type": "plane", "slope_x": slope}}
 
 
+def reported_m(kind, x, w):
+    """The range that a receiver reports of the waveform w at the ranges x, without noise."""
+    if kind == "leading_edge":
+        return x[np.argmax(w >= THRESHOLD_PE)]
+    if kind == "constant_fraction":
+        return x[np.argmax(w >= w.max() / 2)] + SIGMA_M * math.sqrt(2 * math.log(2))
+    return x[w.argmax()] if kind == "peak" else np.sum(x * w) / np.sum(w)
+
+
 def stare(**values):
     """A lidar at rest above the centre, one pixel of 0.1 mrad, 200 pulses; `values` as of with_values()."""
     config = {"detector": {"rows": 1, "columns": 1, "ifov_rad": 1e-4},
@@ -122,6 +131,41 @@ class ClosedForms(ReceiverTest):
                 self.assertAlmostEqual(peak, 50 - depth / 2, delta=0.01)
             else:
                 self.assertGreater(abs(peak - (50 - depth / 2)), 0.02)
+
+    def test_a_step_agrees_with_its_waveform(self):
+        """Level ground at 0 and, over x > 0, at `height`: a quarter or half of the sub-rays see each of two pulses."""
+        x = np.linspace(-0.6, 0.4, 1000001)
+        pulse = lambda at: np.exp(-(x - at)**2 / 2 / SIGMA_M**2)
+        for height in (0.08, 0.12, 0.14, 0.3):
+            corners = [(-9, 0), (0, 0), (0, height), (9, height)]
+            with open(self.path("step.obj"), "w", encoding="utf-8") as file:
+                for i, (east, up) in enumerate(corners):
+                    file.write(f"v {east} -9 {up}\nv {east} 9 {up}\n" + f"f {2*i-1} {2*i+1} {2*i+2}\nf {2*i-1} {2*i+2} {2*i}\n" * (i > 0))
+            terrain = self.terrain({"mesh": {"path": self.path("step.obj")}})
+            for east, share in ((0, 0.5), (-0.0125, 0.25)):
+                energy = PE * np.array([share * (RANGE_M / (RANGE_M - height))**2, 1 - share])
+                w = energy[0] * pulse(-height) + (energy[1] * pulse(0) if height < SIGMA_M * 2 * math.sqrt(2 * math.log(2)) else 0)
+                for kind in LINEAR:
+                    points = self.scan(stare(trajectory__position_m=[east, 0, RANGE_M], detector__subpixels=16, receiver__type=kind,
+                                             laser__scan_time_s=0.001), terrain)
+                    self.assertAlmostEqual(points["range_measured"][0] - RANGE_M, reported_m(kind, x, w), delta=2e-5,
+                                           msg=f"{height} {share} {kind}")
+
+    def test_a_tilted_plane_agrees_with_its_waveform(self):
+        """A box of the length L = pixel x slope, convolved with the pulse: (N/L) sigma sqrt(pi/2) (erf(...) - erf(...))."""
+        x = np.linspace(-1, 1, 200001)
+        for slope_deg in (45, 73):
+            slope = math.tan(math.radians(slope_deg))
+            terrain = self.terrain(plane(slope))
+            length = RANGE_M * 1e-4 * slope
+            erf = np.frompyfunc(math.erf, 1, 1)
+            edge = lambda at: erf((x - at) / SIGMA_M / math.sqrt(2)).astype(float)
+            w = PE / length * SIGMA_M * math.sqrt(math.pi / 2) * (edge(-length / 2) - edge(length / 2))
+            for kind in LINEAR:
+                points = self.scan(stare(trajectory__position_m=[0, 0, RANGE_M], detector__subpixels=25, receiver__type=kind,
+                                         link__reference_pe=PE * math.hypot(1, slope), laser__scan_time_s=0.001), terrain)
+                self.assertAlmostEqual(points["range_measured"][0] - RANGE_M, reported_m(kind, x, w), delta=5e-5,
+                                       msg=f"{slope_deg} {kind}")
 
     def test_the_clock_comes_last(self):
         terrain = self.terrain(plane())
