@@ -123,8 +123,8 @@ std::string scan_lines(const OrderedJson& s) {
   if (s["t_first_s"].is_number())
     pulses += ", from " + metres(s["t_first_s"]) + " to " + metres(s["t_last_s"]) + " s";
   OrderedJson by_status;
-  for (const char* const name : {"return", "miss", "dropout", "dead", "false_return"})
-    by_status[name] = s[std::string(name) + "_count"];
+  for (const std::string name : {"return", "miss", "undetected", "dropout", "dead", "false_return"})
+    if (s.contains(name + "_count")) by_status[name] = s[name + "_count"];  // undetected: with a receiver
   return line("pulses", pulses) +
          line("rows", integer(s["row_count"]) +
                           (s["misses_kept"].get<bool>() ? ", one per pixel and pulse" : ", one per return")) +

@@ -328,8 +328,11 @@ class Draws(ReceiverTest):
     def test_other_tools_show_the_columns(self):
         points = self.scan(self.rich("leading_edge", returns="all"), self.chain.terrain, "--keep-misses")
         shown = self.succeed("landfall-info", self.path("scan.h5")).stdout
-        for name in ("intensity", "return_number", "undetected"):
+        for name in ("intensity", "return_number"):
             self.assertIn(name, shown)
+        undetected = int(np.sum(points["status"] == UNDETECTED))
+        self.assertGreater(undetected, 0)
+        self.assertRegex(shown, rf"outcomes .*, undetected {undetected}, dropout")
         self.succeed("landfall-export", self.path("scan.h5"), "-o", self.path("scan.ply"))
         header = read_bytes(self.path("scan.ply")).split(b"end_header\n")[0].decode()
         self.assertIn("property float scalar_intensity", header)
