@@ -376,10 +376,14 @@ void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace)
   PulseWorkspace& w = workspace;
   w.tan_incidences.clear();
   if (lidar_.range_errors.needs_incidence())
-    for (std::size_t i = 0; i < w.beams.size(); ++i)
-      w.tan_incidences.push_back(
-          tan_incidence(*ground_, w.T_dem_lidar * (w.beams[i].exit + w.ranges_m[i] * w.beams[i].direction),
-                        w.T_dem_lidar.rotation * w.beams[i].direction));
+    for (std::size_t i = 0; i < w.beams.size(); ++i) {
+      const Beam& beam = w.beams[i];
+      const double tangent =
+          tan_incidence(*ground_, w.T_dem_lidar * (beam.exit + w.ranges_m[i] * beam.direction),
+                        w.T_dem_lidar.rotation * beam.direction);
+      // a miss, where the receiver may still report background
+      w.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
+    }
   const std::size_t pixels = w.beams.size();
   const std::size_t most = lidar_.receiver.most_returns();
   receive(pulse, w);

@@ -69,7 +69,7 @@ struct PulseWorkspace {
   std::vector<Ray> rays;
   std::vector<double> hits_m;
   std::vector<double> ranges_m;
-  std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them
+  std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
   std::vector<double> signals_pe;      ///< of the samples; NaN for a miss
   std::vector<Eigen::Vector3d> hits;   ///< points on the ground of the samples that hit
   std::vector<Eigen::Vector3d> hit_directions;

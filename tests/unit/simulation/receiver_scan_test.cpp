@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -187,6 +188,27 @@ TEST(ReceiverScan, ADroppedPixelLosesAllItsReturns) {
     dropped += is_dropped ? 1 : 0;
   }
   EXPECT_NEAR(dropped, 100, 30);
+}
+
+/// Ground that no ray meets.
+class Sky final : public TerrainSurface, public RayEngine {
+ public:
+  void first_hits(std::span<const Ray>, std::span<double> ranges) const override {
+    std::ranges::fill(ranges, std::nan(""));
+  }
+  [[nodiscard]] double elevation(double, double) const override { return 0; }
+  [[nodiscard]] Vector3d normal(const Vector3d&) const override { return Vector3d::UnitZ(); }
+};
+
+/// A miss has no incidence, but the background of a Geiger-mode pixel has a range with noise.
+TEST(ReceiverScan, BackgroundOfAMissHasFiniteNoise) {
+  const PulseBatch batch = simulate({.receiver = {.type = ReceiverType::geiger, .background_pe = 100},
+                                     .errors = {.incidence_sigma_rad = 1e-3}},
+                                    Sky());
+  EXPECT_THAT(batch.points.status, Each(false_return));
+  EXPECT_THAT(batch.points.range_true, Each(testing::IsNan()));
+  for (const auto& column : {batch.points.range_measured, batch.points.z_est, batch.points.z_true})
+    EXPECT_THAT(column, Each(testing::Not(testing::IsNan())));
 }
 
 TEST(ReceiverScan, TheTimerComesLast) {
