@@ -44,7 +44,11 @@ const void* plugin_at(const fs::path& file, const PluginFile& wanted) {
   const std::string plugin = std::string(wanted.name) + " plugin: ";
   require_headroom(wanted.headroom);
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) throw IoError("cannot load the " + plugin + last_dl_error() + wanted.remedy);
+  if (library == nullptr) {
+    const std::string reason = last_dl_error();
+    const bool is_damaged = reason.starts_with(file.string());
+    throw IoError("cannot load the " + plugin + reason + (is_damaged ? "" : wanted.remedy));
+  }
   const void* object = dlsym(library, wanted.symbol);
   if (object == nullptr) throw IoError("cannot use the " + plugin + last_dl_error());
   const std::string version = *static_cast<const char* const*>(object);

@@ -70,27 +70,20 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
 }
 
 nlohmann::ordered_json described(const OpenClDevice& device) {
-  return {{"name", device.name},
-          {"platform", device.platform},
-          {"driver", device.driver},
-          {"kind", device.kind},
-          {"memory_bytes", device.memory_bytes},
-          {"has_doubles", device.has_doubles},
-          {"misrounds", device.misrounds},
-          {"is_usable", device.is_usable()}};
+  return {
+      {"name", device.name},       {"platform", device.platform},         {"driver", device.driver},
+      {"kind", device.kind},       {"memory_bytes", device.memory_bytes}, {"has_doubles", device.has_doubles},
+      {"problem", device.problem}, {"is_usable", device.is_usable()}};
 }
 
 std::string device_line(const char* name, const std::string& value) {
   return print("  %-9s ", name) + value + "\n";
 }
 
-std::string doubles_text(const nlohmann::ordered_json& device) {
-  if (!device.at("has_doubles")) return "no; it cannot trace";
-  const std::string misrounds = device.at("misrounds");
-  if (!misrounds.empty())
-    return "yes, but it rounds " + misrounds + " otherwise than the CPU; it cannot trace";
-  return device.at("same_ranges") ? "yes, ranges equal the CPU's bit for bit"
-                                  : "yes, but its ranges differ from the CPU's; do not use it";
+std::string use_text(const nlohmann::ordered_json& device) {
+  if (!device.at("is_usable")) return "none: " + device.at("problem").get<std::string>();
+  return device.at("same_ranges") ? "ranges equal the CPU's bit for bit"
+                                  : "none: its ranges differ from the CPU's";
 }
 
 std::string speed_text(const nlohmann::ordered_json& measured) {
@@ -137,7 +130,8 @@ std::string devices_text(const nlohmann::ordered_json& measured) {
     text += device_line(
         "driver", device.at("platform").get<std::string>() + " " + device.at("driver").get<std::string>());
     text += device_line("memory", print("%.3g GB", device.at("memory_bytes").get<double>() / 1e9));
-    text += device_line("doubles", doubles_text(device));
+    text += device_line("doubles", device.at("has_doubles") ? "yes" : "no");
+    text += device_line("use", use_text(device));
     if (device.contains("rays_per_s")) text += device_line("speed", speed_text(device));
   }
   const nlohmann::ordered_json& cpu = measured.at("cpu");

@@ -134,7 +134,7 @@ class AFaultyDevice(CpuInstead):
     def test_that_cannot_be_used(self):
         for fault, reason in [("no_doubles", "OpenCL: no device can be used: faulty device has no double precision"),
                               ("rounds", "OpenCL: no device can be used: faulty device rounds a multiplication and an addition otherwise than the CPU"),
-                              ("no_compiler", "the OpenCL device faulty device cannot compile the kernels (line 1: no such type)"),
+                              ("no_compiler", "OpenCL: no device can be used: faulty device cannot compile the kernels (line 1: no such type)"),
                               ("no_memory:4", "the OpenCL device faulty device failed to load the terrain (out of memory)")]:
             self.assertEqual(self.expect_the_cpu(reason, FAULTY_OPENCL=fault, **self.faulty)["engine"], "heightfield")
 

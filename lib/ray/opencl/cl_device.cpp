@@ -33,8 +33,8 @@ std::vector<double> operands() {
   return numbers;
 }
 
-/// The operation that a device rounds otherwise than this CPU; empty if there is none.
-std::string misrounded(const cl::Device& device) {
+/// Says which operation a device rounds otherwise than this CPU; empty if there is none.
+std::string arithmetic_problem(const cl::Device& device) {
   const std::vector<double> given = operands();
   const std::size_t count = given.size() / 3;
   std::vector<double> found(kResults * count);
@@ -58,7 +58,7 @@ std::string misrounded(const cl::Device& device) {
                                                    std::sqrt(std::abs(c))};
     for (std::size_t k = 0; k < kResults; ++k)
       if (std::bit_cast<std::uint64_t>(found[kResults * i + k]) != std::bit_cast<std::uint64_t>(expected[k]))
-        return kOperations[k];
+        return std::string("rounds ") + kOperations[k] + " otherwise than the CPU";
   }
   return "";
 }
@@ -116,15 +116,19 @@ std::vector<cl::Device> all_devices() {
 OpenClDevice described(const cl::Device& device) {
   OpenClDevice found;
   found.name = trimmed(device.getInfo<CL_DEVICE_NAME>());
-  return on_device(found.name, "describe itself", [&] {
+  try {
     found.platform = trimmed(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>());
     found.driver = trimmed(device.getInfo<CL_DRIVER_VERSION>());
     found.kind = kind_of(device.getInfo<CL_DEVICE_TYPE>());
     found.memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
     found.has_doubles = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
-    if (found.has_doubles) found.misrounds = misrounded(device);
-    return found;
-  });
+    found.problem = found.has_doubles ? arithmetic_problem(device) : "has no double precision";
+  } catch (const cl::Error& error) {
+    found.problem = "failed (" + reason_of(error.err()) + ")";
+  } catch (const DeviceError& error) {
+    found.problem = error.what();
+  }
+  return found;
 }
 
 cl::Program compiled(const cl::Context& context, const cl::Device& device) {
@@ -133,8 +137,7 @@ cl::Program compiled(const cl::Context& context, const cl::Device& device) {
     program.build({device}, "-cl-std=CL1.2");
   } catch (const cl::Error&) {
     const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
-    throw DeviceError("the OpenCL device " + trimmed(device.getInfo<CL_DEVICE_NAME>()) +
-                      " cannot compile the kernels (" + log.substr(0, log.find('\n')) + ")");
+    throw DeviceError("cannot compile the kernels (" + log.substr(0, log.find('\n')) + ")");
   }
   return program;
 }

@@ -39,17 +39,12 @@ const OpenClPlugin& plugin() {
 /// A launch costs some ten microseconds, and a device has thousands of lanes to fill.
 constexpr std::size_t kEfficientRays = std::size_t{1} << 17U;
 
-std::string why_unusable(const OpenClDevice& device) {
-  if (!device.has_doubles) return device.name + " has no double precision";
-  return device.name + " rounds " + device.misrounds + " otherwise than the CPU";
-}
-
 std::unique_ptr<DeviceWalk> loaded(const Heightfield& field, const OpenClOptions& options) {
   const std::vector<OpenClDevice> devices = opencl_devices();
   const std::size_t chosen = options.device ? *options.device : default_device(devices);
   if (chosen >= devices.size()) throw UsageError("there is no OpenCL device " + std::to_string(chosen));
   if (!devices[chosen].is_usable())
-    throw DeviceError("OpenCL: " + why_unusable(devices[chosen]) + "; choose another device");
+    throw DeviceError("OpenCL: " + devices[chosen].name + " " + devices[chosen].problem);
   return plugin().load(DeviceField(field), chosen);
 }
 
@@ -114,7 +109,7 @@ std::size_t default_device(const std::vector<OpenClDevice>& devices) {
   if (devices.empty()) throw DeviceError("OpenCL: there is no device, or no driver of it is installed");
   std::string reasons;
   for (const OpenClDevice& device : devices)
-    reasons += (reasons.empty() ? "" : ", and ") + why_unusable(device);
+    reasons += (reasons.empty() ? "" : ", and ") + device.name + " " + device.problem;
   throw DeviceError("OpenCL: no device can be used: " + reasons);
 }
 

@@ -29,10 +29,10 @@ struct OpenClDevice {
   std::string kind{};    ///< "gpu", "cpu", "accelerator" or "other"
   std::uint64_t memory_bytes = 0;
   bool has_doubles = false;
-  /// Empty if it computes as the CPU does; else the operation that it rounds otherwise. A device without
-  /// doubles is not asked.
-  std::string misrounds{};
-  [[nodiscard]] bool is_usable() const { return has_doubles && misrounds.empty(); }
+  /// Why it cannot be used: "has no double precision", "rounds a division otherwise than the CPU", "cannot
+  /// compile the kernels (...)"; empty if it can.
+  std::string problem{};
+  [[nodiscard]] bool is_usable() const { return problem.empty(); }
 };
 
 /// A heightfield in the memory of a device.
