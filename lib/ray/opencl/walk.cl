@@ -107,7 +107,67 @@ typedef struct {
   double middle;    // half a cell less the error of a position
   double col, row;  // the cell, whole numbers
   double at, end;   // range where it enters the cell, and where it has left the grid's width or the terrain's heights
+  double way;       // cells to cross between the elevations that the surface under the ray has; INFINITY if unknown
 } Walk;
+
+// The elevations between which a downward ray is examined: it is certain that it meets nothing above `high`; `low` is a guess that
+// holes may contradict.
+typedef struct {
+  double low, high;
+} Slab;
+
+// Bounds of the surface over a box in cells, widened by 1/16 cell, from at most 2 x 2 blocks. Empty (low > high) over holes and
+// beside the grid.
+Slab bounds_over(constant Ground* g, global const float* bounds, double low_x, double high_x, double low_y, double high_y) {
+  const double margin = 0.0625;
+  const double width = fmax(high_x - low_x, high_y - low_y) + 2 * margin;
+  long rung = 0;
+  while (rung < g->top_rung && g->size[rung] < width) ++rung;
+  const double per_size = g->per_size[rung];
+  const double first_col = fmax(floor((low_x - margin) * per_size), 0.0);
+  const double first_row = fmax(floor((low_y - margin) * per_size), 0.0);
+  const double last_col = fmin(floor((high_x + margin) * per_size), g->block_cols[rung] - 1);
+  const double last_row = fmin(floor((high_y + margin) * per_size), floor((g->rows - 1) * per_size));
+  Slab over = {INFINITY, -INFINITY};
+  for (double row = first_row; row <= last_row; ++row)
+    for (double col = first_col; col <= last_col; ++col) {
+      const long block = (long)(row * g->block_cols[rung] + col) + g->first[rung];
+      over.low = fmin(over.low, (double)bounds[block + g->to_lows]);
+      over.high = fmax(over.high, (double)bounds[block]);
+    }
+  return over;
+}
+
+// Lowers the slab of all elevations to the surface under the ray, as long as that saves steps: lowered() of
+// lib/ray/ray_chunk-inl.h for one ray. `way`: the cells that the ray crosses between them.
+Slab slab_under(constant Ground* g, global const float* bounds, const GridRay* ray, double climb, double* way) {
+  *way = INFINITY;
+  Slab slab = {g->lowest, g->highest};
+  const double slope_x = ray->dx * climb;
+  const double slope_y = ray->dy * climb;
+  const double foot_x = ray->x - slope_x * ray->z;
+  const double foot_y = ray->y - slope_y * ray->z;
+  const double slope = fabs(slope_x) + fabs(slope_y);
+  // Sums below 1e11 keep the rounding of a position far below the margin of bounds_over().
+  const double reach = slope * (fabs(ray->z) + g->height_m) + (fabs(ray->x) + fabs(ray->y));
+  if (!(climb < 0 && reach < 1e11)) return slab;
+  double thickness = INFINITY;
+  while (slab.high - slab.low < 0.7 * thickness) {
+    thickness = slab.high - slab.low;
+    if (thickness * slope < 1) break;
+    const double low_x = foot_x + slope_x * slab.low;
+    const double high_x = foot_x + slope_x * slab.high;
+    const double low_y = foot_y + slope_y * slab.low;
+    const double high_y = foot_y + slope_y * slab.high;
+    const Slab over =
+        bounds_over(g, bounds, fmin(low_x, high_x), fmax(low_x, high_x), fmin(low_y, high_y), fmax(low_y, high_y));
+    // The space between the old and the new `high` lies inside the box, so the ray meets nothing there.
+    slab.high = fmin(slab.high, fmax(over.high, slab.low));
+    slab.low = fmax(slab.low, fmin(over.low, slab.high));
+  }
+  *way = (slab.high - slab.low) * slope;
+  return slab;
+}
 
 // Moves a ray that starts beside the grid to where it enters it. Returns whether it certainly misses the grid.
 bool enter_over_border(constant Ground* g, const GridRay* ray, Walk* walk, Place* col, Place* row) {
@@ -142,7 +202,7 @@ bool stays(const Axis* axis, double origin, double speed, const Walk* walk, doub
 
 // Begins the walk where the ray reaches the grid and the elevations of the surface. Returns 0 to walk; else the result is known:
 // NAN for a miss, UNDECIDED.
-double enter(constant Ground* g, const GridRay* ray, Walk* walk) {
+double enter(constant Ground* g, global const float* bounds, const GridRay* ray, Walk* walk) {
   walk->along_x = axis_of(ray->x, ray->dx, ray->position_error, g->cols);
   walk->along_y = axis_of(ray->y, ray->dy, ray->position_error, g->rows);
   const double crossing_error = walk->along_x.error + walk->along_y.error;
@@ -152,7 +212,9 @@ double enter(constant Ground* g, const GridRay* ray, Walk* walk) {
   const bool slanting = fabs(climb) < LEVEL;
   const double low = g->lowest - SLACK_M;
   const double high = g->highest + SLACK_M;
-  walk->at = slanting ? fmax(0.0, ((up ? low : high) - ray->z) * climb) : 0;
+  const double start = up ? low : slab_under(g, bounds, ray, climb, &walk->way).high + SLACK_M;
+  if (up) walk->way = INFINITY;
+  walk->at = slanting ? fmax(0.0, (start - ray->z) * climb) : 0;
   walk->end = slanting ? ((up ? high : low) - ray->z) * climb : INFINITY;
   walk->end = fmin(walk->end, fmin(walk->along_x.leaves, walk->along_y.leaves));
 
@@ -186,13 +248,14 @@ double range_in_cell(constant Ground* g, global const double* nodes, const GridR
 
 double first_hit(constant Ground* g, global const float* bounds, global const double* nodes, const GridRay* ray) {
   Walk walk;
-  const double known = enter(g, ray, &walk);
+  const double known = enter(g, bounds, ray, &walk);
   if (known != 0) return known;  // also NAN
   const Axis x = walk.along_x;
   const Axis y = walk.along_y;
-  long rung = g->top_rung < 1 ? g->top_rung : 1;
+  long rung = walk.way < 2 || g->top_rung < 1 ? 0 : 1;
   bool below = false;
-  bool passed = false;  // has looked into its cell and found no hit
+  bool passed = false;             // has looked into its cell and found no hit
+  bool look = walk.way < 0.5;      // without asking for bounds
   for (int step = 0; step < MAX_STEPS; ++step) {
     const double size = g->size[rung];
     const double block_col = floor(walk.col * g->per_size[rung]);
@@ -209,7 +272,8 @@ double first_hit(constant Ground* g, global const float* bounds, global const do
     const double bound = bounds[below ? block + g->to_lows : block];
     const double nearest_z = ray->dz * (nears ? leave : walk.at) + ray->z;
     const double distance = below ? bound - nearest_z : nearest_z - bound;
-    if (!(passed || distance > 4 * SLACK_M)) {
+    if (look || !(passed || distance > 4 * SLACK_M)) {
+      look = false;
       if (rung > 0) {
         --rung;
         continue;
