@@ -28,6 +28,7 @@ ONLY_IN = {
     r"boost/math/": {"terrain", "campaign", "receiver"},
     r"boost/numeric/odeint/": {"trajectory"},
     r"(gdal|ogr|cpl_|vrt)": {"terrain/gdal"},
+    r"CL/": {"ray/opencl"},
     r"(hdf5\.h|hdf5_hl\.h|H5)": {"hdf5", "files"},
     r"libdeflate": {"hdf5"},
     r"zlib": {"hdf5"},

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "cli/description_text.h"
+#include "cli/devices.h"
 #include "cli/tool.h"
 #include "files/file_description.h"
 
@@ -15,28 +16,36 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
   landfall-info huge.h5 --no-statistics --config
+  landfall-info --devices
 Keys of --json: docs/user/landfall-info.md.)";
 
 constexpr const char* kDescription =
     R"(Prints for each file its kind and origin, extent and frame, statistics of every layer and column, the pixel outcomes of a scan, the verdicts of an evaluation, the configuration where it differs from the defaults, and every step that led to the file.
 
-Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.)";
+Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
+
+--devices lists the devices on which scan-sim --engine opencl can trace rays, with double precision and a measured speed, and the speed of this CPU.)";
 
 struct Options {
   std::vector<std::string> files;
   bool json = false;
   bool no_statistics = false;
   bool config = false;
+  bool devices = false;
 };
 
 void bind(CLI::App& app, Options& o) {
-  app.add_option("files", o.files, "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5, hazards.h5 or draws.h5)")
+  app.add_option("files", o.files,
+                 "Files to describe (terrain.h5, scan.h5, dem.h5, eval.h5, plan.h5, hazards.h5 or draws.h5)")
       ->type_name("FILE...");
   app.add_flag("--json", o.json, "Print a JSON object; an array for several files");
   app.add_flag("--no-statistics", o.no_statistics,
                "List layers and columns with their meaning, without reading values");
   app.add_flag("--config", o.config,
                "Print the whole configuration, not only what differs from the defaults");
+  app.add_flag(
+      "--devices", o.devices,
+      "List the OpenCL devices instead: memory, double precision, and rays per second beside the CPU's");
 }
 
 nlohmann::ordered_json describe(cli::Session& session, const Options& o, const std::string& path) {
@@ -47,8 +56,19 @@ nlohmann::ordered_json describe(cli::Session& session, const Options& o, const s
   return description;
 }
 
+ExitCode list_devices(cli::Session& session, const Options& o) {
+  if (!o.files.empty() || o.no_statistics || o.config)
+    throw UsageError("--devices describes no file; omit files, --no-statistics and --config");
+  nlohmann::ordered_json measured;
+  session.phase("measure",
+                [&](const ProgressCallback& progress) { measured = cli::measure_devices(progress); });
+  std::cout << (o.json ? measured.dump(2) + "\n" : cli::devices_text(measured));
+  return ExitCode::done;
+}
+
 /// A file that is not a landfall file does not prevent the description of the others.
 ExitCode run(cli::Session& session, const Options& o) {
+  if (o.devices) return list_devices(session, o);
   if (o.files.empty()) throw UsageError("a file to describe is required");
   ExitCode code = ExitCode::done;
   nlohmann::ordered_json all = nlohmann::ordered_json::array();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // scan-sim: scans a terrain with a lander's lidar.
 #include <CLI/CLI.hpp>
+#include <map>
 #include <memory>
 
 #include "cli/outcomes.h"
@@ -48,8 +49,10 @@ void bind(CLI::App& app, Options& o) {
   app.add_option(
          "--engine", o.engine,
          "Ray engine: heightfield (fast, grids only), cgal (AABB tree with exact predicates; slower, needs "
-         "more memory), or auto: cgal for a mesh, otherwise heightfield. Ranges agree within 1e-9 m")
-      ->check(CLI::IsMember({"auto", "heightfield", "cgal"}))
+         "more memory), auto (cgal for a mesh, otherwise heightfield), opencl (heightfield on an OpenCL "
+         "device with double precision; the same file), or opencl-or-cpu (auto if no device can be used). "
+         "Ranges agree within 1e-9 m")
+      ->check(CLI::IsMember({"auto", "heightfield", "cgal", "opencl", "opencl-or-cpu"}))
       ->capture_default_str();
   app.add_option(
          "--ranges-from", o.ranges_from,
@@ -77,6 +80,15 @@ nlohmann::json options_json(const Options& o) {
   return options;
 }
 
+EngineKind engine_kind(const std::string& name) {
+  static const std::map<std::string, EngineKind> kinds = {{"heightfield", EngineKind::heightfield},
+                                                          {"cgal", EngineKind::cgal},
+                                                          {"opencl", EngineKind::opencl},
+                                                          {"opencl-or-cpu", EngineKind::opencl_or_cpu}};
+  const auto found = kinds.find(name);
+  return found == kinds.end() ? EngineKind::automatic : found->second;
+}
+
 /// Ranges from a file need no terrain, unless the errors depend on its surface.
 Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ranges, bool needs_surface) {
   if (ranges != nullptr && o.terrain.empty()) {
@@ -86,7 +98,7 @@ Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ra
   }
   SceneRequest request{o.terrain};
   if (ranges != nullptr) request.use = needs_surface ? SceneUse::surface : SceneUse::identity;
-  if (o.engine != "auto") request.engine = o.engine == "cgal" ? EngineKind::cgal : EngineKind::heightfield;
+  request.engine = engine_kind(o.engine);
   Scene scene;
   session.phase("terrain", [&](const ProgressCallback& progress) { scene = open_scene(request, progress); });
   return scene;
@@ -138,6 +150,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     writer.commit(simulation.detector(), simulation.dead_map());
   });
   if (scene.engine) session.count("rays_per_s", static_cast<double>(simulation.ray_count()) / scan_s);
+  if (scene.device_use) cli::report_device(session, *scene.device_use);
   cli::report_scan(session, simulation, writer);
   return ExitCode::done;
 }

@@ -48,6 +48,15 @@ void report_terrain(Session& session, const TerrainContent& terrain) {
   for (const std::string& warning : terrain.warnings) session.warn(warning);
 }
 
+void report_device(Session& session, const DeviceUse& use) {
+  if (!use.device().empty()) {
+    session.count("device", use.device());
+    session.count("device_ray_count", use.rays());
+    session.count("undecided_ray_count", use.undecided());
+  }
+  if (const auto failure = use.failure()) session.warn(*failure + "; the CPU traced the rays instead");
+}
+
 void report_scan(Session& session, const Simulation& simulation, const ScanWriter& writer) {
   session.count("pulse_count", simulation.pulse_count());
   session.count("ray_count", simulation.ray_count());

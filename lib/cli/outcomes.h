@@ -8,6 +8,7 @@
 #include "exports/terrain_output.h"
 #include "files/scan_file.h"
 #include "hazards/hazard_map.h"
+#include "ray/opencl/opencl_engine.h"
 #include "scene/dem_output.h"
 #include "simulation/simulation.h"
 
@@ -20,6 +21,9 @@ void report_terrain(Session& session, const TerrainContent& terrain);
 
 /// Warns where more than 1 % of the rays missed the terrain.
 void report_scan(Session& session, const Simulation& simulation, const ScanWriter& writer);
+
+/// Adds the device and its rays to the counts. Warns if the CPU had to replace it.
+void report_device(Session& session, const DeviceUse& use);
 
 /// Also passes on the warnings about the sigmas.
 void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid);

@@ -6,10 +6,15 @@
 #include <utility>
 
 #include "ray/packet_walk.h"
-#include "ray/pyramid_traversal.h"
 
 namespace landfall {
 namespace {
+
+double first_hit(const Heightfield& field, const Ray& ray) {
+  if (!ray.origin.v.allFinite() || !ray.direction.v.allFinite())
+    return std::numeric_limits<double>::quiet_NaN();
+  return PyramidTraversal(field, ray).first_hit();
+}
 
 class HeightfieldEngine final : public RayEngine {
  public:
@@ -19,22 +24,25 @@ class HeightfieldEngine final : public RayEngine {
   void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
     assert(rays.size() == ranges.size());
     walk_packets(field_, rays, ranges);
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      if (ranges[i] == kUndecided) ranges[i] = first_hit(rays[i]);
+    trace_undecided(field_, rays, ranges);
   }
 
  private:
-  [[nodiscard]] double first_hit(const Ray& ray) const {
-    if (!ray.origin.v.allFinite() || !ray.direction.v.allFinite())
-      return std::numeric_limits<double>::quiet_NaN();
-    return PyramidTraversal(field_, ray).first_hit();
-  }
-
   std::shared_ptr<const TriangulatedGrid> terrain_;
   Heightfield field_;
 };
 
 }  // namespace
+
+std::size_t trace_undecided(const Heightfield& field, std::span<const Ray> rays, std::span<double> ranges) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (ranges[i] != kUndecided) continue;
+    ranges[i] = first_hit(field, rays[i]);
+    ++count;
+  }
+  return count;
+}
 
 std::unique_ptr<RayEngine> make_heightfield_engine(std::shared_ptr<const TriangulatedGrid> terrain,
                                                    const ProgressCallback& progress) {

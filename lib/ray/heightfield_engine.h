@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 
 #include "base/progress.h"
 #include "ray/engine.h"
+#include "ray/pyramid_traversal.h"
 #include "terrain/relief/triangulated_grid.h"
 
 namespace landfall {
@@ -21,5 +24,9 @@ namespace landfall {
 /// Construction is O(nodes) and reports progress by rows. It takes 8.7 bytes per node besides the terrain.
 [[nodiscard]] std::unique_ptr<RayEngine> make_heightfield_engine(
     std::shared_ptr<const TriangulatedGrid> terrain, const ProgressCallback& progress = {});
+
+/// Traces the rays whose ranges[i] is kUndecided (ray/packet_walk.h), alone and at the highest precision that
+/// each needs. Returns their number.
+std::size_t trace_undecided(const Heightfield& field, std::span<const Ray> rays, std::span<double> ranges);
 
 }  // namespace landfall

@@ -8,6 +8,7 @@
 #include "ray/cgal_engine.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
+#include "ray/opencl/opencl_engine.h"
 
 namespace landfall {
 namespace {
@@ -26,25 +27,63 @@ Scene level_scene() {
   return scene;
 }
 
-const char* grid_engine_name(EngineKind kind) { return kind == EngineKind::cgal ? "cgal" : "heightfield"; }
+bool asks_device(EngineKind kind) { return kind == EngineKind::opencl || kind == EngineKind::opencl_or_cpu; }
 
-EngineMaker grid_engine_maker(EngineKind kind, const ProgressCallback& progress = {}) {
-  return [kind, progress](std::shared_ptr<const TriangulatedGrid> grid) -> std::unique_ptr<const RayEngine> {
-    if (kind == EngineKind::cgal) return make_cgal_engine(std::move(grid), progress);
-    return make_heightfield_engine(std::move(grid), progress);
-  };
-}
+/// Makes engines of the requested kind for grids, and knows what became of them.
+class GridEngines {
+ public:
+  explicit GridEngines(EngineKind kind)
+      : kind_(kind), use_(asks_device(kind) ? std::make_shared<DeviceUse>() : nullptr) {}
+
+  [[nodiscard]] EngineMaker maker(const ProgressCallback& progress = {}) const {
+    return [kind = kind_, use = use_,
+            progress](std::shared_ptr<const TriangulatedGrid> grid) -> std::unique_ptr<const RayEngine> {
+      if (kind == EngineKind::cgal) return make_cgal_engine(std::move(grid), progress);
+      if (!asks_device(kind)) return make_heightfield_engine(std::move(grid), progress);
+      const OpenClOptions options{
+          .on_failure = kind == EngineKind::opencl ? DeviceFailure::throws : DeviceFailure::falls_back,
+          .use = use};
+      return make_opencl_engine(std::move(grid), options, progress);
+    };
+  }
+  /// Adds an engine, and what it is, to a scene.
+  void add_to(Scene& scene, std::shared_ptr<const RayEngine> engine) const {
+    scene.engine = std::move(engine);
+    scene.device_use = use_;
+    const bool on_device = use_ != nullptr && !use_->failure();
+    scene.engine_name = kind_ == EngineKind::cgal ? "cgal" : on_device ? "opencl" : "heightfield";
+  }
+  void add_mesh_to(Scene& scene, const TerrainInput& terrain, const ProgressCallback& progress) const {
+    scene.engine = make_cgal_engine(terrain.mesh, progress);
+    scene.engine_name = "cgal";
+    scene.device_use = use_;
+    if (use_ != nullptr) use_->fell_back("the terrain is a mesh, which the engine opencl cannot trace");
+  }
+
+ private:
+  EngineKind kind_;
+  std::shared_ptr<DeviceUse> use_;
+};
 
 Scene windowed_scene(LargeTerrainInput large, const SceneRequest& request) {
   Scene scene{TerrainIdentity(large)};
   const bool traced = request.use == SceneUse::rays;
-  scene.window = std::make_shared<const WindowedTerrain>(
-      std::move(large.terrain), traced ? grid_engine_maker(request.engine) : EngineMaker());
+  const GridEngines engines(request.engine);
+  scene.window = std::make_shared<const WindowedTerrain>(std::move(large.terrain),
+                                                         traced ? engines.maker() : EngineMaker());
   scene.surface = scene.window;
-  if (!traced) return scene;
-  scene.engine = scene.window;
-  scene.engine_name = grid_engine_name(request.engine);
+  if (traced) engines.add_to(scene, scene.window);
   return scene;
+}
+
+void refuse_mesh(const SceneRequest& request) {
+  const char* const engine = request.engine == EngineKind::opencl        ? "opencl"
+                             : request.engine == EngineKind::heightfield ? "heightfield"
+                                                                         : nullptr;
+  if (engine != nullptr)
+    throw UsageError(request.terrain.string() + ": is a mesh, which the engine " + engine +
+                         " cannot trace; use cgal or auto",
+                     "engine");
 }
 
 Scene loaded_scene(const SceneRequest& request, const ProgressCallback& progress) {
@@ -52,18 +91,13 @@ Scene loaded_scene(const SceneRequest& request, const ProgressCallback& progress
   const TerrainInput terrain = read_terrain(request.terrain, part_of(progress, 0, traced ? 0.5 : 1));
   Scene scene{TerrainIdentity(terrain), terrain.surface};
   if (!traced) return scene;
-  if (terrain.mesh && request.engine == EngineKind::heightfield)
-    throw UsageError(
-        request.terrain.string() + ": is a mesh, which the engine heightfield cannot trace; use cgal or auto",
-        "engine");
+  if (terrain.mesh) refuse_mesh(request);
   const ProgressCallback rest = part_of(progress, 0.5, 1);
-  if (terrain.mesh) {
-    scene.engine = make_cgal_engine(terrain.mesh, rest);
-    scene.engine_name = "cgal";
-  } else {
-    scene.engine = grid_engine_maker(request.engine, rest)(terrain.grid);
-    scene.engine_name = grid_engine_name(request.engine);
-  }
+  const GridEngines engines(request.engine);
+  if (terrain.mesh)
+    engines.add_mesh_to(scene, terrain, rest);
+  else
+    engines.add_to(scene, engines.maker(rest)(terrain.grid));
   return scene;
 }
 

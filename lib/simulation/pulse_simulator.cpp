@@ -184,8 +184,36 @@ PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const Terra
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                               PulseWorkspace& workspace) const {
   steer(pulse, workspace);
-  trace(pulse, workspace);
+  make_rays(pulse, workspace);
+  trace(workspace.rays, workspace.hits_m);
+  take_hits(workspace);
   record(pulse, slot, batch, workspace);
+}
+
+std::size_t PulseSimulator::pulses_per_call() const {
+  return engine_ == nullptr ? 1 : std::max<std::size_t>(1, engine_->efficient_rays() / rays_per_pulse());
+}
+
+void PulseSimulator::simulate_together(std::span<const PulseInput> pulses, std::size_t first_slot,
+                                       PulseBatch& batch, std::span<PulseWorkspace> workspaces) const {
+  assert(pulses.size() == workspaces.size());
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < pulses.size(); ++i) {
+    steer(pulses[i], workspaces[i]);
+    make_rays(pulses[i], workspaces[i]);
+    rays.insert(rays.end(), workspaces[i].rays.begin(), workspaces[i].rays.end());
+  }
+  std::vector<double> hits_m;
+  trace(rays, hits_m);
+  auto next = hits_m.cbegin();
+  for (std::size_t i = 0; i < pulses.size(); ++i) {
+    PulseWorkspace& w = workspaces[i];
+    const auto end = next + static_cast<std::ptrdiff_t>(w.rays.size());
+    w.hits_m.assign(next, end);
+    next = end;
+    take_hits(w);
+    record(pulses[i], first_slot + i, batch, w);
+  }
 }
 
 void PulseSimulator::replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot,
@@ -251,30 +279,41 @@ void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) c
     if (workspace.believed_beams[i].lost) workspace.beams[i].lost = true;  // such a point has no estimate
 }
 
-void PulseSimulator::trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
+std::span<const Beam> PulseSimulator::traced_beams(const PulseWorkspace& workspace) const {
+  return lidar_.detector.samples_per_pixel() > 1 ? workspace.sample_beams : workspace.beams;
+}
+
+void PulseSimulator::make_rays(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  PulseWorkspace& w = workspace;
+  w.rays.clear();
+  if (w.state.blanked) return;
+  if (lidar_.detector.samples_per_pixel() > 1) {
+    w.sample_beams.resize(lidar_.detector.samples().size());
+    lidar_.scanner->steer(w.state, lidar_.detector.samples(), w.sample_beams);
+    if (lidar_.receiver.sees_waveforms())
+      w.sample_beams.insert(w.sample_beams.end(), w.beams.begin(), w.beams.end());
+  }
+  for (const Beam& beam : traced_beams(w))
+    if (!beam.lost) w.rays.push_back({w.T_dem_lidar * beam.exit, w.T_dem_lidar.rotation * beam.direction});
+  require_above_ground(pulse, w.rays);
+}
+
+void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_m) const {
+  hits_m.resize(rays.size());
+  assert(engine_ != nullptr);
+  if (!rays.empty()) engine_->first_hits(rays, hits_m);
+}
+
+void PulseSimulator::take_hits(PulseWorkspace& workspace) const {
   PulseWorkspace& w = workspace;
   const bool sees_waveforms = lidar_.receiver.sees_waveforms();
   w.ranges_m.assign(w.beams.size(), kNan);
   w.echoes.assign(sees_waveforms && lidar_.receiver.needs_one_echo() ? w.beams.size() : 0, {});
   if (w.state.blanked) return;
-  const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
-  std::span<const Beam> beams = w.beams;
-  if (per_pixel > 1) {
-    const std::size_t sample_count = lidar_.detector.samples().size();
-    w.sample_beams.resize(sample_count);
-    lidar_.scanner->steer(w.state, lidar_.detector.samples(), w.sample_beams);
-    if (sees_waveforms) w.sample_beams.insert(w.sample_beams.end(), w.beams.begin(), w.beams.end());
-    beams = w.sample_beams;
-  }
-  w.rays.clear();
-  for (const Beam& beam : beams)
-    if (!beam.lost) w.rays.push_back({w.T_dem_lidar * beam.exit, w.T_dem_lidar.rotation * beam.direction});
-  require_above_ground(pulse, w.rays);
-  w.hits_m.resize(w.rays.size());
-  assert(engine_ != nullptr);
-  engine_->first_hits(w.rays, w.hits_m);
+  const std::span<const Beam> beams = traced_beams(w);
   if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
   if (sees_waveforms) return see(w, beams);
+  const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
   for (std::size_t i = 0; i < w.beams.size(); ++i)
     if (!w.beams[i].lost)
       w.ranges_m[i] =

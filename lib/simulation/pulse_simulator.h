@@ -132,6 +132,13 @@ class PulseSimulator {
   void simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                 PulseWorkspace& workspace) const;
 
+  /// The number of pulses that the engine traces efficiently in one call; at least 1.
+  [[nodiscard]] std::size_t pulses_per_call() const;
+  /// Fills the slots from `first_slot` on with these pulses, one for each workspace. All their rays go to the
+  /// engine in one call. The result is that of simulate() for each pulse.
+  void simulate_together(std::span<const PulseInput> pulses, std::size_t first_slot, PulseBatch& batch,
+                         std::span<PulseWorkspace> workspaces) const;
+
   /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss, and
   /// so do the echoes if the receiver sees waveforms; it must then need one echo.
   void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
@@ -143,7 +150,12 @@ class PulseSimulator {
   /// pulse.
   [[nodiscard]] PulseContext context_of(const PulseInput& pulse, double mirror_time_error_s) const;
   void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
-  void trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
+  [[nodiscard]] std::span<const Beam> traced_beams(const PulseWorkspace& workspace) const;
+  void make_rays(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
+  /// Takes what the rays hit.
+  void take_hits(PulseWorkspace& workspace) const;
   void see(PulseWorkspace& workspace, std::span<const Beam> beams) const;
   void find_signals(PulseWorkspace& workspace, std::span<const Beam> beams) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/parameter_check.h"
 
@@ -80,9 +81,18 @@ void Simulation::simulate(PulseSpan pulses, PulseBatch& batch, bool keep_echoes)
   const OptionalColumns columns = this->columns(keep_echoes);
   assert(pulses.first >= 0 && pulses.first + pulses.count <= pulse_count_);
   batch.resize(static_cast<std::size_t>(pulses.count), rows_per_pulse(), PointContent::all, columns);
-  PulseWorkspace workspace;
-  for (std::int64_t i = 0; i < pulses.count; ++i)
-    simulator_.simulate(pulse(pulses.first + i), static_cast<std::size_t>(i), batch, workspace);
+  const auto count = static_cast<std::size_t>(pulses.count);
+  std::vector<PulseWorkspace> workspaces(std::min(simulator_.pulses_per_call(), count));
+  std::vector<PulseInput> inputs;
+  for (std::size_t i = 0; i < count; i += inputs.size()) {
+    inputs.clear();
+    for (std::size_t k = i; k < std::min(i + workspaces.size(), count); ++k)
+      inputs.push_back(pulse(pulses.first + static_cast<std::int64_t>(k)));
+    if (inputs.size() == 1)
+      simulator_.simulate(inputs.front(), i, batch, workspaces.front());
+    else
+      simulator_.simulate_together(inputs, i, batch, std::span(workspaces).first(inputs.size()));
+  }
   if (columns.return_number) batch.remove_absent_returns();
 }
 

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from harness import EVAL, REGRID, SCAN, TERRAIN, run
+from harness.opencl import build_faulty_opencl
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 # A raster of 13 x 13 pixels of 1 m, and a CRS for it.
@@ -289,6 +290,10 @@ def make_files():
     os.mkdir("folder")
     os.mkdir("bad_plugin")
     write("bad_plugin/landfall-gdal.so", "no library\n")
+    write("bad_plugin/landfall-opencl.so", "no library\n")
+    os.mkdir("bad_opencl")
+    write("bad_opencl/libOpenCL.so.1", "no library\n")
+    build_faulty_opencl("faulty_opencl.so")
     write("old.h5", "an older output\n")
     for name in ("pipe", "pipe.obj"):
         os.mkfifo(name)

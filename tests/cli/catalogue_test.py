@@ -7,7 +7,7 @@ usage: catalogue_test.py [--write]
 --write puts the present messages into the catalogue and into docs/user/errors.md; review the difference.
 
 A case has the command (`run`), the `text` on stderr and, where needed, `files` (name and content), `stdin`, `stdout`, `env`
-and `limit` (of the process: file_bytes, memory_bytes). It runs in a folder with the files of catalogue_files.py, so that
+`limit` (of the process: file_bytes, memory_bytes), and `needs`, a file without which it is skipped. It runs in a folder with the files of catalogue_files.py, so that
 the file names in messages are short and constant.
 
 The catalogue lacks messages that no command line provokes:
@@ -78,6 +78,10 @@ def set_limits(limits):
         resource.setrlimit(LIMITS[name], (value, value))
 
 
+def can_run(case):
+    return os.path.exists(case.get("needs", "/"))
+
+
 def provoke(case):
     """Runs a case in the current folder."""
     for name, text in case.get("files", {}).items():
@@ -132,6 +136,10 @@ class Catalogue(unittest.TestCase):
                 with self.subTest(case["run"]):
                     if SANITIZED and "memory_bytes" in case.get("limit", {}):
                         self.skipTest("a sanitizer reserves terabytes of address space")
+                    if SANITIZED and "LD_PRELOAD" in case.get("env", {}):
+                        self.skipTest("a sanitizer must be preloaded first")
+                    if not can_run(case):
+                        self.skipTest(f"there is no {case['needs']}")
                     result = provoke(case)
                     self.assertEqual(result.stderr, with_version(case["text"], "VERSION", version) + "\n")
                     self.assertEqual(result.returncode, fault["exit"])
@@ -176,6 +184,8 @@ def write():
     with Folder():
         made = state()
         for fault, case in cases_of(catalogue):
+            if not can_run(case):
+                continue
             result = provoke(case)
             tidy(made)
             case["text"] = with_version(result.stderr.rstrip("\n"), version, "VERSION")

@@ -68,7 +68,7 @@ class Deb(unittest.TestCase):
 
     def test_each_package_has_its_files(self):
         tools, module = self.contents("landfall"), self.contents("landfall-dev")
-        for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "share/landfall/schemas/scan.schema.json",
+        for file in ["bin/terrain-gen", "lib/landfall/landfall-gdal.so", "lib/landfall/landfall-opencl.so", "share/landfall/schemas/scan.schema.json",
                      "share/landfall/python/commands/plot_dem.py", "share/landfall/Makefile.studies", "share/doc/landfall/README.md",
                      "share/doc/landfall/docs/user/lidar/README.md", "share/doc/landfall/changelog.gz"]:
             self.assertIn("./usr/" + file, tools)

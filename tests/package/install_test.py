@@ -69,6 +69,20 @@ class Install(unittest.TestCase):
                             result.stderr)
             self.assertIn(os.path.join(bare, "lib", "landfall", "landfall-gdal.so"), result.stderr)
 
+    def test_the_plugin_of_opencl_is_found(self):
+        """It loads, or the OpenCL library is missing, or has no device."""
+        result = execute(self.tool("landfall-info"), "--devices", "--json")
+        if result.returncode:
+            self.assertRegex(result.stderr, r"\Alandfall-info: (OpenCL: there is no device|cannot load the OpenCL plugin: libOpenCL\.so\.1: )")
+        else:
+            self.assertIn("cpu", json.loads(result.stdout))
+        bare = self.path("bare_info")
+        os.makedirs(os.path.join(bare, "bin"))
+        shutil.copy(self.tool("landfall-info"), os.path.join(bare, "bin"))
+        result = execute(os.path.join(bare, "bin", "landfall-info"), "--devices")
+        if result.returncode:  # it succeeds if the same version is installed in the prefix of this build
+            self.assertTrue(result.stderr.startswith("landfall-info: OpenCL devices need the plugin landfall-opencl.so, "), result.stderr)
+
     def test_scripts_find_schemas_and_studies(self):
         plan = self.succeed(os.path.join(self.share, "python", "commands", "sweep.py"), "studies", "studies", cwd=self.share)
         self.assertIn("noise", plan)

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "brute_force.h"
+#include "no_opencl.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
 #include "scenes.h"
@@ -25,6 +26,9 @@ struct EngineKind {
 
 class Engine : public testing::TestWithParam<EngineKind> {
  protected:
+  void SetUp() override {
+    if (GetParam().make == make_opencl && !no_opencl().empty()) GTEST_SKIP() << no_opencl();
+  }
   [[nodiscard]] static double range(const Terrain& terrain, const Ray& ray) {
     return ranges_of(*GetParam().make(terrain), {ray}).front();
   }
@@ -33,7 +37,8 @@ class Engine : public testing::TestWithParam<EngineKind> {
 INSTANTIATE_TEST_SUITE_P(All, Engine,
                          testing::Values(EngineKind{"brute_force", make_brute_force_engine<TriangulatedGrid>},
                                          EngineKind{"cgal", make_cgal},
-                                         EngineKind{"heightfield", make_heightfield}),
+                                         EngineKind{"heightfield", make_heightfield},
+                                         EngineKind{"opencl", make_opencl}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 Terrain flat(double elevation_m = 0) {

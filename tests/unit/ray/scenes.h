@@ -16,6 +16,7 @@
 #include "ray/cgal_engine.h"
 #include "ray/engine.h"
 #include "ray/heightfield_engine.h"
+#include "ray/opencl/opencl_engine.h"
 #include "terrain/relief/triangulated_grid.h"
 #include "test_seed.h"
 
@@ -51,6 +52,9 @@ inline std::vector<double> ranges_of(const RayEngine& engine, const std::vector<
 
 inline std::unique_ptr<RayEngine> make_heightfield(Terrain terrain) {
   return make_heightfield_engine(std::move(terrain));
+}
+inline std::unique_ptr<RayEngine> make_opencl(Terrain terrain) {
+  return make_opencl_engine(std::move(terrain));
 }
 inline std::unique_ptr<RayEngine> make_cgal(Terrain terrain) { return make_cgal_engine(std::move(terrain)); }
 

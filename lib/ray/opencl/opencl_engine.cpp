@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ray/opencl/opencl_engine.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "base/error.h"
+#include "base/plugin_file.h"
+#include "ray/heightfield_engine.h"
+#include "ray/packet_walk.h"
+
+namespace landfall {
+namespace {
+
+/// For a driver that compiles kernels.
+constexpr std::size_t kHeadroomOfDriver = std::size_t{192} << 20U;
+
+const OpenClPlugin& find_plugin() {
+  try {
+    return *static_cast<const OpenClPlugin*>(
+        load_plugin({.file = "landfall-opencl.so",
+                     .name = "OpenCL",
+                     .needed_by = "OpenCL devices need",
+                     .symbol = kOpenClPluginSymbol,
+                     .headroom = kHeadroomOfDriver,
+                     .remedy = "; install ocl-icd-libopencl1 and the OpenCL driver of the device"}));
+  } catch (const IoError& error) {
+    throw DeviceError(error.what());  // an IoError would blame the output of the run
+  }
+}
+
+/// The next call repeats a search that failed.
+const OpenClPlugin& plugin() {
+  static const OpenClPlugin& found = find_plugin();
+  return found;
+}
+
+/// A launch costs some ten microseconds, and a device has thousands of lanes to fill.
+constexpr std::size_t kEfficientRays = std::size_t{1} << 17U;
+
+std::unique_ptr<DeviceWalk> loaded(const Heightfield& field, const OpenClOptions& options) {
+  const std::vector<OpenClDevice> devices = opencl_devices();
+  const std::size_t chosen = options.device ? *options.device : default_device(devices);
+  if (chosen >= devices.size()) throw UsageError("there is no OpenCL device " + std::to_string(chosen));
+  if (!devices[chosen].is_usable())
+    throw DeviceError("OpenCL: " + devices[chosen].name + " " + devices[chosen].problem);
+  return plugin().load(DeviceField(field), chosen);
+}
+
+class OpenClEngine final : public RayEngine {
+ public:
+  OpenClEngine(std::shared_ptr<const TriangulatedGrid> terrain, const OpenClOptions& options,
+               const ProgressCallback& progress)
+      : terrain_(std::move(terrain)),
+        field_(*terrain_, progress),
+        use_(options.use ? options.use : std::make_shared<DeviceUse>()),
+        on_failure_(options.on_failure) {
+    or_fall_back([&] {
+      device_ = loaded(field_, options);
+      use_->name_device(device_->device().name);
+    });
+  }
+
+  void first_hits(std::span<const Ray> rays, std::span<double> ranges) const override {
+    assert(rays.size() == ranges.size());
+    const bool asked = !has_failed_ && or_fall_back([&] { device_->walk(rays, ranges); });
+    if (!asked) walk_packets(field_, rays, ranges);
+    const std::size_t undecided = trace_undecided(field_, rays, ranges);
+    if (asked) use_->count(rays.size(), undecided);
+  }
+  [[nodiscard]] std::size_t efficient_rays() const override { return has_failed_ ? 0 : kEfficientRays; }
+
+ private:
+  /// Does work that a device may fail at. Returns false if it did and the CPU takes over.
+  template <class Work>
+  bool or_fall_back(const Work& work) const {
+    try {
+      work();
+      return true;
+    } catch (const DeviceError& error) {
+      if (on_failure_ == DeviceFailure::throws)
+        throw DeviceError(std::string(error.what()) + "; opencl-or-cpu uses the CPU instead", "engine");
+      use_->fell_back(error.what());
+      has_failed_ = true;
+      return false;
+    }
+  }
+
+  std::shared_ptr<const TriangulatedGrid> terrain_;
+  Heightfield field_;
+  std::shared_ptr<DeviceUse> use_;
+  DeviceFailure on_failure_;
+  mutable std::atomic<bool> has_failed_ = false;
+  std::unique_ptr<const DeviceWalk> device_;
+};
+
+}  // namespace
+
+std::vector<OpenClDevice> opencl_devices() { return plugin().devices(); }
+
+std::size_t default_device(const std::vector<OpenClDevice>& devices) {
+  for (const char* const kind : {"gpu", "accelerator", ""}) {
+    const auto found = std::ranges::find_if(devices, [&](const OpenClDevice& device) {
+      return device.is_usable() && (*kind == '\0' || device.kind == kind);
+    });
+    if (found != devices.end()) return static_cast<std::size_t>(found - devices.begin());
+  }
+  if (devices.empty()) throw DeviceError("OpenCL: there is no device, or no driver of it is installed");
+  std::string reasons;
+  for (const OpenClDevice& device : devices)
+    reasons += (reasons.empty() ? "" : ", and ") + device.name + " " + device.problem;
+  throw DeviceError("OpenCL: no device can be used: " + reasons);
+}
+
+void DeviceUse::name_device(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  device_ = name;
+}
+
+void DeviceUse::fell_back(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (!failure_) failure_ = reason;
+}
+
+std::string DeviceUse::device() const {
+  const std::lock_guard lock(mutex_);
+  return device_;
+}
+
+std::optional<std::string> DeviceUse::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+std::unique_ptr<RayEngine> make_opencl_engine(std::shared_ptr<const TriangulatedGrid> terrain,
+                                              const OpenClOptions& options,
+                                              const ProgressCallback& progress) {
+  return std::make_unique<OpenClEngine>(std::move(terrain), options, progress);
+}
+
+}  // namespace landfall
