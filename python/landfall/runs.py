@@ -5,10 +5,13 @@ Results are kept in `folder`/cache under the hash of all that they depend on: a 
 once, and the answer does not depend on what was there before.
 """
 import contextlib
+import fcntl
 import json
 import os
+import shutil
 import tempfile
 import threading
+import weakref
 
 import h5py
 
@@ -74,6 +77,22 @@ def truth_of(scan):
     return truth
 
 
+def _lock(folder):
+    """The locked file of a run's folder; None while its run holds it."""
+    file = open(os.path.join(folder, "lock"), "w", encoding="utf-8")  # pylint: disable=consider-using-with
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        return None
+    return file
+
+
+def _close_scratch(folder, lock):
+    shutil.rmtree(folder, ignore_errors=True)
+    lock.close()
+
+
 def write_json(path, value):
     def write_to(name):
         with open(name, "w", encoding="utf-8") as file:
@@ -90,14 +109,28 @@ class Runner:
         self.folder, self.threads, self.prefix = os.path.abspath(folder), threads, list(prefix)
         self.cache = os.path.join(self.folder, "cache")
         os.makedirs(self.cache, exist_ok=True)
+        self.scratch = self._open_scratch()
         self.version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
         self._locks, self._lock = {}, threading.Lock()
+
+    def _open_scratch(self):
+        """A folder for what exists only during this run; those of killed runs, which hold no lock, are removed."""
+        with open(os.path.join(self.folder, ".lock"), "w", encoding="utf-8") as all_runs:
+            fcntl.flock(all_runs, fcntl.LOCK_EX)
+            for name in os.listdir(self.folder):
+                path = os.path.join(self.folder, name)
+                lock = _lock(path) if name.startswith(".run-") else None
+                if lock:
+                    _close_scratch(path, lock)
+            scratch = tempfile.mkdtemp(dir=self.folder, prefix=".run-")
+            weakref.finalize(self, _close_scratch, scratch, _lock(scratch))
+        return scratch
 
     def run(self, tool, *arguments, config=None):
         """What the tool prints. Throws ToolError, or DataError if it was killed."""
         with contextlib.ExitStack() as stack:
             if config is not None:
-                file = stack.enter_context(tempfile.NamedTemporaryFile("w", dir=self.folder, prefix=".config-", suffix=".json"))
+                file = stack.enter_context(tempfile.NamedTemporaryFile("w", dir=self.scratch, prefix="config-", suffix=".json"))
                 json.dump(config, file)
                 file.flush()
                 arguments = (*arguments, "-c", file.name)
@@ -146,7 +179,7 @@ class Runner:
 
     def _chain(self, configs):
         terrain = self.terrain(configs["terrain"])
-        with tempfile.TemporaryDirectory(dir=self.folder, prefix=".chain-") as folder:
+        with tempfile.TemporaryDirectory(dir=self.scratch, prefix="chain-") as folder:
             scan, dem, metrics, score, sites, hazards = (os.path.join(folder, name) for name in (
                 "scan.h5", "dem.h5", "metrics/m.json", "score/s.json", "sites/s.json", "hazards.h5"))
             for path in (metrics, score, sites):
@@ -167,7 +200,7 @@ class Scan:
     def __init__(self, runner, configs, users):
         self.runner, self.configs, self.users = runner, configs, users
         truth = truth_of(configs["scan"])
-        self.place = runner.place("scan", [configs["terrain"], truth], "h5")
+        self.place = os.path.join(runner.scratch, os.path.basename(runner.place("scan", [configs["terrain"], truth], "h5")))
         self._truth, self._lock = truth, threading.Lock()
 
     def path(self):
@@ -195,7 +228,7 @@ class Scan:
 
     def rows(self, draws, *arguments, samples=None):
         """The numbers of each draw: [{name: value, None where it has none}]. `samples` are (keys, rows of values)."""
-        with tempfile.TemporaryDirectory(dir=self.runner.folder, prefix=".draws-") as folder:
+        with tempfile.TemporaryDirectory(dir=self.runner.scratch, prefix="draws-") as folder:
             if samples is not None:
                 table = os.path.join(folder, "samples.csv")
                 with open(table, "w", encoding="utf-8") as file:

@@ -135,7 +135,25 @@ class Cache(ModelTest):
             with mock.patch.object(of.runner, "run", side_effect=run):
                 self.assertEqual(of(self.TABLE).tolist(), expected.tolist())
         self.assertIn(calls.count("monte-carlo"), (1, 2))  # of four parts: the one that was cut off, and the next if it had not begun
-        self.assertEqual([name for name in os.listdir(self.path("cache", "cache")) if name.startswith("scan")], [])
+
+    def test_what_a_killed_run_left_is_removed(self):
+        """Not what a run that goes on works with."""
+        code = f"""import os, signal
+from landfall import runs, tools
+tools.BIN = {BIN!r}
+runner = runs.Runner({self.path("cache")!r})
+os.kill(os.getpid(), signal.SIGKILL)"""
+        subprocess.run([PYTHON, "-c", code], env={**os.environ, "PYTHONPATH": os.path.join(ROOT, "python")}, check=False)
+        [left] = self.scratch()
+        first = runs.Runner(self.path("cache"))
+        second = runs.Runner(self.path("cache"))
+        self.assertEqual(self.scratch(), sorted(os.path.basename(runner.scratch) for runner in (first, second)))
+        self.assertNotIn(left, self.scratch())
+        del first, second
+        self.assertEqual(self.scratch(), [])
+
+    def scratch(self):
+        return sorted(name for name in os.listdir(self.path("cache")) if name.startswith(".run-"))
 
     def test_workers_do_not_change_the_answer(self):
         with mock.patch.object(runs, "PART_DRAWS", 2):
