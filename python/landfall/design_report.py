@@ -59,7 +59,8 @@ def outcome(look):
 def proof_text(answer):
     proof = answer["winner"]["proof"]
     return (f"P({answer['requirement']}) >= {min(rate['exact_lower_bound'] for rate in proof):.4f} on each of {len(proof)} terrains (exact bound, "
-            f"95 % confidence): {', '.join(str(rate['passed']) + ' of ' + str(rate['draws']) for rate in proof)} fresh draws pass")
+            f"95 % confidence): {', '.join(str(rate['passed']) + ' of ' + str(rate['draws']) for rate in proof)} fresh draws pass; "
+            f"the one with the seed {answer['winner']['chain']['seed']} has the same {answer['winner']['chain']['numbers']} numbers through the chain")
 
 
 def text_of(problem, answer):

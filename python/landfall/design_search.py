@@ -10,6 +10,7 @@ import warnings
 
 from landfall import model, runs, schema
 from landfall.design import Look, PLACE, failures_allowed
+from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
 # Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MOST_DRAWS draws, a proof 1,000,000.
@@ -152,10 +153,21 @@ class Design:
                 failed = max(terrain.count(False) for terrain in passes)
                 if failed > allowed:
                     return [{"passed": sum(terrain), "draws": len(terrain), "exact_lower_bound": 0.0} for terrain in passes]
+            look["chain"] = self.through_the_chain(look["values"], runs.rows_of(parts[0][0])[0])
             return [{"first_seed": first, **self.merged(terrain)} for terrain in parts]
         finally:
             for scan in scans:
                 scan.done()
+
+    def through_the_chain(self, values, row):
+        """{"seed", "numbers"} of a draw on the first terrain that scan-sim, regrid and dem-eval make again: every number must be the same."""
+        configs = model.set_values(self.problem.configs(values), {model.SEED: row["seed"], **{key: row[key] for key in self.problem.vary}})
+        numbers = self.runner.numbers(configs)
+        common = sorted(row.keys() & numbers.keys())
+        for name in common:
+            if row[name] != numbers[name]:
+                raise DataError(f"{self.problem.path}: {name} of the draw with the seed {row['seed']} is {row[name]}, and {numbers[name]} through the chain")
+        return {"seed": row["seed"], "numbers": len(common)}
 
     def merged(self, parts):
         """The rate of the whole campaign."""

@@ -18,7 +18,7 @@ from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
 from landfall import design, design_search, runs, tools
-from landfall.errors import UsageError
+from landfall.errors import DataError, UsageError
 
 tools.BIN = BIN
 VELOCITY = "scan.navigation_error.velocity_mps.0"
@@ -161,6 +161,15 @@ class Sequential(DesignTest):
             decisions.add(race["accepted"])
         self.assertEqual(decisions, {True, False})
 
+    def test_a_draw_that_the_chain_contradicts_ends_the_run(self):
+        problem = self.problem()
+        search = design_search.Design(problem, self.path("out"))
+        scan = runs.Scan(search.runner, problem.configs(GOOD), 1)
+        [row] = scan.rows(problem.draws(draws=1, seed=7))
+        self.assertEqual(search.through_the_chain(GOOD, row)["seed"], 7)
+        with self.assertRaisesRegex(DataError, "coverage.invalid_count of the draw with the seed 7 is -1, and"):
+            search.through_the_chain(GOOD, {**row, "coverage.invalid_count": -1})
+
     def test_seeds_never_meet(self):
         """Of the search, the tests and the proofs, by what monte-carlo is given."""
         problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
@@ -190,6 +199,8 @@ class Run(DesignTest):
         for rate in winner["proof"]:
             self.assertEqual(rate["draws"], 40)
             self.assertGreaterEqual(rate["exact_lower_bound"], 0.85)
+        self.assertEqual(winner["chain"]["seed"], winner["proof"][0]["first_seed"])
+        self.assertGreater(winner["chain"]["numbers"], 20)
         for look in answer["neighbours"]:
             self.assertLessEqual(look["cost"], winner["cost"])
             self.assertTrue(look["cost"] == winner["cost"] or not look.get("race", {}).get("accepted"), look)
