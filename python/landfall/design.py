@@ -42,6 +42,7 @@ class Problem:
         self.proof_draws = self.tree.get("proof_draws", 473)
         search = self.tree.get("search", {})
         self.candidates, self.seed, self.start = search.get("candidates", 60), search.get("seed", 1), search.get("start", [])
+        self.moves = search.get("moves", 8)
         self.vary = self.tree.get("vary", {})
         self._check()
         self.reference_cost = self.cost(self.base)
@@ -162,7 +163,7 @@ class Look:
     """The filters before the sequential test, for one candidate after another."""
 
     def __init__(self, problem, runner):
-        self.problem, self.runner = problem, runner
+        self.problem, self.runner, self.made = problem, runner, 0
 
     def __call__(self, values):
         """{"values", "cost", "stage" that refused or "draw", "reason", "violation" (above 0: refused), "margins", "passes"}."""
@@ -178,6 +179,7 @@ class Look:
         if os.path.exists(place):
             return {**result, **schema.read_json(place)}
         found = self._run(configs)
+        self.made += 1
         if found.get("code", 2) == 2:
             runs.write_json(place, found)
         return {**result, **found}

@@ -16,7 +16,6 @@ TOGETHER = 4  # candidates that are proposed together, whatever the number of wo
 # Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MOST_DRAWS draws, a proof 1,000,000.
 RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
 MOST_DRAWS = 2000
-MOST_MOVES = 8  # of the accepted candidate to a cheaper neighbour
 FIRST_ROUND = 8  # draws on each terrain, so that bad candidates cost little
 
 
@@ -80,12 +79,14 @@ class Design:
                                                            constraints_func=lambda trial: trial.user_attrs["constraints"])
                 trials = [study.ask() for _ in range(min(TOGETHER, problem.candidates - len(looks)))]
                 proposed = [{name: model.suggest(trial, name, problem.bounds(name)) for name in problem.variables} for trial in trials]
+                before = self.look.made
                 for trial, look in zip(trials, pool.map(self.look, proposed)):
                     trial.set_user_attr("constraints", [look["violation"]])
                     study.tell(trial, look["cost"])
                     looks.append(look)
-                    if self.progress:
-                        self.progress.step()
+                if self.progress:
+                    made = self.look.made - before
+                    self.progress.step(made, len(trials) - made)
         return looks
 
     # Tests by draws
@@ -179,23 +180,24 @@ class Design:
 
     def improve(self, accepted, raced):
         """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""
-        for _ in range(MOST_MOVES):
+        moves = 0
+        while True:
             tried, better = [], None
             for name, values in neighbours(self.problem, accepted["values"]):
-                look = {**self.look(values), "changed": name}
-                if look["cost"] > accepted["cost"]:
+                if self.problem.cost(self.problem.configs(values)) > accepted["cost"]:
                     continue
+                look = {**self.look(values), "changed": name}
                 if look["passes"]:
                     look = self.race(look)
-                    if look["race"]["accepted"] and look["cost"] < accepted["cost"]:
+                    if look["race"]["accepted"] and look["cost"] < accepted["cost"] and moves < self.problem.moves:
                         better = look
                         break
                 tried.append(look)
             if better is None:
                 return accepted, tried
+            moves += 1
             raced.append(better)
             accepted = better
-        return accepted, tried
 
 
 def pareto(looks):

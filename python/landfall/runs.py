@@ -8,6 +8,7 @@ import contextlib
 import fcntl
 import json
 import os
+import re
 import shutil
 import tempfile
 import threading
@@ -139,8 +140,13 @@ class Runner:
                 return tools.run_tool(words[0], *words[1:]).stdout
             except ToolError as error:
                 if error.exit_code in REFUSALS:
-                    raise
+                    raise ToolError(self._steady(str(error)), error.exit_code) from error
                 raise DataError(f"{tool} was ended from outside: {error}; the same command goes on") from error
+
+    def _steady(self, message):
+        """The message without names of files that exist only during this run."""
+        message = re.sub(re.escape(self.scratch) + r"/config-\w+\.json", "configuration", message)
+        return re.sub(re.escape(self.scratch) + r"/(?:\w+-\w+/)?", "", message)
 
     def place(self, kind, depends, extension):
         """Where the result of this kind is kept. Data files that a configuration names count with their size and time."""
