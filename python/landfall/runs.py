@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import tempfile
 import threading
 import weakref
@@ -137,7 +138,7 @@ class Runner:
                 arguments = (*arguments, "-c", file.name)
             words = [*self.prefix, tools.find(tool), *arguments, "-q", "-t", self.threads]
             try:
-                return tools.run_tool(words[0], *words[1:]).stdout
+                return tools.run_tool(words[0], *words[1:], stdin=subprocess.DEVNULL).stdout
             except ToolError as error:
                 if error.exit_code in REFUSALS:
                     raise ToolError(self._steady(str(error)), error.exit_code) from error

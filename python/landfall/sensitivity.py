@@ -162,7 +162,7 @@ def figure_of(problem, answer):
             axes.bar(places + shift, value, 0.36, color=color, label=label, yerr=error, capsize=2, error_kw={"linewidth": 0.8})
         axes.set_title(problem.outputs[name], fontsize=10, loc="left")
         axes.set_ylabel("share of\nvariance")
-        axes.set_ylim(min(0, *(max(row[kind]["low"], -0.25) for row in rows for kind in KINDS)) - 0.02, 1.05)
+        axes.set_ylim(-0.3, 1.05)
         axes.axhline(0, color="black", linewidth=0.6)
         axes.grid(axis="y", alpha=0.3)
         axes.set_axisbelow(True)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """landfall.model: its numbers are those of the chain, whatever is cached, shared or run at once; engines and Dakota use it."""
 import copy
+import io
 import json
 import os
 import subprocess
@@ -13,7 +14,7 @@ import numpy as np
 from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import dakota, model, runs, tools
+from landfall import dakota, model, progress, runs, tools
 from landfall.errors import DataError, UsageError
 from landfall.study.results import flatten
 
@@ -260,6 +261,36 @@ class Engines(ModelTest):
         for name, needs in (("openturns", model.openturns), ("optuna", model.optuna)):
             with mock.patch.dict(sys.modules, {name: None}), self.assertRaisesRegex(UsageError, f"^this needs .*apt-get install python3-{name}$"):
                 needs()
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+class ProgressTest(unittest.TestCase):
+    def test_one_line_on_a_terminal(self):
+        """Updated in place, with the time that is left by what was made now, and removed at the end."""
+        stream = Terminal()
+        with mock.patch("time.monotonic", side_effect=[0, 0, 30]):
+            shown = progress.Progress(stream)
+            shown.start("draws", 100)
+            shown.step(0, 40)
+            self.assertEqual(stream.getvalue(), "\r\033[K40 of 100 draws")
+            shown.step(10)
+        self.assertTrue(stream.getvalue().endswith("\r\033[K50 of 100 draws, about 150 s to go".replace("150 s", "2 min")), stream.getvalue())
+        shown.clear()
+        self.assertTrue(stream.getvalue().endswith("go\r\033[K"))
+        self.assertNotIn("\n", stream.getvalue())
+
+    def test_lines_elsewhere(self):
+        stream = io.StringIO()
+        shown = progress.Progress(stream)
+        shown.start("draws", 2)
+        shown.step(0, 1)
+        shown.step(0, 1)
+        shown.clear()
+        self.assertEqual(stream.getvalue(), "1 of 2 draws\n2 of 2 draws\n")
 
 
 STANDARD = """\
