@@ -216,6 +216,9 @@ class Landfall(SensitivityTest):
 
     def test_the_recipe(self):
         self.file(size=16)
+        for jobs, workers in (([], "1"), (["-j3"], "3")):
+            plan = self.make("-n", "sensitivity", "RUNNER=srun -n1", *jobs).stdout
+            self.assertRegex(plan.replace("\\\n", ""), rf'sensitivity.py {self.path("tiny.json")} --out {self.path("runs")}/sensitivity/tiny .*-j {workers} --runner "srun -n1"')
         result = self.make("sensitivity", "-j2")
         self.assertIn("80 draws, 3 groups", result.stdout)
         self.assertTrue(os.path.exists(self.path("runs", "sensitivity", "tiny", "report.html")))
