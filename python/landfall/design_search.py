@@ -187,9 +187,9 @@ class Design:
                 if self.problem.cost(self.problem.configs(values)) > accepted["cost"]:
                     continue
                 look = {**self.look(values), "changed": name}
-                if look["passes"]:
+                if look["passes"] and look["cost"] < accepted["cost"]:
                     look = self.race(look)
-                    if look["race"]["accepted"] and look["cost"] < accepted["cost"] and moves < self.problem.moves:
+                    if look["race"]["accepted"] and moves < self.problem.moves:
                         better = look
                         break
                 tried.append(look)

@@ -17,7 +17,7 @@ import re
 import numpy as np
 
 from landfall import runs
-from landfall.errors import DataError, ToolError, UsageError
+from landfall.errors import ToolError, UsageError
 from landfall.study.model import assign, plain_numbers
 
 SEED = "scan.seed"
@@ -118,7 +118,7 @@ class Model:
 
 def _parts(numbers, seeds):
     """(numbers of rows, first seed): consecutive seeds, few enough that little is lost where a run is cut off."""
-    part = []
+    part, first = [], None
     for number, seed in zip(numbers, seeds):
         if part and (seed != first + len(part) or len(part) == runs.PART_DRAWS):
             yield part, first
