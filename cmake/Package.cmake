@@ -24,7 +24,8 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS python3)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS
     "make, python3-h5py, python3-matplotlib, python3-numpy, python3-pandas, python3-xarray")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_CONTROL_EXTRA ${CMAKE_SOURCE_DIR}/packaging/postinst ${CMAKE_SOURCE_DIR}/packaging/prerm)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "gdal-bin, landfall-dev, pocl-opencl-icd | opencl-icd")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS
+    "gdal-bin, landfall-dev, pocl-opencl-icd | opencl-icd, python3-openturns, python3-optuna")
 set(CPACK_DEBIAN_TOOLS_DESCRIPTION "landfall simulates a lander's scanning lidar, builds the digital elevation
 model (DEM) that its hazard detector would see, and judges it against landing
 requirements. terrain-gen makes or imports a terrain, scan-sim scans it, regrid

@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 
-from case import BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
+from case import BASE, BIN, LIMITS, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, study
 from harness import EVAL, REGRID, Chain, run
 
 PATH = os.environ["PATH"] + ":/usr/sbin:/sbin"
@@ -61,6 +61,17 @@ class OnSlurm(StudyTest):
         self.check_same("srun")
         self.lose_a_node()
         self.check_same("batch")
+
+    def test_sensitivity(self):
+        """The recipes sensitivity and design run their tools by RUNNER: the bytes of a local run."""
+        velocity = {"scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.3}}
+        noise = {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0.01, "high": 0.02}}
+        self.write({"base": BASE, "groups": {"velocity": velocity, "noise": noise}, "outputs": {"accuracy.relative.z.max_m": "largest"}, "size": 16})
+        self.make("sensitivity", "-j2", runs="local")
+        for runs, runner in (("srun", "srun -Q -n1 -c1"), ("batch", "studies/runners/slurm-batch")):
+            self.make("sensitivity", "-j4", f"RUNNER={runner}", runs=runs)
+            for name in ("sensitivity.json", "report.html"):
+                self.assertEqual(read(self.path(runs, "sensitivity", "tiny", name)), read(self.path("local", "sensitivity", "tiny", name)), (runs, name))
 
     def lose_a_node(self):
         command = self.make_command("study-results", "-j4", "RUNNER=studies/runners/slurm-batch", runs="batch")

@@ -88,7 +88,7 @@ def truth_config(scan):
     pointing = {key: value for key, value in _object(scan, "pointing_error").items() if key in TRUE_POINTING}
     if pointing:
         truth["pointing_error"] = pointing
-    if _seed_moves_beams(scan) and "seed" in scan:
+    if seed_moves_beams(scan) and "seed" in scan:
         truth["seed"] = scan["seed"]
     return truth
 
@@ -122,7 +122,7 @@ def _object(config, key):
     return value if isinstance(value, dict) else {}
 
 
-def _seed_moves_beams(scan):
+def seed_moves_beams(scan):
     pointing = _object(scan, "pointing_error")
     scanner = _object(scan, "scanner")
     noisy_prisms = scanner.get("type") == "risley" and scanner.get("encoder_sigma_rad", 0) != 0

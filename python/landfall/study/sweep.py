@@ -183,7 +183,7 @@ def studies_of(folder):
     found = []
     for path in sorted(glob.glob(os.path.join(folder, "*.json"))):
         tree = read_json(path)
-        if isinstance(tree, dict) and STUDY_KEYS & tree.keys() and not path.endswith((".terrain.json", ".scan.json", ".draws.json")):
+        if isinstance(tree, dict) and STUDY_KEYS & tree.keys() and not path.endswith((".terrain.json", ".scan.json", ".draws.json", ".sensitivity.json", ".design.json")):
             found.append(reader.read_study(path))
     return found
 

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reports of sensitivity.py and design.py: one HTML file each that needs nothing beside it. Texts from files are escaped."""
+import json
+import os
+
+from landfall import tools
+from landfall.study.page import POLICY, cell, escaped, head, picture, table
+from landfall.study.report_study import read_text, write_page
+
+
+def write(path, title, description, sections):
+    """`sections` are (name, heading, HTML)."""
+    style = read_text(os.path.join(tools.SHARE, "lib", "report", "assets", "report.css"))
+    script = read_text(os.path.join(tools.SHARE, "lib", "report", "assets", "table.js"))
+    links = "".join(f'<a href="#{name}">{escaped(heading)}</a>' for name, heading, _ in sections)
+    body = "".join(f'<section id="{name}"><h2>{escaped(heading)}</h2>\n{text}</section>\n' for name, heading, text in sections)
+    write_page(f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escaped(title)}</title>\n'
+               f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">\n'
+               '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
+               f"<style>\n{style}</style>\n</head>\n<body>\n<header class=\"title\"><h1>{escaped(title)}</h1>\n<p>{escaped(description)}</p></header>\n"
+               f'<nav class="contents">{links}</nav>\n<main>\n{body}</main>\n<script>\n{script}</script>\n</body>\n</html>\n', path)
+
+
+def text_cell(text):
+    return f"<td>{escaped(text)}</td>"
+
+
+def image(path, caption):
+    return (f'<div class="figures"><figure class="panel wide"><figcaption>{escaped(caption)}</figcaption>'
+            f'<img src="data:image/png;base64,{picture(path)}" alt="{escaped(caption)}"></figure></div>\n')
+
+
+def configuration(problem, version):
+    """The file and the version that made the answer."""
+    return (f"<p>Tools: <code>{escaped(version.strip())}</code></p>\n<details><summary>{escaped(os.path.basename(problem.path))}</summary>"
+            f"<pre>{escaped(json.dumps(problem.tree, indent=1))}</pre></details>\n")
+
+
+def sensitivity_sections(problem, answer, figure, version):
+    found = f"<p>{answer['draws']:,} draws, {len(problem.groups)} groups, {answer['points']} points; estimator: {escaped(answer['estimator'])}.</p>\n"
+    if answer["points_left_out"]:
+        found += (f"<p class=\"note\">{answer['points_left_out']} of {problem.size} points are left out, because a draw failed or a metric has no value.</p>\n"
+                  + "".join(f"<pre>{escaped(why)}</pre>\n" for why in answer["failures"]))
+    for name, output in answer["outputs"].items():
+        found += f"<h3>{escaped(problem.outputs[name])}</h3>\n<p><code>{escaped(name)}</code>: mean {output['mean']:.4g}, standard deviation {output['std']:.3g}</p>\n"
+        if output["groups"] is None:
+            found += "<p>The same in all draws.</p>\n"
+            continue
+        heads = [head("group"), head("first order", True), head("95 % interval", True), head("total", True), head("95 % interval", True)]
+        found += table(heads, [[text_cell(row["group"]), *_index_cells(row["first"]), *_index_cells(row["total"])] for row in output["groups"]])
+    return [("indices", "Sobol indices", found), ("figure", "Figure", image(figure, "Sobol indices with 95 % intervals")),
+            ("groups", "Groups", _groups(problem)), ("provenance", "Provenance", configuration(problem, version))]
+
+
+def _index_cells(index):
+    return [cell(index["value"], f"{index['value']:.3f}"), cell(index["low"], f"{index['low']:.3f} to {index['high']:.3f}")]
+
+
+def _groups(problem):
+    rows = []
+    for group, keys in problem.tree["groups"].items():
+        for key, given in keys.items():
+            numbers = ", ".join(f"{name} {value:g}" for name, value in given.items() if name != "type")
+            rows.append([text_cell(group), f"<td><code>{escaped(key)}</code></td>", text_cell(f"{given['type']}: {numbers}")])
+    rows.append([text_cell(problem.groups[-1]), "<td><code>scan.seed</code></td>", text_cell("another seed in each point")])
+    return table([head("group"), head("key"), head("distribution")], rows)

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The search of landfall.design: Optuna proposes candidates; a sequential test compares those on the Pareto front by many draws;
+neighbours of the one that is accepted are tried; fresh draws judge it.
+
+The answer depends on the design file alone: not on the number of workers, nor on a run that was cut off.
+"""
+import math
+import os
+import warnings
+
+from landfall import model, runs, schema
+from landfall.design import Look, PLACE, failures_allowed
+from landfall.errors import DataError
+
+TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
+# Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MOST_DRAWS draws, a proof 1,000,000.
+RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
+MOST_DRAWS = 2000
+FIRST_ROUND = 8  # draws on each terrain, so that bad candidates cost little
+
+
+class Design:
+    """A design run in `folder`."""
+
+    def __init__(self, problem, folder, workers=1, prefix=(), progress=None):
+        self.problem, self.workers, self.progress = problem, workers, progress
+        self.runner = runs.Runner(folder, 0 if workers == 1 else 1, prefix)
+        self.look = Look(problem, self.runner)
+        self.proofs = 0
+
+    def run(self):
+        """The answer, a tree of JSON."""
+        looks = self.search()
+        front = pareto(looks)
+        raced, tried, winner, failed = [], [], None, []
+        for look in (look for look in front if look["passes"]):
+            found = self.race(look)
+            raced.append(found)
+            if not found["race"]["accepted"]:
+                continue
+            found, around = self.improve(found, raced)
+            if found["values"] in failed:
+                continue
+            found["proof"] = self.prove(found)
+            if all(rate["exact_lower_bound"] >= self.problem.probability for rate in found["proof"]):
+                winner, tried = found, around
+                break
+            failed.append(found["values"])
+        answer = {"format": "landfall.design", "version": 1, "title": self.problem.title, "probability": self.problem.probability,
+                  "requirement": self.problem.requirement, "reference_cost": self.problem.reference_cost, "base": self.look({}), "candidates": looks,
+                  "front": front, "raced": raced, "winner": winner, "neighbours": tried, "proofs": self.proofs}
+        if winner:
+            answer["cost_frac"] = winner["cost"] / self.problem.reference_cost
+            answer["active"] = max(winner["margins"], key=winner["margins"].get)
+        return answer
+
+    def say(self, text):
+        if self.progress:
+            self.progress.say(text)
+
+    def percent(self, look):
+        return f"{100 * look['cost'] / self.problem.reference_cost:.1f} % of the base's cost"
+
+    def search(self):
+        """All candidates that were looked at, in order."""
+        problem, module = self.problem, model.optuna()
+        module.logging.set_verbosity(module.logging.WARNING)
+        warnings.filterwarnings("ignore", category=module.exceptions.ExperimentalWarning)
+        study = module.create_study()
+        for values in problem.start[:problem.candidates]:
+            study.enqueue_trial(values)
+        looks, random = [], max(len(problem.start) + 8, problem.candidates // 4)
+        if self.progress:
+            self.progress.start("candidates", problem.candidates)
+        with model.Workers(self.workers) as pool:
+            while len(looks) < problem.candidates:
+                # A sampler of its own for each step: its random numbers follow from the number of candidates so far.
+                study.sampler = module.samplers.TPESampler(seed=problem.seed + len(looks), n_startup_trials=random, multivariate=True, constant_liar=True,
+                                                           constraints_func=lambda trial: trial.user_attrs["constraints"])
+                trials = [study.ask() for _ in range(min(TOGETHER, problem.candidates - len(looks)))]
+                proposed = [{name: model.suggest(trial, name, problem.bounds(name)) for name in problem.variables} for trial in trials]
+                before = self.look.made
+                for trial, look in zip(trials, pool.map(self.look, proposed)):
+                    trial.set_user_attr("constraints", [look["violation"]])
+                    study.tell(trial, look["cost"])
+                    looks.append(look)
+                if self.progress:
+                    made = self.look.made - before
+                    self.progress.step(made, len(trials) - made)
+        return looks
+
+    # Tests by draws
+
+    def campaigns(self, values):
+        """A traced scan for each terrain."""
+        return [runs.Scan(self.runner, self.problem.configs(values, terrain), 1) for terrain in range(len(self.problem.terrains))]
+
+    def part(self, scan, draws, begin, end):
+        """The file of the draws begin..end-1 of a campaign; an earlier run may have made it."""
+        path = self.runner.place("part", [scan.configs, draws, begin, end], "h5")
+        if not os.path.exists(path):
+            scan.campaign(draws, path, "--draws", f"{begin}:{end}")
+        return path
+
+    def rounds(self, scans, draws, sizes):
+        """For each terrain the passes of its draws so far, after each round of draws on all of them."""
+        passes, parts, begin = [[] for _ in scans], [[] for _ in scans], 0
+        for size in sizes:
+            end = min(begin + size, draws["draws"])
+            with model.Workers(self.workers) as pool:
+                paths = list(pool.map(lambda scan: self.part(scan, draws, begin, end), scans))  # pylint: disable=cell-var-from-loop
+            for terrain, path in enumerate(paths):
+                passes[terrain] += [self.problem.passes(row) for row in runs.rows_of(path)]
+                parts[terrain].append(path)
+            begin = end
+            yield passes, parts
+            if end == draws["draws"]:
+                return
+
+    def race(self, look):
+        """The look with "race": the sequential test of P(pass) on every terrain; the first terrain that rejects decides."""
+        rule = {"p0": self.problem.probability, "p1": 1 - 3 * (1 - self.problem.probability), "alpha": 0.05, "beta": 0.05}
+        rule |= self.problem.tree.get("race", {})
+        draws = self.problem.draws(draws=MOST_DRAWS, seed=RACE_SEED)
+        scans = self.campaigns(look["values"])
+        self.say(f"sequential test of {self.percent(look)}")
+        try:
+            for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MOST_DRAWS)]):
+                ends = [sprt(terrain, **rule) for terrain in passes]
+                rejecting = [terrain for terrain, (accepted, _) in enumerate(ends) if accepted is False]
+                if rejecting or all(accepted for accepted, _ in ends):
+                    break
+        finally:
+            for scan in scans:
+                scan.done()
+        worst = rejecting[0] if rejecting else min(range(len(ends)), key=lambda terrain: sum(passes[terrain]) / len(passes[terrain]))
+        counts = [{"passed": sum(terrain[:count]), "draws": count} for terrain, (_, count) in zip(passes, ends)]
+        return {**look, "race": {**rule, "accepted": not rejecting and all(accepted for accepted, _ in ends), "terrain": worst, "terrains": counts}}
+
+    def prove(self, look):
+        """The rates of fresh draws on every terrain, as monte-carlo states them. Ends early where they can no longer suffice."""
+        first = PROOF_SEED + PROOF_STEP * self.proofs
+        self.proofs += 1
+        allowed = failures_allowed(self.problem.probability, self.problem.proof_draws)
+        draws = self.problem.draws(draws=self.problem.proof_draws, seed=first)
+        scans = self.campaigns(look["values"])
+        count = math.ceil(self.problem.proof_draws / runs.PART_DRAWS)
+        if self.progress:
+            self.progress.start("rounds of fresh draws", count)
+        try:
+            for passes, parts in self.rounds(scans, draws, [runs.PART_DRAWS] * count):
+                if self.progress:
+                    self.progress.step()
+                failed = max(terrain.count(False) for terrain in passes)
+                if failed > allowed:
+                    return [{"passed": sum(terrain), "draws": len(terrain), "exact_lower_bound": 0.0} for terrain in passes]
+            look["chain"] = self.through_the_chain(look["values"], runs.rows_of(parts[0][0])[0])
+            return [{"first_seed": first, **self.merged(terrain)} for terrain in parts]
+        finally:
+            for scan in scans:
+                scan.done()
+
+    def through_the_chain(self, values, row):
+        """{"seed", "numbers"} of a draw on the first terrain that scan-sim, regrid and dem-eval make again: every number must be the same."""
+        configs = model.set_values(self.problem.configs(values), {model.SEED: row["seed"], **{key: row[key] for key in self.problem.vary}})
+        numbers = self.runner.numbers(configs)
+        common = sorted(row.keys() & numbers.keys())
+        for name in common:
+            if row[name] != numbers[name]:
+                raise DataError(f"{self.problem.path}: {name} of the draw with the seed {row['seed']} is {row[name]}, and {numbers[name]} through the chain")
+        return {"seed": row["seed"], "numbers": len(common)}
+
+    def merged(self, parts):
+        """The rate of the whole campaign."""
+        verdict = os.path.join(self.runner.scratch, "verdict.json")
+        self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
+        tree = schema.read_json(verdict)
+        rates = {rate["requirement"]: rate for rate in tree["rates"]}
+        return {**(tree["hazard"]["chosen_place_safe"] if self.problem.requirement == PLACE else rates["all"]), "rates": tree["rates"]}
+
+    def improve(self, accepted, raced):
+        """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""
+        moves = 0
+        while True:
+            tried, better = [], None
+            for name, values in neighbours(self.problem, accepted["values"]):
+                if self.problem.cost(self.problem.configs(values)) > accepted["cost"]:
+                    continue
+                look = {**self.look(values), "changed": name}
+                if look["passes"] and look["cost"] < accepted["cost"]:
+                    look = self.race(look)
+                    if look["race"]["accepted"] and moves < self.problem.moves:
+                        better = look
+                        break
+                tried.append(look)
+            if better is None:
+                return accepted, tried
+            moves += 1
+            raced.append(better)
+            accepted = better
+
+
+def pareto(looks):
+    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost."""
+    front = []
+    for look in sorted((look for look in looks if look["stage"] == "draw"), key=lambda look: (look["cost"], look["violation"])):
+        if not front or look["violation"] < front[-1]["violation"]:
+            front.append(look)
+    return front
+
+
+def sprt(passes, p0, p1, alpha, beta):
+    """Wald's test, as monte-carlo's (docs/user/monte-carlo.md): (True accepted, False rejected or None, draws that it took)."""
+    up, down = math.log((1 - beta) / alpha) - 1e-9, math.log(beta / (1 - alpha)) + 1e-9  # tolerance of D305
+    step = {True: math.log(p1 / p0), False: math.log((1 - p1) / (1 - p0))}
+    counts = {True: 0, False: 0}
+    for count, passed in enumerate(passes, 1):
+        counts[passed] += 1
+        ratio = counts[True] * step[True] + counts[False] * step[False]
+        if ratio <= down or ratio >= up:
+            return ratio <= down, count
+    return None, len(passes)
+
+
+def neighbours(problem, values):
+    """(name of the variable that differs, values): one step down and up of each variable, or each of its other values."""
+    for name, variable in problem.variables.items():
+        if "values" in variable:
+            others = [value for value in variable["values"] if value != values[name]]
+        else:
+            step = variable.get("step", 1 if variable.get("integer") else (variable["high"] - variable["low"]) / 20)
+            others = [value for value in (values[name] - step, values[name] + step) if variable["low"] <= value <= variable["high"]]
+        for value in others:
+            yield name, {**values, name: value}

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs of the tools for model.py and design.py: one DEM through the chain, or many draws of one traced scan.
+
+Results are kept in `folder`/cache under the hash of all that they depend on: a run that was cut off goes on, equal work is done
+once, and the answer does not depend on what was there before.
+"""
+import contextlib
+import fcntl
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import threading
+import weakref
+
+import h5py
+
+from landfall import command, schema, tools
+from landfall.errors import DataError, ToolError, UsageError
+from landfall.study import results, stages
+from landfall.study.model import plain_numbers, with_full_paths
+
+STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
+TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
+# Of a scan with a receiver: what its stored echoes depend on (docs/user/scan-sim.md).
+ECHO_SECTIONS = ("beam", "surface", "link", "receiver")
+ECHO_KEYS = ("type", "pulse_fwhm_s", "threshold_pe", "fraction", "returns", "max_returns")
+REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; others, as of a killed tool, tell nothing about the input
+PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
+
+
+def read_base(tree, folder, name, where="/base"):
+    """{stage: resolved configuration}. Each is given as an object, the name of its file in `folder`, or preset:NAME.
+
+    All defaults are filled in by the tools, so that every key has a value. `hazard` is there only if it is given.
+    """
+    for stage in tree:
+        if stage not in STAGES:
+            raise UsageError(f"{name}: {where}/{stage}: unknown key; the stages are {', '.join(STAGES)}")
+    return {stage: resolved(stage, _config(tree.get(stage, {}), stage, folder)) for stage in STAGES if stage != "hazard" or stage in tree}
+
+
+def _config(given, stage, folder):
+    if isinstance(given, dict):
+        return plain_numbers(with_full_paths(given, folder))
+    path = os.path.join(folder, given)
+    if given.startswith("preset:"):
+        path = os.path.join(tools.SHARE, "studies", "presets", f"{given.removeprefix('preset:')}.{stage}.json")
+    return plain_numbers(with_full_paths(schema.read_json(path), os.path.dirname(os.path.abspath(path))))
+
+
+def resolved(stage, config):
+    """A configuration with all defaults. Throws ToolError with the tool's message if it refuses it."""
+    return json.loads(tools.run_tool(tools.find(TOOL_OF[stage]), "-c", "-", "--print-config", "-q", input=json.dumps(config)).stdout)
+
+
+def is_redrawn(key):
+    """Whether a key of a scan changes errors alone, so that monte-carlo draws it anew over the traced rays."""
+    stage, section, *rest = key.split(".")
+    if stage != "scan" or not rest:
+        return False
+    return (section in ("noise", "navigation_error") or (section == "pointing_error" and rest[0] not in stages.TRUE_POINTING)
+            or (section == "receiver" and rest[0] not in ECHO_KEYS))
+
+
+def needs_chain(scan):
+    """Whether a scan's errors cannot be drawn anew: the seed moves the beams, or the receiver needs whole waveforms."""
+    receiver = scan.get("receiver", {})
+    return stages.seed_moves_beams(scan) or receiver.get("type") == "geiger" or receiver.get("returns") == "all"
+
+
+def truth_of(scan):
+    """The scan that is traced for a campaign."""
+    truth = stages.truth_config(scan)
+    if stages.has_receiver(scan):
+        truth |= {section: scan[section] for section in ECHO_SECTIONS if section in scan}
+    return truth
+
+
+def _lock(folder):
+    """The locked file of a run's folder; None while its run holds it."""
+    file = open(os.path.join(folder, "lock"), "w", encoding="utf-8")  # pylint: disable=consider-using-with
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        return None
+    return file
+
+
+def _close_scratch(folder, lock):
+    shutil.rmtree(folder, ignore_errors=True)
+    lock.close()
+
+
+def write_json(path, value):
+    def write_to(name):
+        with open(name, "w", encoding="utf-8") as file:
+            json.dump(value, file, indent=1)
+            file.write("\n")
+    command.write_whole(path, write_to)
+
+
+class Runner:
+    """Runs tools in `folder`. `prefix` is a command that runs another one elsewhere, such as ["srun", "-Q", "-n1", "-c1"]: the
+    folder must then be shared. `threads` of each tool; 0: all cores."""
+
+    def __init__(self, folder, threads=0, prefix=()):
+        self.folder, self.threads, self.prefix = os.path.abspath(folder), threads, list(prefix)
+        self.cache = os.path.join(self.folder, "cache")
+        os.makedirs(self.cache, exist_ok=True)
+        self.scratch = self._open_scratch()
+        self.version = tools.run_tool(tools.find("monte-carlo"), "--version").stdout
+        self._locks, self._lock = {}, threading.Lock()
+
+    def _open_scratch(self):
+        """A folder for what exists only during this run; those of killed runs, which hold no lock, are removed."""
+        with open(os.path.join(self.folder, ".lock"), "w", encoding="utf-8") as all_runs:
+            fcntl.flock(all_runs, fcntl.LOCK_EX)
+            for name in os.listdir(self.folder):
+                path = os.path.join(self.folder, name)
+                lock = _lock(path) if name.startswith(".run-") else None
+                if lock:
+                    _close_scratch(path, lock)
+            scratch = tempfile.mkdtemp(dir=self.folder, prefix=".run-")
+            weakref.finalize(self, _close_scratch, scratch, _lock(scratch))
+        return scratch
+
+    def run(self, tool, *arguments, config=None):
+        """What the tool prints. Throws ToolError, or DataError if it was killed."""
+        with contextlib.ExitStack() as stack:
+            if config is not None:
+                file = stack.enter_context(tempfile.NamedTemporaryFile("w", dir=self.scratch, prefix="config-", suffix=".json"))
+                json.dump(config, file)
+                file.flush()
+                arguments = (*arguments, "-c", file.name)
+            words = [*self.prefix, tools.find(tool), *arguments, "-q", "-t", self.threads]
+            try:
+                return tools.run_tool(words[0], *words[1:], stdin=subprocess.DEVNULL).stdout
+            except ToolError as error:
+                if error.exit_code in REFUSALS:
+                    raise ToolError(self._steady(str(error)), error.exit_code) from error
+                raise DataError(f"{tool} was ended from outside: {error}; the same command goes on") from error
+
+    def _steady(self, message):
+        """The message without names of files that exist only during this run."""
+        message = re.sub(re.escape(self.scratch) + r"/config-\w+\.json", "configuration", message)
+        return re.sub(re.escape(self.scratch) + r"/(?:\w+-\w+/)?", "", message)
+
+    def place(self, kind, depends, extension):
+        """Where the result of this kind is kept. Data files that a configuration names count with their size and time."""
+        files = []
+        for path in sorted(set(stages.data_files(depends))):
+            status = os.stat(path)
+            files.append([path, status.st_size, status.st_mtime_ns])
+        return os.path.join(self.cache, f"{kind}-{stages.short_hash(kind, stages.canonical(depends), stages.canonical(files), self.version)}.{extension}")
+
+    def cached(self, kind, depends, compute):
+        """compute() or its earlier result, a JSON value."""
+        path = self.place(kind, depends, "json")
+        if not os.path.exists(path):
+            write_json(path, compute())
+        return schema.read_json(path)
+
+    @contextlib.contextmanager
+    def alone(self, path):
+        """One thread at a time makes a file."""
+        with self._lock:
+            lock = self._locks.setdefault(path, threading.Lock())
+        with lock:
+            yield
+
+    def terrain(self, config):
+        """The path of a terrain, which is kept."""
+        path = self.place("terrain", config, "h5")
+        with self.alone(path):
+            if not os.path.exists(path):
+                self.run("terrain-gen", "-o", path, "-O", config=config)
+        return path
+
+    def numbers(self, configs):
+        """All numbers of one DEM, through the chain: {name of a metric: value or None}."""
+        return self.cached("chain", [configs[stage] for stage in configs], lambda: self._chain(configs))
+
+    def _chain(self, configs):
+        terrain = self.terrain(configs["terrain"])
+        with tempfile.TemporaryDirectory(dir=self.scratch, prefix="chain-") as folder:
+            scan, dem, metrics, score, sites, hazards = (os.path.join(folder, name) for name in (
+                "scan.h5", "dem.h5", "metrics/m.json", "score/s.json", "sites/s.json", "hazards.h5"))
+            for path in (metrics, score, sites):
+                os.mkdir(os.path.dirname(path))
+            self.run("scan-sim", "--terrain", terrain, "-o", scan, config=configs["scan"])
+            self.run("regrid", scan, "--terrain", terrain, "-o", dem, config=configs["regrid"])
+            self.run("dem-eval", dem, "--metrics", metrics, "--metrics-only", config=configs["eval"])
+            found = results.read_result(folder, "metrics/m.json")
+            if "hazard" in configs:
+                self.run("hazard-map", dem, "--terrain", terrain, "--score", score, "--sites", sites, "-o", hazards, config=configs["hazard"])
+                found |= results.read_result(folder, "score/s.json")
+            return found
+
+
+class Scan:
+    """A scan that is traced without errors when the first user needs it, and removed after the last one."""
+
+    def __init__(self, runner, configs, users):
+        self.runner, self.configs, self.users = runner, configs, users
+        truth = truth_of(configs["scan"])
+        self.place = os.path.join(runner.scratch, os.path.basename(runner.place("scan", [configs["terrain"], truth], "h5")))
+        self._truth, self._lock = truth, threading.Lock()
+
+    def path(self):
+        terrain = self.runner.terrain(self.configs["terrain"])
+        with self.runner.alone(self.place):
+            if not os.path.exists(self.place):
+                echoes = ["--keep-echoes"] if stages.has_receiver(self.configs["scan"]) else []
+                self.runner.run("scan-sim", "--terrain", terrain, "-o", self.place, "-O", *echoes, config=self._truth)
+        return self.place
+
+    def done(self):
+        """To be called once by each user."""
+        with self._lock:
+            self.users -= 1
+            if self.users == 0 and os.path.exists(self.place):
+                os.remove(self.place)
+
+    def campaign(self, draws, output, *arguments):
+        """Writes `output`, the draws over the scan with monte-carlo's configuration `draws`."""
+        configs = self.configs
+        config = {"layers": False, "regrid": configs["regrid"], "eval": configs["eval"], "hazard": configs.get("hazard"), **draws}
+        config["scan"] = {**stages.errors_config(configs["scan"]), **draws.get("scan", {})}
+        terrain, scan = self.runner.terrain(configs["terrain"]), self.path()
+        self.runner.run("monte-carlo", scan, "--terrain", terrain, "-o", output, "-O", *arguments, config=config)
+
+    def rows(self, draws, *arguments, samples=None):
+        """The numbers of each draw: [{name: value, None where it has none}]. `samples` are (keys, rows of values)."""
+        with tempfile.TemporaryDirectory(dir=self.runner.scratch, prefix="draws-") as folder:
+            if samples is not None:
+                table = os.path.join(folder, "samples.csv")
+                with open(table, "w", encoding="utf-8") as file:
+                    file.writelines(",".join(row) + "\n" for row in [samples[0], *([repr(float(value)) for value in values] for values in samples[1])])
+                arguments = (*arguments, "--samples", table)
+            path = os.path.join(folder, "draws.h5")
+            self.campaign(draws, path, *arguments)
+            return rows_of(path)
+
+
+def rows_of(path):
+    """The rows of a file of draws: [{name: value, None where it has none}]."""
+    with h5py.File(path) as file:
+        columns = {name: column[()].tolist() for name, column in file["draws"].items() if isinstance(column, h5py.Dataset)}
+    names = list(columns)
+    return [{name: None if value != value else value for name, value in zip(names, values)} for values in zip(*columns.values())]

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sobol indices of groups of errors: which cause makes the numbers of a DEM vary (docs/user/studies/sensitivity.md).
+
+OpenTURNS makes the sample and estimates indices and intervals; landfall.model computes the draws.
+"""
+import csv
+import os
+import shlex
+
+import numpy as np
+
+from landfall import command, model, progress, runs, schema, tools
+from landfall.errors import DataError, UsageError
+
+RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
+KINDS = {"first": "first order", "total": "total"}
+PARTS = ("value", "low", "high")
+ESTIMATORS = {"martinez": "MartinezSensitivityAlgorithm", "saltelli": "SaltelliSensitivityAlgorithm", "jansen": "JansenSensitivityAlgorithm",
+              "mauntz-kucherenko": "MauntzKucherenkoSensitivityAlgorithm"}
+LEAST_POINTS = 16
+
+
+class Problem:
+    """A sensitivity file (schemas/sensitivity.schema.json)."""
+
+    def __init__(self, path):
+        self.path, self.tree = path, schema.read_json(path)
+        schema.check(self.tree, schema.read_json(os.path.join(tools.SHARE, "schemas", "sensitivity.schema.json")), path)
+        self.base = runs.read_base(self.tree["base"], os.path.dirname(os.path.abspath(path)), path)
+        self.title = self.tree.get("title", os.path.basename(path).removesuffix(".json"))
+        self.outputs, self.size, self.seed = self.tree["outputs"], self.tree.get("size", 128), self.tree.get("seed", 1)
+        self.groups = [*self.tree["groups"], RANDOM]
+        self.keys = [(group, key) for group, keys in self.tree["groups"].items() for key in keys]
+        names = [key for _, key in self.keys]
+        for group, key in self.keys:
+            if names.count(key) > 1 or key == model.SEED:
+                raise UsageError(f"{path}: /groups/{group}/{key}: " + ("is the key of the group \"random numbers\", which is always there"
+                                                                       if key == model.SEED else "is given twice"))
+        self.marginals = [self._distribution(group, key) for group, key in self.keys]
+
+    def _distribution(self, group, key):
+        module, given, where = model.openturns(), self.tree["groups"][group][key], f"{self.path}: /groups/{group}/{key}"
+        if group == RANDOM:
+            raise UsageError(f"{self.path}: /groups/{group}: this group is always there; give yours another name")
+        allowed = ("type", "mean", "sigma") if given["type"] == "normal" else ("type", "low", "high")
+        for name in given:
+            if name not in allowed:
+                raise UsageError(f"{where}/{name}: is not a key of the type {given['type']}, which has {', '.join(allowed[1:])}")
+        if given["type"] == "normal":
+            if not given.get("sigma", 0) > 0:
+                raise UsageError(f"{where}/sigma: {given.get('sigma')} is not > 0")
+            return module.Normal(float(given.get("mean", 0)), float(given["sigma"]))
+        if not given.get("low", 0) < given.get("high", 0):
+            raise UsageError(f"{where}/low: {given.get('low')} is not < high, {given.get('high')}")
+        return module.Uniform(float(given["low"]), float(given["high"]))
+
+    def draw_count(self):
+        return self.size * (len(self.groups) + 2)
+
+    def design(self):
+        """The sample: points A, points B, and for each group the points A with the group's columns from B; a row per draw, a column
+        per key and the seed last. A has the seeds seed, seed + 1, ..., B the next ones."""
+        module, count = model.openturns(), len(self.keys)
+        module.RandomGenerator.SetSeed(self.seed)
+        # A and B are the halves of one sequence of low discrepancy in twice the dimension, shifted at random.
+        experiment = module.LowDiscrepancyExperiment(module.SobolSequence(), module.ComposedDistribution(2 * self.marginals), self.size)
+        experiment.setRandomize(True)
+        points = np.array(experiment.generate())
+        seeds = self.seed + np.arange(2 * self.size).reshape(2, self.size, 1)
+        first, second = np.hstack([points[:, :count], seeds[0]]), np.hstack([points[:, count:], seeds[1]])
+        columns = np.array([group for group, _ in self.keys] + [RANDOM])
+        return np.vstack([first, second, *(np.where(columns == group, second, first) for group in self.groups)])
+
+
+def indices(values, group_count, estimator="martinez"):
+    """Of one output, values in the order of Problem.design(): for each group its first-order and total index, with 95 % intervals."""
+    module, size = model.openturns(), len(values) // (group_count + 2)
+    # The algorithm computes from the outputs alone; from the inputs it takes the number of groups.
+    inputs = module.Sample(np.zeros((len(values), group_count)).tolist())
+    outputs = module.Sample((values - np.mean(values))[:, None].tolist())
+    algorithm = getattr(module, ESTIMATORS[estimator])(inputs, outputs, size)
+    algorithm.setUseAsymptoticDistribution(True)
+    algorithm.setConfidenceLevel(0.95)
+    found = {"first": (algorithm.getFirstOrderIndices(), algorithm.getFirstOrderIndicesInterval()),
+             "total": (algorithm.getTotalOrderIndices(), algorithm.getTotalOrderIndicesInterval())}
+    return [{kind: dict(zip(PARTS, (value[i], interval.getLowerBound()[i], interval.getUpperBound()[i]))) for kind, (value, interval) in found.items()}
+            for i in range(group_count)]
+
+
+def usable(table, size):
+    """Which points of the base sample have all numbers in all of their draws."""
+    known = np.all(np.isfinite(table), axis=1)
+    return np.all(known.reshape(-1, size), axis=0)
+
+
+def analyse(problem, of):
+    """{"outputs": {name: {"mean", "std", "groups": [{"group", "first", "total"}] or None if it does not vary}}, ...}."""
+    table = of(problem.design())
+    kept = usable(table, problem.size)
+    if np.count_nonzero(kept) < LEAST_POINTS:
+        why = of.failures[min(of.failures)] if of.failures else "a metric has no value"
+        raise DataError(f"{problem.path}: only {np.count_nonzero(kept)} of {problem.size} points have all their numbers, {LEAST_POINTS} are needed; {why}")
+    table = table[np.tile(kept, len(problem.groups) + 2)]
+    answer = {"format": "landfall.sensitivity", "version": 1, "title": problem.title, "draws": problem.draw_count(), "points": int(np.count_nonzero(kept)),
+              "points_left_out": int(np.count_nonzero(~kept)), "confidence": 0.95, "estimator": problem.tree.get("estimator", "martinez"),
+              "failures": sorted(set(of.failures.values())), "outputs": {}}
+    for name, column in zip(problem.outputs, table.T):
+        independent = column[:2 * answer["points"]]  # A and B
+        groups = None
+        if np.ptp(column) > 0:
+            groups = [{"group": group, **found} for group, found in
+                      zip(problem.groups, indices(column, len(problem.groups), answer["estimator"]))]
+        answer["outputs"][name] = {"mean": float(np.mean(independent)), "std": float(np.std(independent, ddof=1)), "groups": groups}
+    return answer
+
+
+def text_of(problem, answer):
+    """The answer as a person reads it."""
+    lines = [f"{answer['draws']:,} draws, {len(problem.groups)} groups; index (95 % interval)"]
+    if answer["points_left_out"]:
+        lines.append(f"{answer['points_left_out']} of {problem.size} points left out, because a draw failed or a metric has no value: "
+                     + "; ".join(answer["failures"] or ["no value"]))
+    for name, output in answer["outputs"].items():
+        lines += ["", f"{problem.outputs[name]}: mean {output['mean']:.4g}, standard deviation {output['std']:.3g}"]
+        if output["groups"] is None:
+            lines.append("  the same in all draws")
+            continue
+        lines.append(f"  {'group':18}" + "".join(f"{label:>24}" for label in KINDS.values()))
+        lines += [f"  {row['group']:18}" + "".join(f"{interval_text(row[kind]):>24}" for kind in KINDS) for row in output["groups"]]
+    return "\n".join(lines)
+
+
+def interval_text(index):
+    return f"{index['value']:.2f} ({index['low']:.2f} to {index['high']:.2f})"
+
+
+def write_csv(path, answer):
+    def write_to(name):
+        with open(name, "w", encoding="utf-8", newline="") as file:
+            rows = csv.writer(file, lineterminator="\n")
+            rows.writerow(["output", "group", *(f"{kind}_{part}" for kind in KINDS for part in PARTS)])
+            for output, found in answer["outputs"].items():
+                rows.writerows([output, row["group"], *(row[kind][part] for kind in KINDS for part in PARTS)] for row in found["groups"] or [])
+    command.write_whole(path, write_to)
+
+
+def figure_of(problem, answer):
+    """A panel per output: bars of both indices with their intervals."""
+    from matplotlib.figure import Figure
+
+    from landfall import maps
+
+    shown = {name: output["groups"] for name, output in answer["outputs"].items() if output["groups"]}
+    figure = Figure(figsize=(9, 1.2 + 2.3 * max(len(shown), 1)), constrained_layout=True)
+    panels = figure.subplots(max(len(shown), 1), 1, squeeze=False, sharex=True)[:, 0]
+    places = np.arange(len(problem.groups))
+    for axes, (name, rows) in zip(panels, shown.items()):
+        for shift, kind, color, label in ((-0.19, "first", maps.BLUE, "first order: the group alone"),
+                                          (0.19, "total", maps.VERMILION, "total: with its interactions")):
+            value, low, high = (np.array([row[kind][part] for row in rows]) for part in PARTS)
+            error = np.maximum([value - low, high - value], 0)
+            axes.bar(places + shift, value, 0.36, color=color, label=label, yerr=error, capsize=2, error_kw={"linewidth": 0.8})
+        axes.set_title(problem.outputs[name], fontsize=10, loc="left")
+        axes.set_ylabel("share of\nvariance")
+        axes.set_ylim(-0.3, 1.05)
+        axes.axhline(0, color="black", linewidth=0.6)
+        axes.grid(axis="y", alpha=0.3)
+        axes.set_axisbelow(True)
+    panels[-1].set_xticks(places, problem.groups, rotation=25, ha="right", rotation_mode="anchor")
+    if shown:
+        panels[0].legend(fontsize=8)
+    figure.suptitle(f"{problem.title}\nSobol indices with 95 % intervals, {answer['draws']:,} draws", fontsize=11)
+    return figure
+
+
+def parse(arguments):
+    parser = command.Parser(prog="sensitivity.py", description="Sobol indices of groups of errors.")
+    add_run_options(parser, "sensitivity file (docs/user/studies/sensitivity.md)")
+    return parser.parse_args(arguments)
+
+
+def add_run_options(parser, what):
+    """The options that sensitivity.py and design.py share."""
+    parser.add_argument("file", metavar="FILE", help=what)
+    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; a run that was cut off goes on there")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
+    parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
+
+
+def prepare(options):
+    """Checks the options, and returns the prefix of the tools."""
+    if options.workers < 1:
+        raise UsageError(f"--workers {options.workers}: is not >= 1")
+    if options.bin:
+        tools.BIN = options.bin
+    os.makedirs(options.out, exist_ok=True)
+    return shlex.split(options.runner)
+
+
+def main(arguments):
+    options = parse(arguments)
+    model.openturns()
+    prefix = prepare(options)
+    problem = Problem(options.file)
+    of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, options.out, options.workers, prefix,
+                     progress.Progress())
+    answer = analyse(problem, of)
+    runs.write_json(os.path.join(options.out, "sensitivity.json"), answer)
+    write_csv(os.path.join(options.out, "sensitivity.csv"), answer)
+    from landfall import answer_page, plots
+
+    figure = os.path.join(options.out, "sensitivity.png")
+    plots.save({figure: figure_of(problem, answer)}, 150)
+    answer_page.write(os.path.join(options.out, "report.html"), problem.title, problem.tree.get("description", ""),
+                      answer_page.sensitivity_sections(problem, answer, figure, of.runner.version))
+    print(text_of(problem, answer))

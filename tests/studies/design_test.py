@@ -1,0 +1,260 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""design.py on a small lidar: what its filters refuse, that its winner passes and its neighbours do not, and that neither a kill nor
+a second worker changes the answer."""
+import copy
+import json
+import math
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from unittest import mock
+
+from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
+
+# pylint: disable=wrong-import-order
+from landfall import design, design_search, runs, tools
+from landfall.errors import DataError, UsageError
+
+tools.BIN = BIN
+VELOCITY = "scan.navigation_error.velocity_mps.0"
+VARIABLES = {"lines": {"integer": True, "low": 8, "high": 24, "keys": ["scan.scanner.pattern.rows"]},
+             "columns": {"integer": True, "low": 8, "high": 24, "keys": ["scan.scanner.pattern.columns"]},
+             "pixels": {"integer": True, "low": 4, "high": 10, "keys": ["scan.detector.rows", "scan.detector.columns"]},
+             "method": {"values": ["bilinear_nearest", "bilinear4"], "keys": ["regrid.method"]}}
+GOOD = {"lines": 20, "columns": 20, "pixels": 8, "method": "bilinear_nearest"}
+
+
+def design_file(**keys):
+    base = copy.deepcopy(BASE)
+    base["terrain"] = {"grid": {"half_width_m": 6, "resolution_m": 0.1}, "features": [{"type": "cone", "x_m": 1.5, "y_m": 0.5, "radius_m": 1, "height_m": 0.3}]}
+    base["scan"]["noise"] = {"range_sigma_m": 0.01, "dropout_frac": 0.005}
+    return {"base": base, "vary": {VELOCITY: {"type": "normal", "sigma": 0.1}}, "terrains": [{}, {"terrain.features.0.x_m": -1.23}],
+            "variables": copy.deepcopy(VARIABLES), "whole_pattern": True, "probability": 0.85, "race": {"p0": 0.95, "p1": 0.7}, "proof_draws": 40,
+            "search": {"candidates": 24, "seed": 3, "start": [GOOD]}, **keys}
+
+
+class DesignTest(StudyTest):
+    def problem(self, **keys):
+        return design.Problem(self.write(design_file(**keys)))
+
+    def look(self, problem, **values):
+        return design.Look(problem, runs.Runner(self.path("out")))({**GOOD, **values})
+
+    def run_it(self, *arguments, out="out", code=0):
+        result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path(out),
+                                 "--bin", BIN, *arguments], capture_output=True, text=True, timeout=900, check=False)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result
+
+
+class Filters(DesignTest):
+    def test_geometry(self):
+        """Frames of 4 x 5.5 cm with a pitch of 89 cm: no tool is run."""
+        problem = self.problem()
+        look = design.Look(problem, runs.Runner(self.path("out")))
+        with mock.patch.object(look.runner, "run", side_effect=AssertionError):
+            found = look({**GOOD, "lines": 10, "pixels": 4})
+        self.assertEqual((found["stage"], found["passes"]), ("geometry", False))
+        # 8 m / 9 less 0.0011 x 4 at 50 m - 5 m/s x 200 pulses / 2 kHz, in bins of 10 cm; the limit is 4 bins.
+        self.assertAlmostEqual(math.exp(found["violation"] - 1) * 4, (8 / 9 - 0.0044 * 49.5) / 0.1, delta=1e-9)
+
+    def test_plan(self):
+        found = self.look(self.problem(), lines=15, columns=15, pixels=6)
+        self.assertEqual(found["stage"], "plan")
+        self.assertGreater(found["violation"], 0)
+
+    def test_draw(self):
+        """Its margins are those of monte-carlo's first draw."""
+        problem = self.problem()
+        found = self.look(problem)
+        self.assertEqual((found["stage"], found["passes"], found["cost"]), ("draw", True, 400 * 64))
+        configs = problem.configs(GOOD)
+        scan = runs.Scan(runs.Runner(self.path("other")), configs, 1)
+        [row] = scan.rows(problem.draws(draws=1, metrics="full", seed=3))
+        self.assertEqual(found["margins"]["relative elevation"], math.log(row["accuracy.relative.z.max_m"] / 0.05))
+        self.assertEqual(found["margins"]["coverage"], max(-math.log(1000), math.log(max(row["coverage.invalid_frac"], 1e-99) / 0.01)))
+        self.assertEqual(found["violation"], max(found["margins"].values()))
+
+    def test_a_candidate_that_a_tool_refuses(self):
+        problem = self.problem(variables={"lines": VARIABLES["lines"], "tilt": {"low": 1, "high": 40, "keys": ["scan.scanner.max_deflection_deg"]}},
+                               search={"candidates": 1})
+        found = design.Look(problem, runs.Runner(self.path("out")))({"lines": 20, "tilt": 1})
+        self.assertEqual((found["stage"], found["passes"]), ("error", False))
+        self.assertRegex(found["reason"], "max_deflection_deg")
+
+    def test_costs(self):
+        configs = self.problem().configs({**GOOD, "lines": 10})
+        self.assertEqual(configs["scan"]["laser"]["scan_time_s"], 0.1)
+        for cost, expected in (({"ranges": 1}, 200 * 64), ({"pulses": 2, "pixels": 10}, 400 + 640), ({"scan_time_s": 1}, 0.1), ({"pulse_rate_hz": 1}, 2000)):
+            self.assertAlmostEqual(self.problem(cost=cost).cost(configs), expected)
+
+    def test_the_chosen_place(self):
+        """The margin of hazard-map's requirement, in a draw whose best site is safe and in one without a safe place."""
+        file = design_file(requirement="chosen place safe")
+        file["base"]["hazard"] = {"region_radius_m": 3, "sites": {"divert_radius_m": 2, "min_p": 0.9}, "touchdown_sigma_m": 0.2}
+        problem = design.Problem(self.write(file))
+        for row, margin, passes in (({"site.true_safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True),
+                                    ({"site.true_safe": 0, "site.p_touchdown": 0.95}, math.log(10), False),
+                                    ({"site.true_safe": None, "site.p_touchdown": None}, math.log(10), False)):
+            self.assertAlmostEqual(problem.margins(row)[design.PLACE], margin, delta=1e-9)
+            self.assertEqual(problem.passes(row), passes)
+        found = self.look(problem)
+        self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design.PLACE]))
+
+    def test_files_that_are_refused(self):
+        for keys, message in (({"requirement": "chosen place safe"}, "needs a configuration of hazard-map"), ({"cost": {"mass": 1}}, "/cost/mass: is not one of"),
+                              ({"proof_draws": 10}, "/proof_draws: 10 draws without a failure show less than 0.85; 19 are needed"),
+                              ({"variables": {"a": {"keys": ["scan.seed"], "low": 2, "high": 2}}}, "/variables/a: low and high are needed, and low < high"),
+                              ({"variables": {"a": {"keys": ["scan.seed"]}}}, "needs either values, or low and high"),
+                              ({"variables": {"a": {"keys": ["scan.seed"], "integer": True, "low": 1.5, "high": 2}}}, "must be whole numbers"),
+                              ({"search": {"start": [{"lines": 1}]}}, "/search/start/0: needs a value for each of lines, columns"),
+                              ({"terrains": []}, "/terrains")):
+            with self.assertRaisesRegex(UsageError, message):
+                self.problem(**keys)
+
+
+class Statistics(unittest.TestCase):
+    def test_failures_allowed(self):
+        """The table of docs/user/monte-carlo.md."""
+        self.assertEqual([design.draws_needed(0.99, failures) for failures in range(5)], [299, 473, 628, 773, 913])
+        self.assertEqual([design.failures_allowed(0.99, draws) for draws in (298, 299, 472, 473, 913)], [-1, 0, 0, 1, 4])
+
+    def test_the_sequential_test(self):
+        """Straight passes as in the table of docs/user/monte-carlo.md, and a limit that is reached exactly (D305)."""
+        for p0, p1, passes in ((0.99, 0.97, 145), (0.995, 0.99, 585), (0.95, 0.9, 55)):
+            rule = {"p0": p0, "p1": p1, "alpha": 0.05, "beta": 0.05}
+            self.assertEqual(design_search.sprt([True] * 2000, **rule), (True, passes))
+            self.assertEqual(design_search.sprt([True] * (passes - 1), **rule), (None, passes - 1))
+        self.assertEqual(design_search.sprt([False] * 9, p0=0.99, p1=0.97, alpha=0.05, beta=0.05), (False, 3))
+        self.assertEqual(design_search.sprt([True] * 9, p0=0.9, p1=0.1, alpha=0.1, beta=0.1), (True, 1))
+
+    def test_pareto(self):
+        looks = [{"stage": "draw", "cost": cost, "violation": worst} for cost, worst in ((3, -1), (1, 2), (2, 0), (2, -0.5), (4, -0.7), (1.5, 3))]
+        looks.append({"stage": "plan", "cost": 0, "violation": -9})
+        self.assertEqual([(look["cost"], look["violation"]) for look in design_search.pareto(looks)], [(1, 2), (2, -0.5), (3, -1)])
+
+
+class Sequential(DesignTest):
+    def test_it_stops_where_monte_carlo_does(self):
+        """At the same draw with the same decision, for limits that few, half and most of the draws meet."""
+        file = design_file(terrains=[{}], race={"p0": 0.6, "p1": 0.3})
+        decisions = set()
+        for limit in (0.0158, 0.0168, 0.018):
+            file["base"]["eval"]["limits"] = {"relative_elevation_m": limit}
+            problem = design.Problem(self.write(file))
+            search = design_search.Design(problem, self.path("out"))
+            race = search.race({"values": GOOD, "cost": 1})["race"]
+            verdict = self.path("verdict.json")
+            configs = problem.configs(GOOD)
+            scan = runs.Scan(search.runner, configs, 1)
+            scan.campaign(problem.draws(draws=design_search.MOST_DRAWS, seed=design_search.RACE_SEED,
+                                        stop={"type": "sprt", "p0": 0.6, "p1": 0.3, "alpha": 0.05, "beta": 0.05}),
+                          self.path("draws.h5"), "--verdict", verdict)
+            tree = json.loads(read(verdict))
+            rate = next(rate for rate in tree["rates"] if rate["requirement"] == "all")
+            self.assertEqual((race["accepted"], race["terrains"][0]), (tree["sprt"] == "accepted", {"passed": rate["passed"], "draws": rate["draws"]}))
+            decisions.add(race["accepted"])
+        self.assertEqual(decisions, {True, False})
+
+    def test_a_draw_that_the_chain_contradicts_ends_the_run(self):
+        problem = self.problem()
+        search = design_search.Design(problem, self.path("out"))
+        scan = runs.Scan(search.runner, problem.configs(GOOD), 1)
+        [row] = scan.rows(problem.draws(draws=1, seed=7))
+        self.assertEqual(search.through_the_chain(GOOD, row)["seed"], 7)
+        with self.assertRaisesRegex(DataError, "coverage.invalid_count of the draw with the seed 7 is -1, and"):
+            search.through_the_chain(GOOD, {**row, "coverage.invalid_count": -1})
+
+    def test_seeds_never_meet(self):
+        """Of the search, the tests and the proofs, by what monte-carlo is given."""
+        problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
+        search, seeds = design_search.Design(problem, self.path("out")), {}
+        campaign = runs.Scan.campaign
+
+        def spy(scan, draws, output, *arguments):
+            part = arguments[arguments.index("--draws") + 1].split(":") if "--draws" in arguments else (0, draws["draws"])
+            kind = {1: "search", design_search.MOST_DRAWS: "test"}.get(draws["draws"], "proof")
+            seeds.setdefault(kind, set()).update(range(draws["scan"]["seed"] + int(part[0]), draws["scan"]["seed"] + int(part[1])))
+            return campaign(scan, draws, output, *arguments)
+        with mock.patch.object(runs.Scan, "campaign", spy):
+            answer = search.run()
+        self.assertIsNotNone(answer["winner"])
+        self.assertEqual(set(seeds), {"search", "test", "proof"})
+        self.assertEqual([a & b for a, b in ((seeds["search"], seeds["test"]), (seeds["search"], seeds["proof"]), (seeds["test"], seeds["proof"]))], [set()] * 3)
+
+
+class Run(DesignTest):
+    def test_the_answer(self):
+        self.write(design_file())
+        text = self.run_it().stdout
+        answer = json.loads(read(self.path("out", "design.json")))
+        winner, problem = answer["winner"], design.Problem(self.path("tiny.json"))
+        self.assertEqual(answer["cost_frac"], problem.cost(problem.configs(winner["values"])) / (400 * 64))
+        self.assertLess(answer["cost_frac"], 1)
+        for rate in winner["proof"]:
+            self.assertEqual(rate["draws"], 40)
+            self.assertGreaterEqual(rate["exact_lower_bound"], 0.85)
+        self.assertEqual(winner["chain"]["seed"], winner["proof"][0]["first_seed"])
+        self.assertGreater(winner["chain"]["numbers"], 20)
+        for look in answer["neighbours"]:
+            self.assertLessEqual(look["cost"], winner["cost"])
+            self.assertTrue(look["cost"] == winner["cost"] or not look.get("race", {}).get("accepted"), look)
+        self.assertTrue(any(look["cost"] < winner["cost"] for look in answer["neighbours"]))
+        self.assertEqual(answer["active"], max(winner["margins"], key=winner["margins"].get))
+        for expected in ("Winner:", "active", "Neighbours that cost no more", "fresh draws pass"):
+            self.assertIn(expected, text)
+        page = read(self.path("out", "report.html")).decode()
+        self.assertIn(f"{100 * answer['cost_frac']:.1f} % of the base", page)
+        self.assertEqual(len(read(self.path("out", "candidates.csv")).decode().splitlines()), 25)
+        self.assertTrue(read(self.path("out", "design.png")).startswith(b"\x89PNG"))
+
+    def test_killed_and_resumed_and_two_workers(self):
+        """A run that is killed again and again, at any time, and one with two workers have the bytes of an undisturbed one."""
+        self.write(design_file())
+        self.run_it(out="whole")
+        generator, kills = random.Random(int(os.environ.get("LANDFALL_TEST_SEED", "1"))), 0
+        command = [PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path("killed"), "--bin", BIN]
+        for _ in range(4):
+            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            end = time.monotonic() + generator.uniform(2, 8)
+            while process.poll() is None and time.monotonic() < end:
+                time.sleep(0.05)
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+                kills += 1
+            process.wait()
+        self.assertGreater(kills, 0)
+        self.run_it(out="killed")
+        self.run_it("-j", "2", out="two")
+        for name in ("design.json", "candidates.csv", "report.html", "design.png"):
+            for out in ("killed", "two"):
+                self.assertEqual(read(self.path(out, name)), read(self.path("whole", name)), (out, name))
+
+    def test_no_candidate(self):
+        file = design_file(search={"candidates": 4})
+        file["base"]["eval"]["limits"] = {"relative_elevation_m": 1e-6}
+        self.write(file)
+        result = self.run_it(code=1)
+        self.assertIn("No candidate passes.", result.stdout)
+        self.assertRegex(result.stderr.splitlines()[-1], "^design.py: .*tiny.json: no candidate passes with a probability of 0.85$")
+
+    def test_the_recipe(self):
+        self.write(design_file(search={"candidates": 4, "start": [GOOD]}))
+        result = self.make("design", "-j2")
+        self.assertIn("Winner:", result.stdout)
+        self.assertTrue(os.path.exists(self.path("runs", "design", "tiny", "report.html")))
+
+    def test_without_optuna_a_message_names_its_package(self):
+        self.write(design_file())
+        with mock.patch.dict(sys.modules, {"optuna": None}), self.assertRaisesRegex(UsageError, "apt-get install python3-optuna$"):
+            design.main([self.path("tiny.json"), "--out", self.path("out")])
+        self.assertFalse(os.path.exists(self.path("out")))
+
+
+if __name__ == "__main__":
+    unittest.main()
