@@ -18,7 +18,8 @@
 namespace landfall::cli {
 namespace {
 
-constexpr std::size_t kPulseRays = 18 * 18;
+constexpr int kPixels = 18;  // along each axis
+constexpr std::size_t kPulseRays = std::size_t{kPixels} * kPixels;
 
 /// Hills from 50 m down to 0.4 m of wavelength.
 std::shared_ptr<const TriangulatedGrid> relief() {
@@ -34,20 +35,23 @@ std::shared_ptr<const TriangulatedGrid> relief() {
   return std::make_shared<const TriangulatedGrid>(std::move(nodes));
 }
 
-/// 32 x 32 pulses of the paper's detector, from one place.
-std::vector<Ray> pulses() {
-  constexpr int kPulses = 32;
-  constexpr double kIfov_rad = 1 / 11250.0;
+/// A pulse of the paper's detector at this place of the ground, from 500 m above the centre.
+void append_pulse(double x_m, double y_m, std::vector<Ray>& rays) {
+  constexpr double kPixel_m = 500 / 11250.0;
   const Point<DemFrame> origin{{0, 0, 500}};
-  std::vector<Ray> rays;
-  for (int pulse = 0; pulse < kPulses * kPulses; ++pulse)
-    for (std::size_t pixel = 0; pixel < kPulseRays; ++pixel) {
-      const double col = static_cast<double>(pixel % 18) - 8.5;
-      const double row = static_cast<double>(pixel / 18) - 8.5;
-      const Eigen::Vector3d target(2.5 * (pulse % kPulses - 15.3) + 500 * kIfov_rad * col,
-                                   2.5 * (pulse / kPulses - 15.6) + 500 * kIfov_rad * row, 0);
+  for (int row = 0; row < kPixels; ++row)
+    for (int col = 0; col < kPixels; ++col) {
+      const Eigen::Vector3d target(x_m + kPixel_m * (col - 8.5), y_m + kPixel_m * (row - 8.5), 0);
       rays.push_back({origin, Direction<DemFrame>::of({target - origin.v})});
     }
+}
+
+/// 32 x 32 pulses on 80 m x 80 m.
+std::vector<Ray> pulses() {
+  constexpr int kPulses = 32;
+  std::vector<Ray> rays;
+  for (int row = 0; row < kPulses; ++row)
+    for (int col = 0; col < kPulses; ++col) append_pulse(2.5 * (col - 15.3), 2.5 * (row - 15.6), rays);
   return rays;
 }
 

@@ -269,9 +269,12 @@ HWY_INLINE bool LaneWalk::step(const WalkGround& ground) {
 
   const V origin = hn::IfThenElse(by_x, rays_.y, rays_.x);
   const V speed = hn::IfThenElse(by_x, rays_.dy, rays_.dx);
-  const CellPosition other = position(origin, speed, leave);
-  const M ended = hn::And(go, hn::Ge(leave, end_));
-  const M on = hn::AndNot(ended, hn::And(go, other.sure));
+  // Also where the ray ends: at a node of the grid's border it touches the next cell.
+  const CellPosition other = position(origin, speed, hn::Min(leave, end_));
+  const M sure = hn::And(go, other.sure);
+  const M past = hn::Ge(leave, end_);
+  const M ended = hn::And(sure, past);
+  const M on = hn::AndNot(past, sure);
   const M on_x = hn::And(on, by_x);
   const M on_y = hn::AndNot(by_x, on);
   col_ = hn::IfThenElse(on_x, hn::Sub(border_x, behind_x_), hn::IfThenElse(on_y, other.cell, col_));

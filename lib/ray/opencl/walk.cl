@@ -284,11 +284,13 @@ double first_hit(constant Ground* g, global const float* bounds, global const do
       passed = true;
       continue;
     }
-    if (leave >= walk.end) return NAN;
     passed = false;
+    // Also where the ray ends: at a node of the grid's border it touches the next cell.
+    const double until = fmin(leave, walk.end);
     const Place other =
-        by_x ? place_at(ray->y, ray->dy, leave, walk.middle) : place_at(ray->x, ray->dx, leave, walk.middle);
+        by_x ? place_at(ray->y, ray->dy, until, walk.middle) : place_at(ray->x, ray->dx, until, walk.middle);
     if (!other.sure) return UNDECIDED;
+    if (leave >= walk.end) return NAN;
     walk.col = by_x ? border_col * size - (1 - x.ahead) : other.cell;
     walk.row = by_x ? other.cell : border_row * size - (1 - y.ahead);
     walk.at = leave;

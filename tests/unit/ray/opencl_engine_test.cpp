@@ -112,6 +112,29 @@ TEST_P(OpenClEngine, FlatRays) {
   expect_same_bits(rays, 0);
 }
 
+// Rays at nodes, edges and diagonals, from where they also pass over corners of cells: only the CPU can
+// decide.
+TEST_P(OpenClEngine, RaysAtNodesEdgesAndDiagonals) {
+  const GridSpec& spec = terrain_->nodes().spec();
+  std::vector<Ray> rays;
+  for (std::size_t id = 0; id < terrain_->triangle_count(); ++id) {
+    const auto corners = terrain_->triangle(id);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector3d middle = (corners[i] + corners[(i + 1) % 3]) / 2;
+      for (const Eigen::Vector3d& target : {corners[i], middle}) {
+        if (!target.allFinite()) continue;
+        const auto cells = [&] { return spec.resolution_m * std::floor(uniform(random_, -9, 9)); };
+        const double diagonal = cells();
+        rays.push_back(ray_at(target + Eigen::Vector3d(diagonal, diagonal, 3), target));
+        rays.push_back(ray_at(target + Eigen::Vector3d(diagonal, -diagonal, 0.01), target));
+        rays.push_back(ray_at(target + Eigen::Vector3d(cells(), cells(), 0.5), target));
+        rays.push_back(ray_at(target + Eigen::Vector3d(0, 0, 40) + random_offset(10), target));
+      }
+    }
+  }
+  expect_same_bits(rays, 0);
+}
+
 class OpenClRays : public testing::Test {
  protected:
   void SetUp() override {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <hwy/targets.h>
+#include <array>
 #include <bit>
 
 #include "scenes.h"
@@ -121,6 +122,25 @@ TEST_P(PacketWalk, StraightDown) {
   for (int i = 0; i < 5000; ++i)
     rays.push_back(ray_from(random_target() + Eigen::Vector3d(0, 0, 30), {0, 0, -1}));
   expect_descents_answers(rays, 0.99);
+}
+
+// A ray that leaves the grid at a node of its border, out of a cell that is a hole, touches the next cell
+// there.
+TEST_P(PacketWalk, ToNodesOfTheBorder) {
+  const GridSpec& spec = terrain_->nodes().spec();
+  std::vector<Ray> rays;
+  for (int i = 0; i < 40000; ++i) {
+    const auto across = static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(spec.cols));
+    const auto along = static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(spec.rows));
+    const std::array<BinIndex, 4> sides = {
+        {{0, across}, {spec.rows - 1, across}, {along, 0}, {along, spec.cols - 1}}};
+    const BinIndex node = sides[random_() % 4];
+    const double z = terrain_->nodes().at(node);
+    if (std::isnan(z)) continue;
+    const Eigen::Vector3d target(spec.x(node.col), spec.y(node.row), z);
+    rays.push_back(ray_at(target + Eigen::Vector3d(0, 0, 40) + random_offset(10), target));
+  }
+  expect_descents_answers(rays, 0);
 }
 
 TEST_P(PacketWalk, UpwardLevelAndOverTheSide) {
