@@ -183,10 +183,13 @@ class Design:
         moves = 0
         while True:
             tried, better = [], None
-            for name, values in neighbours(self.problem, accepted["values"]):
-                if self.problem.cost(self.problem.configs(values)) > accepted["cost"]:
-                    continue
-                look = {**self.look(values), "changed": name}
+            around = [(name, values) for name, values in neighbours(self.problem, accepted["values"])
+                      if self.problem.cost(self.problem.configs(values)) <= accepted["cost"]]
+            self.say(f"{len(around)} neighbours of {self.percent(accepted)}")
+            with model.Workers(self.workers) as pool:
+                looks = list(pool.map(self.look, [values for _, values in around]))
+            for (name, _), look in zip(around, looks):
+                look = {**look, "changed": name}
                 if look["passes"] and look["cost"] < accepted["cost"]:
                     look = self.race(look)
                     if look["race"]["accepted"] and moves < self.problem.moves:
