@@ -204,10 +204,16 @@ class Design:
 
 
 def pareto(looks):
-    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost."""
+    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost.
+
+    Equal worst margins, as of holes, which are whole bins, are compared by the next ones.
+    """
+    def margins(look):
+        return sorted(look["margins"].values(), reverse=True)
+
     front = []
-    for look in sorted((look for look in looks if look["stage"] == "draw"), key=lambda look: (look["cost"], look["violation"])):
-        if not front or look["violation"] < front[-1]["violation"]:
+    for look in sorted((look for look in looks if look["stage"] == "draw"), key=lambda look: (look["cost"], margins(look))):
+        if not front or margins(look) < margins(front[-1]):
             front.append(look)
     return front
 
