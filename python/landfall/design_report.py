@@ -73,7 +73,7 @@ def text_of(problem, answer):
     if winner is None:
         return "\n".join([*lines, "", "No candidate passes."])
     lines += ["", f"Winner: {100 * answer['cost_frac']:.1f} % of the base's cost, {winner['cost']:,.6g}", f"  {values_text(winner['values'])}",
-              f"  {proof_text(answer)}", "", "What is left of each limit in the search's draw (value/limit):"]
+              f"  {proof_text(answer)}", "", "Share of each limit that the search's draw uses:"]
     lines += [f"  {name:20} {100 * math.exp(value):6.1f} %{'   active' if name == answer['active'] else ''}"
               for name, value in sorted(winner["margins"].items(), key=lambda item: -item[1])]
     lines += ["", "Neighbours that cost no more:"]

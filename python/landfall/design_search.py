@@ -183,10 +183,13 @@ class Design:
         moves = 0
         while True:
             tried, better = [], None
-            for name, values in neighbours(self.problem, accepted["values"]):
-                if self.problem.cost(self.problem.configs(values)) > accepted["cost"]:
-                    continue
-                look = {**self.look(values), "changed": name}
+            around = [(name, values) for name, values in neighbours(self.problem, accepted["values"])
+                      if self.problem.cost(self.problem.configs(values)) <= accepted["cost"]]
+            self.say(f"{len(around)} neighbours of {self.percent(accepted)}")
+            with model.Workers(self.workers) as pool:
+                looks = list(pool.map(self.look, [values for _, values in around]))
+            for (name, _), look in zip(around, looks):
+                look = {**look, "changed": name}
                 if look["passes"] and look["cost"] < accepted["cost"]:
                     look = self.race(look)
                     if look["race"]["accepted"] and moves < self.problem.moves:
@@ -201,10 +204,16 @@ class Design:
 
 
 def pareto(looks):
-    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost."""
+    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost.
+
+    Equal worst margins, as of holes, which are whole bins, are compared by the next ones.
+    """
+    def margins(look):
+        return sorted(look["margins"].values(), reverse=True)
+
     front = []
-    for look in sorted((look for look in looks if look["stage"] == "draw"), key=lambda look: (look["cost"], look["violation"])):
-        if not front or look["violation"] < front[-1]["violation"]:
+    for look in sorted((look for look in looks if look["stage"] == "draw"), key=lambda look: (look["cost"], margins(look))):
+        if not front or margins(look) < margins(front[-1]):
             front.append(look)
     return front
 

@@ -134,9 +134,12 @@ class Statistics(unittest.TestCase):
         self.assertEqual(design_search.sprt([True] * 9, p0=0.9, p1=0.1, alpha=0.1, beta=0.1), (True, 1))
 
     def test_pareto(self):
-        looks = [{"stage": "draw", "cost": cost, "violation": worst} for cost, worst in ((3, -1), (1, 2), (2, 0), (2, -0.5), (4, -0.7), (1.5, 3))]
-        looks.append({"stage": "plan", "cost": 0, "violation": -9})
-        self.assertEqual([(look["cost"], look["violation"]) for look in design_search.pareto(looks)], [(1, 2), (2, -0.5), (3, -1)])
+        def looks(*points):
+            return [{"stage": "draw", "cost": cost, "margins": dict(enumerate(margins))} for cost, *margins in points]
+        front = design_search.pareto([*looks((3, -1), (1, 2), (2, 0), (2, -0.5), (4, -0.7), (1.5, 3)), {"stage": "plan", "cost": 0, "margins": {}}])
+        self.assertEqual([(look["cost"], look["margins"][0]) for look in front], [(1, 2), (2, -0.5), (3, -1)])
+        front = design_search.pareto(looks((1, 0, -0.1), (2, -0.4, 0), (3, -0.2, 0), (4, -0.3, -0.3)))
+        self.assertEqual([look["cost"] for look in front], [1, 2, 4])
 
 
 class Sequential(DesignTest):

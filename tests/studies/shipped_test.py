@@ -13,12 +13,14 @@ import unittest
 from case import BIN, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
+from landfall import design, sensitivity, tools
 from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
 # It measures the speed of the tools: docs/quality/performance.md.
 WITHOUT_PAGE = {"example-2-draws"}
 CAMPAIGN = "campaign-example-2"  # the page of studies/example-2.draws.json, which is no study
+ANSWERS = {"model", "sensitivity", "design"}  # pages of recipes that are no studies
 MAX_BYTES = 200_000
 
 
@@ -85,8 +87,25 @@ class Shipped(StudyTest):
     def test_the_index_links_all_pages(self):
         index = page("README")
         linked = set(re.findall(r"\]\(([a-z0-9-]+)\.md\)", index))
-        self.assertEqual(linked, {*names(), CAMPAIGN})
+        self.assertEqual(linked, {*names(), *ANSWERS, CAMPAIGN})
         self.assertEqual(linked, {os.path.basename(path)[:-3] for path in glob.glob(os.path.join(PAGES, "*.md"))} - {"README"})
+
+
+class Answers(StudyTest):
+    """The sensitivity and design files: each is valid, and its page has its command."""
+
+    def test_each_is_valid_and_on_its_page(self):
+        tools.BIN = BIN
+        for kind, problem in (("sensitivity", sensitivity.Problem), ("design", design.Problem)):
+            paths = glob.glob(os.path.join(ROOT, "studies", f"*.{kind}.json"))
+            self.assertNotEqual(paths, [])
+            for path in paths:
+                problem(path)
+                self.assertRegex(page(kind), rf"(?m)^make -f Makefile\.studies {kind} STUDY={os.path.basename(path).split('.')[0]}( |$)")
+
+    def test_the_sensitivity_of_example_2_takes_1152_draws(self):
+        tools.BIN = BIN
+        self.assertEqual(sensitivity.Problem(os.path.join(ROOT, "studies", "example-2.sensitivity.json")).draw_count(), 1152)
 
 
 class Campaign(StudyTest):
