@@ -11,7 +11,7 @@ import unittest
 import yaml
 
 ROOT = os.environ["LANDFALL_ROOT"]
-SCHEMAS = ["draws", "eval", "hazard", "regrid", "scan", "study", "terrain"]
+SCHEMAS = ["design", "draws", "eval", "hazard", "regrid", "scan", "sensitivity", "study", "terrain"]
 
 
 def text(*path):
