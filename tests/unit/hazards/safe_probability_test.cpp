@@ -112,7 +112,7 @@ double mean_about(const Grid<double>& values, BinIndex place, std::int64_t half)
   return count == 0 ? kNan : sum / count;
 }
 
-constexpr std::uint64_t kReplicates = 6;
+constexpr std::uint64_t kReplicates = 4;
 
 /// safe_probability() in plain loops.
 struct SlowProbability {
@@ -142,15 +142,35 @@ struct SlowProbability {
     const Grid<double> denoised = denoise(z, parts.noise_m);
     const BinMask all(spec, 1);
     const PlaceMeasures expected = measure(denoised, all);
-    const Grid<double> means = restored(denoised, parts.noise_m);
-    const PlaceMeasures truth = measure(relief_ground(means, parts), all);
     Grid<double> p(spec, kNan);
     BinMask open(spec);
     for (std::int64_t row = 0; row < spec.rows; ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col)
         if (!std::isnan(measured.roughness_m.at({row, col})))
           open.at({row, col}) = is_open({row, col}, p.at({row, col})) ? 1 : 0;
-    std::array<Grid<double>, 4> errors;  // of roughness and its square, of slope and its square
+    const Moments spread = replicate(denoised, parts, open);
+    const Moments bias = replicate(restored(denoised, parts.noise_m), parts, open);
+    for (std::int64_t row = 0; row < spec.rows; ++row)
+      for (std::int64_t col = 0; col < spec.cols; ++col) {
+        const BinIndex place{row, col};
+        if (std::isnan(p.at(place))) continue;
+        ++(open.at(place) != 0 ? open_count : certain_count);
+        if (open.at(place) == 0) continue;
+        p.at(place) = phi(spread, bias, 0, place, limits.roughness_m - expected.roughness_m.at(place)) *
+                      phi(spread, bias, 2, place, limits.slope_deg - expected.slope_deg.at(place));
+      }
+    return p;
+  }
+
+  /// Means over the replicates: of the error of roughness and its square, of that of slope and its square.
+  using Moments = std::array<Grid<double>, 4>;
+
+  [[nodiscard]] Moments replicate(const Grid<double>& means, const SigmaParts& parts,
+                                  const BinMask& open) const {
+    const GridSpec& spec = z.spec();
+    const BinMask all(spec, 1);
+    const PlaceMeasures truth = measure(relief_ground(means, parts), all);
+    Moments errors;
     for (Grid<double>& map : errors) map = Grid<double>(spec);
     const RandomField field(1, RandomStream::map_noise);
     for (std::uint64_t k = 0; k < kReplicates; ++k) {
@@ -168,16 +188,7 @@ struct SlowProbability {
           for (std::size_t i = 0; i < 4; ++i) errors[i].at(place) += found[i] / kReplicates;
         }
     }
-    for (std::int64_t row = 0; row < spec.rows; ++row)
-      for (std::int64_t col = 0; col < spec.cols; ++col) {
-        const BinIndex place{row, col};
-        if (std::isnan(p.at(place))) continue;
-        ++(open.at(place) != 0 ? open_count : certain_count);
-        if (open.at(place) == 0) continue;
-        p.at(place) = phi(errors[0], errors[1], place, limits.roughness_m - expected.roughness_m.at(place)) *
-                      phi(errors[2], errors[3], place, limits.slope_deg - expected.slope_deg.at(place));
-      }
-    return p;
+    return errors;
   }
 
   [[nodiscard]] static Grid<double> restored(const Grid<double>& denoised, const Grid<double>& noise_m) {
@@ -207,17 +218,17 @@ struct SlowProbability {
     return false;
   }
 
-  [[nodiscard]] double phi(const Grid<double>& errors, const Grid<double>& squares, BinIndex place,
+  [[nodiscard]] double phi(const Moments& spread, const Moments& bias, std::size_t first, BinIndex place,
                            double room) {
-    double mean = mean_about(errors, place, half);
-    double square = mean_about(squares, place, half);
-    if (std::isnan(mean)) {
+    std::int64_t reach = half;
+    if (std::isnan(mean_about(bias[first], place, reach))) {
       ++fallback_count;
-      const std::int64_t everywhere = errors.spec().rows + errors.spec().cols;
-      mean = mean_about(errors, place, everywhere);
-      square = mean_about(squares, place, everywhere);
+      reach = z.spec().rows + z.spec().cols;
     }
-    return 0.5 * std::erfc(-(room + mean) / std::sqrt(2 * (square - mean * mean)));
+    const double mean = mean_about(spread[first], place, reach);
+    const double square = mean_about(spread[first + 1], place, reach);
+    return 0.5 * std::erfc(-(room + mean_about(bias[first], place, reach)) /
+                           std::sqrt(2 * (square - mean * mean)));
   }
 };
 
