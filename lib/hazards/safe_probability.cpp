@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kRedrawnRows = 16;
 constexpr double kCertain = 8;  // sigma
-constexpr std::size_t kReplicates = 4;
+constexpr std::size_t kReplicates = 3;
 constexpr std::int64_t kSampledRows = 8;
 /// Of the variance of relief, the part by which the ground at the centre of a bin differs from its mean. The rest is
 /// that of the mean of a few returns, which denoise() averages, and a margin of regrid at smooth bends.

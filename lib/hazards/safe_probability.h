@@ -15,7 +15,7 @@ using MeasurePlaces = std::function<PlaceMeasures(const Grid<double>& z, const B
 /// larger than the largest true one, and by how much depends on how many of them come close; and the mean
 /// over a bin hides what stands out of it. So slope and roughness m are those of the denoised map
 /// (denoise.h), and their error is measured (a parametric bootstrap): noise of the bins is added to a map of
-/// means over bins, which is denoised and measured again, four times. The errors d are the differences
+/// means over bins, which is denoised and measured again, three times. The errors d are the differences
 /// to the ground of that map: the means, sharpened, and for each bin a normal draw with a third of the variance
 /// that sigma has beyond noise, which is relief that the means of a few returns do not show. Over the places in
 /// the square about the body, mean and standard deviation give

@@ -112,7 +112,7 @@ double mean_about(const Grid<double>& values, BinIndex place, std::int64_t half)
   return count == 0 ? kNan : sum / count;
 }
 
-constexpr std::uint64_t kReplicates = 4;
+constexpr std::uint64_t kReplicates = 3;
 
 /// safe_probability() in plain loops.
 struct SlowProbability {
