@@ -143,6 +143,11 @@ SigmaParts split_sigma(const Grid<double>& z_sigma, const Footprint& window) {
   return parts;
 }
 
+double beyond_noise(double relief_variance, double noise_m) {
+  // Where sigma^2 > 1.3 m, noise^2 = 1.3 m and sigma^2 = relief^2 + m; elsewhere noise is sigma.
+  return std::max(relief_variance - (1 - 1 / kNoiseSpread) * (noise_m * noise_m), 0.0);
+}
+
 Grid<double> denoise(const Grid<double>& z, const Grid<double>& noise_m) {
   const GridSpec& spec = z.spec();
   Grid<double> result = z;

@@ -18,6 +18,9 @@ struct SigmaParts {
 /// = max(sigma^2 - m, 0). Equal sigmas are noise. NaN where sigma is.
 [[nodiscard]] SigmaParts split_sigma(const Grid<double>& z_sigma, const Footprint& window);
 
+/// The part of a variance of relief_m^2 that is not in noise_m^2: sigma^2 - noise^2.
+[[nodiscard]] double beyond_noise(double relief_variance, double noise_m);
+
 /// Weighs each bin against the quadratic surface through the 24 bins around it, which does not use the bin
 /// itself. The variance of the surface is that of the noise in it plus the terrain's departure from it: the
 /// mean over 3 x 3 bins of the squared misfit beyond what noise explains. So noise is averaged where the

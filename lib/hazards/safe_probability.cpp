@@ -19,7 +19,10 @@ namespace {
 constexpr std::size_t kRedrawnRows = 16;
 constexpr double kCertain = 8;  // sigma
 constexpr std::size_t kReplicates = 3;
-constexpr std::int64_t kSampledRows = 4;
+constexpr std::int64_t kSampledRows = 8;
+/// Of the variance of relief, the part by which the ground at the centre of a bin differs from its mean. The rest is
+/// that of the mean of a few returns, which denoise() averages, and a margin of regrid at smooth bends.
+constexpr double kGroundShare = 1.0 / 3;
 constexpr std::uint64_t kSeed = 1;
 
 template <class Work>
@@ -42,57 +45,82 @@ Grid<double> redrawn(const Grid<double>& z, const Grid<double>& sigma, std::size
   return result;
 }
 
-/// The errors of a measure in the replicates; NaN where it was not taken.
-class Errors {
- public:
-  explicit Errors(const GridSpec& spec) : mean_(spec), mean_square_(spec) {}
+/// Each value becomes the mean over the places in the window about it that have one (not NaN); where there is
+/// none, the mean over all.
+void average(Grid<float>& map, const Footprint& window) {
+  Grid<double> values(map.spec());
+  double sum = 0;
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < map.spec().size(); ++i) {
+    const double value = map.values()[i];
+    values.values()[i] = value;
+    if (std::isnan(value)) continue;
+    sum += value;
+    ++count;
+  }
+  const double all = count > 0 ? sum / static_cast<double>(count) : 0;
+  values = window_means(values, window).mean;
+  for (std::size_t i = 0; i < map.spec().size(); ++i) {
+    const double value = values.values()[i];
+    map.values()[i] = static_cast<float>(std::isnan(value) ? all : value);
+  }
+}
 
-  /// Call kReplicates times, then average().
+/// The mean error of a measure in the replicates.
+class ErrorMean {
+ public:
+  explicit ErrorMean(const GridSpec& spec) : mean_(spec) {}
+
+  /// Call kReplicates times, then over().
   void add(const Grid<float>& truth, const Grid<double>& measured) {
     for (std::size_t i = 0; i < truth.spec().size(); ++i) {
       const double error = measured.values()[i] - static_cast<double>(truth.values()[i]);
       mean_.values()[i] += static_cast<float>(error / kReplicates);
-      mean_square_.values()[i] += static_cast<float>(error * error / kReplicates);
     }
   }
-
-  /// Over the places in the window about each; where there is none, over all.
-  void average(const Footprint& window) {
+  [[nodiscard]] Grid<float> over(const Footprint& window) && {
     average(mean_, window);
-    average(mean_square_, window);
-  }
-
-  /// Phi((limit - value + mean) / std).
-  [[nodiscard]] double probability(BinIndex place, double limit, double value) const {
-    const double mean = mean_.at(place);
-    const double variance = mean_square_.at(place) - mean * mean;
-    const double room = limit - value + mean;
-    if (!(variance > 0)) return room >= 0 ? 1 : 0;
-    return 0.5 * std::erfc(-room / std::sqrt(2 * variance));
+    return std::move(mean_);
   }
 
  private:
-  static void average(Grid<float>& map, const Footprint& window) {
-    Grid<double> values(map.spec());
-    double sum = 0;
-    std::int64_t count = 0;
-    for (std::size_t i = 0; i < map.spec().size(); ++i) {
-      const double value = map.values()[i];
-      values.values()[i] = value;
-      if (std::isnan(value)) continue;
-      sum += value;
-      ++count;
-    }
-    const double all = count > 0 ? sum / static_cast<double>(count) : 0;
-    values = window_means(values, window).mean;
-    for (std::size_t i = 0; i < map.spec().size(); ++i) {
-      const double value = values.values()[i];
-      map.values()[i] = static_cast<float>(std::isnan(value) ? all : value);
+  Grid<float> mean_;
+};
+
+/// The variance of the errors of a measure in the replicates.
+class ErrorVariance {
+ public:
+  explicit ErrorVariance(const GridSpec& spec) : mean_(spec), mean_square_(spec) {}
+
+  /// As ErrorMean.
+  void add(const Grid<float>& truth, const Grid<double>& measured) {
+    mean_.add(truth, measured);
+    for (std::size_t i = 0; i < truth.spec().size(); ++i) {
+      const double error = measured.values()[i] - static_cast<double>(truth.values()[i]);
+      mean_square_.values()[i] += static_cast<float>(error * error / kReplicates);
     }
   }
+  [[nodiscard]] Grid<float> over(const Footprint& window) && {
+    const Grid<float> mean = std::move(mean_).over(window);
+    average(mean_square_, window);
+    for (std::size_t i = 0; i < mean.spec().size(); ++i) {
+      const double square = static_cast<double>(mean.values()[i]) * static_cast<double>(mean.values()[i]);
+      float& value = mean_square_.values()[i];
+      value = static_cast<float>(static_cast<double>(value) - square);
+    }
+    return std::move(mean_square_);
+  }
 
-  Grid<float> mean_, mean_square_;
+ private:
+  ErrorMean mean_;
+  Grid<float> mean_square_;
 };
+
+/// Phi(room / std).
+double probability(double room, double variance) {
+  if (!(variance > 0)) return room >= 0 ? 1 : 0;
+  return 0.5 * std::erfc(-room / std::sqrt(2 * variance));
+}
 
 /// The mean variance of the bins in the window about each.
 Grid<double> mean_variance(const Grid<double>& sigma, const Footprint& window) {
@@ -149,39 +177,54 @@ Sorted sort_places(const PlaceMeasures& measured, const Grid<double>& z_sigma, c
   return sorted;
 }
 
-struct MeasureErrors {
-  Errors slope, roughness;
-};
+/// 2 z - denoise(z): what is smoothed away is given back (twicing, J. W. Tukey, Exploratory Data Analysis, 1977).
+Grid<double> restored(const Grid<double>& z, const Grid<double>& noise_m) {
+  Grid<double> result = denoise(z, noise_m);
+  for (std::size_t i = 0; i < z.spec().size(); ++i) {
+    double& value = result.values()[i];
+    value = 2 * z.values()[i] - value;
+  }
+  return result;
+}
 
-/// Slope and roughness of the ground whose means over bins the denoised map holds.
+/// A ground whose means over bins `means` may be: sharpened, and with relief that the map does not show.
+Grid<double> relief_ground(const Grid<double>& means, const Grid<double>& noise_m, Grid<double> relief_m) {
+  const Grid<double> sharp = sharpen(means, relief_m);
+  for (std::size_t i = 0; i < relief_m.spec().size(); ++i) {
+    double& relief = relief_m.values()[i];
+    relief = std::sqrt(kGroundShare * beyond_noise(relief * relief, noise_m.values()[i]));
+  }
+  return redrawn(sharp, relief_m, kReplicates);
+}
+
+/// PlaceMeasures in half of the memory.
 struct FloatMeasures {
   Grid<float> slope_deg, roughness_m;
 };
 
-FloatMeasures measured_ground(const Grid<double>& denoised, Grid<double> relief_m, const BinMask& places,
-                              const MeasurePlaces& measure) {
-  const Grid<double> ground = sharpen(denoised, relief_m);
-  relief_m = Grid<double>();
-  const PlaceMeasures found = measure(ground, places);
-  FloatMeasures result{Grid<float>::unset(denoised.spec()), Grid<float>::unset(denoised.spec())};
+FloatMeasures narrowed(const PlaceMeasures& found) {
+  const GridSpec& spec = found.slope_deg.spec();
+  FloatMeasures result{Grid<float>::unset(spec), Grid<float>::unset(spec)};
   const auto narrow = [](double value) { return static_cast<float>(value); };
   std::ranges::transform(found.slope_deg.values(), result.slope_deg.values().begin(), narrow);
   std::ranges::transform(found.roughness_m.values(), result.roughness_m.values().begin(), narrow);
   return result;
 }
 
-/// The errors in replicates of the denoised map.
-MeasureErrors replicate_errors(const Grid<double>& denoised, SigmaParts sigma, const BinMask& places,
-                               const MeasurePlaces& measure) {
-  const GridSpec& spec = denoised.spec();
-  MeasureErrors errors{Errors(spec), Errors(spec)};
-  const FloatMeasures truth = measured_ground(denoised, std::exchange(sigma.relief_m, {}), places, measure);
+/// The errors in replicates of a map whose bins hold `means`.
+template <class Error>
+FloatMeasures replicate_errors(const Grid<double>& means, const Grid<double>& noise_m, Grid<double> relief_m,
+                               const BinMask& places, const Footprint& window, const MeasurePlaces& measure) {
+  Error slope(means.spec());
+  Error roughness(means.spec());
+  const FloatMeasures truth =
+      narrowed(measure(relief_ground(means, noise_m, std::move(relief_m)), places));
   for (std::size_t k = 0; k < kReplicates; ++k) {
-    const PlaceMeasures again = measure(denoise(redrawn(denoised, sigma.noise_m, k), sigma.noise_m), places);
-    errors.slope.add(truth.slope_deg, again.slope_deg);
-    errors.roughness.add(truth.roughness_m, again.roughness_m);
+    const PlaceMeasures again = measure(denoise(redrawn(means, noise_m, k), noise_m), places);
+    slope.add(truth.slope_deg, again.slope_deg);
+    roughness.add(truth.roughness_m, again.roughness_m);
   }
-  return errors;
+  return {std::move(slope).over(window), std::move(roughness).over(window)};
 }
 
 }  // namespace
@@ -194,18 +237,21 @@ Grid<float> safe_probability(const Grid<double>& z, Grid<double> z_sigma, const 
   SigmaParts sigma = split_sigma(z_sigma, square);
   z_sigma = Grid<double>();  // each map that is not needed any more makes room
   const Grid<double> denoised = denoise(z, sigma.noise_m);
-  MeasureErrors errors = replicate_errors(denoised, std::move(sigma), sampled(sorted.open, square), measure);
-  errors.slope.average(square);
-  errors.roughness.average(square);
+  const BinMask places = sampled(sorted.open, square);
+  const FloatMeasures variance =
+      replicate_errors<ErrorVariance>(denoised, sigma.noise_m, sigma.relief_m, places, square, measure);
+  const FloatMeasures bias =
+      replicate_errors<ErrorMean>(restored(denoised, sigma.noise_m), sigma.noise_m,
+                                  std::exchange(sigma.relief_m, {}), places, square, measure);
   const PlaceMeasures expected = measure(denoised, sorted.open);
   by_rows(z.spec().rows, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < z.spec().cols; ++col) {
       const BinIndex place{row, col};
       if (sorted.open.at(place) == 0) continue;
-      const double rough =
-          errors.roughness.probability(place, limits.roughness_m, expected.roughness_m.at(place));
-      const double steep = errors.slope.probability(place, limits.slope_deg, expected.slope_deg.at(place));
-      sorted.p.at(place) = static_cast<float>(rough * steep);
+      const double rough = limits.roughness_m - expected.roughness_m.at(place) + bias.roughness_m.at(place);
+      const double steep = limits.slope_deg - expected.slope_deg.at(place) + bias.slope_deg.at(place);
+      sorted.p.at(place) = static_cast<float>(probability(rough, variance.roughness_m.at(place)) *
+                                              probability(steep, variance.slope_deg.at(place)));
     }
   });
   return std::move(sorted.p);
