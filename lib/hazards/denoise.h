@@ -18,7 +18,7 @@ struct SigmaParts {
 /// = max(sigma^2 - m, 0). Equal sigmas are noise. NaN where sigma is.
 [[nodiscard]] SigmaParts split_sigma(const Grid<double>& z_sigma, const Footprint& window);
 
-/// The part of a variance of relief_m^2 that is not in noise_m^2: sigma^2 - noise^2.
+/// What sigma^2 of a bin exceeds noise_m^2 by, from the parts that split_sigma() makes of it.
 [[nodiscard]] double beyond_noise(double relief_variance, double noise_m);
 
 /// Weighs each bin against the quadratic surface through the 24 bins around it, which does not use the bin

@@ -20,8 +20,9 @@ constexpr std::size_t kRedrawnRows = 16;
 constexpr double kCertain = 8;  // sigma
 constexpr std::size_t kReplicates = 3;
 constexpr std::int64_t kSampledRows = 8;
-/// Of the variance of relief, the part by which the ground at the centre of a bin differs from its mean. The rest is
-/// that of the mean of a few returns, which denoise() averages, and a margin of regrid at smooth bends.
+/// Of the variance of relief, the part by which the ground at the centre of a bin differs from its mean. The
+/// rest is that of the mean of a few returns, which denoise() averages, and a margin of regrid at smooth
+/// bends.
 constexpr double kGroundShare = 1.0 / 3;
 constexpr std::uint64_t kSeed = 1;
 
@@ -177,7 +178,8 @@ Sorted sort_places(const PlaceMeasures& measured, const Grid<double>& z_sigma, c
   return sorted;
 }
 
-/// 2 z - denoise(z): what is smoothed away is given back (twicing, J. W. Tukey, Exploratory Data Analysis, 1977).
+/// 2 z - denoise(z): what is smoothed away is given back (twicing, J. W. Tukey, Exploratory Data Analysis,
+/// 1977).
 Grid<double> restored(const Grid<double>& z, const Grid<double>& noise_m) {
   Grid<double> result = denoise(z, noise_m);
   for (std::size_t i = 0; i < z.spec().size(); ++i) {
@@ -217,8 +219,7 @@ FloatMeasures replicate_errors(const Grid<double>& means, const Grid<double>& no
                                const BinMask& places, const Footprint& window, const MeasurePlaces& measure) {
   Error slope(means.spec());
   Error roughness(means.spec());
-  const FloatMeasures truth =
-      narrowed(measure(relief_ground(means, noise_m, std::move(relief_m)), places));
+  const FloatMeasures truth = narrowed(measure(relief_ground(means, noise_m, std::move(relief_m)), places));
   for (std::size_t k = 0; k < kReplicates; ++k) {
     const PlaceMeasures again = measure(denoise(redrawn(means, noise_m, k), noise_m), places);
     slope.add(truth.slope_deg, again.slope_deg);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "base/random.h"
@@ -57,7 +58,8 @@ TEST(SafeProbability, IsCalibratedOnRocks) {
   const LanderStencil lander({}, 0.05);
   const BinMask region = circular_region(spec, 6.5);
   const double sigma = 0.01;
-  for (const double slope_limit_deg : {10.0, 30.0}) {
+  // The roughness of a site is that of a few rocks: at 30 deg, where it decides, shares vary more.
+  for (const auto& [slope_limit_deg, tolerance] : {std::pair{10.0, 0.05}, std::pair{30.0, 0.08}}) {
     const HazardLimits limits{slope_limit_deg, 0.3};
     std::array<double, 10> sum{};
     std::array<double, 10> safe{};
@@ -90,7 +92,8 @@ TEST(SafeProbability, IsCalibratedOnRocks) {
     }
     for (std::size_t bin = 0; bin < 10; ++bin)
       if (count[bin] >= 500) {
-        EXPECT_NEAR(safe[bin] / count[bin], sum[bin] / count[bin], 0.1) << slope_limit_deg << ' ' << bin;
+        EXPECT_NEAR(safe[bin] / count[bin], sum[bin] / count[bin], tolerance)
+            << slope_limit_deg << ' ' << bin;
       }
     EXPECT_GT(count[4], 500);
     EXPECT_LT(brier, 0.75 * decision_brier);
@@ -227,8 +230,8 @@ struct SlowProbability {
     }
     const double mean = mean_about(spread[first], place, reach);
     const double square = mean_about(spread[first + 1], place, reach);
-    return 0.5 * std::erfc(-(room + mean_about(bias[first], place, reach)) /
-                           std::sqrt(2 * (square - mean * mean)));
+    return 0.5 *
+           std::erfc(-(room + mean_about(bias[first], place, reach)) / std::sqrt(2 * (square - mean * mean)));
   }
 };
 
