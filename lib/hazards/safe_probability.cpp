@@ -221,7 +221,8 @@ FloatMeasures replicate_errors(const Grid<double>& means, const Grid<double>& no
   Error roughness(means.spec());
   const FloatMeasures truth = narrowed(measure(relief_ground(means, noise_m, std::move(relief_m)), places));
   for (std::size_t k = 0; k < kReplicates; ++k) {
-    const PlaceMeasures again = measure(denoise(redrawn(means, noise_m, k), noise_m), places);
+    const Grid<double> replicate = denoise(redrawn(means, noise_m, k), noise_m);
+    const PlaceMeasures again = measure(replicate, places);
     slope.add(truth.slope_deg, again.slope_deg);
     roughness.add(truth.roughness_m, again.roughness_m);
   }
