@@ -23,9 +23,16 @@ constexpr std::array kEchoMembers = {&Echo::signal_pe, &Echo::peak, &Echo::edge_
                                      &Echo::range_m};
 static_assert(kEchoColumns.size() == kEchoMembers.size());
 
-/// The keys of /receiver that shape the echoes or choose the one that is reported.
-constexpr std::array kEchoKeys = {"type",     "pulse_fwhm_s", "threshold_pe",
-                                  "fraction", "returns",      "max_returns"};
+// What --ranges-from must find unchanged.
+constexpr std::array kRays = {"/detector", "/laser", "/scanner", "/mount", "/trajectory"};
+constexpr std::array kTruePointing = {"/pointing_error/misalignment_rpy_rad",
+                                      "/pointing_error/jitter_sigma_rad", "/pointing_error/jitter_time_s",
+                                      "/pointing_error/mirror_time_bias_s",
+                                      "/pointing_error/mirror_time_sigma_s"};
+/// Shape the echoes or choose the one that is reported.
+constexpr std::array kEcho = {"/receiver/type",     "/receiver/pulse_fwhm_s", "/receiver/threshold_pe",
+                              "/receiver/fraction", "/receiver/returns",      "/receiver/max_returns"};
+constexpr std::array kSignal = {"/beam", "/surface", "/link"};
 
 constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
 constexpr const char* kCount = name_of(&PulseColumns::point_count);
@@ -69,6 +76,15 @@ std::optional<Difference> first_difference(const nlohmann::json& theirs, const n
   return std::nullopt;
 }
 
+/// What differs first below these paths; empty if nothing does.
+std::string difference_text(const nlohmann::json& theirs, const nlohmann::json& ours,
+                            std::span<const char* const> paths) {
+  for (const char* const where : paths)
+    if (const auto found = first_difference(value_at(theirs, where), value_at(ours, where), where))
+      return found->text();
+  return {};
+}
+
 bool has_receiver(const nlohmann::json& config) {
   const nlohmann::json type = value_at(config, "/receiver/type");
   return !type.is_null() && type != "none";
@@ -93,10 +109,8 @@ std::string seed_moves_beams_by(const nlohmann::json& config) {
   const nlohmann::json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
   const nlohmann::json sigma = config.value(jitter, nlohmann::json(0));
   if (sigma != 0 && sigma != nlohmann::json({0, 0})) return jitter.to_string();
-  const nlohmann::json::json_pointer mirror_time("/pointing_error/mirror_time_sigma_s");
-  if (config.value(mirror_time, 0.0) != 0) return mirror_time.to_string();
-  const nlohmann::json::json_pointer facets("/scanner/facet_tilt_sigma_rad");
-  if (config.value(facets, 0.0) != 0) return facets.to_string();
+  for (const char* const where : {"/pointing_error/mirror_time_sigma_s", "/scanner/facet_tilt_sigma_rad"})
+    if (config.value(nlohmann::json::json_pointer(where), 0.0) != 0) return where;
   // The encoder error of an fsm affects only the estimate, but that of prisms affects the true beam.
   const nlohmann::json::json_pointer encoder("/scanner/encoder_sigma_rad");
   if (config.value(nlohmann::json::json_pointer("/scanner/type"), "") == "risley" &&
@@ -107,16 +121,11 @@ std::string seed_moves_beams_by(const nlohmann::json& config) {
 
 /// The reason why the lidars' true pointing differs; empty if it does not.
 std::string turned_beams_differ(const nlohmann::json& theirs, const nlohmann::json& ours) {
-  for (const char* const key : {"misalignment_rpy_rad", "jitter_sigma_rad", "jitter_time_s",
-                                "mirror_time_bias_s", "mirror_time_sigma_s"}) {
-    const std::string where = "/pointing_error/" + std::string(key);
-    if (const auto found = first_difference(value_at(theirs, where), value_at(ours, where), where))
-      return found->text();
-  }
+  if (std::string text = difference_text(theirs, ours, kTruePointing); !text.empty()) return text;
   const std::string key = seed_moves_beams_by(ours);
   if (key.empty()) return {};
-  const auto found = first_difference(value_at(theirs, "/seed"), value_at(ours, "/seed"), "/seed");
-  return found ? found->text() + "; the true beams follow it by " + key : "";
+  const std::string text = difference_text(theirs, ours, std::array{"/seed"});
+  return text.empty() ? "" : text + "; the true beams follow it by " + key;
 }
 
 /// The input files that determine the true ranges.
@@ -145,56 +154,53 @@ RangeFile::RangeFile(const std::filesystem::path& path)
     file_.fail("/points/range_true and /points/pixel differ in length");
 }
 
+void RangeFile::refuse(const std::string& option, const std::string& why) const {
+  throw UsageError(option + file_.name() + ": " + why);
+}
+
 void RangeFile::require_match(const Provenance& provenance, const std::string& option) const {
-  const auto refuse = [&](const std::string& what) { throw UsageError(option + file_.name() + ": " + what); };
   const nlohmann::json& theirs = file_.config();
-  if (!theirs.is_object() || file_.chain().empty()) refuse("does not say how it was made");
+  if (!theirs.is_object() || file_.chain().empty()) refuse(option, "does not say how it was made");
   const nlohmann::json& step = file_.chain().back();
   if (step.value("version", "") != program_version())
-    refuse("made by version " + step.value("version", "?") + ", this is " + program_version());
-  for (const char* const key : {"detector", "laser", "scanner", "mount", "trajectory"}) {
-    const std::string where = std::string("/") + key;
-    if (const auto found =
-            first_difference(value_at(theirs, where), value_at(provenance.config, where), where))
-      refuse(found->text());
-  }
+    refuse(option, "made by version " + step.value("version", "?") + ", this is " + program_version());
+  require_same(provenance.config, kRays, option);
   const std::string turned = turned_beams_differ(theirs, provenance.config);
-  if (!turned.empty()) refuse(turned);
+  if (!turned.empty()) refuse(option, turned);
   require_same_receiver(provenance.config, option);
   if (inputs_of_truth(step.value("inputs", nlohmann::json())) !=
       inputs_of_truth(provenance.as_step().at("inputs")))
-    refuse("its terrain or a table (trajectory, pixels, ...) differs from this run's");
+    refuse(option, "its terrain or a table (trajectory, pixels, ...) differs from this run's");
   require_complete_ranges(option);
 }
 
+void RangeFile::require_same(const nlohmann::json& config, std::span<const char* const> paths,
+                             const std::string& option) const {
+  const std::string text = difference_text(file_.config(), config, paths);
+  if (!text.empty()) refuse(option, text);
+}
+
 void RangeFile::require_same_receiver(const nlohmann::json& config, const std::string& option) const {
-  const auto refuse = [&](const std::string& what) { throw UsageError(option + file_.name() + ": " + what); };
   if (points_.has(name_of(&PointColumns::return_number)))
-    refuse(
-        "has several returns per pixel (/receiver/returns all), of which no single echo can be drawn anew");
-  const nlohmann::json& theirs = file_.config();
-  for (const char* const key : kEchoKeys) {
-    const std::string where = std::string("/receiver/") + key;
-    if (const auto found = first_difference(value_at(theirs, where), value_at(config, where), where))
-      refuse(found->text());
-  }
+    refuse(option,
+           "has several returns per pixel (/receiver/returns all), of which no single echo can be drawn "
+           "anew");
+  require_same(config, kEcho, option);
   if (!has_receiver(config)) return;
-  for (const char* const where : {"/beam", "/surface", "/link"})
-    if (const auto found = first_difference(value_at(theirs, where), value_at(config, where), where))
-      refuse(found->text());
+  require_same(config, kSignal, option);
   if (config["receiver"]["type"] == "geiger")
-    refuse("a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
-  if (!keeps_echoes()) refuse("does not hold the echoes that its receiver saw; make it with --keep-echoes");
+    refuse(option, "a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
+  if (!keeps_echoes())
+    refuse(option, "does not hold the echoes that its receiver saw; make it with --keep-echoes");
 }
 
 void RangeFile::require_complete_ranges(const std::string& option) const {
   if (!loses_nothing(file_.config()) && !misses_kept())
-    throw UsageError(option + file_.name() +
-                     ": the ranges of its dropped, dead and undetected pixels are missing; make it with "
-                     "--keep-misses, or with "
-                     "/noise/dropout_frac and /noise/dead_pixel_frac 0 and no receiver");
+    refuse(option,
+           "the ranges of its dropped, dead and undetected pixels are missing; make it with "
+           "--keep-misses, or with /noise/dropout_frac and /noise/dead_pixel_frac 0 and no receiver");
   if (points_.element_size(kRange) != sizeof(double))
-    throw UsageError(option + file_.name() + ": its ranges are in single precision (--float32)");
+    refuse(option, "its ranges are in single precision (--float32)");
 }
 
 bool RangeFile::misses_kept() const {

@@ -24,12 +24,12 @@ class RangeFile {
   /// Throws FormatError unless it is a complete scan.
   explicit RangeFile(const std::filesystem::path& path);
 
-  /// Throws UsageError, naming the key and both values, unless the scan was made by this version with the same detector,
-  /// laser, scanner, mount, trajectory (including the bytes of its table), rotation of the true beams and
-  /// terrain as in `provenance`, and holds the true range of every pixel that hit, in double precision: made
-  /// with --keep-misses, or with neither dropouts, dead pixels nor a receiver. With a receiver also the beam,
-  /// the surface, the link and what shapes and chooses the echoes must be the same, and the echoes kept.
-  /// `option` begins the message.
+  /// Throws UsageError, naming the key and both values, unless the scan was made by this version with the
+  /// same detector, laser, scanner, mount, trajectory (including the bytes of its table), rotation of the
+  /// true beams and terrain as in `provenance`, and holds the true range of every pixel that hit, in double
+  /// precision: made with --keep-misses, or with neither dropouts, dead pixels nor a receiver. With a
+  /// receiver also the beam, the surface, the link and what shapes and chooses the echoes must be the same,
+  /// and the echoes kept. `option` begins the message.
   void require_match(const Provenance& provenance, const std::string& option = "--ranges-from ") const;
 
   /// True if a scan with these errors has rows for the same pixels and pulses, with the same truth: both
@@ -60,13 +60,17 @@ class RangeFile {
     [[nodiscard]] bool hold_every_pixel(std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   };
 
+  [[noreturn]] void refuse(const std::string& option, const std::string& why) const;
+  /// Refuses a configuration with other values below these paths.
+  void require_same(const nlohmann::json& config, std::span<const char* const> paths,
+                    const std::string& option) const;
+  void require_same_receiver(const nlohmann::json& config, const std::string& option) const;
   void require_complete_ranges(const std::string& option) const;
   [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t most);
   /// Sorts from row order to pixel order.
   [[nodiscard]] RecordedRanges by_pixel(const PulseRows& rows, const RecordedRanges& found,
                                         std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   [[nodiscard]] std::vector<Echo> read_echoes(std::size_t first_row, std::size_t count);
-  void require_same_receiver(const nlohmann::json& config, const std::string& option) const;
   [[nodiscard]] bool misses_kept() const;
 
   LandfallFileReader file_;
