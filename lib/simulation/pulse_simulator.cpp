@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/light.h"
 #include "simulation/incidence.h"
+#include "simulation/pattern_aim.h"
 
 namespace landfall {
 namespace {
@@ -19,108 +20,12 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNoIntensity = std::numeric_limits<float>::quiet_NaN();
 
-/// The direction from the lidar, at this pose, to a point.
-Direction<LidarFrame> direction_to(const Point<DemFrame>& target,
-                                   const Transform<DemFrame, LidarFrame>& T_dem_lidar) {
-  return Direction<LidarFrame>::of(T_dem_lidar.rotation.inverse() * (target - T_dem_lidar.position));
-}
-
 [[noreturn]] void refuse_origin(std::int64_t pulse, const Point<DemFrame>& origin, double ground_m) {
   std::ostringstream message;
   message.precision(10);
   message << "pulse " << pulse << ": the lidar at x = " << origin.v.x() << " m, y = " << origin.v.y()
           << " m is " << origin.v.z() << " m high, at or below the terrain, " << ground_m << " m";
   throw FormatError(message.str());
-}
-
-PulseTime pulse_ahead(const PulseInput& pulse, std::int64_t ahead) {
-  return {pulse.time.pulse + ahead, pulse.time.since_start_s + static_cast<double>(ahead) * pulse.interval_s};
-}
-
-/// The offset of the last pulse before the pattern's next jump; `most` if it does not jump before.
-std::int64_t pulses_without_jump(const Pattern& pattern, const PulseInput& pulse, std::int64_t most) {
-  while (const auto jump = pattern.last_jump(pulse_ahead(pulse, most))) {
-    const std::int64_t before = jump->before.pulse - pulse.time.pulse;
-    if (before < 0) break;
-    most = before;
-  }
-  return most;
-}
-
-/// The point that the pattern aims at `later_s` after a pulse, moving linearly from pulse to pulse. Before a
-/// jump or a pulse without an aim it extrapolates from the two previous pulses.
-Point<DemFrame> aim_after(const Pattern& pattern, const PulseInput& pulse, double later_s) {
-  const double pulses = pulse.interval_s > 0 ? later_s / pulse.interval_s : 0;
-  const auto aim = [&](std::int64_t ahead) { return pattern.ground_aim(pulse_ahead(pulse, ahead)); };
-  const std::int64_t wanted = static_cast<std::int64_t>(pulses) + 1;
-  const std::int64_t last = pulses_without_jump(pattern, pulse, wanted);
-  std::int64_t to = last;
-  while (to > 0 && !aim(to)) --to;
-  std::int64_t from = to - 1;
-  if (pulse.time.pulse + from < 0) return *aim(to);
-  if (to == 0) {
-    const auto jump = pattern.last_jump(pulse.time);
-    if (jump && jump->before.pulse == pulse.time.pulse - 1) return *aim(0);  // the step lasts a single pulse
-  }
-  const auto start = aim(from);
-  if (!start) return *aim(to);
-  return *start + (pulses - static_cast<double>(from)) * (*aim(to) - *start);
-}
-
-/// The aims around a jump, whose last pulse before it is `before`.
-JumpAims aims_around(const Pattern& pattern, const PulseInput& pulse, const PulseTime& before,
-                     const Transform<DemFrame, LidarFrame>& T_dem_lidar) {
-  const auto offset = [&](std::int64_t number) { return number - pulse.time.pulse; };
-  const auto time = [&](std::int64_t number) { return pulse_ahead(pulse, offset(number)); };
-  const auto begins_at = [&](std::int64_t number) {
-    const auto jump = pattern.last_jump(time(number));
-    return jump && jump->before.pulse + 1 == number;
-  };
-  const auto aim = [&](std::int64_t number, std::int64_t otherwise) {
-    const auto point = pattern.ground_aim(time(number));
-    return direction_to(point ? *point : *pattern.ground_aim(time(otherwise)), T_dem_lidar);
-  };
-  const std::int64_t last = before.pulse;
-  const std::int64_t first = last + 1;
-  return {.before_last = aim(last == 0 || begins_at(last) ? last : last - 1, last),
-          .last = aim(last, last),
-          .first = aim(first, first),
-          .second = aim(begins_at(first + 1) ? first : first + 1, first),
-          .interval_s = pulse.interval_s};
-}
-
-/// As aim_after(), a part of a pulse interval before a pulse. After a jump it extrapolates from the two next
-/// pulses.
-Point<DemFrame> aim_before(const Pattern& pattern, const PulseInput& pulse, double earlier_s) {
-  const auto aim = [&](std::int64_t ahead) { return pattern.ground_aim(pulse_ahead(pulse, ahead)); };
-  const auto jump = pattern.last_jump(pulse.time);
-  const bool is_first =
-      pulse.time.pulse == 0 || (jump && jump->before.pulse == pulse.time.pulse - 1) || !aim(-1);
-  if (is_first && (pulses_without_jump(pattern, pulse, 1) == 0 || !aim(1))) return *aim(0);
-  const Vector<DemFrame> motion = is_first ? *aim(1) - *aim(0) : *aim(0) - *aim(-1);
-  return *aim(0) - (earlier_s / pulse.interval_s) * motion;
-}
-
-Point<DemFrame> aim_at(const Pattern& pattern, const PulseInput& pulse, double later_s) {
-  return later_s < 0 ? aim_before(pattern, pulse, -later_s) : aim_after(pattern, pulse, later_s);
-}
-
-/// A time that lies within one pulse interval of a pulse.
-struct TimeNearPulse {
-  PulseInput pulse;
-  double later_s = 0;
-};
-
-/// t + e as the last pulse on the way there from the pulse at t, and the rest. Where the pattern has no aim
-/// at that pulse, before its begin or after its end, it is the pulse at t.
-TimeNearPulse time_after(const Pattern& pattern, const PulseInput& pulse, double error_s) {
-  if (error_s == 0 || pulse.interval_s == 0) return {pulse};
-  const double pulses = std::trunc(error_s / pulse.interval_s);
-  const PulseTime there = pulse_ahead(pulse, static_cast<std::int64_t>(pulses));
-  if (there.pulse < 0 || !pattern.ground_aim(there)) return {pulse};
-  TimeNearPulse near{pulse, error_s - pulses * pulse.interval_s};
-  near.pulse.time = there;
-  return near;
 }
 
 /// The columns of a true or an estimated pose.
@@ -233,25 +138,25 @@ PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_t
   PulseContext context{.time = {pulse.time.pulse, pulse.time.since_start_s + mirror_time_error_s}};
   const Pattern* const pattern = lidar_.pattern.get();
   if (pattern == nullptr || !pattern->ground_aim(pulse.time)) return context;
-  const auto [near, later_s] = time_after(*pattern, pulse, mirror_time_error_s);
-  const Point<DemFrame> target =
-      later_s == 0 ? *pattern->ground_aim(near.time) : aim_at(*pattern, near, later_s);
+  const PatternAim aim(*pattern, pulse.interval_s);
+  const auto [near, later_s] = aim.time_after(pulse.time, mirror_time_error_s);
+  const Point<DemFrame> target = later_s == 0 ? *pattern->ground_aim(near) : aim.at(near, later_s);
   const Transform<DemFrame, LidarFrame> T_dem_lidar = pulse.nominal * lidar_.mount;
   context.aim = direction_to(target, T_dem_lidar);
   const ContextNeeds needs = lidar_.scanner->needs();
   if (needs.jumps) {
-    if (const auto jump = pattern->last_jump(near.time)) {
+    if (const auto jump = pattern->last_jump(near)) {
       context.since_jump_s = std::max(0.0, jump->since_s + later_s);
       if (const auto before = pattern->ground_aim(jump->before))
         context.aim_before_jump = direction_to(*before, T_dem_lidar);
       if (needs.motion && context.aim_before_jump && pulse.interval_s > 0)
-        context.jump_aims = aims_around(*pattern, near, jump->before, T_dem_lidar);
+        context.jump_aims = aim.around(*jump, near, T_dem_lidar);
     }
   }
   if (needs.echo) {
     const double distance_m = (target - T_dem_lidar.position).norm();
-    const Point<DemFrame> at_echo = aim_at(*pattern, near, later_s + 2 * distance_m / kSpeedOfLight_mps);
-    context.aim_at_echo = direction_to(at_echo, T_dem_lidar);
+    context.aim_at_echo =
+        direction_to(aim.at(near, later_s + 2 * distance_m / kSpeedOfLight_mps), T_dem_lidar);
   }
   return context;
 }
