@@ -38,10 +38,8 @@ std::vector<EngineKind> all_engines() {
   return engines;
 }
 
-class Agreement : public testing::TestWithParam<Scene> {
+class Agreement : public SceneTest {
  protected:
-  void SetUp() override { terrain_ = GetParam().make(random_); }
-
   void expect_same_answers(const std::vector<Ray>& rays) const {
     const std::vector<double> expected = ranges_of(*make_brute_force_engine(terrain_), rays);
     const auto hits =
@@ -58,40 +56,24 @@ class Agreement : public testing::TestWithParam<Scene> {
     }
   }
 
-  [[nodiscard]] Eigen::Vector3d random_point(double half_width_m) {
-    const auto draw = [&] { return uniform(random_, -half_width_m, half_width_m); };
-    return {draw(), draw(), draw()};
-  }
-
   /// In the terrain's own extent, or a little outside.
   [[nodiscard]] Eigen::Vector3d random_target() {
-    const GridSpec& spec = terrain_->nodes().spec();
-    const double margin = spec.resolution_m / 4;
-    return {uniform(random_, spec.x(0) - margin, spec.x(spec.cols - 1) + margin),
-            uniform(random_, spec.y(0) - margin, spec.y(spec.rows - 1) + margin), uniform(random_, -1, 1)};
+    return SceneTest::random_target(terrain_->nodes().spec().resolution_m / 4);
   }
-
-  Random random_{test_seed()};
-  Terrain terrain_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Agreement,
-                         testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
-                                         Scene{"relief_with_holes", relief_with_holes},
-                                         Scene{"single_cell", single_cell}, Scene{"strip", strip},
-                                         Scene{"flat_ground", flat_ground}, Scene{"cones", cones}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(Scenes, Agreement, every_scene(), scene_name);
 
 TEST_P(Agreement, RandomRaysInAllDirections) {
   std::vector<Ray> rays;
-  for (int i = 0; i < 4000; ++i) rays.push_back(ray_at(random_point(7), random_target()));
+  for (int i = 0; i < 4000; ++i) rays.push_back(ray_at(random_offset(7), random_target()));
   expect_same_answers(rays);
 }
 
 TEST_P(Agreement, RaysFromAbove) {
   std::vector<Ray> rays;
   for (int i = 0; i < 4000; ++i)
-    rays.push_back(ray_at(random_point(20) + Eigen::Vector3d(0, 0, 500), random_target()));
+    rays.push_back(ray_at(random_offset(20) + Eigen::Vector3d(0, 0, 500), random_target()));
   expect_same_answers(rays);
 }
 
@@ -99,8 +81,8 @@ TEST_P(Agreement, RaysFromAbove) {
 TEST_P(Agreement, HeightfieldAnswersAsCgalOnManyRays) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < test_rays(); ++i)
-    rays.push_back(i % 2 == 0 ? ray_at(random_point(7), random_target())
-                              : ray_from(random_target(), random_point(1)));
+    rays.push_back(i % 2 == 0 ? ray_at(random_offset(7), random_target())
+                              : ray_from(random_target(), random_offset(1)));
   const std::vector<double> expected = ranges_of(*make_cgal_engine(terrain_), rays);
   const std::vector<double> ranges = ranges_of(*make_heightfield_engine(terrain_), rays);
   double largest_m = 0;
@@ -151,7 +133,7 @@ class Leaks : public Agreement {};
 INSTANTIATE_TEST_SUITE_P(Scenes, Leaks,
                          testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
                                          Scene{"flat_ground", flat_ground}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+                         scene_name);
 
 // From so far above, no flank of these scenes turns its back: the ray meets the very point it is aimed at.
 TEST_P(Leaks, SteepRaysMeetNodesEdgesAndDiagonals) {
@@ -179,7 +161,7 @@ TEST_P(Leaks, ObliqueRaysAtNodesEdgesAndDiagonalsHit) {
   std::vector<Ray> rays;
   for (const Eigen::Vector3d& point : shared_points(*terrain_))
     for (int i = 0; i < 10; ++i) {
-      Eigen::Vector3d origin = random_point(4);
+      Eigen::Vector3d origin = random_offset(4);
       origin.z() = kTop_m;
       const Eigen::Vector3d end = origin + (kTop_m - kBottom_m) / (kTop_m - point.z()) * (point - origin);
       if (std::abs(end.x()) < spec.x(spec.cols - 1) && std::abs(end.y()) < spec.y(spec.rows - 1))

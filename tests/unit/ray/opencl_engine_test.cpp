@@ -25,11 +25,11 @@ bool same_bits(double a, double b) {
          std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-class OpenClEngine : public testing::TestWithParam<Scene> {
+class OpenClEngine : public SceneTest {
  protected:
   void SetUp() override {
     if (!no_opencl().empty()) GTEST_SKIP() << no_opencl();
-    terrain_ = GetParam().make(random_);
+    SceneTest::SetUp();
   }
 
   /// Fails unless all ranges equal, and the device decides at least `share` of the rays.
@@ -45,28 +45,9 @@ class OpenClEngine : public testing::TestWithParam<Scene> {
     EXPECT_FALSE(use->failure());
     EXPECT_LE(static_cast<double>(use->undecided()), (1 - share) * static_cast<double>(rays.size()));
   }
-
-  [[nodiscard]] Eigen::Vector3d random_offset(double half_width_m) {
-    const auto draw = [&] { return uniform(random_, -half_width_m, half_width_m); };
-    return {draw(), draw(), draw()};
-  }
-  /// Within the terrain's borders, up to 1 m above or below 0.
-  [[nodiscard]] Eigen::Vector3d random_target() {
-    const GridSpec& spec = terrain_->nodes().spec();
-    return {uniform(random_, spec.x(0), spec.x(spec.cols - 1)),
-            uniform(random_, spec.y(0), spec.y(spec.rows - 1)), uniform(random_, -1, 1)};
-  }
-
-  Random random_{test_seed()};
-  Terrain terrain_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, OpenClEngine,
-                         testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
-                                         Scene{"relief_with_holes", relief_with_holes},
-                                         Scene{"single_cell", single_cell}, Scene{"strip", strip},
-                                         Scene{"flat_ground", flat_ground}, Scene{"cones", cones}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(Scenes, OpenClEngine, every_scene(), scene_name);
 
 TEST_P(OpenClEngine, RaysFromAbove) {
   std::vector<Ray> rays;

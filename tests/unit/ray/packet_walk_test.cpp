@@ -27,9 +27,8 @@ std::vector<Ray> pulse(const Ray& boresight, double half_angle_rad) {
   return rays;
 }
 
-class PacketWalk : public testing::TestWithParam<Scene> {
+class PacketWalk : public SceneTest {
  protected:
-  void SetUp() override { terrain_ = GetParam().make(random_); }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 
   /// How many of the rays the lanes decide; each of those must be PyramidTraversal's answer.
@@ -60,28 +59,9 @@ class PacketWalk : public testing::TestWithParam<Scene> {
       EXPECT_GE(static_cast<double>(decided(field, rays)), share * static_cast<double>(rays.size()));
     }
   }
-
-  /// A point within the terrain's borders, up to 1 m above or below 0.
-  [[nodiscard]] Eigen::Vector3d random_target() {
-    const GridSpec& spec = terrain_->nodes().spec();
-    return {uniform(random_, spec.x(0), spec.x(spec.cols - 1)),
-            uniform(random_, spec.y(0), spec.y(spec.rows - 1)), uniform(random_, -1, 1)};
-  }
-  [[nodiscard]] Eigen::Vector3d random_offset(double half_width_m) {
-    const auto draw = [&] { return uniform(random_, -half_width_m, half_width_m); };
-    return {draw(), draw(), draw()};
-  }
-
-  Random random_{test_seed()};
-  Terrain terrain_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, PacketWalk,
-                         testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
-                                         Scene{"relief_with_holes", relief_with_holes},
-                                         Scene{"single_cell", single_cell}, Scene{"strip", strip},
-                                         Scene{"flat_ground", flat_ground}, Scene{"cones", cones}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(Scenes, PacketWalk, every_scene(), scene_name);
 
 TEST_P(PacketWalk, PulsesFromAfar) {
   std::vector<Ray> rays;

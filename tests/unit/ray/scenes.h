@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -121,6 +123,34 @@ inline Terrain cones(Random&) {
 struct Scene {
   const char* name;
   Terrain (*make)(Random&);
+};
+
+/// Tests that run on each scene: INSTANTIATE_TEST_SUITE_P(Scenes, X, every_scene(), scene_name).
+inline auto every_scene() {
+  return testing::Values(Scene{"fractal_relief", fractal_relief}, Scene{"cliffs", cliffs},
+                         Scene{"relief_with_holes", relief_with_holes}, Scene{"single_cell", single_cell},
+                         Scene{"strip", strip}, Scene{"flat_ground", flat_ground}, Scene{"cones", cones});
+}
+inline std::string scene_name(const testing::TestParamInfo<Scene>& tested) { return tested.param.name; }
+
+class SceneTest : public testing::TestWithParam<Scene> {
+ protected:
+  void SetUp() override { terrain_ = GetParam().make(random_); }
+
+  [[nodiscard]] Eigen::Vector3d random_offset(double half_width_m) {
+    const auto draw = [&] { return uniform(random_, -half_width_m, half_width_m); };
+    return {draw(), draw(), draw()};
+  }
+  /// Within the terrain's borders, or `margin_m` outside; up to 1 m above or below 0.
+  [[nodiscard]] Eigen::Vector3d random_target(double margin_m = 0) {
+    const GridSpec& spec = terrain_->nodes().spec();
+    return {uniform(random_, spec.x(0) - margin_m, spec.x(spec.cols - 1) + margin_m),
+            uniform(random_, spec.y(0) - margin_m, spec.y(spec.rows - 1) + margin_m),
+            uniform(random_, -1, 1)};
+  }
+
+  Random random_{test_seed()};
+  Terrain terrain_;
 };
 
 }  // namespace landfall
