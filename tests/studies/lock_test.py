@@ -16,6 +16,13 @@ from landfall.errors import UsageError
 from landfall.study import lock
 
 TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval")
+PATIENCE_S = 300  # no test takes this long; a busy machine may take a while
+
+
+def processes_under(pid):
+    """The process, its children and theirs."""
+    children = read(f"/proc/{pid}/task/{pid}/children").split()
+    return [pid] + [one for child in children for one in processes_under(int(child))]
 
 
 class Makes(StudyTest):
@@ -48,15 +55,15 @@ class Makes(StudyTest):
         """Ends the first make; returns (exit code, what it printed)."""
         with open(self.path("go"), "w", encoding="utf-8"):
             pass
-        output, _ = process.communicate(timeout=60)
+        output, _ = process.communicate(timeout=PATIENCE_S)
         return process.returncode, output
 
-    def wait_until_free(self):
-        for _ in range(100):
-            if not os.path.exists(self.out("lock")):
-                return
+    def wait_until_gone(self, path):
+        """What a process in the background removes soon, however busy the machine is."""
+        deadline = time.monotonic() + PATIENCE_S
+        while os.path.exists(path):
+            self.assertLess(time.monotonic(), deadline, f"{path} is still there")
             time.sleep(0.05)
-        self.fail("the lock is still there")
 
     def test_the_second_make_names_the_first(self):
         first, tools = self.start()
@@ -68,7 +75,7 @@ class Makes(StudyTest):
         code, output = self.finish(first)
         self.assertEqual(code, 0, output)
         self.assertEqual(len(self.rows()), 1)
-        self.wait_until_free()
+        self.wait_until_gone(self.out("lock"))
 
     def test_what_reads_only_works_beside_a_make(self):
         first, tools = self.start()
@@ -81,22 +88,17 @@ class Makes(StudyTest):
 
     def test_a_make_that_was_killed_leaves_no_lock(self):
         first, tools = self.start()
-        first.kill()
-        first.wait()
-        with open(self.path("go"), "w", encoding="utf-8"):
-            pass
-        self.wait_until_free()
+        for pid in processes_under(first.pid):  # an orphan would work beside the next make
+            os.kill(pid, signal.SIGKILL)
+        self.finish(first)
+        self.wait_until_gone(self.out("lock"))
         self.make("study-results", tools)
         self.assertEqual(len(self.rows()), 1)
 
     def test_a_study_that_is_refused_leaves_no_folder(self):
         self.write(study({"key": "scan.seed", "list": []}))
         self.make("study-results", code=2)
-        for _ in range(100):
-            if not os.path.exists(self.out()):
-                return
-            time.sleep(0.05)
-        self.fail(f"{self.files()} are left")
+        self.wait_until_gone(self.out())
 
     def test_clean_removes_the_folder(self):
         self.write(study())
@@ -113,6 +115,8 @@ class Holders(StudyTest):
         self.sleeper = subprocess.Popen(["sleep", "600"])
         self.addCleanup(self.sleeper.wait)
         self.addCleanup(self.sleeper.kill)
+        while not lock.holder(self.sleeper.pid)["command"]:  # Popen returns a moment before the new program has its arguments
+            time.sleep(0.01)
 
     def leave(self, text=None, **changes):
         """Writes a lock of a process that runs, with changes."""
@@ -173,7 +177,7 @@ class Holders(StudyTest):
             except UsageError:
                 self.sleeper.poll()
         killer.wait()
-        self.assertLess(time.monotonic() - started, 5)
+        self.assertLess(time.monotonic() - started, PATIENCE_S)
 
     def test_only_its_holder_frees_it(self):
         self.leave()
