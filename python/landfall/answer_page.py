@@ -4,7 +4,7 @@ import json
 import os
 
 from landfall import tools
-from landfall.study.page import POLICY, cell, escaped, head, picture, table
+from landfall.study.page import cell, document, escaped, head, picture, table
 from landfall.study.report_study import read_text, write_page
 
 
@@ -12,13 +12,7 @@ def write(path, title, description, sections):
     """`sections` are (name, heading, HTML)."""
     style = read_text(os.path.join(tools.SHARE, "lib", "report", "assets", "report.css"))
     script = read_text(os.path.join(tools.SHARE, "lib", "report", "assets", "table.js"))
-    links = "".join(f'<a href="#{name}">{escaped(heading)}</a>' for name, heading, _ in sections)
-    body = "".join(f'<section id="{name}"><h2>{escaped(heading)}</h2>\n{text}</section>\n' for name, heading, text in sections)
-    write_page(f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escaped(title)}</title>\n'
-               f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">\n'
-               '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
-               f"<style>\n{style}</style>\n</head>\n<body>\n<header class=\"title\"><h1>{escaped(title)}</h1>\n<p>{escaped(description)}</p></header>\n"
-               f'<nav class="contents">{links}</nav>\n<main>\n{body}</main>\n<script>\n{script}</script>\n</body>\n</html>\n', path)
+    write_page(document(title, f"<p>{escaped(description)}</p>", sections, [style], [script]), path)
 
 
 def text_cell(text):

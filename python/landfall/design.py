@@ -9,7 +9,7 @@ import json
 import math
 import os
 
-from landfall import command, model, progress, runs, schema, sensitivity, tools
+from landfall import command, model, progress, runs, schema
 from landfall.errors import Error, ToolError, UsageError
 
 SIX = "all six"
@@ -33,8 +33,7 @@ class Problem:
     """A design file (schemas/design.schema.json)."""
 
     def __init__(self, path):
-        self.path, self.tree = path, schema.read_json(path)
-        schema.check(self.tree, schema.read_json(os.path.join(tools.SHARE, "schemas", "design.schema.json")), path)
+        self.path, self.tree = path, schema.read_checked(path, "design")
         self.base = runs.read_base(self.tree["base"], os.path.dirname(os.path.abspath(path)), path)
         self.title = self.tree.get("title", os.path.basename(path).removesuffix(".json"))
         self.variables, self.terrains = self.tree["variables"], self.tree.get("terrains", [{}])
@@ -175,13 +174,9 @@ class Look:
             if gap is not None and gap > widest:
                 return {**result, "stage": "geometry", "reason": f"frames are {gap:.3g} bins apart at the end of the scan; at most {widest:g} can pass",
                         "violation": math.log(gap / widest) + 1}
-        place = self.runner.place("look", [configs, self.problem.vary, self.problem.seed, self.problem.requirement], "json")
-        if os.path.exists(place):
-            return {**result, **schema.read_json(place)}
-        found = self._run(configs)
-        self.made += 1
-        if found.get("code", 2) == 2:
-            runs.write_json(place, found)
+        found, is_earlier = self.runner.cached("look", [configs, self.problem.vary, self.problem.seed, self.problem.requirement],
+                                               lambda: self._run(configs), runs.is_steady)
+        self.made += not is_earlier
         return {**result, **found}
 
     def _run(self, configs):
@@ -219,10 +214,10 @@ class Look:
 
 def main(arguments):
     parser = command.Parser(prog="design.py", description="The cheapest lidar whose DEM passes with a given probability.")
-    sensitivity.add_run_options(parser, "design file (docs/user/studies/design.md)")
+    runs.add_options(parser, "design file (docs/user/studies/design.md)")
     options = parser.parse_args(arguments)
     model.optuna()
-    prefix = sensitivity.prepare(options)
+    prefix = runs.prepare(options)
     problem = Problem(options.file)
     from landfall import design_report, design_search
 

@@ -10,6 +10,7 @@ docs/user/studies/model.md explains it. The engines are not part of landfall: Op
 """
 import concurrent.futures
 import copy
+import importlib
 import math
 import os
 import re
@@ -141,14 +142,10 @@ class _Task:
     """Makes the results of some rows, or finds them. Calling it gives them; only refusals of a configuration are kept as results."""
 
     def __call__(self):
-        kept = self.runner.place(self.kind, self.depends, "json")
-        is_found = os.path.exists(kept)
         try:
-            result = runs.schema.read_json(kept) if is_found else self.make()
+            result, is_found = self.runner.cached(self.kind, self.depends, self.make, lambda rows: all(map(runs.is_steady, rows)))
         finally:
             self.end()
-        if not is_found and all(row.get("code", 2) == 2 for row in result):
-            runs.write_json(kept, result)
         if self.progress:
             self.progress.step(*((0, len(result)) if is_found else (len(result), 0)))
         return result
@@ -222,21 +219,19 @@ def set_values(configs, values):
 
 
 def openturns():
-    """The module, or UsageError that names its package."""
-    try:
-        import openturns as module
-    except ImportError as error:
-        raise UsageError("this needs OpenTURNS; install it with: apt-get install python3-openturns") from error
-    return module
+    return _engine("OpenTURNS")
 
 
 def optuna():
+    return _engine("Optuna")
+
+
+def _engine(name):
     """The module, or UsageError that names its package."""
     try:
-        import optuna as module
+        return importlib.import_module(name.lower())
     except ImportError as error:
-        raise UsageError("this needs Optuna; install it with: apt-get install python3-optuna") from error
-    return module
+        raise UsageError(f"this needs {name}; install it with: apt-get install python3-{name.lower()}") from error
 
 
 def openturns_function(of):

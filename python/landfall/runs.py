@@ -9,6 +9,7 @@ import fcntl
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -20,7 +21,7 @@ import h5py
 from landfall import command, schema, tools
 from landfall.errors import DataError, ToolError, UsageError
 from landfall.study import results, stages
-from landfall.study.model import plain_numbers, with_full_paths
+from landfall.study.model import read_config
 
 STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
 TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
@@ -39,16 +40,7 @@ def read_base(tree, folder, name, where="/base"):
     for stage in tree:
         if stage not in STAGES:
             raise UsageError(f"{name}: {where}/{stage}: unknown key; the stages are {', '.join(STAGES)}")
-    return {stage: resolved(stage, _config(tree.get(stage, {}), stage, folder)) for stage in STAGES if stage != "hazard" or stage in tree}
-
-
-def _config(given, stage, folder):
-    if isinstance(given, dict):
-        return plain_numbers(with_full_paths(given, folder))
-    path = os.path.join(folder, given)
-    if given.startswith("preset:"):
-        path = os.path.join(tools.SHARE, "studies", "presets", f"{given.removeprefix('preset:')}.{stage}.json")
-    return plain_numbers(with_full_paths(schema.read_json(path), os.path.dirname(os.path.abspath(path))))
+    return {stage: resolved(stage, read_config(tree.get(stage, {}), stage, folder)) for stage in STAGES if stage != "hazard" or stage in tree}
 
 
 def resolved(stage, config):
@@ -93,6 +85,31 @@ def _lock(folder):
 def _close_scratch(folder, lock):
     shutil.rmtree(folder, ignore_errors=True)
     lock.close()
+
+
+def is_steady(outcome):
+    """Whether an outcome, a tree with "code" if a tool failed, follows from the configuration alone: a tool that ran out of memory or
+    disk is asked again."""
+    return outcome.get("code", 2) == 2
+
+
+def add_options(parser, what):
+    """The options of a program that runs many tools."""
+    parser.add_argument("file", metavar="FILE", help=what)
+    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; a run that was cut off goes on there")
+    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
+    parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
+    parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
+
+
+def prepare(options):
+    """Checks these options, and returns the prefix of the tools."""
+    if options.workers < 1:
+        raise UsageError(f"--workers {options.workers}: is not >= 1")
+    if options.bin:
+        tools.BIN = options.bin
+    os.makedirs(options.out, exist_ok=True)
+    return shlex.split(options.runner)
 
 
 def write_json(path, value):
@@ -157,12 +174,16 @@ class Runner:
             files.append([path, status.st_size, status.st_mtime_ns])
         return os.path.join(self.cache, f"{kind}-{stages.short_hash(kind, stages.canonical(depends), stages.canonical(files), self.version)}.{extension}")
 
-    def cached(self, kind, depends, compute):
-        """compute() or its earlier result, a JSON value."""
+    def cached(self, kind, depends, compute, is_kept=lambda result: True):
+        """(compute() or its earlier result, a JSON value; whether it is the earlier one). A result that is not kept is computed again
+        by the next call."""
         path = self.place(kind, depends, "json")
-        if not os.path.exists(path):
-            write_json(path, compute())
-        return schema.read_json(path)
+        if os.path.exists(path):
+            return schema.read_json(path), True
+        result = compute()
+        if is_kept(result):
+            write_json(path, result)
+        return result, False
 
     @contextlib.contextmanager
     def alone(self, path):
@@ -182,7 +203,7 @@ class Runner:
 
     def numbers(self, configs):
         """All numbers of one DEM, through the chain: {name of a metric: value or None}."""
-        return self.cached("chain", [configs[stage] for stage in configs], lambda: self._chain(configs))
+        return self.cached("chain", [configs[stage] for stage in configs], lambda: self._chain(configs))[0]
 
     def _chain(self, configs):
         terrain = self.terrain(configs["terrain"])

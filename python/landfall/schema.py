@@ -5,8 +5,10 @@ It supports the keywords of draft-07 that schemas/study.schema.json uses; any ot
 """
 import codecs
 import json
+import os
 import re
 
+from landfall import tools
 from landfall.errors import UsageError
 
 STRING_OR_COMMENT = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
@@ -27,6 +29,13 @@ def read_json(path):
         raise UsageError(f"{path}: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise UsageError(f"{path}: not JSON: {error}") from error
+
+
+def read_checked(path, kind):
+    """The tree of a file that schemas/KIND.schema.json describes. Throws UsageError, naming file, key and value."""
+    tree = read_json(path)
+    check(tree, read_json(os.path.join(tools.SHARE, "schemas", f"{kind}.schema.json")), path)
+    return tree
 
 
 def check(value, schema, path):

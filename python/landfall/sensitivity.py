@@ -5,11 +5,10 @@ OpenTURNS makes the sample and estimates indices and intervals; landfall.model c
 """
 import csv
 import os
-import shlex
 
 import numpy as np
 
-from landfall import command, model, progress, runs, schema, tools
+from landfall import command, model, progress, runs, schema
 from landfall.errors import DataError, UsageError
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
@@ -24,8 +23,7 @@ class Problem:
     """A sensitivity file (schemas/sensitivity.schema.json)."""
 
     def __init__(self, path):
-        self.path, self.tree = path, schema.read_json(path)
-        schema.check(self.tree, schema.read_json(os.path.join(tools.SHARE, "schemas", "sensitivity.schema.json")), path)
+        self.path, self.tree = path, schema.read_checked(path, "sensitivity")
         self.base = runs.read_base(self.tree["base"], os.path.dirname(os.path.abspath(path)), path)
         self.title = self.tree.get("title", os.path.basename(path).removesuffix(".json"))
         self.outputs, self.size, self.seed = self.tree["outputs"], self.tree.get("size", 128), self.tree.get("seed", 1)
@@ -175,33 +173,14 @@ def figure_of(problem, answer):
 
 def parse(arguments):
     parser = command.Parser(prog="sensitivity.py", description="Sobol indices of groups of errors.")
-    add_run_options(parser, "sensitivity file (docs/user/studies/sensitivity.md)")
+    runs.add_options(parser, "sensitivity file (docs/user/studies/sensitivity.md)")
     return parser.parse_args(arguments)
-
-
-def add_run_options(parser, what):
-    """The options that sensitivity.py and design.py share."""
-    parser.add_argument("file", metavar="FILE", help=what)
-    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; a run that was cut off goes on there")
-    parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
-    parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
-    parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
-
-
-def prepare(options):
-    """Checks the options, and returns the prefix of the tools."""
-    if options.workers < 1:
-        raise UsageError(f"--workers {options.workers}: is not >= 1")
-    if options.bin:
-        tools.BIN = options.bin
-    os.makedirs(options.out, exist_ok=True)
-    return shlex.split(options.runner)
 
 
 def main(arguments):
     options = parse(arguments)
     model.openturns()
-    prefix = prepare(options)
+    prefix = runs.prepare(options)
     problem = Problem(options.file)
     of = model.Model(problem.base, [key for _, key in problem.keys] + [model.SEED], problem.outputs, options.out, options.workers, prefix,
                      progress.Progress())

@@ -5,8 +5,9 @@ import itertools
 import os
 from dataclasses import dataclass, field
 
+from landfall import tools
 from landfall.errors import UsageError
-from landfall.schema import shown
+from landfall.schema import read_json, shown, type_of
 
 STAGES = ("terrain", "scan", "regrid", "eval", "hazard", "draws")
 # Stages that a study has only if its base names them.
@@ -164,6 +165,24 @@ def with_full_paths(value, folder):
 def _full_path(path, folder):
     full = os.path.abspath(os.path.join(folder, path))
     return full if os.path.isfile(full) else path
+
+
+def config_path(name, stage, folder):
+    """The file of a configuration that is given by its name in `folder`, or as preset:NAME."""
+    if name.startswith("preset:"):
+        return os.path.join(tools.SHARE, "studies", "presets", f"{name.removeprefix('preset:')}.{stage}.json")
+    return os.path.join(folder, name)
+
+
+def read_config(given, stage, folder):
+    """A stage's configuration, given as an object or by a name (config_path). Throws UsageError, naming the file."""
+    if isinstance(given, dict):
+        return plain_numbers(with_full_paths(given, os.path.abspath(folder)))
+    path = config_path(given, stage, folder)
+    config = read_json(path)
+    if not isinstance(config, dict):
+        raise UsageError(f"{path}: {shown(config)} is of type {type_of(config)}, not object")
+    return plain_numbers(with_full_paths(config, os.path.dirname(os.path.abspath(path))))
 
 
 def configuration(study, stage, indices, repeated=True):

@@ -33,17 +33,22 @@ def page(tree, figures, styles, scripts):
                 ("tried", "What was tried", tried(tree)), ("points", "Points", points(tree)), ("cases", "Cases", CASES),
                 ("figures", "Figures", figure_panels(figures, tree)), ("provenance", "Provenance", provenance(tree))]
     sections = [section for section in sections if section[2]]
-    links = "".join(f'<a href="#{name}">{title}</a>' for name, title, _ in sections)
-    body = "".join(f'<section id="{name}"><h2>{title}</h2>\n{text}</section>\n' for name, title, text in sections)
     description = f"<p>{escaped(tree['description'])}</p>" if tree["description"] else ""
-    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escaped(tree["title"])}</title>\n'
+    note = f'{description}\n<p class="note">Study {escaped(tree["name"])}: {escaped(size(tree))}</p>'
+    return document(tree["title"], note, sections, styles, scripts, f'<script type="application/json" id="study-data">{data(tree)}</script>\n')
+
+
+def document(title, note, sections, styles, scripts, elements=""):
+    """A page that needs nothing beside it. Sections are (name, heading, HTML); `note`, HTML, stands below the title; `elements` before
+    the scripts."""
+    links = "".join(f'<a href="#{name}">{escaped(heading)}</a>' for name, heading, _ in sections)
+    body = "".join(f'<section id="{name}"><h2>{escaped(heading)}</h2>\n{text}</section>\n' for name, heading, text in sections)
+    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escaped(title)}</title>\n'
             f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">\n'
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
-            + "".join(f"<style>\n{text}</style>\n" for text in styles) +
-            f'</head>\n<body>\n<header class="title"><h1>{escaped(tree["title"])}</h1>\n{description}\n'
-            f'<p class="note">Study {escaped(tree["name"])}: {escaped(size(tree))}</p></header>\n'
-            f'<nav class="contents">{links}</nav>\n<main>\n{body}</main>\n'
-            f'<script type="application/json" id="study-data">{data(tree)}</script>\n'
+            + "".join(f"<style>\n{text}</style>\n" for text in styles)
+            + f'</head>\n<body>\n<header class="title"><h1>{escaped(title)}</h1>\n{note}</header>\n'
+            f'<nav class="contents">{links}</nav>\n<main>\n{body}</main>\n{elements}'
             + "".join(f"<script>\n{text}</script>\n" for text in scripts) + "</body>\n</html>\n")
 
 

@@ -5,11 +5,11 @@ import json
 import os
 import statistics
 
-from landfall import schema, tools
+from landfall import schema
 from landfall.errors import UsageError
 from landfall.schema import shown
-from landfall.study.model import (assign, Axis, label_of, OPTIONAL_STAGES, plain_numbers, Point, stage_of, STAGES, Study, unit_of,
-                                  with_full_paths, without_unit)
+from landfall.study.model import (assign, Axis, config_path, label_of, OPTIONAL_STAGES, plain_numbers, Point, read_config, stage_of, STAGES,
+                                  Study, unit_of, with_full_paths, without_unit)
 
 KINDS = ("list", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")
@@ -18,9 +18,7 @@ MOST_CASES = 1_000_000
 
 def read_study(path):
     """Throws UsageError, naming file, key, value and bound."""
-    tree = schema.read_json(path)
-    schema.check(tree, schema.read_json(os.path.join(tools.SHARE, "schemas", "study.schema.json")), path)
-    return _Reader(path).study(tree)
+    return _Reader(path).study(schema.read_checked(path, "study"))
 
 
 class _Reader:
@@ -64,19 +62,13 @@ class _Reader:
 
     def config(self, value, stage, where):
         """A configuration given as an object, by its file's name or as preset:NAME."""
-        if isinstance(value, dict):
-            return plain_numbers(with_full_paths(value, self.folder))
-        path = os.path.join(os.path.dirname(self.path), value)
-        if value.startswith("preset:"):
-            path = os.path.join(tools.SHARE, "studies", "presets", f"{value.removeprefix('preset:')}.{stage}.json")
-        self.files.append(path)
+        folder = os.path.dirname(self.path)
+        if isinstance(value, str):
+            self.files.append(config_path(value, stage, folder))
         try:
-            config = schema.read_json(path)
+            return read_config(value, stage, folder)
         except UsageError as error:
-            self.fail(where, str(error))
-        if not isinstance(config, dict):
-            self.fail(where, f"{path}: {shown(config)} is of type {schema.type_of(config)}, not object")
-        return plain_numbers(with_full_paths(config, os.path.dirname(os.path.abspath(path))))
+            return self.fail(where, str(error))
 
     def value(self, key, value, where):
         """A value as a configuration holds it: of a stage alone, its whole configuration."""

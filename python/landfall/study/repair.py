@@ -9,7 +9,7 @@ import json
 import os
 import re
 
-from landfall.study import rules, session, stages
+from landfall.study import session, stages
 
 CHECKSUM = "# checksum: "
 PLAN = ("tools.txt", "targets.txt", "names.txt", "cases.json")
