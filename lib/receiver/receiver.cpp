@@ -2,6 +2,7 @@
 #include "receiver/receiver.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <cassert>
 #include <cmath>

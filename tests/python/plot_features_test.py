@@ -7,6 +7,8 @@ import sys
 import tempfile
 import unittest
 
+from harness.commands import run_command
+
 ROOT = os.environ["LANDFALL_ROOT"]
 BIN = os.environ["LANDFALL_BIN"]
 sys.path.insert(0, os.path.join(ROOT, "python"))
@@ -17,11 +19,6 @@ import numpy as np
 from landfall import plot_features
 
 
-def run_script(*arguments):
-    return subprocess.run([os.path.join(ROOT, "python", "commands", "plot_features.py"), *map(str, arguments)], capture_output=True,
-                          text=True, timeout=300, check=False)
-
-
 class Picture(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -29,7 +26,7 @@ class Picture(unittest.TestCase):
         self.png = os.path.join(folder.name, "features.png")
 
     def test_every_shape_is_drawn(self):
-        result = run_script("-o", self.png, "--bin", BIN, "--dpi", 50)
+        result = run_command("plot_features", "-o", self.png, "--bin", BIN, "--dpi", 50)
         self.assertEqual((result.returncode, result.stderr, result.stdout), (0, "", self.png + "\n"))
         picture = matplotlib.image.imread(self.png)
         self.assertEqual(picture.shape[:2], (490, 750))
@@ -53,12 +50,12 @@ class Picture(unittest.TestCase):
     def test_an_existing_figure_is_kept(self):
         with open(self.png, "w", encoding="utf-8") as file:
             file.write("old")
-        result = run_script("-o", self.png, "--bin", BIN)
+        result = run_command("plot_features", "-o", self.png, "--bin", BIN)
         self.assertEqual(result.returncode, 2)
         self.assertIn("exists", result.stderr)
 
     def test_a_missing_tool_is_named(self):
-        result = run_script("-o", self.png, "--bin", "/nowhere")
+        result = run_command("plot_features", "-o", self.png, "--bin", "/nowhere")
         self.assertEqual(result.returncode, 1)
         self.assertIn("/nowhere/terrain-gen", result.stderr)
         self.assertFalse(os.path.exists(self.png))

@@ -4,7 +4,6 @@
 import json
 import os
 import shutil
-import subprocess
 import sys
 import unittest
 
@@ -12,6 +11,7 @@ import h5py
 import numpy as np
 
 import harness
+from harness.commands import run_command
 
 PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
 sys.path.insert(0, PYTHON)
@@ -234,8 +234,7 @@ class ScoreTest(HazardsTest):
 
 class CommandTest(HazardsTest):
     def run_script(self, *arguments):
-        return subprocess.run(["/usr/bin/python3", os.path.join(PYTHON, "commands", "plot_hazards.py"), *arguments],
-                              capture_output=True, text=True, check=False, cwd=self.folder)
+        return run_command("plot_hazards", *arguments, cwd=self.folder)
 
     def test_draws_beside_the_map(self):
         shutil.copy(self.chain.hazards, self.path("hazards.h5"))

@@ -12,6 +12,8 @@ import unittest
 import h5py
 import numpy as np
 
+from harness.commands import run_command
+
 ROOT = os.environ["LANDFALL_ROOT"]
 BIN = os.environ["LANDFALL_BIN"]
 sys.path.insert(0, os.path.join(ROOT, "python"))
@@ -44,11 +46,6 @@ def write_terrain(path, patterns, columns):
         file["provenance/config_json"] = json.dumps({"patterns": patterns})
         for name, values in columns.items():
             file[f"features/{name}"] = values
-
-
-def run_script(*arguments):
-    return subprocess.run([os.path.join(ROOT, "python", "commands", "plot_populations.py"), *map(str, arguments)], capture_output=True,
-                          text=True, timeout=300, check=False)
 
 
 class Laws(unittest.TestCase):
@@ -121,21 +118,21 @@ class Samples(unittest.TestCase):
         config = {"grid": {"half_width_m": 50, "resolution_m": 2}, "patterns": PATTERNS}
         subprocess.run([os.path.join(BIN, "terrain-gen"), "-c", "-", "-o", self.terrain], check=True, input=json.dumps(config),
                        text=True)
-        result = run_script(self.terrain, "-o", self.png, "--dpi", 50)
+        result = run_command("plot_populations", self.terrain, "-o", self.png, "--dpi", 50)
         self.assertEqual((result.returncode, result.stderr, result.stdout), (0, "", self.png + "\n"))
         picture = matplotlib.image.imread(self.png)
         self.assertEqual(picture.shape[:2], (300, 400))
         self.assertGreater(np.count_nonzero(np.ptp(picture[..., :3], axis=2) > 0.2), 200)
-        self.assertEqual(run_script(self.terrain, "-o", self.png).returncode, 2)  # the figure exists
+        self.assertEqual(run_command("plot_populations", self.terrain, "-o", self.png).returncode, 2)  # the figure exists
 
     def test_a_terrain_without_populations_is_refused(self):
         write_terrain(self.terrain, [], {"x": [0.0], "y": [0.0], "diameter": [4.0], "pattern": np.array([-1], np.int32)})
-        result = run_script(self.terrain, "-o", self.png)
+        result = run_command("plot_populations", self.terrain, "-o", self.png)
         self.assertEqual(result.returncode, 1)
         self.assertIn("no pattern that scatters objects", result.stderr)
         with h5py.File(self.terrain, "a") as file:
             del file["features"]
-        self.assertIn("list of /features", run_script(self.terrain, "-o", self.png).stderr)
+        self.assertIn("list of /features", run_command("plot_populations", self.terrain, "-o", self.png).stderr)
         self.assertFalse(os.path.exists(self.png))
 
 

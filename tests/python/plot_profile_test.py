@@ -3,13 +3,14 @@
 """Tests of plot_profile.py on small DEMs that the tests make."""
 import math
 import os
-import subprocess
 import sys
 import tempfile
 import unittest
 
 import h5py
 import numpy as np
+
+from harness.commands import run_command
 
 PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python")
 sys.path.insert(0, PYTHON)
@@ -174,8 +175,7 @@ class ScriptTest(unittest.TestCase):
         make_dem(self.dem)
 
     def run_script(self, *arguments):
-        return subprocess.run(["/usr/bin/python3", os.path.join(PYTHON, "commands", "plot_profile.py"), *arguments],
-                              capture_output=True, text=True, check=False, cwd=self.folder.name)
+        return run_command("plot_profile", *arguments, cwd=self.folder.name)
 
     def test_draws_beside_the_dem(self):
         done = self.run_script(self.dem, "--from", "-5,95", "--to", "5,-.5e2", "--dpi", "60")

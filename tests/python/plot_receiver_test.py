@@ -9,6 +9,8 @@ import tempfile
 import types
 import unittest
 
+from harness.commands import run_command
+
 ROOT = os.environ["LANDFALL_ROOT"]
 BIN = os.environ["LANDFALL_BIN"]
 sys.path.insert(0, os.path.join(ROOT, "python"))
@@ -17,11 +19,6 @@ sys.dont_write_bytecode = True
 import matplotlib.image
 import numpy as np
 from landfall import plot_receiver
-
-
-def run_script(*arguments):
-    return subprocess.run([os.path.join(ROOT, "python", "commands", "plot_receiver.py"), *map(str, arguments)], capture_output=True,
-                          text=True, timeout=300, check=False)
 
 
 def crossing_of_a_plane(slope_deg, level):
@@ -76,7 +73,7 @@ class Picture(unittest.TestCase):
         self.png = os.path.join(folder.name, "receiver.png")
 
     def test_both_panels_are_drawn(self):
-        result = run_script("-o", self.png, "--bin", BIN, "--dpi", 50)
+        result = run_command("plot_receiver", "-o", self.png, "--bin", BIN, "--dpi", 50)
         self.assertEqual((result.returncode, result.stderr, result.stdout), (0, "", self.png + "\n"))
         for panel in np.array_split(matplotlib.image.imread(self.png), 2, axis=1):
             self.assertGreater(np.count_nonzero(panel[..., :3].min(axis=2) < 0.8), 200)
@@ -89,7 +86,7 @@ class Picture(unittest.TestCase):
     def test_an_existing_figure_is_kept(self):
         with open(self.png, "w", encoding="utf-8") as file:
             file.write("old")
-        result = run_script("-o", self.png, "--bin", BIN)
+        result = run_command("plot_receiver", "-o", self.png, "--bin", BIN)
         self.assertEqual(result.returncode, 2)
         self.assertIn("exists", result.stderr)
 

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-
 #include <filesystem>
 #include <fstream>
 
