@@ -29,7 +29,9 @@ std::string rate_row_html(const Json& rate, bool is_stopped) {
   const auto name = rate.at("requirement").get<std::string>();
   const std::string note = is_stopped ? "<span class=\"note\"> not valid after stopping</span>" : "";
   return "<tr data-requirement=\"" + name + "\"><th scope=\"row\">" +
-         (name == "all" ? "all six" : name == "chosen_place_safe" ? "chosen place truly safe" : name) +
+         (name == "all"                 ? "all six"
+          : name == "chosen_place_safe" ? "chosen place truly safe"
+                                        : name) +
          "</th>" + number_cell(grouped(passed) + " of " + grouped(draws)) +
          number_cell(percent_text(static_cast<double>(passed) / static_cast<double>(draws))) +
          number_cell(p_text(rate.at("wilson_low")) + " \u2026 " + p_text(rate.at("wilson_high")) + note) +
@@ -45,7 +47,8 @@ std::string rates_html(const Json& verdict) {
       "</thead><tbody>\n";
   const auto rows = [&](const Json& result) {
     for (const Json& rate : result.at("rates")) text += rate_row_html(rate, verdict.contains("sprt"));
-    if (result.contains("hazard")) text += rate_row_html(result.at("hazard").at("chosen_place_safe"), verdict.contains("sprt"));
+    if (result.contains("hazard"))
+      text += rate_row_html(result.at("hazard").at("chosen_place_safe"), verdict.contains("sprt"));
   };
   const auto heading = [&](const std::string& of) {
     text += "<tr><th colspan=\"5\" scope=\"rowgroup\">" + of + "</th></tr>\n";
@@ -82,17 +85,15 @@ std::string banner_html(const Json& verdict) {
 std::string draws_page(const DrawsReport& content, const Provenance& provenance, const std::string& title) {
   nlohmann::json steps = provenance.chain;
   steps.push_back(provenance.as_step());
-  return filled(asset("draws.html"),
-                {{"style", asset("report.css")},
-                 {"title", html_text(title.empty() ? title_of(steps, "Campaign of draws") : title)},
-                 {"subtitle", subtitle_html(steps, "draws", "scan", "scan")},
-                 {"banner", banner_html(content.verdict)},
-                 {"rates", rates_html(content.verdict)},
-                 {"provenance", provenance_html(steps)},
-                 {"data", data_html(draws_data(content, provenance.config))},
-                 {"programs", programs_html({"theme.js", "data.js", "scales.js", "relief.js", "table.js",
-                                             "elements.js", "colorbar.js", "cursor.js", "map.js", "chart.js",
-                                             "profile.js", "page.js", "draws.js"})}});
+  return page_html("draws.html",
+                   {{"subject", "these draws"},
+                    {"title", html_text(title.empty() ? title_of(steps, "Campaign of draws") : title)},
+                    {"subtitle", subtitle_html(steps, "draws", "scan", "scan")},
+                    {"banner", banner_html(content.verdict)},
+                    {"rates", rates_html(content.verdict)},
+                    {"provenance", provenance_html(steps)},
+                    {"data", data_html(draws_data(content, provenance.config))}},
+                   {"profile.js", "page.js", "draws.js"});
 }
 
 }  // namespace landfall::html_report

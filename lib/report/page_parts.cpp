@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/page_parts.h"
 
+#include <array>
 #include <stdexcept>
+#include <utility>
 
 #include "report/embedded_assets.h"
 #include "report/escape.h"
@@ -30,14 +32,14 @@ std::string configuration_html(const nlohmann::json& step) {
   return text + "</details>\n";
 }
 
-}  // namespace
-
+/// The embedded template or script of this name.
 std::string asset(std::string_view name) {
   for (const auto& asset : embedded::kAssets)
     if (asset.name == name) return asset.text;
   throw std::logic_error("no embedded asset " + std::string(name));
 }
 
+/// The template with each @NAME@ replaced by its value in `parts`.
 std::string filled(const std::string& page, const std::map<std::string, std::string>& parts) {
   std::string text;
   std::size_t at = 0;
@@ -51,6 +53,10 @@ std::string filled(const std::string& page, const std::map<std::string, std::str
     at = part == parts.end() ? begin + 1 : end + 1;
   }
 }
+
+std::string program_html(const char* name) { return "<script>\n" + asset(name) + "</script>\n"; }
+
+}  // namespace
 
 nlohmann::json member(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
@@ -98,10 +104,16 @@ std::string data_html(const ReportData& data) {
   return text;
 }
 
-std::string programs_html(std::initializer_list<const char*> names) {
-  std::string text;
-  for (const char* const name : names) text += "<script>\n" + asset(name) + "</script>\n";
-  return text;
+std::string page_html(std::string_view sections, std::map<std::string, std::string> parts,
+                      std::initializer_list<const char*> programs) {
+  constexpr std::array kShared{"theme.js",    "data.js",     "scales.js", "relief.js", "table.js",
+                               "elements.js", "colorbar.js", "cursor.js", "map.js",    "chart.js"};
+  parts["style"] = asset("report.css");
+  parts["sections"] = filled(asset(sections), parts);
+  std::string& text = parts["programs"];
+  for (const char* const name : kShared) text += program_html(name);
+  for (const char* const name : programs) text += program_html(name);
+  return filled(asset("page.html"), parts);
 }
 
 }  // namespace landfall::html_report

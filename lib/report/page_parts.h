@@ -11,12 +11,6 @@
 
 namespace landfall::html_report {
 
-/// The embedded template or script of this name (lib/report/assets).
-[[nodiscard]] std::string asset(std::string_view name);
-
-/// The template with each @NAME@ replaced by its value in `parts`.
-[[nodiscard]] std::string filled(const std::string& page, const std::map<std::string, std::string>& parts);
-
 /// The first member of an object with this key; null if there is none, or if `object` is not an object.
 [[nodiscard]] nlohmann::json member(const nlohmann::json& object, const char* key);
 /// The member as escaped text; a dash if there is none.
@@ -33,7 +27,11 @@ namespace landfall::html_report {
 /// The data in script elements, which the browser does not run.
 [[nodiscard]] std::string data_html(const ReportData& data);
 
-/// Scripts, each in its own element, in the order of their use.
-[[nodiscard]] std::string programs_html(std::initializer_list<const char*> names);
+/// A whole page (lib/report/assets): page.html about the sections of the template `sections`, with each
+/// @NAME@ replaced by its value in `parts`. These are those of both: title, subtitle, banner, subject ("this
+/// evaluation"), provenance, data and what the sections name. `programs` are the scripts beside those that
+/// all pages have, in the order of their use.
+[[nodiscard]] std::string page_html(std::string_view sections, std::map<std::string, std::string> parts,
+                                    std::initializer_list<const char*> programs);
 
 }  // namespace landfall::html_report
