@@ -182,20 +182,19 @@ class Design:
         """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""
         moves = 0
         while True:
-            tried, better = [], None
+            better = None
             around = [(name, values) for name, values in neighbours(self.problem, accepted["values"])
                       if self.problem.cost(self.problem.configs(values)) <= accepted["cost"]]
             self.say(f"{len(around)} neighbours of {self.percent(accepted)}")
             with model.Workers(self.workers) as pool:
                 looks = list(pool.map(self.look, [values for _, values in around]))
-            for (name, _), look in zip(around, looks):
-                look = {**look, "changed": name}
-                if look["passes"] and look["cost"] < accepted["cost"]:
-                    look = self.race(look)
-                    if look["race"]["accepted"] and moves < self.problem.moves:
-                        better = look
-                        break
-                tried.append(look)
+            tried = [{**look, "changed": name} for (name, _), look in zip(around, looks)]
+            cheaper = [i for i, look in enumerate(tried) if look["passes"] and look["cost"] < accepted["cost"]]
+            for i in sorted(cheaper, key=lambda i: tried[i]["cost"]):  # pylint: disable=cell-var-from-loop
+                tried[i] = self.race(tried[i])
+                if tried[i]["race"]["accepted"] and moves < self.problem.moves:
+                    better = tried[i]
+                    break
             if better is None:
                 return accepted, tried
             moves += 1
