@@ -5,9 +5,11 @@ A candidate gives each variable of the design file a value. Filters refuse candi
 the geometry of the frames, scan-sim --plan, one draw, a sequential test. landfall.design_search calls them.
 """
 import copy
+import itertools
 import json
 import math
 import os
+import statistics
 
 from landfall import command, model, progress, runs, schema
 from landfall.errors import Error, ToolError, UsageError
@@ -104,8 +106,22 @@ class Problem:
         return {"vary": self.vary, "metrics": "verdict", "scan": {"seed": seed}, **changes}
 
     def passes(self, row):
-        """Whether a draw meets the requirement."""
-        return bool(row["site.true_safe"] if self.requirement == PLACE else row["pass"])
+        """Whether a draw meets the requirement. A place that hazard-map --require-safe would not accept is not chosen."""
+        if self.requirement == PLACE:
+            return bool(row["site.true_safe"]) and row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"]
+        return bool(row["pass"])
+
+    def why_not(self, row):
+        """Why a draw does not meet the requirement."""
+        if self.requirement == PLACE:
+            if row["site.p_touchdown"] is None:
+                return "no place is safe"
+            if not row["site.true_safe"]:
+                return "the chosen place is not known to be safe on the true ground"
+            return f"the chosen place has p_touchdown {row['site.p_touchdown']:.3g}, less than {self.base['hazard']['sites']['min_p']:g}"
+        margins = self.margins(row)
+        worst = max(margins, key=margins.get)
+        return f"{worst} is {math.exp(margins[worst]):.3g} of its limit"
 
     def margins(self, row):
         """{requirement: ln(value/limit)} of a draw: below 0 it is met."""
@@ -120,16 +136,34 @@ class Problem:
         return found
 
 
-def failures_allowed(probability, draws, confidence=0.95):
-    """The most failures in so many draws that still show the probability (exact bound of Clopper and Pearson); -1: none does."""
-    term, total, allowed = probability ** draws, 0.0, -1
+CONFIDENCE = 0.95
+
+
+def _tails(probability, draws):
+    """P(at most 0, 1, ... failures)."""
+    term, total = probability ** draws, 0.0
     for failures in range(draws + 1):
         total += term
-        if total > 1 - confidence:
-            break
-        allowed = failures
+        yield total
         term *= (draws - failures) / (failures + 1) * (1 - probability) / probability
-    return allowed
+
+
+def failures_allowed(probability, draws):
+    """The most failures in so many draws that still show the probability (exact bound of Clopper and Pearson); -1: none does."""
+    return next((failures for failures, tail in enumerate(_tails(probability, draws)) if tail > 1 - CONFIDENCE), draws + 1) - 1
+
+
+def rate_of(requirement, passes):
+    """The rate of passes, as monte-carlo states it: with Wilson's interval and the exact lower bound of Clopper and Pearson."""
+    passed, draws = sum(passes), len(passes)
+    low, high = 0.0, 1.0
+    while passed and high - low > 1e-15:  # the probability of which so many failures or fewer are as rare as 1 - CONFIDENCE
+        middle = (low + high) / 2
+        low, high = (middle, high) if next(itertools.islice(_tails(middle, draws), draws - passed, None)) < 1 - CONFIDENCE else (low, middle)
+    z = statistics.NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
+    centre, width = passed + z * z / 2, z * math.sqrt(passed * (draws - passed) / draws + z * z / 4)
+    return {"requirement": requirement, "passed": passed, "draws": draws, "wilson_low": (centre - width) / (draws + z * z),
+            "wilson_high": (centre + width) / (draws + z * z), "exact_lower_bound": low}
 
 
 def draws_needed(probability, failures):
@@ -195,7 +229,7 @@ class Look:
         margins, passes = self.problem.margins(row), self.problem.passes(row)
         worst = max(margins, key=margins.get)
         return {"stage": "draw", "margins": margins, "violation": margins[worst] if passes else max(margins[worst], 1e-9), "passes": passes,
-                "reason": "" if passes else f"{worst} is {math.exp(margins[worst]):.3g} of its limit"}
+                "reason": "" if passes else self.problem.why_not(row)}
 
     def _plan(self, configs):
         """The reason why flat ground would fail, or None. What relief and errors could still change is let through."""

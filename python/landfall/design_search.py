@@ -9,7 +9,7 @@ import os
 import warnings
 
 from landfall import model, runs, schema
-from landfall.design import Look, PLACE, failures_allowed
+from landfall.design import Look, PLACE, failures_allowed, rate_of
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
@@ -155,7 +155,7 @@ class Design:
                 if failed > allowed:
                     return [{"passed": sum(terrain), "draws": len(terrain), "exact_lower_bound": 0.0} for terrain in passes]
             look["chain"] = self.through_the_chain(look["values"], runs.rows_of(parts[0][0])[0])
-            return [{"first_seed": first, **self.merged(terrain)} for terrain in parts]
+            return [{"first_seed": first, **self.merged(*terrain)} for terrain in zip(passes, parts)]
         finally:
             for scan in scans:
                 scan.done()
@@ -170,13 +170,13 @@ class Design:
                 raise DataError(f"{self.problem.path}: {name} of the draw with the seed {row['seed']} is {row[name]}, and {numbers[name]} through the chain")
         return {"seed": row["seed"], "numbers": len(common)}
 
-    def merged(self, parts):
+    def merged(self, passes, parts):
         """The rate of the whole campaign."""
         verdict = os.path.join(self.runner.scratch, "verdict.json")
         self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
         tree = schema.read_json(verdict)
         rates = {rate["requirement"]: rate for rate in tree["rates"]}
-        return {**(tree["hazard"]["chosen_place_safe"] if self.problem.requirement == PLACE else rates["all"]), "rates": tree["rates"]}
+        return {**(rate_of(PLACE, passes) if self.problem.requirement == PLACE else rates["all"]), "rates": tree["rates"]}
 
     def improve(self, accepted, raced):
         """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""

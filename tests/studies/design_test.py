@@ -99,6 +99,7 @@ class Filters(DesignTest):
         file["base"]["hazard"] = {"region_radius_m": 3, "sites": {"divert_radius_m": 2, "min_p": 0.9}, "touchdown_sigma_m": 0.2}
         problem = design.Problem(self.write(file))
         for row, margin, passes in (({"site.true_safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True),
+                                    ({"site.true_safe": 1, "site.p_touchdown": 0.85}, math.log(1.5), False),
                                     ({"site.true_safe": 0, "site.p_touchdown": 0.95}, math.log(10), False),
                                     ({"site.true_safe": None, "site.p_touchdown": None}, math.log(10), False)):
             self.assertAlmostEqual(problem.margins(row)[design.PLACE], margin, delta=1e-9)
@@ -123,6 +124,18 @@ class Statistics(unittest.TestCase):
         """The table of docs/user/monte-carlo.md."""
         self.assertEqual([design.draws_needed(0.99, failures) for failures in range(5)], [299, 473, 628, 773, 913])
         self.assertEqual([design.failures_allowed(0.99, draws) for draws in (298, 299, 472, 473, 913)], [-1, 0, 0, 1, 4])
+
+    def test_the_rate_of_passes(self):
+        """Closed form without failures; the bound that failures_allowed() judges by; Wilson's interval as R's prop.test gives it."""
+        self.assertAlmostEqual(design.rate_of("x", [True] * 473)["exact_lower_bound"], 0.05 ** (1 / 473), delta=1e-12)
+        for failures, reaches in ((1, True), (2, False)):
+            rate = design.rate_of("x", [True] * (473 - failures) + [False] * failures)
+            self.assertEqual(rate["exact_lower_bound"] >= 0.99, reaches)
+        rate = design.rate_of("x", [True] * 99 + [False])
+        self.assertEqual((rate["passed"], rate["draws"]), (99, 100))
+        self.assertAlmostEqual(rate["wilson_low"], 0.9455, delta=5e-5)
+        self.assertAlmostEqual(rate["wilson_high"], 0.9982, delta=5e-5)
+        self.assertEqual(design.rate_of("x", [False] * 10)["exact_lower_bound"], 0)
 
     def test_the_sequential_test(self):
         """Straight passes as in the table of docs/user/monte-carlo.md, and a limit that is reached exactly (D305)."""
