@@ -155,6 +155,15 @@ TEST_F(DeviceGridding, SeveralChunks) {
               1000000);
 }
 
+// The last bits of a normal deviate are lost in a range of 500 m, but not here.
+TEST_F(DeviceGridding, EveryBitOfTheNoise) {
+  const GridSpec grid{50, -200, -200, 401, 401};
+  DrawGridder device({ranges_}, ground_, grid, options());
+  for (std::uint64_t seed = 1; seed < 6; ++seed)
+    EXPECT_GT(expect_same_bits(device, {.range_sigma_m = 1e6}, Method::mean, TruthAt::centroid, seed, grid),
+              100000);
+}
+
 TEST_F(DeviceGridding, NothingReturns) {
   DrawGridder device({ranges_}, ground_, grid_, options());
   EXPECT_EQ(expect_same_bits(device, {.dropout_frac = 1}, Method::bilinear4, TruthAt::bin_center, 3, grid_),
