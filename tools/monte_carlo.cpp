@@ -9,6 +9,7 @@
 
 #include "cli/campaign_options.h"
 #include "cli/draws_table.h"
+#include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
@@ -117,6 +118,7 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
   if (report_file) report_file->commit();
   commit_verdict(verdict_file, result.verdict);
   session.count("draws_per_s", result.draws_per_s);
+  if (sources.device) cli::report_draw_device(session, *sources.device->use);
   return conclude(session, o, result.verdict);
 }
 

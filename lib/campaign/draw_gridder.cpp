@@ -30,10 +30,17 @@ void require_layers(DrawnDem& dem, const GridSpec& grid) {
 
 }  // namespace
 
-DrawGridder::DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid)
-    : truth_(truth), terrain_(terrain), grid_(grid) {}
+DrawGridder::DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid,
+                         const std::optional<OpenClOptions>& device)
+    : truth_(truth), terrain_(terrain), grid_(grid) {
+  if (device) device_ = std::make_unique<DeviceGridder>(truth, grid, *device);
+}
 
 DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
+  if (device_ && device_->draw(simulation, method)) {
+    take_values(truth_at, true);
+    return dem_;
+  }
   Accumulator& bins = empty_bins(method);
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / pixels);
@@ -43,7 +50,7 @@ DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt
       bins.add(take_returns());
     }
   } while (bins.end_pass());
-  take_values(truth_at);
+  take_values(truth_at, false);
   return dem_;
 }
 
@@ -56,13 +63,16 @@ Accumulator& DrawGridder::empty_bins(Method method) {
   return *bins_;
 }
 
-void DrawGridder::take_values(TruthAt truth_at) {
+void DrawGridder::take_values(TruthAt truth_at, bool from_device) {
   require_layers(dem_, grid_);
   const auto elevation = [&](double x_m, double y_m) { return terrain_.elevation(x_m, y_m); };
   parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
     for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
-      bins_->values({r, 0}, row);
+      if (from_device)
+        device_->values({r, 0}, row);
+      else
+        bins_->values({r, 0}, row);
       for (std::int64_t c = 0; c < grid_.cols; ++c) {
         const BinIndex bin{r, c};
         const BinValues& values = row[static_cast<std::size_t>(c)];

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "campaign/opencl/device_gridder.h"
 #include "evaluation/dem_layers.h"
 #include "gridding/accumulator.h"
 #include "gridding/grid_points.h"
@@ -31,8 +33,12 @@ struct DrawnDem {
 class DrawGridder {
  public:
   /// `truth` holds one range per pixel and pulse (RangeFile), and its echo if the receiver sees waveforms.
-  /// Both must outlive this object.
-  DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid);
+  /// Both must outlive this object. With `device`, an OpenCL device makes the draws, as DeviceGridder can.
+  DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain, const GridSpec& grid,
+              const std::optional<OpenClOptions>& device = std::nullopt);
+
+  /// Null without a device.
+  [[nodiscard]] const DeviceGridder* device() const { return device_.get(); }
 
   /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
   /// has as many pulses and pixels as the ranges: throws FormatError where it has not.
@@ -43,7 +49,8 @@ class DrawGridder {
   void fill(const Simulation& simulation, PulseSpan pulses);
   /// The returns of the batch, in order; valid until the next call.
   [[nodiscard]] GridPoints take_returns();
-  void take_values(TruthAt truth_at);
+  /// Of the device, or of the bins.
+  void take_values(TruthAt truth_at, bool from_device);
 
   TrueRanges truth_;
   const TerrainSurface& terrain_;
@@ -52,6 +59,7 @@ class DrawGridder {
   PulseBatch batch_;
   std::array<std::vector<double>, kCoordinates.size()> returns_;
   std::vector<double> no_times_;
+  std::unique_ptr<DeviceGridder> device_;
   std::unique_ptr<Accumulator> bins_;
   Method method_ = Method::bilinear_nearest;  ///< of the bins
   DrawnDem dem_;

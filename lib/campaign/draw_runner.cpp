@@ -23,9 +23,14 @@ Grid<double> elevations_of(const TerrainSurface& terrain, const GridSpec& grid) 
 
 }  // namespace
 
-DrawRunner::DrawRunner(CampaignScene scene, bool with_maps)
-    : scene_(std::move(scene)), gridder_(scene_.truth, scene_.terrain, scene_.grid) {
+DrawRunner::DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
+    : scene_(std::move(scene)), gridder_(scene_.truth, scene_.terrain, scene_.grid, device) {
   if (with_maps) z_true_map_ = elevations_of(scene_.terrain, scene_.grid);
+}
+
+void DrawRunner::check_device(DrawSetup setup) const {
+  if (gridder_.device() == nullptr) return;
+  gridder_.device()->check(Simulation(std::move(setup.scan), nullptr, &scene_.terrain), setup.method);
 }
 
 DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const HazardParameters& parameters,

@@ -55,12 +55,16 @@ struct DrawSetup {
 /// depend on the number of draws.
 class DrawRunner {
  public:
-  /// The scene's data must outlive this object. With maps H at the bins' centres is computed once.
-  DrawRunner(CampaignScene scene, bool with_maps);
+  /// The scene's data must outlive this object. With maps H at the bins' centres is computed once. With
+  /// `device`, an OpenCL device draws and bins (DeviceGridder).
+  DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device = std::nullopt);
 
   [[nodiscard]] const CampaignScene& scene() const { return scene_; }
   /// H at the bins' centres, NaN off the terrain; only with maps.
   [[nodiscard]] const std::optional<Grid<double>>& z_true_map() const { return z_true_map_; }
+
+  /// Throws UsageError, naming the key, for a draw that the device must make and cannot.
+  void check_device(DrawSetup setup) const;
 
   /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
   /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null.

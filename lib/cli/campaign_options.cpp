@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <memory>
 
 #include "base/error.h"
 
@@ -31,6 +32,9 @@ DrawSpan span_of(const std::string& text) {
 
 CampaignSources CampaignOptions::sources() const {
   CampaignSources sources{{}, samples};
+  if (engine != "cpu")
+    sources.device = {.on_failure = engine == "opencl" ? DeviceFailure::throws : DeviceFailure::falls_back,
+                      .use = std::make_shared<DeviceUse>()};
   for (const std::string& pair : pairs) sources.pairs.push_back(pair_of(pair));
   if (sources.pairs.empty()) sources.pairs.push_back({inputs.front(), terrain});
   return sources;
@@ -51,6 +55,11 @@ void bind_campaign(CLI::App& app, CampaignOptions& o) {
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
   app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
+  app.add_option("--engine", o.engine,
+                 "Where errors are drawn and returns gridded: cpu, opencl (an OpenCL device with double precision; the "
+                 "same file), or opencl-or-cpu (cpu if the device cannot be used)")
+      ->check(CLI::IsMember({"cpu", "opencl", "opencl-or-cpu"}))
+      ->capture_default_str();
   app.add_option("--verdict", o.verdict, "Write how many draws passed each requirement, with intervals, as JSON")
       ->type_name("FILE");
   app.add_option("--report", o.report,
@@ -74,8 +83,8 @@ void check_campaign(const CommonOptions& common, const CampaignOptions& o) {
   if (o.merges()) {
     if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
     if (!o.terrain.empty() || !o.samples.empty() || !o.draws.empty() ||
-        !common.config_names.empty() || !common.assignments.empty())
-      throw UsageError("merge takes all from its parts; omit --terrain, --samples, --draws, -c and --set");
+        !common.config_names.empty() || !common.assignments.empty() || o.engine != "cpu")
+      throw UsageError("merge takes all from its parts; omit --terrain, --samples, --draws, --engine, -c and --set");
     return;
   }
   if (o.inputs.size() > 1) throw UsageError("one scan at a time; " + o.inputs[1] + " is a second one");

@@ -15,6 +15,7 @@ struct CampaignOptions {
   std::vector<std::string> inputs;  ///< a scan, or merge and parts
   std::vector<std::string> pairs;
   std::string terrain, samples, draws, verdict, report, title;
+  std::string engine = "cpu";
   bool table = false;
   bool require_pass = false;
 

@@ -57,6 +57,14 @@ void report_device(Session& session, const DeviceUse& use) {
   if (const auto failure = use.failure()) session.warn(*failure + "; the CPU traced the rays instead");
 }
 
+void report_draw_device(Session& session, const DeviceUse& use) {
+  if (!use.device().empty()) {
+    session.count("device", use.device());
+    session.count("device_draw_count", use.draws());
+  }
+  if (const auto failure = use.failure()) session.warn(*failure + "; the CPU made the draws instead");
+}
+
 void report_scan(Session& session, const Simulation& simulation, const ScanWriter& writer) {
   session.count("pulse_count", simulation.pulse_count());
   session.count("ray_count", simulation.ray_count());

@@ -25,6 +25,9 @@ void report_scan(Session& session, const Simulation& simulation, const ScanWrite
 /// Adds the device and its rays to the counts. Warns if the CPU had to replace it.
 void report_device(Session& session, const DeviceUse& use);
 
+/// The same for draws.
+void report_draw_device(Session& session, const DeviceUse& use);
+
 /// Also passes on the warnings about the sigmas.
 void report_dem(Session& session, const BinnedReturns& returns, const GridSpec& grid);
 

@@ -20,6 +20,7 @@ double draw_uniform(const RandomField& field, PulsePixel where) {
 
 RangeErrors::RangeErrors(const RangeErrorParameters& parameters, std::uint64_t seed)
     : parameters_(parameters),
+      seed_(seed),
       dead_(seed, RandomStream::dead_pixel),
       dropout_(seed, RandomStream::dropout),
       noise_(seed, RandomStream::range_noise),

@@ -30,6 +30,12 @@ class RangeErrors {
   /// Throws UsageError, naming the key and the bound, for a parameter out of range.
   RangeErrors(const RangeErrorParameters& parameters, std::uint64_t seed);
 
+  [[nodiscard]] const RangeErrorParameters& parameters() const { return parameters_; }
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  /// False: sigma_m() is range_sigma_m.
+  [[nodiscard]] bool has_varying_sigma() const { return !has_constant_sigma_; }
+  /// False: every sigma is 0, and no noise is drawn.
+  [[nodiscard]] bool is_noisy() const { return is_noisy_; }
   /// Whether the pixel is dead: one Bernoulli draw per pixel, for all pulses.
   [[nodiscard]] bool is_dead(std::int64_t pixel) const;
   /// Whether the pixel misses the pulse: one Bernoulli draw per pixel and pulse.
@@ -56,6 +62,7 @@ class RangeErrors {
   [[nodiscard]] bool draws_dropout(PulsePixel where) const;
 
   RangeErrorParameters parameters_;
+  std::uint64_t seed_;
   RandomField dead_;
   RandomField dropout_;
   RandomField noise_;

@@ -61,7 +61,8 @@ void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& ro
 }  // namespace
 
 Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
-                   const DrawSpan& span, std::optional<std::int64_t> pair, Provenance& provenance,
+                   const DrawSpan& span, std::optional<std::int64_t> pair,
+                   const std::optional<OpenClOptions>& device, Provenance& provenance,
                    const ProgressCallback& progress)
     : config_(config),
       pair_(pair),
@@ -84,9 +85,24 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
   at_path(config.name() + ": /eval/",
           [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
-      CampaignScene{{truth_.ranges_m, truth_.echoes}, *scene_.surface, grid, region_}, config.has_layers());
+      CampaignScene{{truth_.ranges_m, truth_.echoes}, *scene_.surface, grid, region_}, config.has_layers(),
+      device);
+  if (device && device->on_failure == DeviceFailure::throws) require_device(span);
   if (config.predicted())
     z_sigma_abs_ = predicted_sigma(runner_->scene(), setup_of(config.stages(), 0).scan, *config.predicted());
+}
+
+/// Before any draw is run.
+void Campaign::require_device(const DrawSpan& span) const {
+  for (std::int64_t draw = span.first; draw < span.end; ++draw) {
+    DrawSetup setup = setup_of(config_.stages(draw), draw);
+    try {
+      runner_->check_device(std::move(setup));
+    } catch (const UsageError& error) {
+      throw UsageError(config_.name() + ": draw " + std::to_string(draw) + ": " + error.what(),
+                       error.parameter());
+    }
+  }
 }
 
 Draws Campaign::empty(std::int64_t first) const {

@@ -35,10 +35,11 @@ class Campaign {
   /// `pair` is the number of the scan in a campaign over several: its draws follow those of the scans before,
   /// and their rows have it as the column kPairColumn. Reads the true ranges (8 bytes per ray) and the
   /// terrain, and adds both to the inputs of `provenance`. Throws UsageError, naming the key, unless every
-  /// draw of `span` has the rays of the scan; FormatError as the readers do, or for a terrain other than the
-  /// one that was scanned.
+  /// draw of `span` has the rays of the scan, and can be made by `device` if one is given (DeviceGridder);
+  /// FormatError as the readers do, or for a terrain other than the one that was scanned.
   Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config, const DrawSpan& span,
-           std::optional<std::int64_t> pair, Provenance& provenance, const ProgressCallback& progress);
+           std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device, Provenance& provenance,
+           const ProgressCallback& progress);
 
   [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
   /// No draw yet, from row `first` on.
@@ -48,6 +49,7 @@ class Campaign {
   void run_next(Draws& draws);
 
  private:
+  void require_device(const DrawSpan& span) const;
   [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
 
   const DrawsConfig& config_;

@@ -19,7 +19,8 @@ class ScanSequence {
  public:
   /// `resolved` is the configuration of monte-carlo.
   ScanSequence(const CampaignSources& sources, nlohmann::json resolved, const std::string& name,
-               const NumberTable* samples) {
+               const NumberTable* samples)
+      : device_(sources.device) {
     if (sources.pairs.size() > 1) resolved["layers"] = false;
     for (const ScanPair& pair : sources.pairs) scans_.push_back(std::make_unique<Scan>(pair, resolved, name, samples));
     if (config().sprt() && has_pairs())
@@ -84,10 +85,12 @@ class ScanSequence {
     const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
                            std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
     const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
-    campaign_ = std::make_unique<Campaign>(scan.file, scan.terrain, scan.config, span, number, provenance, progress);
+    campaign_ = std::make_unique<Campaign>(scan.file, scan.terrain, scan.config, span, number, device_, provenance,
+                                           progress);
     loaded_ = pair;
   }
 
+  std::optional<OpenClOptions> device_;
   std::vector<std::unique_ptr<Scan>> scans_;
   nlohmann::json json_;
   DrawSpan span_;

@@ -20,12 +20,14 @@ struct ScanPair {
   std::string terrain;  ///< terrain.h5
 };
 
-/// What a campaign is made from.
+/// What a campaign is made from, and on.
 struct CampaignSources {
   /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p. Such a
   /// campaign has no maps.
   std::vector<ScanPair> pairs;
   std::string samples;  ///< a table of values; empty: none
+  /// The OpenCL device that draws errors and grids the returns; none: the CPU does.
+  std::optional<OpenClOptions> device{};
 };
 
 struct CampaignOutput {

@@ -123,10 +123,20 @@ void PulseSimulator::simulate_together(std::span<const PulseInput> pulses, std::
 
 void PulseSimulator::replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot,
                             PulseBatch& batch, PulseWorkspace& workspace) const {
+  take_truth(pulse, truth, workspace);
+  record(pulse, slot, batch, workspace);
+}
+
+void PulseSimulator::look(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const {
+  take_truth(pulse, truth, workspace);
+  find_incidences(workspace);
+}
+
+void PulseSimulator::take_truth(const PulseInput& pulse, const TrueRanges& truth,
+                                PulseWorkspace& workspace) const {
   steer(pulse, workspace);
   workspace.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
   workspace.echoes.assign(truth.echoes.begin(), truth.echoes.end());
-  record(pulse, slot, batch, workspace);
 }
 
 Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
@@ -316,18 +326,23 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
           static_cast<std::int8_t>(number + 1)};
 }
 
-void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace) const {
+void PulseSimulator::find_incidences(PulseWorkspace& workspace) const {
   PulseWorkspace& w = workspace;
   w.tan_incidences.clear();
-  if (lidar_.range_errors.needs_incidence())
-    for (std::size_t i = 0; i < w.beams.size(); ++i) {
-      const Beam& beam = w.beams[i];
-      const double tangent =
-          tan_incidence(*ground_, w.T_dem_lidar * (beam.exit + w.ranges_m[i] * beam.direction),
-                        w.T_dem_lidar.rotation * beam.direction);
-      // a miss, where the receiver may still report background
-      w.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
-    }
+  if (!lidar_.range_errors.needs_incidence()) return;
+  for (std::size_t i = 0; i < w.beams.size(); ++i) {
+    const Beam& beam = w.beams[i];
+    const double tangent =
+        tan_incidence(*ground_, w.T_dem_lidar * (beam.exit + w.ranges_m[i] * beam.direction),
+                      w.T_dem_lidar.rotation * beam.direction);
+    // a miss, where the receiver may still report background
+    w.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
+  }
+}
+
+void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  PulseWorkspace& w = workspace;
+  find_incidences(w);
   const std::size_t pixels = w.beams.size();
   const std::size_t most = lidar_.receiver.most_returns();
   receive(pulse, w);

@@ -143,9 +143,14 @@ class PulseSimulator {
   /// so do the echoes if the receiver sees waveforms; it must then need one echo.
   void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
               PulseWorkspace& workspace) const;
+  /// The part of replay() before any error is drawn: fills state, beams, ranges and echoes of the workspace,
+  /// T_dem_lidar and, where the noise depends on them, tan_incidences.
+  void look(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
+  /// T_body_lidar_true at the pulse.
+  [[nodiscard]] Transform<BodyFrame, LidarFrame> true_mount(std::int64_t pulse) const;
 
  private:
-  [[nodiscard]] Transform<BodyFrame, LidarFrame> true_mount(std::int64_t pulse) const;
+  void take_truth(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
   /// The scanner's input at the pulse's time plus an error of the mirror's clock, seen from the pose of the
   /// pulse.
   [[nodiscard]] PulseContext context_of(const PulseInput& pulse, double mirror_time_error_s) const;
@@ -160,6 +165,7 @@ class PulseSimulator {
   void find_signals(PulseWorkspace& workspace, std::span<const Beam> beams) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
   void receive(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void find_incidences(PulseWorkspace& workspace) const;
   void measure(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
   void record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,

@@ -131,4 +131,18 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
                       first_slot + i, batch, workspace);
 }
 
+void Simulation::look(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const {
+  simulator_.look(this->pulse(pulse), truth, workspace);
+}
+
+Transform<DemFrame, LidarFrame> Simulation::true_lidar(std::int64_t pulse) const {
+  const double since_start_s = static_cast<double>(pulse) / pulse_rate_hz_;
+  return trajectory_->pose(trajectory_->start_time_s() + since_start_s) * simulator_.true_mount(pulse);
+}
+
+Transform<DemFrame, LidarFrame> Simulation::believed_lidar(std::int64_t pulse) const {
+  const PulseTime time{pulse, static_cast<double>(pulse) / pulse_rate_hz_};
+  return believed_pose(stamped_time_s(time)) * simulator_.lidar().mount;
+}
+
 }  // namespace landfall

@@ -67,6 +67,7 @@ class Simulation {
     return simulator_.columns(keep_echoes);
   }
   [[nodiscard]] std::size_t pixel_count() const { return simulator_.lidar().detector.pixel_count(); }
+  [[nodiscard]] const Lidar& lidar() const { return simulator_.lidar(); }
   [[nodiscard]] const Detector& detector() const { return simulator_.lidar().detector; }
   /// See PulseSimulator.
   [[nodiscard]] std::span<const std::int8_t> dead_map() const { return simulator_.dead_map(); }
@@ -85,6 +86,12 @@ class Simulation {
   /// different slots at the same time.
   void replay_slots(PulseSpan pulses, const TrueRanges& truth, std::size_t first_slot,
                     PulseBatch& batch) const;
+
+  /// PulseSimulator::look() for a pulse of the scan.
+  void look(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
+  /// T_dem_lidar at the pulse, and as the lander believes it.
+  [[nodiscard]] Transform<DemFrame, LidarFrame> true_lidar(std::int64_t pulse) const;
+  [[nodiscard]] Transform<DemFrame, LidarFrame> believed_lidar(std::int64_t pulse) const;
 
  private:
   [[nodiscard]] PulseInput pulse(std::int64_t k) const;

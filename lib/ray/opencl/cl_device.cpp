@@ -40,7 +40,7 @@ std::string arithmetic_problem(const cl::Device& device) {
   std::vector<double> found(kResults * count);
   const cl::Context context(device);
   const cl::CommandQueue queue(context, device);
-  cl::Kernel kernel(compiled(context, device), "arithmetic");
+  cl::Kernel kernel(compiled(context, device, KernelFile::walk), "arithmetic");
   const cl::Buffer in(context, CL_MEM_READ_ONLY, given.size() * sizeof(double));
   const cl::Buffer out(context, CL_MEM_WRITE_ONLY, found.size() * sizeof(double));
   queue.enqueueWriteBuffer(in, CL_FALSE, 0, given.size() * sizeof(double), given.data());
@@ -131,8 +131,17 @@ OpenClDevice described(const cl::Device& device) {
   return found;
 }
 
-cl::Program compiled(const cl::Context& context, const cl::Device& device) {
-  cl::Program program(context, embedded::kKernels[0].text);
+const std::vector<OpenClDevice>& described_devices() {
+  static const std::vector<OpenClDevice> all = [] {
+    std::vector<OpenClDevice> found;
+    for (const cl::Device& device : all_devices()) found.push_back(described(device));
+    return found;
+  }();
+  return all;
+}
+
+cl::Program compiled(const cl::Context& context, const cl::Device& device, KernelFile file) {
+  cl::Program program(context, embedded::kKernels[file == KernelFile::walk ? 0 : 1].text);
   try {
     program.build({device}, "-cl-std=CL1.2");
   } catch (const cl::Error&) {

@@ -31,13 +31,37 @@ auto on_device(const std::string& name, const char* task, const Work& work) {
   }
 }
 
+/// Waits at the end of its scope for what a queue still does, also after an error: it may be using the memory
+/// of the caller, and drivers crash when a program ends meanwhile.
+class FinishesQueue {
+ public:
+  explicit FinishesQueue(const cl::CommandQueue& queue) : queue_(queue) {}
+  FinishesQueue(const FinishesQueue&) = delete;
+  FinishesQueue& operator=(const FinishesQueue&) = delete;
+  ~FinishesQueue() {
+    try {
+      queue_.finish();
+    } catch (const cl::Error&) {  // of work whose error is reported already
+    }
+  }
+
+ private:
+  cl::CommandQueue queue_;
+};
+
 /// All devices of all platforms, in the order of the OpenCL library; none without a driver.
 [[nodiscard]] std::vector<cl::Device> all_devices();
 /// Also checks its arithmetic, if it has doubles.
 [[nodiscard]] OpenClDevice described(const cl::Device& device);
 
-/// The kernels of walk.cl for a device. Throws cl::Error; DeviceError, without the device's name, with the
-/// compiler's message.
-[[nodiscard]] cl::Program compiled(const cl::Context& context, const cl::Device& device);
+/// The descriptions of all_devices(). Compiles and checks only once, because the devices of a process do not
+/// change.
+[[nodiscard]] const std::vector<OpenClDevice>& described_devices();
+
+enum class KernelFile { walk, draws };
+
+/// The kernels of walk.cl or draws.cl for a device. Throws cl::Error; DeviceError, without the device's name,
+/// with the compiler's message.
+[[nodiscard]] cl::Program compiled(const cl::Context& context, const cl::Device& device, KernelFile file);
 
 }  // namespace landfall

@@ -30,7 +30,7 @@ class ClWalk final : public DeviceWalk {
       : description_(std::move(description)),
         device_(device),
         context_(device),
-        program_(compiled(context_, device)) {
+        program_(compiled(context_, device, KernelFile::walk)) {
     const cl::CommandQueue queue(context_, device_);
     ground_ = copied(queue, std::span(&field.ground, 1));
     bounds_ = copied(queue, field.bounds);
@@ -43,6 +43,7 @@ class ClWalk final : public DeviceWalk {
   void walk(std::span<const Ray> rays, std::span<double> ranges) const override {
     on_device(description_.name, "trace rays", [&] {
       Stream stream = take_stream();
+      const FinishesQueue finishes(stream.queue);
       for (std::size_t begin = 0; begin < rays.size(); begin += kMostRays) {
         const std::size_t count = std::min(kMostRays, rays.size() - begin);
         launch(stream, rays.subspan(begin, count), ranges.subspan(begin, count));
@@ -104,16 +105,6 @@ class ClWalk final : public DeviceWalk {
   mutable std::mutex mutex_;
   mutable std::vector<Stream> free_;
 };
-
-/// Compiles and checks only once, because the devices of a process do not change.
-const std::vector<OpenClDevice>& described_devices() {
-  static const std::vector<OpenClDevice> all = [] {
-    std::vector<OpenClDevice> found;
-    for (const cl::Device& device : all_devices()) found.push_back(described(device));
-    return found;
-  }();
-  return all;
-}
 
 std::vector<OpenClDevice> devices() { return described_devices(); }
 

@@ -16,23 +16,10 @@ namespace {
 /// For a driver that compiles kernels.
 constexpr std::size_t kHeadroomOfDriver = std::size_t{192} << 20U;
 
-const OpenClPlugin& find_plugin() {
-  try {
-    return *static_cast<const OpenClPlugin*>(
-        load_plugin({.file = "landfall-opencl.so",
-                     .name = "OpenCL",
-                     .needed_by = "OpenCL devices need",
-                     .symbol = kOpenClPluginSymbol,
-                     .headroom = kHeadroomOfDriver,
-                     .remedy = "; install ocl-icd-libopencl1 and the OpenCL driver of the device"}));
-  } catch (const IoError& error) {
-    throw DeviceError(error.what());  // an IoError would blame the output of the run
-  }
-}
-
 /// The next call repeats a search that failed.
 const OpenClPlugin& plugin() {
-  static const OpenClPlugin& found = find_plugin();
+  static const OpenClPlugin& found =
+      *static_cast<const OpenClPlugin*>(load_opencl_plugin(kOpenClPluginSymbol));
   return found;
 }
 
@@ -40,11 +27,7 @@ const OpenClPlugin& plugin() {
 constexpr std::size_t kEfficientRays = std::size_t{1} << 17U;
 
 std::unique_ptr<DeviceWalk> loaded(const Heightfield& field, const OpenClOptions& options) {
-  const std::vector<OpenClDevice> devices = opencl_devices();
-  const std::size_t chosen = options.device ? *options.device : default_device(devices);
-  if (chosen >= devices.size()) throw UsageError("there is no OpenCL device " + std::to_string(chosen));
-  if (!devices[chosen].is_usable())
-    throw DeviceError("OpenCL: " + devices[chosen].name + " " + devices[chosen].problem);
+  const std::size_t chosen = usable_device(options.device);
   return plugin().load(DeviceField(field), chosen);
 }
 
@@ -97,6 +80,19 @@ class OpenClEngine final : public RayEngine {
 
 }  // namespace
 
+const void* load_opencl_plugin(const char* symbol) {
+  try {
+    return load_plugin({.file = "landfall-opencl.so",
+                        .name = "OpenCL",
+                        .needed_by = "OpenCL devices need",
+                        .symbol = symbol,
+                        .headroom = kHeadroomOfDriver,
+                        .remedy = "; install ocl-icd-libopencl1 and the OpenCL driver of the device"});
+  } catch (const IoError& error) {
+    throw DeviceError(error.what());  // an IoError would blame the output of the run
+  }
+}
+
 std::vector<OpenClDevice> opencl_devices() { return plugin().devices(); }
 
 std::size_t default_device(const std::vector<OpenClDevice>& devices) {
@@ -111,6 +107,15 @@ std::size_t default_device(const std::vector<OpenClDevice>& devices) {
   for (const OpenClDevice& device : devices)
     reasons += (reasons.empty() ? "" : ", and ") + device.name + " " + device.problem;
   throw DeviceError("OpenCL: no device can be used: " + reasons);
+}
+
+std::size_t usable_device(std::optional<std::size_t> chosen) {
+  const std::vector<OpenClDevice> devices = opencl_devices();
+  const std::size_t number = chosen ? *chosen : default_device(devices);
+  if (number >= devices.size()) throw UsageError("there is no OpenCL device " + std::to_string(number));
+  if (!devices[number].is_usable())
+    throw DeviceError("OpenCL: " + devices[number].name + " " + devices[number].problem);
+  return number;
 }
 
 void DeviceUse::name_device(const std::string& name) {

@@ -16,6 +16,10 @@
 
 namespace landfall {
 
+/// The plugin's object of this name (base/plugin_file.h). Throws DeviceError without the plugin
+/// landfall-opencl.so or without libOpenCL.
+[[nodiscard]] const void* load_opencl_plugin(const char* symbol);
+
 /// All OpenCL devices. Loads the plugin landfall-opencl.so (base/plugin_file.h); throws DeviceError without
 /// it or without libOpenCL.
 [[nodiscard]] std::vector<OpenClDevice> opencl_devices();
@@ -24,16 +28,22 @@ namespace landfall {
 /// accelerator, else any usable device. Throws DeviceError, saying what there is, if none is usable.
 [[nodiscard]] std::size_t default_device(const std::vector<OpenClDevice>& devices);
 
+/// The number of the `chosen` device, or of the default_device(). Throws as opencl_devices() and
+/// default_device() do, UsageError if there is no device of that number, and DeviceError if it cannot be
+/// used.
+[[nodiscard]] std::size_t usable_device(std::optional<std::size_t> chosen);
+
 /// What happens where the device is missing or fails.
 enum class DeviceFailure { throws, falls_back };
 
-/// What became of the rays of all engines that share it.
+/// What became of the rays of all engines, or of the draws of a campaign, that share it.
 class DeviceUse {
  public:
   void count(std::size_t rays, std::size_t undecided) {
     rays_ += rays;
     undecided_ += undecided;
   }
+  void count_draw() { ++draws_; }
   /// Keeps the first reason, and the device's name if it is known.
   void name_device(const std::string& name);
   void fell_back(const std::string& reason);
@@ -41,13 +51,15 @@ class DeviceUse {
   [[nodiscard]] std::uint64_t rays() const { return rays_; }  ///< that a device was asked
   /// Rays among them that the device could not decide: the CPU traced them.
   [[nodiscard]] std::uint64_t undecided() const { return undecided_; }
+  [[nodiscard]] std::uint64_t draws() const { return draws_; }  ///< that a device made
   [[nodiscard]] std::string device() const;
-  /// Why the CPU traced the remaining rays; nothing unless an engine fell back.
+  /// Why the CPU did work that a device was to do; nothing unless that happened.
   [[nodiscard]] std::optional<std::string> failure() const;
 
  private:
   std::atomic<std::uint64_t> rays_ = 0;
   std::atomic<std::uint64_t> undecided_ = 0;
+  std::atomic<std::uint64_t> draws_ = 0;
   mutable std::mutex mutex_;
   std::string device_;
   std::optional<std::string> failure_;

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "campaign/opencl/device_gridder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace landfall {
+namespace {
+
+constexpr std::int64_t kChunkBeams = std::int64_t{1} << 20U;
+constexpr std::size_t kPulsesPerPiece = 64;
+
+const OpenClDrawsPlugin& plugin() {
+  static const auto& found = *static_cast<const OpenClDrawsPlugin*>(load_opencl_plugin(kOpenClDrawsSymbol));
+  return found;
+}
+
+DevicePose device_pose(const Transform<DemFrame, LidarFrame>& pose) {
+  DevicePose out{};
+  for (std::size_t i = 0; i < 9; ++i)
+    out.rotation[i] = pose.rotation.m(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3));
+  std::ranges::copy(pose.position.v, out.position.begin());
+  return out;
+}
+
+std::optional<DeviceWeights> weights_of(Method method) {
+  if (method == Method::bilinear_nearest) return DeviceWeights::bilinear;
+  if (method == Method::mean) return DeviceWeights::equal;
+  if (method == Method::bilinear4) return DeviceWeights::four;
+  return std::nullopt;
+}
+
+DeviceErrors device_errors(const RangeErrors& errors, DeviceWeights weights) {
+  const RangeErrorParameters& p = errors.parameters();
+  return {.seed = errors.seed(),
+          .noise_stream = static_cast<std::uint64_t>(RandomStream::range_noise),
+          .dropout_stream = static_cast<std::uint64_t>(RandomStream::dropout),
+          .false_stream = static_cast<std::uint64_t>(RandomStream::false_return),
+          .sigma_m = p.range_sigma_m,
+          .sigma_per_m = p.range_sigma_per_m,
+          .incidence_sigma_rad = p.incidence_sigma_rad,
+          .bias_m = p.range_bias_m,
+          .dropout_frac = p.dropout_frac,
+          .false_frac = p.false_return_frac,
+          .false_min_m = p.false_range_min_m,
+          .false_span_m = p.false_range_max_m - p.false_range_min_m,
+          .is_noisy = errors.is_noisy() ? 1 : 0,
+          .has_constant_sigma = errors.has_varying_sigma() ? 0 : 1,
+          .weights = weights,
+          .left_rows = rows_added_from_left()};
+}
+
+/// A point, turned by a matrix of three equal rows.
+Eigen::Vector3d transformed_rows(const Eigen::RowVector3d& row, const Eigen::Vector3d& point) {
+  Transform<DemFrame, LidarFrame> probe;
+  probe.rotation.m.rowwise() = row;
+  return (probe * Point<LidarFrame>{point}).v;
+}
+
+void take_beams(const PulseWorkspace& w, std::span<DeviceBeam> out) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Beam& beam = w.beams[i];
+    const bool may_return = !w.state.blanked && !beam.lost;
+    out[i].range_m = may_return ? w.ranges_m[i] : -std::numeric_limits<double>::infinity();
+    out[i].tan_incidence = w.tan_incidences.empty() ? 0 : w.tan_incidences[i];
+    std::ranges::copy(beam.direction.v, out[i].direction.begin());
+    std::ranges::copy(beam.exit.v, out[i].exit.begin());
+  }
+}
+
+}  // namespace
+
+std::int64_t rows_added_from_left() {
+  const double small = 0x1p-53;
+  const double inexact = 1 + 0x1p-30;  // its square is not a double
+  const double square = inexact * inexact;
+  const Eigen::Vector3d sums =
+      transformed_rows({-1, 1, small}, {1, 1, 1});  // 2^-53 from the left, 0 from the right
+  const Eigen::Vector3d second = transformed_rows({-square, inexact, 0}, {1, inexact, 1});  // 0 if not fused
+  const Eigen::Vector3d third = transformed_rows({-square, 0, inexact}, {1, 1, inexact});
+  std::int64_t rows = 0;
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    if ((sums(row) != small && sums(row) != 0) || second(row) != 0 || third(row) != 0)
+      throw DeviceError(
+          "OpenCL: the CPU adds the products of a rotation in an order that the kernels do not know");
+    if (sums(row) == small) rows |= std::int64_t{1} << row;
+  }
+  return rows;
+}
+
+DeviceGridder::DeviceGridder(const TrueRanges& truth, const GridSpec& grid, const OpenClOptions& options)
+    : truth_(truth),
+      grid_(grid),
+      on_failure_(options.on_failure),
+      use_(options.use ? options.use : std::make_shared<DeviceUse>()) {
+  try {
+    static_cast<void>(rows_added_from_left());
+    device_ = usable_device(options.device);
+    use_->name_device(opencl_devices()[*device_].name);
+  } catch (const DeviceError& error) {
+    if (on_failure_ == DeviceFailure::throws)
+      throw DeviceError(std::string(error.what()) + "; opencl-or-cpu uses the CPU instead", "engine");
+    use_->fell_back(error.what());
+  }
+}
+
+std::optional<DeviceRefusal> DeviceGridder::refusal(const Simulation& simulation, Method method) const {
+  const Lidar& lidar = simulation.lidar();
+  if (!weights_of(method))
+    return DeviceRefusal{"regrid/method", "a device bins by bilinear_nearest, bilinear4 or mean"};
+  if (lidar.receiver.sees_waveforms())
+    return DeviceRefusal{"scan/receiver/type", "a device computes no waveforms"};
+  if (lidar.range_timer.is_on())
+    return DeviceRefusal{"scan/receiver", "a device draws no jitter, offsets, scale or steps of the timer"};
+  if (!lidar.scanner->is_known() || lidar.pointing_error.mirror_time_error_s(0) != 0)
+    return DeviceRefusal{"scan/scanner", "a device needs a mechanism whose state the lander knows"};
+  return std::nullopt;
+}
+
+std::string DeviceGridder::text_of(const DeviceRefusal& refusal) const {
+  return std::string("/") + refusal.key + ": " + refusal.reason;
+}
+
+void DeviceGridder::check(const Simulation& simulation, Method method) const {
+  const auto refused = refusal(simulation, method);
+  if (refused && on_failure_ == DeviceFailure::throws)
+    throw UsageError(text_of(*refused) + "; opencl-or-cpu uses the CPU instead", "engine");
+}
+
+bool DeviceGridder::draw(const Simulation& simulation, Method method) {
+  if (!device_) return false;
+  check(simulation, method);
+  if (const auto refused = refusal(simulation, method)) {
+    use_->fell_back(text_of(*refused));
+    return false;
+  }
+  try {
+    draw_on_device(simulation, method);
+  } catch (const DeviceError& error) {
+    if (on_failure_ == DeviceFailure::throws)
+      throw DeviceError(std::string(error.what()) + "; opencl-or-cpu uses the CPU instead", "engine");
+    use_->fell_back(error.what());
+    device_.reset();
+    draws_.reset();
+    return false;
+  }
+  use_->count_draw();
+  return true;
+}
+
+void DeviceGridder::draw_on_device(const Simulation& simulation, Method method) {
+  const RangeErrors& errors = simulation.lidar().range_errors;
+  if (!draws_ || (errors.needs_incidence() && !knows_incidences_)) load(simulation);
+  layers_.resize(DeviceBins::kLayers * grid_.size());
+  counts_.resize(grid_.size());
+  draws_->draw(device_errors(errors, *weights_of(method)), believed_poses(simulation), simulation.dead_map(),
+               {layers_, counts_});
+}
+
+std::vector<DevicePose> DeviceGridder::believed_poses(const Simulation& simulation) const {
+  std::vector<DevicePose> poses(static_cast<std::size_t>(simulation.pulse_count()));
+  parallel_for(poses.size(), kPulsesPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      poses[k] = device_pose(simulation.believed_lidar(static_cast<std::int64_t>(k)));
+  });
+  return poses;
+}
+
+void DeviceGridder::load(const Simulation& simulation) {
+  draws_.reset();  // the old memory first
+  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
+  if (static_cast<std::int64_t>(truth_.ranges_m.size()) != pixels * simulation.pulse_count())
+    throw FormatError("replay: " + std::to_string(truth_.ranges_m.size()) + " ranges where " +
+                      std::to_string(pixels * simulation.pulse_count()) + " are needed");
+  std::vector<DevicePose> truth(static_cast<std::size_t>(simulation.pulse_count()));
+  parallel_for(truth.size(), kPulsesPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      truth[k] = device_pose(simulation.true_lidar(static_cast<std::int64_t>(k)));
+  });
+  draws_ = plugin().load({.resolution_m = grid_.resolution_m,
+                          .first_row = static_cast<double>(grid_.first_row),
+                          .first_col = static_cast<double>(grid_.first_col),
+                          .rows = static_cast<double>(grid_.rows),
+                          .cols = static_cast<double>(grid_.cols),
+                          .pixels = pixels},
+                         truth, *device_);
+  const std::int64_t per_chunk = std::max<std::int64_t>(1, kChunkBeams / pixels);
+  for (std::int64_t first = 0; first < simulation.pulse_count(); first += per_chunk)
+    load_pulses(simulation, {first, std::min(per_chunk, simulation.pulse_count() - first)});
+  knows_incidences_ = simulation.lidar().range_errors.needs_incidence();
+}
+
+void DeviceGridder::load_pulses(const Simulation& simulation, PulseSpan pulses) {
+  const std::size_t pixels = simulation.pixel_count();
+  std::vector<DeviceBeam> beams(static_cast<std::size_t>(pulses.count) * pixels);
+  parallel_for(
+      static_cast<std::size_t>(pulses.count), kPulsesPerPiece, [&](std::size_t begin, std::size_t end) {
+        PulseWorkspace workspace;
+        for (std::size_t k = begin; k < end; ++k) {
+          const std::int64_t pulse = pulses.first + static_cast<std::int64_t>(k);
+          simulation.look(pulse, truth_.part(static_cast<std::size_t>(pulse) * pixels, pixels), workspace);
+          take_beams(workspace, std::span(beams).subspan(k * pixels, pixels));
+        }
+      });
+  draws_->add_pulses(beams);
+}
+
+void DeviceGridder::values(BinIndex first, std::span<BinValues> out) const {
+  const std::size_t bins = grid_.size();
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::size_t bin = grid_.index(first) + i;
+    out[i] = empty_bin();
+    if (counts_[bin] == 0) continue;
+    out[i].count = counts_[bin];
+    out[i].z_est = layers_[bin];
+    out[i].x_true = layers_[bin + bins];
+    out[i].y_true = layers_[bin + 2 * bins];
+    out[i].x_offset = layers_[bin + 3 * bins];
+    out[i].y_offset = layers_[bin + 4 * bins];
+  }
+}
+
+}  // namespace landfall

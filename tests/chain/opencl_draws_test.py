@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""monte-carlo --engine opencl writes the bytes that the CPU writes. Skipped without an OpenCL device; pocl-opencl-icd provides one,
+the CPU."""
+import json
+import os
+import unittest
+
+from harness import EVAL, HAZARD, REGRID, SANITIZED, Chain, ToolTest, read_bytes
+from harness.opencl import build_faulty_opencl, no_device
+
+# Every error that a device draws.
+ERRORS = {
+    "noise": {"range_sigma_m": 0.01, "range_sigma_per_m": 1e-4, "incidence_sigma_rad": 1e-4, "range_bias_m": 0.002,
+              "dead_pixel_frac": 0.03, "dropout_frac": 0.05, "false_return_frac": 0.01, "false_range_m": [30, 60]},
+    "pointing_error": {"time_stamp_bias_s": 1e-3, "time_stamp_sigma_s": 1e-3},
+    "navigation_error": {"interval_s": 0.02, "position_m": [0.1, -0.2, 0.05], "rpy_rad": [1e-4, 2e-4, -1e-4],
+                         "random_walk": {"position_m_per_sqrt_s": [0.01, 0.02, 0.03]},
+                         "gauss_markov": {"velocity_sigma_mps": [0.05, 0.02, 0.03]}},
+}
+VARY = {
+    "scan.noise.range_sigma_m": {"type": "list", "values": [0, 0.02, 0.01, 0.03, 0.001]},
+    "scan.noise.incidence_sigma_rad": {"type": "list", "values": [0, 0, 1e-4, 2e-4, 0]},
+    "scan.noise.dropout_frac": {"type": "uniform", "low": 0, "high": 0.2},
+    "scan.noise.false_return_frac": {"type": "list", "values": [0.01, 0, 0.02, 0, 0]},
+    "scan.navigation_error.velocity_mps.0": {"type": "normal", "sigma": 0.1},
+    "scan.navigation_error.rpy_rate_radps.1": {"type": "normal", "sigma": 1e-3},
+}
+NO_DEVICE = no_device()
+
+
+def campaign(**values):
+    return {"draws": 5, "scan": {}, "regrid": REGRID, "eval": EVAL, "vary": {}, **values}
+
+
+class DeviceDraws(ToolTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.chain.remove()
+
+    def arguments(self, engine, config, *options, scan=None):
+        return [scan or self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(config, "mc.json"), "--engine", engine,
+                "-o", self.path(engine + ".h5"), "--json", "-O", *options]
+
+    def draws(self, engine, config, *options, scan=None, **where):
+        return json.loads(self.succeed("monte-carlo", *self.arguments(engine, config, *options, scan=scan), **where).stdout)
+
+    def compare(self, engine, config, *options, scan=None, **where):
+        """Runs a campaign on the CPU and with this engine; the files must be equal, provenance included. Returns the summary."""
+        expected = self.draws("cpu", config, *options, scan=scan)
+        found = self.draws(engine, config, *options, scan=scan, **where)
+        self.assertEqual(read_bytes(self.path(engine + ".h5")), read_bytes(self.path("cpu.h5")))
+        self.assertNotIn("device", expected)
+        return found
+
+
+@unittest.skipIf(NO_DEVICE, NO_DEVICE)
+class SameBytes(DeviceDraws):
+    def test_every_error(self):
+        for metrics in ("verdict", "full"):
+            found = self.compare("opencl", campaign(scan=ERRORS, vary=VARY, metrics=metrics))
+            self.assertEqual(found["device_draw_count"], 5)
+            self.assertNotIn("warnings", {key: value for key, value in found.items() if value})
+
+    def test_methods(self):
+        for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"}, {"method": "bilinear4", "truth_at": "centroid"}):
+            with self.subTest(regrid):
+                self.compare("opencl", campaign(draws=2, scan=ERRORS, regrid={**REGRID, **regrid}))
+
+    def test_hazards(self):
+        self.compare("opencl", campaign(draws=2, scan={"noise": {"dropout_frac": 0.02}}, hazard=HAZARD, metrics="verdict"))
+
+    def test_misses_and_threads(self):
+        """A scan with misses, dropouts and dead pixels of its own, far beyond the map."""
+        scan = self.path("source.h5")
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim"), "--set", "noise.dropout_frac=0.1", "--set", "noise.dead_pixel_frac=0.1",
+                     "--set", "scanner.pattern.half_width_m=6", "--keep-misses", "-o", scan)
+        for threads in (1, 5):
+            self.compare("opencl", campaign(draws=2, scan=ERRORS), "-t", threads, scan=scan)
+
+    def test_parts(self):
+        config = campaign(scan=ERRORS, vary=VARY)
+        self.draws("cpu", config)
+        for part in ("0:2", "2:5"):
+            self.draws("opencl", config, "--draws", part)
+            os.rename(self.path("opencl.h5"), self.path(part[0] + ".h5"))
+        self.succeed("monte-carlo", "merge", self.path("2.h5"), self.path("0.h5"), "-o", self.path("merged.h5"))
+        self.assertEqual(read_bytes(self.path("merged.h5")), read_bytes(self.path("cpu.h5")))
+
+    def test_opencl_or_cpu_uses_the_device(self):
+        self.assertEqual(self.compare("opencl-or-cpu", campaign(scan=ERRORS))["device_draw_count"], 5)
+
+
+@unittest.skipIf(NO_DEVICE, NO_DEVICE)
+class NotOnADevice(DeviceDraws):
+    CASES = [({"regrid": {**REGRID, "method": "median"}}, "/regrid/method: a device bins by bilinear_nearest, bilinear4 or mean"),
+             ({"scan": {"receiver": {"timer_step_s": 1e-9}}}, "/scan/receiver: a device draws no jitter, offsets, scale or steps of the timer")]
+
+    def test_is_refused(self):
+        for values, reason in self.CASES:
+            self.refuse(2, "monte-carlo", *self.arguments("opencl", campaign(**values)), output=self.path("opencl.h5"),
+                        words=[f"mc.json: draw 0: {reason}; opencl-or-cpu uses the CPU instead (--engine)"])
+
+    def test_a_varied_key_is_refused_before_the_first_draw(self):
+        vary = {"scan.receiver.timer_step_s": {"type": "list", "values": [0, 0, 0, 1e-9, 0]}}
+        self.refuse(2, "monte-carlo", *self.arguments("opencl", campaign(vary=vary)), output=self.path("opencl.h5"),
+                    words=["mc.json: draw 3: /scan/receiver: a device draws no jitter"])
+        found = self.compare("opencl-or-cpu", campaign(vary=vary))
+        self.assertEqual(found["device_draw_count"], 4)
+
+    def test_the_cpu_instead(self):
+        for values, reason in self.CASES:
+            found = self.compare("opencl-or-cpu", campaign(**values))
+            self.assertEqual(found["warnings"], [f"{reason}; the CPU made the draws instead"])
+            self.assertEqual(found["device_draw_count"], 0)
+
+
+class WithoutADevice(DeviceDraws):
+    def test_no_driver(self):
+        nowhere = {**os.environ, "OCL_ICD_VENDORS": "/nowhere"}
+        reason = "OpenCL: there is no device, or no driver of it is installed; "
+        found = self.compare("opencl-or-cpu", campaign(), env=nowhere)
+        self.assertEqual(found["warnings"], [reason + "the CPU made the draws instead"])
+        self.assertNotIn("device", found)
+        self.refuse(1, "monte-carlo", *self.arguments("opencl", campaign()), env=nowhere, output=self.path("opencl.h5"),
+                    words=[reason + "opencl-or-cpu uses the CPU instead (--engine)"])
+
+
+@unittest.skipIf(NO_DEVICE or SANITIZED, NO_DEVICE or "a sanitizer must be preloaded first")
+class AFaultyDevice(DeviceDraws):
+    FAULTS = [("no_doubles", 0, "OpenCL: no device can be used: faulty device has no double precision"),
+              ("rounds", 0, "OpenCL: no device can be used: faulty device rounds a multiplication and an addition otherwise than the CPU"),
+              ("no_compiler", 0, "OpenCL: no device can be used: faulty device cannot compile the kernels (line 1: no such type)"),
+              ("no_memory:6", 0, "the OpenCL device faulty device failed to load the scan (out of memory)"),
+              ("no_memory:15", 0, "the OpenCL device faulty device failed to draw errors (out of memory)"),
+              ("lost:2", 0, "the OpenCL device faulty device failed to draw errors (out of resources, or the device is lost)"),
+              ("lost:7", 2, "the OpenCL device faulty device failed to draw errors (out of resources, or the device is lost)")]
+
+    def setUp(self):
+        super().setUp()
+        build_faulty_opencl(self.path("faulty_opencl.so"))
+        self.faulty = {**os.environ, "LD_PRELOAD": self.path("faulty_opencl.so")}
+
+    def test_that_works_draws(self):
+        self.assertEqual(self.compare("opencl", campaign(), env=self.faulty)["device"], "faulty device")
+
+    def test_leaves_the_draws_to_the_cpu(self):
+        for fault, made, reason in self.FAULTS:
+            with self.subTest(fault):
+                found = self.compare("opencl-or-cpu", campaign(scan=ERRORS), env={**self.faulty, "FAULTY_OPENCL": fault})
+                self.assertEqual(found["warnings"], [f"{reason}; the CPU made the draws instead"])
+                self.assertEqual(found.get("device_draw_count", 0), made)
+
+    def test_leaves_no_file(self):
+        for fault, _, reason in self.FAULTS:
+            with self.subTest(fault):
+                self.refuse(1, "monte-carlo", *self.arguments("opencl", campaign(scan=ERRORS)), output=self.path("opencl.h5"),
+                            env={**self.faulty, "FAULTY_OPENCL": fault}, words=[f"{reason}; opencl-or-cpu uses the CPU instead (--engine)"])
+
+
+if __name__ == "__main__":
+    unittest.main()
