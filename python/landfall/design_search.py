@@ -33,7 +33,7 @@ class Design:
         looks = self.search()
         front = pareto(looks)
         raced, tried, winner, failed = [], [], None, []
-        for look in (look for look in front if look["passes"]):
+        for look in by_fronts(look for look in looks if look["passes"]):
             found = self.race(look)
             raced.append(found)
             if not found["race"]["accepted"]:
@@ -215,6 +215,15 @@ def pareto(looks):
         if not front or margins(look) < margins(front[-1]):
             front.append(look)
     return front
+
+
+def by_fronts(looks):
+    """Those on the Pareto front, then those on the front of the others, and so on: the margins of one draw may mislead."""
+    rest = list(looks)
+    while rest:
+        front = pareto(rest)
+        yield from front
+        rest = [look for look in rest if look not in front]
 
 
 def sprt(passes, p0, p1, alpha, beta):

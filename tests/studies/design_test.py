@@ -153,6 +153,8 @@ class Statistics(unittest.TestCase):
         self.assertEqual([(look["cost"], look["margins"][0]) for look in front], [(1, 2), (2, -0.5), (3, -1)])
         front = design_search.pareto(looks((1, 0, -0.1), (2, -0.4, 0), (3, -0.2, 0), (4, -0.3, -0.3)))
         self.assertEqual([look["cost"] for look in front], [1, 2, 4])
+        order = design_search.by_fronts(looks((3, -1), (1, -0.2), (2, -0.1), (2.5, -0.15), (4, -0.9)))
+        self.assertEqual([look["cost"] for look in order], [1, 3, 2, 2.5, 4])
 
 
 class Sequential(DesignTest):
