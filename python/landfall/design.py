@@ -16,6 +16,7 @@ from landfall.errors import Error, ToolError, UsageError
 
 SIX = "all six"
 PLACE = "chosen place safe"
+ACCEPTED = "accepted place safe"
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
 # Of a requirement: a number of a draw, and its limit in the configuration of the evaluation.
 MARGINS = {
@@ -49,8 +50,8 @@ class Problem:
         self.reference_cost = self.cost(self.base)
 
     def _check(self):
-        if self.requirement == PLACE and "hazard" not in self.base:
-            raise UsageError(f"{self.path}: /base: the requirement \"{PLACE}\" needs a configuration of hazard-map: hazard")
+        if self.requirement != SIX and "hazard" not in self.base:
+            raise UsageError(f"{self.path}: /base: the requirement \"{self.requirement}\" needs a configuration of hazard-map: hazard")
         for name, variable in self.variables.items():
             where = f"{self.path}: /variables/{name}"
             if ("values" in variable) == ("low" in variable or "high" in variable):
@@ -106,14 +107,14 @@ class Problem:
         return {"vary": self.vary, "metrics": "verdict", "scan": {"seed": seed}, **changes}
 
     def passes(self, row):
-        """Whether a draw meets the requirement. A place that hazard-map --require-safe would not accept is not chosen."""
-        if self.requirement == PLACE:
-            return bool(row["site.true_safe"]) and row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"]
-        return bool(row["pass"])
+        """Whether a draw meets the requirement. An accepted place is one that hazard-map --require-safe accepts."""
+        if self.requirement == SIX:
+            return bool(row["pass"])
+        return bool(row["site.true_safe"]) and (self.requirement == PLACE or row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"])
 
     def why_not(self, row):
         """Why a draw does not meet the requirement."""
-        if self.requirement == PLACE:
+        if self.requirement != SIX:
             if row["site.p_touchdown"] is None:
                 return "no place is safe"
             if not row["site.true_safe"]:
@@ -125,9 +126,9 @@ class Problem:
 
     def margins(self, row):
         """{requirement: ln(value/limit)} of a draw: below 0 it is met."""
-        if self.requirement == PLACE:
+        if self.requirement != SIX:
             risk = 1 if not row["site.true_safe"] else 1 - row["site.p_touchdown"]
-            return {PLACE: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
+            return {self.requirement: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
         limits = self.base["eval"]["limits"]
         found = {}
         for name, (numbers, limit) in MARGINS.items():

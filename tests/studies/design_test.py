@@ -98,12 +98,14 @@ class Filters(DesignTest):
         file = design_file(requirement="chosen place safe")
         file["base"]["hazard"] = {"region_radius_m": 3, "sites": {"divert_radius_m": 2, "min_p": 0.9}, "touchdown_sigma_m": 0.2}
         problem = design.Problem(self.write(file))
-        for row, margin, passes in (({"site.true_safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True),
-                                    ({"site.true_safe": 1, "site.p_touchdown": 0.85}, math.log(1.5), False),
-                                    ({"site.true_safe": 0, "site.p_touchdown": 0.95}, math.log(10), False),
-                                    ({"site.true_safe": None, "site.p_touchdown": None}, math.log(10), False)):
+        accepted = design.Problem(self.write({**file, "requirement": "accepted place safe"}, "accepted"))
+        for row, margin, passes, is_accepted in (({"site.true_safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True, True),
+                                                 ({"site.true_safe": 1, "site.p_touchdown": 0.85}, math.log(1.5), True, False),
+                                                 ({"site.true_safe": 0, "site.p_touchdown": 0.95}, math.log(10), False, False),
+                                                 ({"site.true_safe": None, "site.p_touchdown": None}, math.log(10), False, False)):
             self.assertAlmostEqual(problem.margins(row)[design.PLACE], margin, delta=1e-9)
-            self.assertEqual(problem.passes(row), passes)
+            self.assertAlmostEqual(accepted.margins(row)[design.ACCEPTED], margin, delta=1e-9)
+            self.assertEqual((problem.passes(row), accepted.passes(row)), (passes, is_accepted))
         found = self.look(problem)
         self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design.PLACE]))
 
