@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import REGRID, SCAN, ToolTest, columns, config_of, with_values
+from harness import SCAN, ToolTest, columns, config_of, with_values
 from monte_carlo_test import ERRORS, REQUIREMENTS, VARY, DrawsTest, campaign, merged
 
 STUDIES = os.path.join(os.environ["LANDFALL_ROOT"], "studies")

@@ -7,18 +7,13 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, Chain, ToolTest, read_bytes
+from harness import EVAL, REGRID, CampaignTest, read_bytes
 
 DROPOUT = "scan.noise.dropout_frac"
 BIAS = "scan.noise.range_bias_m"
 
 
-class FaultsTest(ToolTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
-        cls.addClassCleanup(cls.chain.remove)
-
+class FaultsTest(CampaignTest):
     def arguments(self, *options, scan=None, terrain=None, **values):
         config = {"draws": 3, "regrid": {**REGRID, "resolution_m": 0.2}, "eval": EVAL, **values}
         return [scan or self.chain.scan, "--terrain", terrain or self.chain.terrain, "-c", self.config(config, "mc.json"), *options]

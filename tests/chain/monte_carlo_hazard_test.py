@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 
 import monte_carlo_test as base
-from harness import HAZARD, columns, read_bytes, with_values
+from harness import HAZARD, Chain, columns, read_bytes, with_values
 
 VARY = {"scan.noise.range_sigma_m": {"type": "uniform", "low": 0, "high": 0.1}}
 OUTCOMES = {"known": (0, 1, 2, 3), "judged_safe": (1, 2), "missed": (2,)}
@@ -101,8 +101,7 @@ class Pairs(base.DrawsTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.other = base.Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0, seed=91,
-                               trajectory__position_m=[0.4, -0.2, 49])
+        cls.other = Chain(**cls.CHANGES, seed=91, trajectory__position_m=[0.4, -0.2, 49])
 
     @classmethod
     def tearDownClass(cls):

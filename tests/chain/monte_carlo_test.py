@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import EVAL, REGRID, SCAN, Chain, ToolTest, columns, config_of, read_bytes, run, with_values
+from harness import EVAL, REGRID, SCAN, CampaignTest, columns, config_of, read_bytes, run, with_values
 
 NORMAL = {"type": "normal", "mean": 0}
 LAYERS = ["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "count_mean"]
@@ -78,15 +78,7 @@ def flat(value, path=""):
     return {path: math.nan if value is None else float(value)}
 
 
-class DrawsTest(ToolTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.chain.remove()
-
+class DrawsTest(CampaignTest):
     def arguments(self, config, output, *options, scan=None):
         return [scan or self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(config, "mc.json"), "-o", self.path(output),
                 *options]

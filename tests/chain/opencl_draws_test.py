@@ -6,7 +6,7 @@ import json
 import os
 import unittest
 
-from harness import EVAL, HAZARD, REGRID, SANITIZED, Chain, ToolTest, read_bytes
+from harness import EVAL, HAZARD, REGRID, SANITIZED, CampaignTest, read_bytes
 from harness.opencl import build_faulty_opencl, no_device
 
 # Every error that a device draws.
@@ -33,15 +33,7 @@ def campaign(**values):
     return {"draws": 5, "scan": {}, "regrid": REGRID, "eval": EVAL, "vary": {}, **values}
 
 
-class DeviceDraws(ToolTest):
-    @classmethod
-    def setUpClass(cls):
-        cls.chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.chain.remove()
-
+class DeviceDraws(CampaignTest):
     def arguments(self, engine, config, *options, scan=None):
         return [scan or self.chain.scan, "--terrain", self.chain.terrain, "-c", self.config(config, "mc.json"), "--engine", engine,
                 "-o", self.path(engine + ".h5"), "--json", "-O", *options]

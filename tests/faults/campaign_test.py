@@ -14,7 +14,7 @@ import sys
 import time
 import unittest
 
-from harness import EVAL, LONGEST_S, REGRID, Chain, ToolTest, read_bytes, tool
+from harness import EVAL, LONGEST_S, REGRID, CampaignTest, read_bytes, tool
 
 sys.dont_write_bytecode = True
 # pylint: disable=wrong-import-position
@@ -30,11 +30,10 @@ FAST = "300"
 
 
 @unittest.skipUnless(shutil.which(os.environ.get("CC", "cc")), "no C compiler")
-class CampaignTest(ToolTest):
+class CampaignFaultsTest(CampaignTest):
     @classmethod
     def setUpClass(cls):
-        cls.chain = Chain(noise__dropout_frac=0, noise__dead_pixel_frac=0)
-        cls.addClassCleanup(cls.chain.remove)
+        super().setUpClass()
         cls.library = calls.build_library(cls.chain.folder)
         started = subprocess.run([tool("monte-carlo"), "--version"], env={**os.environ, "LD_PRELOAD": cls.library}, capture_output=True,
                                  text=True, check=False)
@@ -95,7 +94,7 @@ class CampaignTest(ToolTest):
         return self.draws_before(message)
 
 
-class Killed(CampaignTest):
+class Killed(CampaignFaultsTest):
     def finish_with_kills(self, seconds, *options, output):
         """Runs until the output is complete, killed at random times; returns (kills, runs that went on where another one was)."""
         kills = resumed = 0
@@ -137,7 +136,7 @@ class Killed(CampaignTest):
         self.assertGreaterEqual(resumed, KILLS // 4, f"seed {SEED}")
 
 
-class Interrupted(CampaignTest):
+class Interrupted(CampaignFaultsTest):
     def interrupt(self, number, wait, **environment):
         """Sends a signal after a wait of its own; returns how many draws were kept."""
         process = self.start(**environment)
@@ -185,7 +184,7 @@ class Interrupted(CampaignTest):
         self.assertEqual(self.interrupt(signal.SIGTERM, wait, FAULT_SPEED="1"), 0)
 
 
-class FullDisk(CampaignTest):
+class FullDisk(CampaignFaultsTest):
     def check_failure(self, code, message):
         self.assertEqual(code, 1, message)
         self.assertRegex(message.splitlines()[-1], r"\Amonte-carlo: .*/out/[^ ]*: .*No space left on device")

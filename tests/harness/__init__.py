@@ -200,11 +200,14 @@ class Chain:
 
 class ChainTest(ToolTest):
     """Tests that share one Chain; nothing may write into its folder."""
+    CHANGES = {}  # of the Chain
 
     @classmethod
     def setUpClass(cls):
-        cls.chain = Chain()
+        cls.chain = Chain(**cls.CHANGES)
+        cls.addClassCleanup(cls.chain.remove)
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.chain.remove()
+
+class CampaignTest(ChainTest):
+    """Tests of draws over the Chain's scan, which has a row for every pixel that hit."""
+    CHANGES = {"noise__dropout_frac": 0, "noise__dead_pixel_frac": 0}
