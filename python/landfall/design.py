@@ -112,15 +112,14 @@ class Problem:
             return bool(row["pass"])
         return bool(row["site.true_safe"]) and (self.requirement == PLACE or row["site.p_touchdown"] >= self.base["hazard"]["sites"]["min_p"])
 
-    def why_not(self, row):
-        """Why a draw does not meet the requirement."""
+    def why_not(self, row, margins):
+        """Why a draw, with its margins, does not meet the requirement."""
         if self.requirement != SIX:
             if row["site.p_touchdown"] is None:
                 return "no place is safe"
             if not row["site.true_safe"]:
                 return "the chosen place is not known to be safe on the true ground"
             return f"the chosen place has p_touchdown {row['site.p_touchdown']:.3g}, less than {self.base['hazard']['sites']['min_p']:g}"
-        margins = self.margins(row)
         worst = max(margins, key=margins.get)
         return f"{worst} is {math.exp(margins[worst]):.3g} of its limit"
 
@@ -141,12 +140,13 @@ CONFIDENCE = 0.95
 
 
 def _tails(probability, draws):
-    """P(at most 0, 1, ... failures)."""
-    term, total = probability ** draws, 0.0
+    """P(at most 0, 1, ... failures). The terms are sums of logarithms, since the first may be too small for a number."""
+    total = 0.0
     for failures in range(draws + 1):
-        total += term
+        ways = math.lgamma(draws + 1) - math.lgamma(failures + 1) - math.lgamma(draws - failures + 1)
+        missed = failures * math.log1p(-probability) if failures else 0.0
+        total += math.exp(ways + (draws - failures) * math.log(probability) + missed)
         yield total
-        term *= (draws - failures) / (failures + 1) * (1 - probability) / probability
 
 
 def failures_allowed(probability, draws):
@@ -230,7 +230,7 @@ class Look:
         margins, passes = self.problem.margins(row), self.problem.passes(row)
         worst = max(margins, key=margins.get)
         return {"stage": "draw", "margins": margins, "violation": margins[worst] if passes else max(margins[worst], 1e-9), "passes": passes,
-                "reason": "" if passes else self.problem.why_not(row)}
+                "reason": "" if passes else self.problem.why_not(row, margins)}
 
     def _plan(self, configs):
         """The reason why flat ground would fail, or None. What relief and errors could still change is let through."""

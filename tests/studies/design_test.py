@@ -138,6 +138,7 @@ class Statistics(unittest.TestCase):
         self.assertAlmostEqual(rate["wilson_low"], 0.9455, delta=5e-5)
         self.assertAlmostEqual(rate["wilson_high"], 0.9982, delta=5e-5)
         self.assertEqual(design.rate_of("x", [False] * 10)["exact_lower_bound"], 0)
+        self.assertAlmostEqual(design.rate_of("x", [True] + [False] * 472)["exact_lower_bound"], 1 - 0.95 ** (1 / 473), delta=1e-14)
 
     def test_the_sequential_test(self):
         """Straight passes as in the table of docs/user/monte-carlo.md, and a limit that is reached exactly (D305)."""
