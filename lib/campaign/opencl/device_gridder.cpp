@@ -98,15 +98,11 @@ DeviceGridder::DeviceGridder(const TrueRanges& truth, const GridSpec& grid, cons
       grid_(grid),
       on_failure_(options.on_failure),
       use_(options.use ? options.use : std::make_shared<DeviceUse>()) {
-  try {
+  static_cast<void>(use_->attempt(on_failure_, [&] {
     static_cast<void>(rows_added_from_left());
     device_ = usable_device(options.device);
     use_->name_device(opencl_devices()[*device_].name);
-  } catch (const DeviceError& error) {
-    if (on_failure_ == DeviceFailure::throws)
-      throw DeviceError(std::string(error.what()) + "; opencl-or-cpu uses the CPU instead", "engine");
-    use_->fell_back(error.what());
-  }
+  }));
 }
 
 std::optional<DeviceRefusal> DeviceGridder::refusal(const Simulation& simulation, Method method) const {
@@ -129,7 +125,7 @@ std::string DeviceGridder::text_of(const DeviceRefusal& refusal) const {
 void DeviceGridder::check(const Simulation& simulation, Method method) const {
   const auto refused = refusal(simulation, method);
   if (refused && on_failure_ == DeviceFailure::throws)
-    throw UsageError(text_of(*refused) + "; opencl-or-cpu uses the CPU instead", "engine");
+    throw UsageError(text_of(*refused) + kCpuInstead, "engine");
 }
 
 bool DeviceGridder::draw(const Simulation& simulation, Method method) {
@@ -139,12 +135,7 @@ bool DeviceGridder::draw(const Simulation& simulation, Method method) {
     use_->fell_back(text_of(*refused));
     return false;
   }
-  try {
-    draw_on_device(simulation, method);
-  } catch (const DeviceError& error) {
-    if (on_failure_ == DeviceFailure::throws)
-      throw DeviceError(std::string(error.what()) + "; opencl-or-cpu uses the CPU instead", "engine");
-    use_->fell_back(error.what());
+  if (!use_->attempt(on_failure_, [&] { draw_on_device(simulation, method); })) {
     device_.reset();
     draws_.reset();
     return false;

@@ -58,16 +58,9 @@ class OpenClEngine final : public RayEngine {
   /// Does work that a device may fail at. Returns false if it did and the CPU takes over.
   template <class Work>
   bool or_fall_back(const Work& work) const {
-    try {
-      work();
-      return true;
-    } catch (const DeviceError& error) {
-      if (on_failure_ == DeviceFailure::throws)
-        throw DeviceError(std::string(error.what()) + "; opencl-or-cpu uses the CPU instead", "engine");
-      use_->fell_back(error.what());
-      has_failed_ = true;
-      return false;
-    }
+    if (use_->attempt(on_failure_, work)) return true;
+    has_failed_ = true;
+    return false;
   }
 
   std::shared_ptr<const TriangulatedGrid> terrain_;
@@ -126,6 +119,18 @@ void DeviceUse::name_device(const std::string& name) {
 void DeviceUse::fell_back(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   if (!failure_) failure_ = reason;
+}
+
+bool DeviceUse::attempt(DeviceFailure on_failure, const std::function<void()>& work) {
+  try {
+    work();
+    return true;
+  } catch (const DeviceError& error) {
+    if (on_failure == DeviceFailure::throws)
+      throw DeviceError(std::string(error.what()) + kCpuInstead, "engine");
+    fell_back(error.what());
+    return false;
+  }
 }
 
 std::string DeviceUse::device() const {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,6 +37,9 @@ namespace landfall {
 /// What happens where the device is missing or fails.
 enum class DeviceFailure { throws, falls_back };
 
+/// The end of a message about work that is not done.
+inline constexpr const char* kCpuInstead = "; opencl-or-cpu uses the CPU instead";
+
 /// What became of the rays of all engines, or of the draws of a campaign, that share it.
 class DeviceUse {
  public:
@@ -47,6 +51,9 @@ class DeviceUse {
   /// Keeps the first reason, and the device's name if it is known.
   void name_device(const std::string& name);
   void fell_back(const std::string& reason);
+  /// Does work that a device may fail at. Returns false, having kept the reason, if it did and the CPU takes
+  /// over; throws DeviceError for the option "engine" if that is not wanted.
+  [[nodiscard]] bool attempt(DeviceFailure on_failure, const std::function<void()>& work);
 
   [[nodiscard]] std::uint64_t rays() const { return rays_; }  ///< that a device was asked
   /// Rays among them that the device could not decide: the CPU traced them.
