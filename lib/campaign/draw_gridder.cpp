@@ -36,43 +36,14 @@ DrawGridder::DrawGridder(const TrueRanges& truth, const TerrainSurface& terrain,
   if (device) device_ = std::make_unique<DeviceGridder>(truth, grid, *device);
 }
 
-DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
-  if (device_ && device_->draw(simulation, method)) {
-    take_values(truth_at, true);
-    return dem_;
-  }
-  Accumulator& bins = empty_bins(method);
-  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
-  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / pixels);
-  do {
-    for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
-      fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
-      bins.add(take_returns());
-    }
-  } while (bins.end_pass());
-  take_values(truth_at, false);
-  return dem_;
-}
-
-Accumulator& DrawGridder::empty_bins(Method method) {
-  if (!bins_ || method != method_ || !bins_->clear()) {
-    bins_.reset();  // the old bins first, so that both never exist at once
-    bins_ = make_accumulator(method, grid_);
-    method_ = method;
-  }
-  return *bins_;
-}
-
-void DrawGridder::take_values(TruthAt truth_at, bool from_device) {
+template <class Bins>
+void DrawGridder::take_values(const Bins& bins, TruthAt truth_at) {
   require_layers(dem_, grid_);
   const auto elevation = [&](double x_m, double y_m) { return terrain_.elevation(x_m, y_m); };
   parallel_for(static_cast<std::size_t>(grid_.rows), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<BinValues> row(static_cast<std::size_t>(grid_.cols));
     for (auto r = static_cast<std::int64_t>(begin); r < static_cast<std::int64_t>(end); ++r) {
-      if (from_device)
-        device_->values({r, 0}, row);
-      else
-        bins_->values({r, 0}, row);
+      bins.values({r, 0}, row);
       for (std::int64_t c = 0; c < grid_.cols; ++c) {
         const BinIndex bin{r, c};
         const BinValues& values = row[static_cast<std::size_t>(c)];
@@ -84,6 +55,33 @@ void DrawGridder::take_values(TruthAt truth_at, bool from_device) {
       }
     }
   });
+}
+
+DrawnDem& DrawGridder::draw(const Simulation& simulation, Method method, TruthAt truth_at) {
+  if (device_ && device_->draw(simulation, method)) {
+    take_values(*device_, truth_at);
+    return dem_;
+  }
+  Accumulator& bins = empty_bins(method);
+  const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
+  const std::int64_t pulses_per_pass = std::max<std::int64_t>(1, kBatchPoints / pixels);
+  do {
+    for (std::int64_t first = 0; first < simulation.pulse_count(); first += pulses_per_pass) {
+      fill(simulation, {first, std::min(pulses_per_pass, simulation.pulse_count() - first)});
+      bins.add(take_returns());
+    }
+  } while (bins.end_pass());
+  take_values(bins, truth_at);
+  return dem_;
+}
+
+Accumulator& DrawGridder::empty_bins(Method method) {
+  if (!bins_ || method != method_ || !bins_->clear()) {
+    bins_.reset();  // the old bins first, so that both never exist at once
+    bins_ = make_accumulator(method, grid_);
+    method_ = method;
+  }
+  return *bins_;
 }
 
 void DrawGridder::fill(const Simulation& simulation, PulseSpan pulses) {

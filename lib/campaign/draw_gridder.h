@@ -49,8 +49,9 @@ class DrawGridder {
   void fill(const Simulation& simulation, PulseSpan pulses);
   /// The returns of the batch, in order; valid until the next call.
   [[nodiscard]] GridPoints take_returns();
-  /// Of the device, or of the bins.
-  void take_values(TruthAt truth_at, bool from_device);
+  /// `bins` are those of the device, or an Accumulator.
+  template <class Bins>
+  void take_values(const Bins& bins, TruthAt truth_at);
 
   TrueRanges truth_;
   const TerrainSurface& terrain_;

@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "../simulation/analytic_engines.h"
 #include "campaign/draw_gridder.h"
 #include "detector/perspective.h"
 #include "no_opencl.h"
+#include "plane_ground.h"
 #include "scanner/fsm.h"
 #include "scanner/line_search.h"
 #include "trajectory/constant_velocity.h"
@@ -26,19 +26,6 @@ namespace landfall {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr Plane kPlane{1, 0.1, -0.2};
-
-/// The plane, east of x = -4 m.
-class Ground final : public TerrainSurface {
- public:
-  [[nodiscard]] double elevation(double x_m, double y_m) const override {
-    return x_m < -4 ? std::nan("") : kPlane.z0_m + kPlane.slope_x * x_m + kPlane.slope_y * y_m;
-  }
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& /*point*/) const override {
-    return Eigen::Vector3d(-kPlane.slope_x, -kPlane.slope_y, 1).normalized();
-  }
-};
 
 /// 40,000 pulses of 3 x 2 pixels by default, some of them beyond the map.
 ScanModel scan(const RangeErrorParameters& errors, std::uint64_t seed, int columns = 2) {

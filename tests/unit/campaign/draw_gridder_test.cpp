@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "../simulation/analytic_engines.h"
 #include "campaign/predicted_sigma.h"
 #include "detector/perspective.h"
 #include "gridding/moment_accumulator.h"
@@ -20,25 +19,13 @@
 #include "gridding/slope.h"
 #include "gridding/uncertainty.h"
 #include "gridding/weighted_mean_accumulator.h"
+#include "plane_ground.h"
 #include "scanner/fsm.h"
 #include "scanner/line_search.h"
 #include "trajectory/constant_velocity.h"
 
 namespace landfall {
 namespace {
-
-constexpr Plane kPlane{1, 0.1, -0.2};
-
-/// The plane, east of x = -4 m.
-class Ground final : public TerrainSurface {
- public:
-  [[nodiscard]] double elevation(double x_m, double y_m) const override {
-    return x_m < -4 ? std::nan("") : kPlane.z0_m + kPlane.slope_x * x_m + kPlane.slope_y * y_m;
-  }
-  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& /*point*/) const override {
-    return Eigen::Vector3d(-kPlane.slope_x, -kPlane.slope_y, 1).normalized();
-  }
-};
 
 /// 40,000 pulses, by default of 4 pixels: more than one pass of the gridder. Returns beyond the map, but not
 /// the first.
