@@ -7,17 +7,11 @@
 #include <utility>
 
 #include "evaluation/fail_flag.h"
+#include "evaluation/piecewise.h"
 #include "raster/distance_transform.h"
 
 namespace landfall {
 namespace {
-
-BinMask valid_bins(const Grid<double>& z_est) {
-  auto valid = BinMask::unset(z_est.spec());
-  std::ranges::transform(z_est.values(), valid.values().begin(),
-                         [](double z) -> std::int8_t { return std::isnan(z) ? 0 : 1; });
-  return valid;
-}
 
 BinMask inside_but_not(const BinMask& region, const BinMask& valid) {
   auto invalid = BinMask::unset(region.spec());
@@ -54,8 +48,14 @@ std::int64_t measure_distances(Coverage& coverage, double limit_bins) {
 
 }  // namespace
 
-Coverage assess_coverage(const Grid<double>& z_est, const BinMask& region, const EvaluationLimits& limits) {
-  const BinMask valid = valid_bins(z_est);
+BinMask valid_bins(const Grid<double>& z_est) {
+  auto valid = BinMask::unset(z_est.spec());
+  for_each_index(z_est.values().size(),
+                 [&](std::size_t i) { valid.values()[i] = std::isnan(z_est.values()[i]) ? 0 : 1; });
+  return valid;
+}
+
+Coverage assess_coverage(const BinMask& valid, const BinMask& region, const EvaluationLimits& limits) {
   Coverage result;
   result.invalid = inside_but_not(region, valid);
   HoleLabels labels = label_holes(result.invalid);

@@ -11,7 +11,7 @@ namespace landfall {
 
 /// Coverage of the region by valid bins: the first three rows of Table 1.
 struct Coverage {
-  BinMask invalid;             ///< 1 where z_est is NaN inside the region
+  BinMask invalid;             ///< 1 where the region has no valid bin
   Grid<std::int32_t> hole_id;  ///< 8-connected components of `invalid`; 0 outside them
   /// Euclidean distance of every bin of the DEM, inside the region or not, to the nearest valid bin of the
   /// whole DEM, in bins squared (distance_transform.h).
@@ -20,9 +20,12 @@ struct Coverage {
   CoverageMetrics metrics;
 };
 
-/// `region` lies on the grid of z_est and has at least one bin. A DEM without any valid bin has infinite
+/// The bins that have an elevation.
+[[nodiscard]] BinMask valid_bins(const Grid<double>& z_est);
+
+/// `region` lies on the grid of `valid` and has at least one bin. A DEM without any valid bin has infinite
 /// distances.
-[[nodiscard]] Coverage assess_coverage(const Grid<double>& z_est, const BinMask& region,
+[[nodiscard]] Coverage assess_coverage(const BinMask& valid, const BinMask& region,
                                        const EvaluationLimits& limits);
 
 /// All metrics but distance_over_limit_count, from all holes of the region with their distances.

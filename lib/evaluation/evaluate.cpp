@@ -170,10 +170,11 @@ Evaluation evaluate(DemLayers dem, const EvaluationParameters& parameters, const
   ErrorLayers errors;
   run_both(
       [&] {
+        const BinMask valid = valid_bins(dem.z_est);
         if (sinks.empty())
-          judged = judge_coverage(dem.z_est, result.region, parameters.limits, result.fail);
+          judged = judge_coverage(valid, result.region, parameters.limits, result.fail);
         else
-          coverage = assess_coverage(dem.z_est, result.region, parameters.limits);
+          coverage = assess_coverage(valid, result.region, parameters.limits);
       },
       [&] {
         if (!accuracy) return;

@@ -2,7 +2,6 @@
 #include "evaluation/sparse_coverage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -21,14 +20,14 @@ struct InvalidBins {
   std::int64_t region_bins = 0;
 };
 
-InvalidBins find_invalid(const Grid<double>& z_est, const BinMask& region) {
+InvalidBins find_invalid(const BinMask& valid, const BinMask& region) {
   const std::vector<InvalidBins> pieces =
-      by_piece(z_est.spec().size(), [&](std::size_t begin, std::size_t end) {
+      by_piece(valid.spec().size(), [&](std::size_t begin, std::size_t end) {
         InvalidBins piece;
         for (std::size_t i = begin; i < end; ++i) {
           if (region.values()[i] == 0) continue;
           ++piece.region_bins;
-          if (std::isnan(z_est.values()[i])) piece.bins.push_back(static_cast<std::uint32_t>(i));
+          if (valid.values()[i] == 0) piece.bins.push_back(static_cast<std::uint32_t>(i));
         }
         return piece;
       });
@@ -44,7 +43,7 @@ InvalidBins find_invalid(const Grid<double>& z_est, const BinMask& region) {
 class NearestValid {
  public:
   /// Looks at `budget` bins altogether.
-  NearestValid(const Grid<double>& z_est, std::int64_t budget) : z_est_(z_est), budget_(budget) {}
+  NearestValid(const BinMask& valid, std::int64_t budget) : valid_(valid), budget_(budget) {}
 
   /// The squared distance in bins; empty if the budget is spent before it is known.
   [[nodiscard]] std::optional<std::int64_t> squared_distance(BinIndex bin) {
@@ -55,22 +54,20 @@ class NearestValid {
       for (std::int64_t i = -k; i <= k; ++i)
         for (const BinIndex at : {BinIndex{bin.row - k, bin.col + i}, BinIndex{bin.row + k, bin.col + i},
                                   BinIndex{bin.row + i, bin.col - k}, BinIndex{bin.row + i, bin.col + k}})
-          if (z_est_.spec().contains(at) && !std::isnan(z_est_.at(at)))
-            nearest = std::min(nearest, i * i + k * k);
+          if (valid_.spec().contains(at) && valid_.at(at) != 0) nearest = std::min(nearest, i * i + k * k);
     }
     return nearest;
   }
 
  private:
-  const Grid<double>& z_est_;
+  const BinMask& valid_;
   std::int64_t budget_;
 };
 
 /// Of each bin, in bins; empty if it would take too long.
-std::optional<std::vector<double>> distances(const Grid<double>& z_est,
-                                             const std::vector<std::uint32_t>& bins) {
-  const GridSpec& spec = z_est.spec();
-  NearestValid nearest(z_est, spec.rows * spec.cols);
+std::optional<std::vector<double>> distances(const BinMask& valid, const std::vector<std::uint32_t>& bins) {
+  const GridSpec& spec = valid.spec();
+  NearestValid nearest(valid, spec.rows * spec.cols);
   std::vector<double> result;
   result.reserve(bins.size());
   for (const std::uint32_t index : bins) {
@@ -81,23 +78,23 @@ std::optional<std::vector<double>> distances(const Grid<double>& z_est,
   return result;
 }
 
-JudgedCoverage judge_densely(const Grid<double>& z_est, const BinMask& region, const EvaluationLimits& limits,
+JudgedCoverage judge_densely(const BinMask& valid, const BinMask& region, const EvaluationLimits& limits,
                              Grid<std::int8_t>& fail) {
-  Coverage coverage = assess_coverage(z_est, region, limits);
+  Coverage coverage = assess_coverage(valid, region, limits);
   flag_coverage(coverage, limits, fail);
   return {std::move(coverage.metrics), std::move(coverage.holes)};
 }
 
 }  // namespace
 
-JudgedCoverage judge_coverage(const Grid<double>& z_est, const BinMask& region,
-                              const EvaluationLimits& limits, Grid<std::int8_t>& fail) {
-  const InvalidBins invalid = find_invalid(z_est, region);
-  if (invalid.bins.size() > z_est.spec().size() / kMostFrac)
-    return judge_densely(z_est, region, limits, fail);
-  const auto distance = distances(z_est, invalid.bins);
-  if (!distance) return judge_densely(z_est, region, limits, fail);
-  BinLabels labels = label_bins(z_est.spec(), invalid.bins);
+JudgedCoverage judge_coverage(const BinMask& valid, const BinMask& region, const EvaluationLimits& limits,
+                              Grid<std::int8_t>& fail) {
+  const InvalidBins invalid = find_invalid(valid, region);
+  if (invalid.bins.size() > valid.spec().size() / kMostFrac)
+    return judge_densely(valid, region, limits, fail);
+  const auto distance = distances(valid, invalid.bins);
+  if (!distance) return judge_densely(valid, region, limits, fail);
+  BinLabels labels = label_bins(valid.spec(), invalid.bins);
   const auto hole_of = [&](std::size_t i) -> Hole& {
     return labels.holes[static_cast<std::size_t>(labels.id[i] - 1)];
   };

@@ -16,7 +16,7 @@ struct JudgedCoverage {
 /// The metrics and holes of assess_coverage() and the flags of flag_coverage(), without the layers. Fast
 /// where invalid bins are few and near a valid one: each is labelled and measured by itself; others take
 /// assess_coverage().
-[[nodiscard]] JudgedCoverage judge_coverage(const Grid<double>& z_est, const BinMask& region,
+[[nodiscard]] JudgedCoverage judge_coverage(const BinMask& valid, const BinMask& region,
                                             const EvaluationLimits& limits, Grid<std::int8_t>& fail);
 
 }  // namespace landfall

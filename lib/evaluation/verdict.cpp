@@ -9,7 +9,6 @@
 #include "base/parallel.h"
 #include "evaluation/evaluate.h"
 #include "evaluation/sparse_coverage.h"
-#include "evaluation/tile_verdict.h"
 
 namespace landfall {
 namespace {
@@ -76,28 +75,36 @@ AccuracyValues accuracy_of(const TileVerdict& verdict) {
 
 }  // namespace
 
-Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationParameters& parameters) {
-  check(parameters);
-  if (!have_one_grid(dem)) check_layers(dem);
-  const Footprint footprint = footprint_of(parameters, dem.z_est.spec().resolution_m);
-  if (footprint.half_bins() > kMostHalfBins) return decide_by_evaluation(dem, region, parameters);
-  Verdict result;
-  DecisiveMetrics& metrics = result.metrics;
-  result.fail = Grid<std::int8_t>(dem.z_est.spec());
+DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints, const BinMask& valid,
+                                 const BinMask& region, const EvaluationLimits& limits,
+                                 Grid<std::int8_t>& fail) {
+  DecisiveMetrics metrics;
   std::optional<AccuracyValues> values;
-  if (dem.truth) {
-    const TileVerdict verdict = judge_tiles(dem, region, parameters, footprint, result.fail);
-    if (verdict.has_unusual) return decide_by_evaluation(dem, region, parameters);
-    values = accuracy_of(verdict);
+  if (footprints) {
+    values = accuracy_of(*footprints);
     DecisiveMetrics::Accuracy& accuracy = metrics.accuracy.emplace();
     accuracy.absolute.horizontal.within_limit_frac = values->absolute_horizontal;
-    accuracy.relative = {{verdict.x.violations}, {verdict.y.violations}, {verdict.z.violations}};
-  } else {
-    check_layers(dem);
+    accuracy.relative = {{footprints->x.violations}, {footprints->y.violations}, {footprints->z.violations}};
   }
-  metrics.coverage = judge_coverage(dem.z_est, region, parameters.limits, result.fail).metrics;
-  metrics.requirements = judge_values(metrics.coverage, values, parameters.limits);
+  metrics.coverage = judge_coverage(valid, region, limits, fail).metrics;
+  metrics.requirements = judge_values(metrics.coverage, values, limits);
   metrics.pass = overall_pass(metrics.requirements);
+  return metrics;
+}
+
+Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationParameters& parameters) {
+  check(parameters);
+  if (!dem.truth || !have_one_grid(dem)) check_layers(dem);
+  const Footprint footprint = footprint_of(parameters, dem.z_est.spec().resolution_m);
+  if (footprint.half_bins() > kMostHalfBins) return decide_by_evaluation(dem, region, parameters);
+  Verdict result{{}, Grid<std::int8_t>(dem.z_est.spec())};
+  std::optional<TileVerdict> footprints;
+  if (dem.truth) {
+    footprints = judge_tiles(dem, region, parameters, footprint, result.fail);
+    if (footprints->has_unusual) return decide_by_evaluation(dem, region, parameters);
+  }
+  result.metrics =
+      decisive_metrics(footprints, valid_bins(dem.z_est), region, parameters.limits, result.fail);
   return result;
 }
 

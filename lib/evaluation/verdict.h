@@ -8,6 +8,7 @@
 #include "evaluation/fail_flag.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
+#include "evaluation/tile_verdict.h"
 
 namespace landfall {
 
@@ -47,6 +48,12 @@ struct Verdict {
   DecisiveMetrics metrics;
   Grid<std::int8_t> fail;  ///< FailFlag bits; 0 outside the region
 };
+
+/// The metrics that follow from the footprints beyond their limits, none without truth, and from the bins
+/// that have an elevation. Sets the flags of judge_coverage() in `fail`.
+[[nodiscard]] DecisiveMetrics decisive_metrics(const std::optional<TileVerdict>& footprints,
+                                               const BinMask& valid, const BinMask& region,
+                                               const EvaluationLimits& limits, Grid<std::int8_t>& fail);
 
 /// Judges a DEM as evaluate() does, to the last bit, but computes only what decides the requirements and the
 /// layer `fail`: no quantile of a footprint whose verdict follows from counts. Several times faster, and the

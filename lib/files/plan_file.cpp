@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/plan_file.h"
 
-#include <limits>
+#include <algorithm>
 #include <utility>
 
 #include "files/field_json.h"
@@ -21,10 +21,10 @@ PlanMetrics::Time time_of(const PulseBudget& b, double pulse_rate_hz) {
 
 /// The coverage by bins that have a return.
 Coverage coverage_of(const ScanPlan& plan) {
-  Grid<double> z_est(plan.region().spec());
-  for (std::size_t i = 0; i < z_est.values().size(); ++i)
-    if (plan.count().values()[i] == 0) z_est.values()[i] = std::numeric_limits<double>::quiet_NaN();
-  return assess_coverage(z_est, plan.region(), {});
+  BinMask seen(plan.region().spec());
+  std::ranges::transform(plan.count().values(), seen.values().begin(),
+                         [](std::int32_t count) -> std::int8_t { return count == 0 ? 0 : 1; });
+  return assess_coverage(seen, plan.region(), {});
 }
 
 PlanMetrics plan_metrics(const ScanPlan& plan, const CoverageMetrics& coverage, double radius_m,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -19,16 +20,24 @@ using testing_masks::drawn;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-Grid<double> elevation_with_holes(const BinMask& empty) {
-  Grid<double> z(empty.spec());
-  for (std::size_t i = 0; i < empty.spec().size(); ++i) z.values()[i] = empty.values()[i] != 0 ? kNan : 1.5;
-  return z;
+BinMask all_but(const BinMask& empty) {
+  BinMask valid(empty.spec());
+  for (std::size_t i = 0; i < empty.spec().size(); ++i) valid.values()[i] = empty.values()[i] != 0 ? 0 : 1;
+  return valid;
 }
 
 /// The region is the whole drawing.
 Coverage coverage_of(std::initializer_list<std::string_view> drawing) {
   const BinMask empty = drawn(drawing);
-  return assess_coverage(elevation_with_holes(empty), BinMask(empty.spec(), 1), {});
+  return assess_coverage(all_but(empty), BinMask(empty.spec(), 1), {});
+}
+
+TEST(Coverage, ABinIsValidIfItHasAnElevation) {
+  Grid<double> z({1, 0, 0, 1, 4}, 1.5);
+  z.values()[1] = kNan;
+  z.values()[2] = 0;
+  const BinMask valid = valid_bins(z);
+  EXPECT_TRUE(std::ranges::equal(valid.values(), std::vector<std::int8_t>{1, 0, 1, 1}));
 }
 
 TEST(Coverage, FullDem) {
@@ -69,9 +78,9 @@ TEST(Coverage, HoleAtTheDemBorder) {
 // Only the region's bins make the hole; valid bins outside the region count for its distance, and invalid
 // ones outside it do not join two holes.
 TEST(Coverage, HoleAtTheRegionBorder) {
-  const Grid<double> z = elevation_with_holes(drawn({"......", ".####.", ".#..#.", "......"}));
+  const BinMask valid = all_but(drawn({"......", ".####.", ".#..#.", "......"}));
   const BinMask region = drawn({"......", ".#..#.", "####.#", "######"});
-  const Coverage coverage = assess_coverage(z, region, {});
+  const Coverage coverage = assess_coverage(valid, region, {});
   EXPECT_EQ(coverage.metrics.invalid_count, 3);
   ASSERT_EQ(coverage.holes.size(), 2U);
   EXPECT_EQ(coverage.holes[0].size_bins, 2);
@@ -92,8 +101,7 @@ TEST(Coverage, NoValidBinIsInfinitelyFar) {
 
 TEST(Coverage, HistogramAndHolesOverTheLimit) {
   const BinMask empty = drawn({"#.#.##", "......", "####.#"});
-  const Coverage coverage =
-      assess_coverage(elevation_with_holes(empty), BinMask(empty.spec(), 1), {.hole_bins = 2});
+  const Coverage coverage = assess_coverage(all_but(empty), BinMask(empty.spec(), 1), {.hole_bins = 2});
   EXPECT_EQ(coverage.metrics.hole_count, 5);
   EXPECT_EQ(coverage.metrics.largest_hole_bins, 4);
   EXPECT_EQ(coverage.metrics.holes_over_limit, 1);  // a hole of 2 is not over

@@ -5,39 +5,36 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "raster/masks.h"
 
 namespace landfall {
 namespace {
 
-void expect_equal(const Grid<double>& z_est, const BinMask& region, const EvaluationLimits& limits) {
-  const Coverage dense = assess_coverage(z_est, region, limits);
-  Grid<std::int8_t> expected(z_est.spec(), 1);
+void expect_equal(const BinMask& valid, const BinMask& region, const EvaluationLimits& limits) {
+  const Coverage dense = assess_coverage(valid, region, limits);
+  Grid<std::int8_t> expected(valid.spec(), 1);
   flag_coverage(dense, limits, expected);
-  Grid<std::int8_t> fail(z_est.spec(), 1);
-  const JudgedCoverage judged = judge_coverage(z_est, region, limits, fail);
+  Grid<std::int8_t> fail(valid.spec(), 1);
+  const JudgedCoverage judged = judge_coverage(valid, region, limits, fail);
   EXPECT_EQ(judged.metrics, dense.metrics);
   EXPECT_EQ(judged.holes, dense.holes);
   EXPECT_TRUE(std::ranges::equal(fail.values(), expected.values()));
 }
 
-Grid<double> with_holes(const BinMask& holes) {
-  Grid<double> z_est(holes.spec(), 3);
-  for (std::size_t i = 0; i < z_est.values().size(); ++i)
-    if (holes.values()[i] != 0) z_est.values()[i] = std::numeric_limits<double>::quiet_NaN();
-  return z_est;
+BinMask all_but(const BinMask& holes) {
+  BinMask valid(holes.spec());
+  for (std::size_t i = 0; i < valid.values().size(); ++i) valid.values()[i] = holes.values()[i] != 0 ? 0 : 1;
+  return valid;
 }
 
 TEST(JudgeCoverage, EqualsTheDenseResult) {
   constexpr GridSpec spec{1, -30, -40, 61, 81};
   for (const double frac : {0.0, 0.001, 0.05, 0.11, 0.2, 0.5, 0.95, 1.0}) {
-    const Grid<double> z_est = with_holes(testing_masks::random_mask(spec, frac, 3));
-    expect_equal(z_est, BinMask(spec, 1), {.hole_bins = 2, .distance_bins = 0.5});
-    expect_equal(z_est, circular_region(spec, 25), {.hole_bins = 1});
-    expect_equal(z_est, testing_masks::random_mask(spec, 0.3, 4), {});
+    const BinMask valid = all_but(testing_masks::random_mask(spec, frac, 3));
+    expect_equal(valid, BinMask(spec, 1), {.hole_bins = 2, .distance_bins = 0.5});
+    expect_equal(valid, circular_region(spec, 25), {.hole_bins = 1});
+    expect_equal(valid, testing_masks::random_mask(spec, 0.3, 4), {});
   }
 }
 
@@ -49,7 +46,7 @@ TEST(JudgeCoverage, SmallAndLargeHoles) {
     for (std::int64_t row = 0; row < spec.rows; ++row)
       for (std::int64_t col = 0; col < spec.cols; ++col)
         hole.at({row, col}) = std::max(std::abs(row - 44), std::abs(col - 5)) < half ? 1 : 0;
-    expect_equal(with_holes(hole), BinMask(spec, 1), {.distance_bins = 4});
+    expect_equal(all_but(hole), BinMask(spec, 1), {.distance_bins = 4});
   }
 }
 
