@@ -38,7 +38,7 @@ class DrawGridder {
               const std::optional<OpenClOptions>& device = std::nullopt);
 
   /// Null without a device.
-  [[nodiscard]] const DeviceGridder* device() const { return device_.get(); }
+  [[nodiscard]] DeviceGridder* device() const { return device_.get(); }
 
   /// The DEM of the draw, which the next call replaces; the caller may take layers out of it. `simulation`
   /// has as many pulses and pixels as the ranges: throws FormatError where it has not.

@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "campaign/draw_gridder.h"
+#include "campaign/wide_sum.h"
 #include "raster/grid.h"
 #include "raster/region.h"
 
 namespace landfall {
-
-/// The sum of the squares of errors: a signed integer of 128 bits in two words, low word first.
-struct WideSum {
-  std::uint64_t low = 0;
-  std::int64_t high = 0;
-  friend bool operator==(const WideSum&, const WideSum&) = default;
-};
 
 /// Sums of one error over the draws, per bin. Errors are rounded to 2^-30 m (9.3e-10 m, ties to even) and
 /// added as integers, so that a sum does not depend on how the draws are divided into parts.
@@ -51,8 +45,8 @@ struct SafetyCounts {
 /// bytes per bin, 96 with hazards.
 struct DrawMaps {
   std::int64_t draws = 0;
-  Grid<std::int32_t> invalid;          ///< draws in which the bin has no elevation
-  Grid<std::int32_t> fail_rel_x;       ///< draws in which the footprint centred on the bin exceeds the limit
+  Grid<std::int32_t> invalid;     ///< draws in which the bin has no elevation
+  Grid<std::int32_t> fail_rel_x;  ///< draws in which the footprint centred on the bin exceeds the limit
   Grid<std::int32_t> fail_rel_y;
   Grid<std::int32_t> fail_rel_z;
   Grid<std::int32_t> fail_absolute;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "campaign/draw_runner.h"
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,10 @@ Grid<double> elevations_of(const TerrainSurface& terrain, const GridSpec& grid) 
 DrawRunner::DrawRunner(CampaignScene scene, bool with_maps, const std::optional<OpenClOptions>& device)
     : scene_(std::move(scene)), gridder_(scene_.truth, scene_.terrain, scene_.grid, device) {
   if (with_maps) z_true_map_ = elevations_of(scene_.terrain, scene_.grid);
+  const auto* const ground = dynamic_cast<const TriangulatedGrid*>(&scene_.terrain);
+  if (gridder_.device() != nullptr && ground != nullptr)
+    judge_ = std::make_unique<DeviceJudge>(*gridder_.device(), *ground, scene_.region,
+                                           z_true_map_ ? &*z_true_map_ : nullptr);
 }
 
 void DrawRunner::check_device(DrawSetup setup) const {
@@ -49,8 +54,20 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const HazardParamete
   return hazards;
 }
 
+std::optional<DecisiveMetrics> DrawRunner::judge_on_device(const Simulation& simulation,
+                                                           const DrawSetup& setup, MetricsKind kind) {
+  if (!judge_ || kind != MetricsKind::verdict || setup.hazard) return std::nullopt;
+  return judge_->judge(simulation, setup.method, setup.truth_at, setup.evaluation);
+}
+
+bool DrawRunner::take_from_device(std::int64_t draws, DrawMaps& maps) {
+  return judge_ && judge_->take_maps(draws, maps);
+}
+
 DrawResult DrawRunner::run(DrawSetup setup, MetricsKind kind, DrawMaps* maps) {
   const Simulation simulation(std::move(setup.scan), nullptr, &scene_.terrain);
+  if (const auto metrics = judge_on_device(simulation, setup, kind))
+    return {*metrics, std::nullopt, maps != nullptr};
   DrawnDem& dem = gridder_.draw(simulation, setup.method, setup.truth_at);
   if (maps != nullptr) maps->add_dem(dem, *z_true_map_);
   std::optional<DrawHazards> hazards;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <variant>
 
 #include "campaign/draw_gridder.h"
 #include "campaign/draw_maps.h"
+#include "campaign/opencl/device_judge.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
 #include "evaluation/verdict.h"
@@ -40,6 +43,7 @@ struct DrawHazards {
 struct DrawResult {
   DrawMetrics metrics;
   std::optional<DrawHazards> hazards;
+  bool is_on_device = false;  ///< the maps do not have it yet: DrawRunner::take_from_device()
 };
 
 /// The configuration of one draw.
@@ -52,7 +56,8 @@ struct DrawSetup {
 };
 
 /// Runs draws one after the other, each on all threads: replays, grids and judges in memory. Memory does not
-/// depend on the number of draws.
+/// depend on the number of draws. A device judges them too (DeviceJudge) where the metrics are
+/// MetricsKind::verdict, no hazards are asked for and the ground is a grid in memory.
 class DrawRunner {
  public:
   /// The scene's data must outlive this object. With maps H at the bins' centres is computed once. With
@@ -67,17 +72,24 @@ class DrawRunner {
   void check_device(DrawSetup setup) const;
 
   /// The metrics of the draw: those of scan-sim --ranges-from, regrid and dem-eval --metrics-only, bit for
-  /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null.
-  /// Throws as Simulation, DrawGridder, evaluate() and map_hazards() do.
+  /// bit; score and best site those of hazard-map --terrain. Adds the draw to `maps` unless it is null,
+  /// or leaves it on the device at first. Throws as Simulation, DrawGridder, evaluate() and map_hazards() do.
   [[nodiscard]] DrawResult run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
 
+  /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost them
+  /// and the CPU takes over: they must be run again.
+  [[nodiscard]] bool take_from_device(std::int64_t draws, DrawMaps& maps);
+
  private:
+  [[nodiscard]] std::optional<DecisiveMetrics> judge_on_device(const Simulation& simulation,
+                                                               const DrawSetup& setup, MetricsKind kind);
   [[nodiscard]] DrawHazards judge_hazards(const DemLayers& dem, const HazardParameters& parameters,
                                           DrawMaps* maps) const;
 
   CampaignScene scene_;
   DrawGridder gridder_;
   std::optional<Grid<double>> z_true_map_;
+  std::unique_ptr<DeviceJudge> judge_;  ///< null without a device, or if it cannot judge
 };
 
 }  // namespace landfall

@@ -130,15 +130,27 @@ DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const 
           evaluation_config(stages.eval, name), config_.hazard()};
 }
 
+void Campaign::complete(Draws& draws) {
+  const std::vector<std::int64_t> kept = std::exchange(on_device_, {});
+  if (kept.empty() || runner_->take_from_device(std::ssize(kept), *draws.maps)) return;
+  for (const std::int64_t draw : kept) static_cast<void>(run(draw, draws));  // by the CPU
+}
+
+DrawResult Campaign::run(std::int64_t draw, Draws& draws) {
+  DrawSetup setup = setup_of(config_.stages(draw), draw);
+  DrawResult result = at_path(config_.name() + ": /hazard/", [&] {
+    return runner_->run(std::move(setup), config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+  });
+  if (result.is_on_device) on_device_.push_back(draw);
+  return result;
+}
+
 void Campaign::run_next(Draws& draws) {
   DrawTable& table = draws.table;
   const std::int64_t draw = table.end() - pair_.value_or(0) * config_.draw_count();
   std::vector<double> values = config_.values(draw);
   if (pair_) values.insert(values.begin(), static_cast<double>(*pair_));
-  DrawSetup setup = setup_of(config_.stages(draw), draw);
-  const DrawResult result = at_path(config_.name() + ": /hazard/", [&] {
-    return runner_->run(std::move(setup), config_.metrics(), draws.maps ? &*draws.maps : nullptr);
-  });
+  const DrawResult result = run(draw, draws);
   const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, result.metrics);
   add_to(table.metrics, flat_metrics(result));
   for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);

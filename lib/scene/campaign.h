@@ -47,10 +47,13 @@ class Campaign {
   /// Runs the draw after the last row of `draws`, and adds it. The result of each draw depends on its number
   /// only.
   void run_next(Draws& draws);
+  /// After the last draw, and before `draws` is kept: adds to its maps what a device still has.
+  void complete(Draws& draws);
 
  private:
   void require_device(const DrawSpan& span) const;
   [[nodiscard]] DrawSetup setup_of(const DrawStages& stages, std::int64_t draw) const;
+  [[nodiscard]] DrawResult run(std::int64_t draw, Draws& draws);
 
   const DrawsConfig& config_;
   std::optional<std::int64_t> pair_;
@@ -60,6 +63,7 @@ class Campaign {
   BinMask region_;
   std::unique_ptr<DrawRunner> runner_;
   std::optional<Grid<float>> z_sigma_abs_;
+  std::vector<std::int64_t> on_device_;  ///< draws that the maps do not have yet
 };
 
 }  // namespace landfall

@@ -62,6 +62,9 @@ class ScanSequence {
     return *campaign_;
   }
 
+  /// Adds to the maps what a device still has.
+  void complete(Draws& draws) { campaign_->complete(draws); }
+
   /// Of the scan in memory; with several it is not written, because there are no maps.
   [[nodiscard]] const std::string& crs_wkt() const { return campaign_->crs_wkt(); }
 
@@ -117,9 +120,11 @@ class DrawLoop {
       report(progress, static_cast<double>(draws.table.end() - span_.first) /
                            static_cast<double>(span_.end - span_.first));
       if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws) || interrupts.requested()) continue;
+      scans_.complete(draws);
       state_.save(draws, scans_.crs_wkt());
       saved_s = output_.clock_s();
     }
+    scans_.complete(draws);
     if (!interrupts.requested()) report(progress, 1);
   }
 

@@ -60,8 +60,31 @@ class SameBytes(DeviceDraws):
 
     def test_methods(self):
         for regrid in ({"method": "bilinear4"}, {"method": "mean"}, {"truth_at": "centroid"}, {"method": "bilinear4", "truth_at": "centroid"}):
-            with self.subTest(regrid):
-                self.compare("opencl", campaign(draws=2, scan=ERRORS, regrid={**REGRID, **regrid}))
+            for metrics in ("verdict", "full"):
+                with self.subTest(regrid, metrics=metrics):
+                    self.compare("opencl", campaign(draws=2, scan=ERRORS, regrid={**REGRID, **regrid}, metrics=metrics))
+
+    def test_verdicts(self):
+        """Rules that decide each requirement both ways, some of them varied; with and without maps."""
+        vary = {**VARY, "eval.quantile": {"type": "list", "values": [0.95, 1, 0.5, 0.9, 0.99]},
+                "eval.limits.relative_elevation_m": {"type": "list", "values": [0.01, 0.02, 0.05, 0.5, 0]}}
+        for rule in (EVAL, {**EVAL, "footprint_shape": "disc"}, {**EVAL, "footprint_m": 0.1}, {"region": {"shape": "square", "half_width_m": 3}},
+                     {**EVAL, "limits": {"relative_horizontal_m": 0.001, "absolute_horizontal_m": 0.15, "invalid_frac": 0.2}}):
+            for layers in (True, False):
+                with self.subTest(rule, layers=layers):
+                    found = self.compare("opencl", campaign(scan=ERRORS, vary=vary, eval=rule, metrics="verdict", layers=layers))
+                    self.assertEqual(found["device_draw_count"], 5)
+
+    def test_a_mesh_is_judged_by_the_cpu(self):
+        mesh, scan = self.path("mesh.h5"), self.path("mesh_scan.h5")
+        with open(self.path("mesh.obj"), "w", encoding="utf-8") as file:
+            file.write("v -20 -20 0\nv 20 -20 1\nv 20 20 0\nv -20 20 1\nf 1 2 3\nf 1 3 4\n")
+        self.succeed("terrain-gen", "--from", self.path("mesh.obj"), "-o", mesh)
+        self.succeed("scan-sim", *self.chain.inputs("scan-sim")[2:], "--terrain", mesh, "--keep-misses", "-o", scan)
+        arguments = ["monte-carlo", scan, "--terrain", mesh, "-c", self.config(campaign(draws=2, metrics="verdict"), "mc.json")]
+        for engine in ("cpu", "opencl"):
+            self.succeed(*arguments, "--engine", engine, "-o", self.path(engine + ".h5"))
+        self.assertEqual(read_bytes(self.path("opencl.h5")), read_bytes(self.path("cpu.h5")))
 
     def test_hazards(self):
         self.compare("opencl", campaign(draws=2, scan={"noise": {"dropout_frac": 0.02}}, hazard=HAZARD, metrics="verdict"))
@@ -132,26 +155,37 @@ class AFaultyDevice(DeviceDraws):
               ("lost:2", 0, "the OpenCL device faulty device failed to draw errors (out of resources, or the device is lost)"),
               ("lost:7", 2, "the OpenCL device faulty device failed to draw errors (out of resources, or the device is lost)")]
 
+    # With verdicts: three reads for each draw after one of the check, then twelve for the sums of the maps.
+    VERDICT_FAULTS = [("no_memory:30", 0, "the OpenCL device faulty device failed to judge a draw (out of memory)"),
+                      ("lost:10", 2, "the OpenCL device faulty device failed to judge a draw (out of resources, or the device is lost)"),
+                      ("lost:20", 5, "the OpenCL device faulty device failed to give the sums of its draws "
+                                     "(out of resources, or the device is lost)")]
+
     def setUp(self):
         super().setUp()
         build_faulty_opencl(self.path("faulty_opencl.so"))
         self.faulty = {**os.environ, "LD_PRELOAD": self.path("faulty_opencl.so")}
 
+    def campaigns(self):
+        return (campaign(scan=ERRORS), self.FAULTS), (campaign(scan=ERRORS, metrics="verdict"), self.VERDICT_FAULTS)
+
     def test_that_works_draws(self):
         self.assertEqual(self.compare("opencl", campaign(), env=self.faulty)["device"], "faulty device")
 
     def test_leaves_the_draws_to_the_cpu(self):
-        for fault, made, reason in self.FAULTS:
-            with self.subTest(fault):
-                found = self.compare("opencl-or-cpu", campaign(scan=ERRORS), env={**self.faulty, "FAULTY_OPENCL": fault})
-                self.assertEqual(found["warnings"], [f"{reason}; the CPU made the draws instead"])
-                self.assertEqual(found.get("device_draw_count", 0), made)
+        for config, faults in self.campaigns():
+            for fault, made, reason in faults:
+                with self.subTest(fault):
+                    found = self.compare("opencl-or-cpu", config, env={**self.faulty, "FAULTY_OPENCL": fault})
+                    self.assertEqual(found["warnings"], [f"{reason}; the CPU made the draws instead"])
+                    self.assertEqual(found.get("device_draw_count", 0), made)
 
     def test_leaves_no_file(self):
-        for fault, _, reason in self.FAULTS:
-            with self.subTest(fault):
-                self.refuse(1, "monte-carlo", *self.arguments("opencl", campaign(scan=ERRORS)), output=self.path("opencl.h5"),
-                            env={**self.faulty, "FAULTY_OPENCL": fault}, words=[f"{reason}; opencl-or-cpu uses the CPU instead (--engine)"])
+        for config, faults in self.campaigns():
+            for fault, _, reason in faults:
+                with self.subTest(fault):
+                    self.refuse(1, "monte-carlo", *self.arguments("opencl", config), output=self.path("opencl.h5"),
+                                env={**self.faulty, "FAULTY_OPENCL": fault}, words=[f"{reason}; opencl-or-cpu uses the CPU instead (--engine)"])
 
 
 if __name__ == "__main__":

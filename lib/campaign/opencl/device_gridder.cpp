@@ -129,28 +129,48 @@ void DeviceGridder::check(const Simulation& simulation, Method method) const {
 }
 
 bool DeviceGridder::draw(const Simulation& simulation, Method method) {
+  return make(simulation, method, [&](DeviceDraws& draws) {
+    layers_.resize(DeviceBins::kLayers * grid_.size());
+    counts_.resize(grid_.size());
+    draws.read({layers_, counts_});
+    return true;
+  });
+}
+
+bool DeviceGridder::make(const Simulation& simulation, Method method,
+                         const std::function<bool(DeviceDraws&)>& finish) {
   if (!device_) return false;
   check(simulation, method);
   if (const auto refused = refusal(simulation, method)) {
     use_->fell_back(text_of(*refused));
     return false;
   }
-  if (!use_->attempt(on_failure_, [&] { draw_on_device(simulation, method); })) {
-    device_.reset();
-    draws_.reset();
+  bool is_made = false;
+  const auto work = [&] {
+    const RangeErrors& errors = simulation.lidar().range_errors;
+    if (!draws_ || (errors.needs_incidence() && !knows_incidences_)) load(simulation);
+    draws_->draw(device_errors(errors, *weights_of(method)), believed_poses(simulation),
+                 simulation.dead_map());
+    is_made = finish(*draws_);
+  };
+  if (!use_->attempt(on_failure_, work)) {
+    forget_device();
     return false;
   }
-  use_->count_draw();
-  return true;
+  if (is_made) use_->count_draw();
+  return is_made;
 }
 
-void DeviceGridder::draw_on_device(const Simulation& simulation, Method method) {
-  const RangeErrors& errors = simulation.lidar().range_errors;
-  if (!draws_ || (errors.needs_incidence() && !knows_incidences_)) load(simulation);
-  layers_.resize(DeviceBins::kLayers * grid_.size());
-  counts_.resize(grid_.size());
-  draws_->draw(device_errors(errors, *weights_of(method)), believed_poses(simulation), simulation.dead_map(),
-               {layers_, counts_});
+bool DeviceGridder::attempt(const std::function<void(DeviceDraws&)>& work) {
+  if (!draws_) return false;
+  const bool is_done = use_->attempt(on_failure_, [&] { work(*draws_); });
+  if (!is_done) forget_device();
+  return is_done;
+}
+
+void DeviceGridder::forget_device() {
+  device_.reset();
+  draws_.reset();
 }
 
 std::vector<DevicePose> DeviceGridder::believed_poses(const Simulation& simulation) const {
@@ -163,27 +183,33 @@ std::vector<DevicePose> DeviceGridder::believed_poses(const Simulation& simulati
 }
 
 void DeviceGridder::load(const Simulation& simulation) {
-  draws_.reset();  // the old memory first
   const auto pixels = static_cast<std::int64_t>(simulation.pixel_count());
   if (static_cast<std::int64_t>(truth_.ranges_m.size()) != pixels * simulation.pulse_count())
     throw FormatError("replay: " + std::to_string(truth_.ranges_m.size()) + " ranges where " +
                       std::to_string(pixels * simulation.pulse_count()) + " are needed");
+  if (draws_)
+    draws_->clear_pulses();  // their incidences are missing
+  else
+    draws_ = empty_scan(simulation);
+  const std::int64_t per_chunk = std::max<std::int64_t>(1, kChunkBeams / pixels);
+  for (std::int64_t first = 0; first < simulation.pulse_count(); first += per_chunk)
+    load_pulses(simulation, {first, std::min(per_chunk, simulation.pulse_count() - first)});
+  knows_incidences_ = simulation.lidar().range_errors.needs_incidence();
+}
+
+std::unique_ptr<DeviceDraws> DeviceGridder::empty_scan(const Simulation& simulation) const {
   std::vector<DevicePose> truth(static_cast<std::size_t>(simulation.pulse_count()));
   parallel_for(truth.size(), kPulsesPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       truth[k] = device_pose(simulation.true_lidar(static_cast<std::int64_t>(k)));
   });
-  draws_ = plugin().load({.resolution_m = grid_.resolution_m,
-                          .first_row = static_cast<double>(grid_.first_row),
-                          .first_col = static_cast<double>(grid_.first_col),
-                          .rows = static_cast<double>(grid_.rows),
-                          .cols = static_cast<double>(grid_.cols),
-                          .pixels = pixels},
-                         truth, *device_);
-  const std::int64_t per_chunk = std::max<std::int64_t>(1, kChunkBeams / pixels);
-  for (std::int64_t first = 0; first < simulation.pulse_count(); first += per_chunk)
-    load_pulses(simulation, {first, std::min(per_chunk, simulation.pulse_count() - first)});
-  knows_incidences_ = simulation.lidar().range_errors.needs_incidence();
+  return plugin().load({.resolution_m = grid_.resolution_m,
+                        .first_row = static_cast<double>(grid_.first_row),
+                        .first_col = static_cast<double>(grid_.first_col),
+                        .rows = static_cast<double>(grid_.rows),
+                        .cols = static_cast<double>(grid_.cols),
+                        .pixels = static_cast<std::int64_t>(simulation.pixel_count())},
+                       truth, *device_);
 }
 
 void DeviceGridder::load_pulses(const Simulation& simulation, PulseSpan pulses) {

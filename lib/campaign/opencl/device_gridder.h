@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -46,12 +47,19 @@ class DeviceGridder {
   /// done nothing, where the CPU is to make it; DeviceUse then says why. Throws as check() does, DeviceError
   /// if the device fails, and as Simulation::look() does.
   [[nodiscard]] bool draw(const Simulation& simulation, Method method);
-  /// count, z_est, x_true, y_true, x_offset and y_offset of the last draw; the other values are NaN.
+  /// Makes a draw as draw() does, and passes the device, which holds its bins, to `finish`. Returns what that
+  /// returns: false leaves the draw to the CPU.
+  [[nodiscard]] bool make(const Simulation& simulation, Method method,
+                          const std::function<bool(DeviceDraws&)>& finish);
+  /// Passes the device to `work`. Returns false if there is none, or if it failed and the CPU takes over.
+  [[nodiscard]] bool attempt(const std::function<void(DeviceDraws&)>& work);
+  /// count, z_est, x_true, y_true, x_offset and y_offset of the last draw(); the other values are NaN.
   void values(BinIndex first, std::span<BinValues> out) const;
 
  private:
-  void draw_on_device(const Simulation& simulation, Method method);
+  void forget_device();
   void load(const Simulation& simulation);
+  [[nodiscard]] std::unique_ptr<DeviceDraws> empty_scan(const Simulation& simulation) const;
   void load_pulses(const Simulation& simulation, PulseSpan pulses);
   [[nodiscard]] std::vector<DevicePose> believed_poses(const Simulation& simulation) const;
   [[nodiscard]] std::string text_of(const DeviceRefusal& refusal) const;

@@ -141,7 +141,7 @@ const std::vector<OpenClDevice>& described_devices() {
 }
 
 cl::Program compiled(const cl::Context& context, const cl::Device& device, KernelFile file) {
-  cl::Program program(context, embedded::kKernels[file == KernelFile::walk ? 0 : 1].text);
+  cl::Program program(context, embedded::kKernels[static_cast<std::size_t>(file)].text);
   try {
     program.build({device}, "-cl-std=CL1.2");
   } catch (const cl::Error&) {

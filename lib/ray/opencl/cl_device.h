@@ -58,9 +58,10 @@ class FinishesQueue {
 /// change.
 [[nodiscard]] const std::vector<OpenClDevice>& described_devices();
 
-enum class KernelFile { walk, draws };
+/// In the order of embedded::kKernels.
+enum class KernelFile { walk, draws, verdict };
 
-/// The kernels of walk.cl or draws.cl for a device. Throws cl::Error; DeviceError, without the device's name,
+/// The kernels of a file for a device. Throws cl::Error; DeviceError, without the device's name,
 /// with the compiler's message.
 [[nodiscard]] cl::Program compiled(const cl::Context& context, const cl::Device& device, KernelFile file);
 

@@ -7,37 +7,19 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <memory>
-#include <random>
 #include <utility>
 #include <vector>
 
 #include "campaign/draw_gridder.h"
-#include "detector/perspective.h"
+#include "device_scan.h"
 #include "no_opencl.h"
-#include "plane_ground.h"
-#include "scanner/fsm.h"
-#include "scanner/line_search.h"
-#include "trajectory/constant_velocity.h"
 
 namespace landfall {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// 40,000 pulses of 3 x 2 pixels by default, some of them beyond the map.
-ScanModel scan(const RangeErrorParameters& errors, std::uint64_t seed, int columns = 2) {
-  ScanModel model{.lidar = {.detector = perspective_detector({.rows = 3, .columns = columns}),
-                            .scanner = std::make_unique<Fsm>(FsmParameters{}),
-                            .pattern = std::make_unique<LineSearch>(LineSearchParameters{.half_width_m = 6}),
-                            .range_errors = RangeErrors(errors, seed)},
-                  .trajectory = std::make_unique<ConstantVelocity>(ConstantVelocityParameters{})};
-  model.navigation_error = std::make_unique<LinearNavigationError>(NavigationErrorParameters{
-      .position_m = {{0.3, 0, 0}}, .velocity_mps = {{0.1, -0.2, 0.3}}, .rpy = {1e-3, -2e-3, 3e-3}});
-  return model;
-}
 
 std::int64_t different(std::span<const double> a, std::span<const double> b) {
   std::int64_t count = a.size() == b.size() ? 0 : 1;
@@ -55,12 +37,7 @@ class DeviceGridding : public ::testing::Test {
 
   void trace(int columns) {
     columns_ = columns;
-    const PlaneEngine engine(kPlane);
-    const Simulation traced(scan({}, 1, columns), &engine);
-    ranges_ = traced.simulate({0, traced.pulse_count()}).points.range_true;
-    std::mt19937_64 random(7);
-    for (double& range : ranges_)
-      if (random() % 10 == 0) range = std::nan("");  // misses
+    ranges_ = device_scan_ranges(columns);
   }
 
   [[nodiscard]] OpenClOptions options() const { return {.use = use_}; }
@@ -69,7 +46,7 @@ class DeviceGridding : public ::testing::Test {
   std::int64_t expect_same_bits(DrawGridder& device, const RangeErrorParameters& errors, Method method,
                                 TruthAt truth_at, std::uint64_t seed, const GridSpec& grid) {
     DrawGridder cpu({ranges_}, ground_, grid);
-    const Simulation simulation(scan(errors, seed, columns_), nullptr, &ground_);
+    const Simulation simulation(device_scan(errors, seed, columns_), nullptr, &ground_);
     const DrawnDem& expected = cpu.draw(simulation, method, truth_at);
     const std::uint64_t before = use_->draws();
     const DrawnDem& found = device.draw(simulation, method, truth_at);
@@ -160,12 +137,12 @@ TEST_F(DeviceGridding, NothingReturns) {
 
 TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
   DrawGridder device({ranges_}, ground_, grid_, options());
-  const Simulation simulation(scan({}, 1), nullptr, &ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
   EXPECT_THAT(
       [&] { static_cast<void>(device.draw(simulation, Method::median, TruthAt::bin_center)); },
       testing::ThrowsMessage<UsageError>(HasSubstr("/regrid/method: a device bins by bilinear_nearest, "
                                                    "bilinear4 or mean; opencl-or-cpu uses the CPU")));
-  ScanModel timed = scan({}, 1);
+  ScanModel timed = device_scan({}, 1);
   timed.lidar.range_timer = RangeTimer({.timer_step_s = 1e-9}, 6, 1);
   EXPECT_THAT([&] { device.device()->check(Simulation(std::move(timed), nullptr, &ground_), Method::mean); },
               testing::ThrowsMessage<UsageError>(HasSubstr("/scan/receiver: a device draws no jitter")));
@@ -174,7 +151,7 @@ TEST_F(DeviceGridding, RefusesWhatADeviceCannotDo) {
 TEST_F(DeviceGridding, FallsBackForADraw) {
   DrawGridder device({ranges_}, ground_, grid_,
                      OpenClOptions{.on_failure = DeviceFailure::falls_back, .use = use_});
-  const Simulation simulation(scan({}, 1), nullptr, &ground_);
+  const Simulation simulation(device_scan({}, 1), nullptr, &ground_);
   const DrawnDem& median = device.draw(simulation, Method::median, TruthAt::bin_center);
   EXPECT_GT(median.count.at({140, 100}), 0);
   EXPECT_EQ(use_->draws(), 0U);
