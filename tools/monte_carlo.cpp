@@ -51,16 +51,19 @@ void check_config(const cli::Session& session, const cli::CampaignOptions& o) {
 
 void write_report(OutputPath& file, const std::string& title, const Draws& draws,
                   const nlohmann::ordered_json& verdict, const Provenance& provenance) {
-  const EvaluationParameters parameters = evaluation_config(provenance.config.at("eval"), "monte-carlo: /eval");
+  const EvaluationParameters parameters =
+      evaluation_config(provenance.config.at("eval"), "monte-carlo: /eval");
   write_text(file, html_report::draws_page({draws, verdict, parameters}, provenance, title));
 }
 
-ExitCode conclude(cli::Session& session, const cli::CampaignOptions& o, const nlohmann::ordered_json& verdict) {
+ExitCode conclude(cli::Session& session, const cli::CampaignOptions& o,
+                  const nlohmann::ordered_json& verdict) {
   session.count("verdict", verdict);
   if (o.table || (isatty(STDOUT_FILENO) != 0 && !session.options().quiet && !session.options().json_summary))
     std::cout << cli::draws_table(verdict);
   const nlohmann::ordered_json& all = verdict.at("rates").back();
-  const bool passed = verdict.contains("sprt") ? verdict.at("sprt") == "accepted" : all.at("passed") == all.at("draws");
+  const bool passed =
+      verdict.contains("sprt") ? verdict.at("sprt") == "accepted" : all.at("passed") == all.at("draws");
   const bool refused = o.require_pass && !passed;
   session.conclude(cli::draws_summary(verdict), refused);
   return refused ? ExitCode::requirement_missed : ExitCode::done;
@@ -111,7 +114,8 @@ ExitCode run(cli::Session& session, const cli::CampaignOptions& o) {
                           [&](const std::string& text) { session.note(text); },
                           [&] { return session.elapsed_s(); }};
   if (report_file)
-    campaign.report = [&](const Draws& draws, const nlohmann::ordered_json& verdict, const Provenance& provenance) {
+    campaign.report = [&](const Draws& draws, const nlohmann::ordered_json& verdict,
+                          const Provenance& provenance) {
       write_report(*report_file, o.title, draws, verdict, provenance);
     };
   const CampaignResult result = run_campaign(sources, part, std::move(campaign));

@@ -34,7 +34,8 @@ Grid<float> share_of_known(const SafetyCounts& safety, const Grid<std::int32_t>&
 
 Grid<float> mean_count(const DrawMaps& maps) {
   const auto n = static_cast<double>(maps.draws);
-  return layer_of(maps.spec(), [&](std::size_t i) { return static_cast<double>(maps.count.values()[i]) / n; });
+  return layer_of(maps.spec(),
+                  [&](std::size_t i) { return static_cast<double>(maps.count.values()[i]) / n; });
 }
 
 Grid<float> mean_of(const ErrorSums& sums) {

@@ -69,16 +69,16 @@ void SafetyCounts::add(const Grid<std::int8_t>& outcome) {
     const auto value = static_cast<HazardOutcome>(outcome.values()[i]);
     if (value == HazardOutcome::unknown) return;
     ++known.values()[i];
-    if (value == HazardOutcome::safe_found || value == HazardOutcome::missed_hazard) ++judged_safe.values()[i];
+    if (value == HazardOutcome::safe_found || value == HazardOutcome::missed_hazard)
+      ++judged_safe.values()[i];
     if (value == HazardOutcome::missed_hazard) ++missed.values()[i];
   });
 }
 
 void SafetyCounts::merge(const SafetyCounts& other) {
   for (const auto member : {&SafetyCounts::known, &SafetyCounts::judged_safe, &SafetyCounts::missed})
-    for_each_index(known.values().size(), [&](std::size_t i) {
-      (this->*member).values()[i] += (other.*member).values()[i];
-    });
+    for_each_index(known.values().size(),
+                   [&](std::size_t i) { (this->*member).values()[i] += (other.*member).values()[i]; });
 }
 
 DrawMaps::DrawMaps(const GridSpec& grid)
@@ -121,9 +121,8 @@ void DrawMaps::merge(const DrawMaps& other) {
   draws += other.draws;
   for (const auto member : {&DrawMaps::invalid, &DrawMaps::fail_rel_x, &DrawMaps::fail_rel_y,
                             &DrawMaps::fail_rel_z, &DrawMaps::fail_absolute})
-    for_each_index(spec().size(), [&](std::size_t i) {
-      (this->*member).values()[i] += (other.*member).values()[i];
-    });
+    for_each_index(spec().size(),
+                   [&](std::size_t i) { (this->*member).values()[i] += (other.*member).values()[i]; });
   for_each_index(spec().size(), [&](std::size_t i) { count.values()[i] += other.count.values()[i]; });
   e_z.merge(other.e_z);
   e_map.merge(other.e_map);

@@ -76,8 +76,8 @@ class DrawRunner {
   /// or leaves it on the device at first. Throws as Simulation, DrawGridder, evaluate() and map_hazards() do.
   [[nodiscard]] DrawResult run(DrawSetup setup, MetricsKind kind, DrawMaps* maps);
 
-  /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost them
-  /// and the CPU takes over: they must be run again.
+  /// Adds the draws on the device, whose number is given, to `maps`. Returns false if the device has lost
+  /// them and the CPU takes over: they must be run again.
   [[nodiscard]] bool take_from_device(std::int64_t draws, DrawMaps& maps);
 
  private:

@@ -17,7 +17,7 @@ struct DrawColumn {
 
 /// The draws of a campaign or of a part of it, a row each.
 struct DrawTable {
-  std::int64_t first = 0;           ///< number of the first draw
+  std::int64_t first = 0;  ///< number of the first draw
   std::vector<std::int64_t> seeds;
   std::vector<DrawColumn> varied;
   std::vector<DrawColumn> metrics;  ///< NaN for a number that metrics.json has as null

@@ -48,19 +48,23 @@ void bind_campaign(CLI::App& app, CampaignOptions& o) {
   app.add_option("scan", o.inputs, "Traced scan (scan.h5); or: merge, and the parts of a campaign (draws.h5)")
       ->type_name("FILE...");
   app.add_option("--terrain", o.terrain, "Terrain that was scanned (terrain.h5)")->type_name("FILE");
-  app.add_option("--pair", o.pairs, "A scan and its terrain, in place of scan and --terrain; repeated: draws over each")
+  app.add_option("--pair", o.pairs,
+                 "A scan and its terrain, in place of scan and --terrain; repeated: draws over each")
       ->type_name("SCAN:TERRAIN")
       ->allow_extra_args(false);
   app.add_option("--samples", o.samples,
                  "Values of varied keys, a column each and a row per draw (CSV or HDF5)")
       ->type_name("FILE");
-  app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")->type_name("RANGE");
+  app.add_option("--draws", o.draws, "Run only a part, for merge: A:B, the draws A to B - 1")
+      ->type_name("RANGE");
   app.add_option("--engine", o.engine,
-                 "Where errors are drawn and returns gridded: cpu, opencl (an OpenCL device with double precision; the "
+                 "Where errors are drawn and returns gridded: cpu, opencl (an OpenCL device with double "
+                 "precision; the "
                  "same file), or opencl-or-cpu (cpu if the device cannot be used)")
       ->check(CLI::IsMember({"cpu", "opencl", "opencl-or-cpu"}))
       ->capture_default_str();
-  app.add_option("--verdict", o.verdict, "Write how many draws passed each requirement, with intervals, as JSON")
+  app.add_option("--verdict", o.verdict,
+                 "Write how many draws passed each requirement, with intervals, as JSON")
       ->type_name("FILE");
   app.add_option("--report", o.report,
                  "Write a report: one HTML file with maps, distributions and the failed draws")
@@ -74,7 +78,8 @@ void bind_campaign(CLI::App& app, CampaignOptions& o) {
 
 void check_campaign(const CommonOptions& common, const CampaignOptions& o) {
   if (!o.pairs.empty() && (!o.inputs.empty() || !o.terrain.empty()))
-    throw UsageError("--pair names scan and terrain; omit " + (o.inputs.empty() ? "--terrain" : o.inputs.front()));
+    throw UsageError("--pair names scan and terrain; omit " +
+                     (o.inputs.empty() ? "--terrain" : o.inputs.front()));
   if (o.inputs.empty() && o.pairs.empty()) throw UsageError("a scan is required");
   if (o.table && common.json_summary) throw UsageError("--table and --json both write to standard output");
   if (!o.title.empty() && o.report.empty()) throw UsageError("--title needs --report");
@@ -82,9 +87,10 @@ void check_campaign(const CommonOptions& common, const CampaignOptions& o) {
   if (o.verdict == "-") throw UsageError("--verdict needs a file; --json prints it");
   if (o.merges()) {
     if (o.inputs.size() < 2) throw UsageError("merge needs the parts of a campaign");
-    if (!o.terrain.empty() || !o.samples.empty() || !o.draws.empty() ||
-        !common.config_names.empty() || !common.assignments.empty() || o.engine != "cpu")
-      throw UsageError("merge takes all from its parts; omit --terrain, --samples, --draws, --engine, -c and --set");
+    if (!o.terrain.empty() || !o.samples.empty() || !o.draws.empty() || !common.config_names.empty() ||
+        !common.assignments.empty() || o.engine != "cpu")
+      throw UsageError(
+          "merge takes all from its parts; omit --terrain, --samples, --draws, --engine, -c and --set");
     return;
   }
   if (o.inputs.size() > 1) throw UsageError("one scan at a time; " + o.inputs[1] + " is a second one");

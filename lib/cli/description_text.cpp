@@ -233,12 +233,9 @@ std::string dataset_lines(const std::string& group, const OrderedJson& entries) 
 
 /// The schema of a tool's configuration; empty for other tools.
 std::string schema_of(const std::string& tool) {
-  static const std::map<std::string, std::string> kSchemas = {{"terrain-gen", "terrain"},
-                                                              {"scan-sim", "scan"},
-                                                              {"regrid", "regrid"},
-                                                              {"dem-eval", "eval"},
-                                                              {"hazard-map", "hazard"},
-                                                              {"monte-carlo", "draws"}};
+  static const std::map<std::string, std::string> kSchemas = {
+      {"terrain-gen", "terrain"}, {"scan-sim", "scan"},     {"regrid", "regrid"},
+      {"dem-eval", "eval"},       {"hazard-map", "hazard"}, {"monte-carlo", "draws"}};
   const auto found = kSchemas.find(tool);
   return found == kSchemas.end() ? "" : found->second;
 }

@@ -6,8 +6,8 @@
 
 namespace landfall::cli {
 
-/// How many draws passed each requirement, as lines of text: share, Wilson's interval and the exact lower bound.
-/// `verdict` is verdict_json().
+/// How many draws passed each requirement, as lines of text: share, Wilson's interval and the exact lower
+/// bound. `verdict` is verdict_json().
 [[nodiscard]] std::string draws_table(const nlohmann::ordered_json& verdict);
 
 /// "297 of 299 draws pass all requirements, ...".

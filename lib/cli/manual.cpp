@@ -14,8 +14,8 @@
 namespace landfall::cli {
 namespace {
 
-constexpr std::array kTools = {"dem-eval", "hazard-map", "landfall-export", "landfall-info",
-                               "monte-carlo", "regrid",   "scan-sim",   "terrain-gen"};
+constexpr std::array kTools = {"dem-eval",    "hazard-map", "landfall-export", "landfall-info",
+                               "monte-carlo", "regrid",     "scan-sim",        "terrain-gen"};
 
 /// Escapes text so that roff prints it unchanged, and so that it can be copied into a shell.
 std::string roff(const std::string& text) {
@@ -163,7 +163,8 @@ std::string exit_section(const Tool& tool) {
   if (tool.name == "hazard-map")
     text += ".TP\n.B 3\nWith " + bold("--require-safe") + ": no site is safe enough.\n";
   if (tool.name == "monte-carlo")
-    text += ".TP\n.B 3\nWith " + bold("--require-pass") + ": a draw fails, or the sequential test does not accept.\n";
+    text += ".TP\n.B 3\nWith " + bold("--require-pass") +
+            ": a draw fails, or the sequential test does not accept.\n";
   return text;
 }
 

@@ -331,9 +331,10 @@ Session::Session(const Tool& tool, const CommonOptions& options, RunLog& log)
 void Session::resolve_config(const Tool& tool) {
   JsonSource source = read_config(options_.config_names, schema_);
   if (tool.expand) tool.expand(source, options_);
-  apply_assignments(source, options_.assignments, [&](const nlohmann::json& config, const std::string& pointer) {
-    return default_at(config, embedded_schema(schema_), pointer);
-  });
+  apply_assignments(source, options_.assignments,
+                    [&](const nlohmann::json& config, const std::string& pointer) {
+                      return default_at(config, embedded_schema(schema_), pointer);
+                    });
   if (tool.complete) tool.complete(source);
   if (options_.seed) source.value["seed"] = *options_.seed;
   config_name_ = source.name;

@@ -34,12 +34,13 @@ std::string accuracy_lines(const AccuracyMetrics& m, const EvaluationLimits& lim
          axes_line("relative error, 95th percentile", m.relative, &RelativeMetrics::p95_m) +
          axes_line("relative error, largest", m.relative, &RelativeMetrics::max_m) +
          axes_line("relative error, limit",
-              {limits.relative_horizontal_m, limits.relative_horizontal_m, limits.relative_elevation_m});
+                   {limits.relative_horizontal_m, limits.relative_horizontal_m, limits.relative_elevation_m});
 }
 
 std::string statistics_lines(const StatisticsMetrics& m) {
   return print("\n%-40s          x          y          z\n", "Over bins of the region, cm:") +
-         axes_line("mean", m, &ErrorStatistics::mean_m) + axes_line("standard deviation", m, &ErrorStatistics::std_m) +
+         axes_line("mean", m, &ErrorStatistics::mean_m) +
+         axes_line("standard deviation", m, &ErrorStatistics::std_m) +
          axes_line("root mean square", m, &ErrorStatistics::rmse_m) +
          axes_line("median", m, &ErrorStatistics::median_m) + axes_line("NMAD", m, &ErrorStatistics::nmad_m) +
          axes_line("LE90", m, &ErrorStatistics::le90_m) +

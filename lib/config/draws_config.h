@@ -28,10 +28,10 @@ struct DrawStages {
 class DrawsConfig {
  public:
   /// `resolved` is the configuration of monte-carlo, `scanned` the resolved configuration of the traced scan;
-  /// `samples` may be null. Throws UsageError that begins with `name`: for a configuration of a stage that its
-  /// schema refuses, a varied key that does not exist, is no number, or changes the rays, the grid or the judged
-  /// region, a key that both `vary` and the samples have; FormatError for samples without a row or with a
-  /// value that is not finite.
+  /// `samples` may be null. Throws UsageError that begins with `name`: for a configuration of a stage that
+  /// its schema refuses, a varied key that does not exist, is no number, or changes the rays, the grid or the
+  /// judged region, a key that both `vary` and the samples have; FormatError for samples without a row or
+  /// with a value that is not finite.
   DrawsConfig(const nlohmann::json& resolved, std::string name, const nlohmann::json& scanned,
               const NumberTable* samples);
 
@@ -40,8 +40,8 @@ class DrawsConfig {
   [[nodiscard]] std::int64_t draw_count() const { return draw_count_; }
   [[nodiscard]] MetricsKind metrics() const { return metrics_; }
   [[nodiscard]] bool has_layers() const { return has_layers_; }
-  /// What the predicted 1-sigma map assumes: /regrid/uncertainty; what it lacks is taken from the varied navigation
-  /// errors, and the range noise from the scan (D318). Empty where the map is not asked for.
+  /// What the predicted 1-sigma map assumes: /regrid/uncertainty; what it lacks is taken from the varied
+  /// navigation errors, and the range noise from the scan (D318). Empty where the map is not asked for.
   [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
   /// How hazards are judged on the DEM of each draw; empty where they are not.
   [[nodiscard]] const std::optional<HazardParameters>& hazard() const { return hazard_; }
@@ -79,8 +79,8 @@ class DrawsConfig {
   std::map<std::string, Variation<double>> vary_;
 };
 
-/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a campaign cannot
-/// change are only checked for their names.
+/// Checks what can be checked without the scan: as DrawsConfig, but sections of the scan that a campaign
+/// cannot change are only checked for their names.
 void check_draws_config(const nlohmann::json& resolved, const std::string& name, const NumberTable* samples);
 
 }  // namespace landfall

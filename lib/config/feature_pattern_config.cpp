@@ -37,7 +37,8 @@ constexpr PatternMaker kFeaturePatterns[] = {
     {"craters", made<craters>},
     {"lines", made<lines>},
 };
-static_assert(std::size(kFeaturePatterns) == std::variant_size_v<FeaturePattern> + 1);  // rocks have two types
+static_assert(std::size(kFeaturePatterns) ==
+              std::variant_size_v<FeaturePattern> + 1);  // rocks have two types
 
 }  // namespace
 

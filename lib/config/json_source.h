@@ -26,9 +26,10 @@ struct JsonSource {
 using DefaultAt = std::function<nlohmann::json(const nlohmann::json& config, const std::string& pointer)>;
 
 /// Applies `a.b.c=JSON` assignments, UTF-8, in order; a number in the path is an array index, which must
-/// exist, in the configuration or in the array that `default_at` gives. Missing objects are created. A text that is not JSON and begins like no JSON container is a string.
-/// Throws UsageError naming the assignment if it is not KEY=JSON, has more than 64 keys in its path, or its
-/// path leads through a value that is not a container.
+/// exist, in the configuration or in the array that `default_at` gives. Missing objects are created. A text
+/// that is not JSON and begins like no JSON container is a string. Throws UsageError naming the assignment if
+/// it is not KEY=JSON, has more than 64 keys in its path, or its path leads through a value that is not a
+/// container.
 void apply_assignments(JsonSource& source, const std::vector<std::string>& assignments,
                        const DefaultAt& default_at = {});
 

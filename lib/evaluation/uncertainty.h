@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "raster/footprint.h"
 #include "evaluation/metrics.h"
+#include "raster/footprint.h"
 #include "raster/region.h"
 
 namespace landfall {

@@ -14,7 +14,7 @@ namespace {
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 // Chosen for speed; none of them changes a result.
-constexpr std::int64_t kSmallestSplit = 8;   // of a rectangle of windows that is not split further
+constexpr std::int64_t kSmallestSplit = 8;  // of a rectangle of windows that is not split further
 constexpr std::int64_t kManyUndecided = 4;  // one window of a tile in so many: exact means of all of them
 constexpr std::int64_t kListCost = 2;  // of a value in the list of a window, in bins counted for a quarter
 

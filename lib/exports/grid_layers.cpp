@@ -37,7 +37,8 @@ std::string listed(const std::vector<ContentInfo>& contents) {
 }
 
 GridSource::GridSource(const std::filesystem::path& path)
-    : file_(require_grid(LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan", "hazards", "draws"}))),
+    : file_(require_grid(
+          LandfallFileReader(path, {"terrain", "dem", "evaluation", "plan", "hazards", "draws"}))),
       kind_(kind_of(file_)),
       reader_(file_),
       layers_(layers_of(file_, reader_.spec())) {

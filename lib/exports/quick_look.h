@@ -16,8 +16,8 @@ namespace landfall {
 
 /// An image of any landfall file, seen from above, north up, at most 1100 pixels a side plus its labels.
 /// - A grid: the layer `layer`; if empty, the main layer (GridSource::main_layer). `safe`, `safe_true` and
-/// `outcome` of a hazard map are drawn as classes; a pixel of several bins has the worst class of them: missed
-/// hazard, hazard (found), false alarm, unknown, safe (found), in this order (D293).
+/// `outcome` of a hazard map are drawn as classes; a pixel of several bins has the worst class of them:
+/// missed hazard, hazard (found), false alarm, unknown, safe (found), in this order (D293).
 /// - A scan: the mean (for flags: the greatest value) of the column `layer` over the returns of each pixel at
 /// their estimated position, in the frame of the true ones; if empty, z_est; `count`: the number of returns.
 /// - A mesh terrain: H(x, y), the only layer `z`.

@@ -34,7 +34,9 @@ void write_layers(LandfallFileWriter& file, const Draws& draws, const std::strin
   GridLayerWriter layers(file, maps.spec(), crs_wkt);
   layers.write("p_invalid", share_of_draws(maps, maps.invalid, nullptr),
                {"1", "share of the draws in which the bin has no elevation"});
-  const auto share = [&](const Grid<std::int32_t>& count) { return share_of_draws(maps, count, &*draws.region); };
+  const auto share = [&](const Grid<std::int32_t>& count) {
+    return share_of_draws(maps, count, &*draws.region);
+  };
   const std::string footprint = "share of the draws in which the footprint exceeds the limit of the ";
   layers.write("p_fail_rel_x", share(maps.fail_rel_x), {"1", footprint + "relative error of x"});
   layers.write("p_fail_rel_y", share(maps.fail_rel_y), {"1", footprint + "relative error of y"});
@@ -80,7 +82,8 @@ class StateTable {
     add("e_z", maps.e_z);
     add("e_map", maps.e_map);
     if (!maps.safety) return;
-    add("safety_known", maps.safety->known, "1", "draws in which the safety of the place is known in map and truth");
+    add("safety_known", maps.safety->known, "1",
+        "draws in which the safety of the place is known in map and truth");
     add("safety_judged_safe", maps.safety->judged_safe, "1", "of these, draws in which the map says safe");
     add("safety_missed", maps.safety->missed, "1", "of these, draws in which the place is a hazard in truth");
   }
@@ -102,16 +105,19 @@ class StateTable {
 
  private:
   template <class T>
-  void add(const std::string& name, const Grid<T>& values, const std::string& units, const std::string& text) {
-    columns_.push_back({{name, h5::TypeOf<T>::value, units, text}, [&values](std::size_t begin, std::size_t count) {
-                          return ColumnRows(values.values().subspan(begin, count));
-                        }});
+  void add(const std::string& name, const Grid<T>& values, const std::string& units,
+           const std::string& text) {
+    columns_.push_back(
+        {{name, h5::TypeOf<T>::value, units, text}, [&values](std::size_t begin, std::size_t count) {
+           return ColumnRows(values.values().subspan(begin, count));
+         }});
   }
 
   void add(const std::string& name, const ErrorSums& sums) {
     add(name + "_count", sums.count, "1", "draws in which the bin has this error");
     add(name + "_sum", sums.sum, "2^-30 m", "sum of the error");
-    const auto word = [&](const std::string& suffix, const std::string& units, const std::string& text, auto value) {
+    const auto word = [&](const std::string& suffix, const std::string& units, const std::string& text,
+                          auto value) {
       auto& values = words_.emplace_back(std::make_unique<std::vector<std::int64_t>>());
       columns_.push_back({{name + suffix, h5::Type::int64, units, text},
                           [&sums, value, buffer = values.get()](std::size_t begin, std::size_t count) {
@@ -134,7 +140,9 @@ class StateTable {
 
 /// The unit of scan.navigation_error.velocity_mps.0 and accuracy.absolute.x.p95_m; counts and bins have 1.
 std::string unit_of_column(std::string name) {
-  if (const std::size_t dot = name.rfind('.'); dot + 2 == name.size() && name.back() >= '0' && name.back() <= '9') name.resize(dot);
+  if (const std::size_t dot = name.rfind('.');
+      dot + 2 == name.size() && name.back() >= '0' && name.back() <= '9')
+    name.resize(dot);
   const std::string_view unit = unit_of_key(name);
   return std::string(unit.empty() ? "1" : unit);
 }
@@ -144,11 +152,13 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
   std::vector<ColumnSpec> columns = {{"seed", int64, "1", "seed of the draw"}};
   std::vector<ColumnRows> rows = {std::span(table.seeds)};
   for (const DrawColumn& column : table.varied) {
-    columns.push_back({column.name, float64, unit_of_column(column.name), "value of this key of the configuration"});
+    columns.push_back(
+        {column.name, float64, unit_of_column(column.name), "value of this key of the configuration"});
     rows.emplace_back(std::span(column.values));
   }
   for (const DrawColumn& column : table.metrics) {
-    columns.push_back({column.name, float64, unit_of_column(column.name), "metric of metrics.json, score.json or of the best site"});
+    columns.push_back({column.name, float64, unit_of_column(column.name),
+                       "metric of metrics.json, score.json or of the best site"});
     rows.emplace_back(std::span(column.values));
   }
   columns.push_back({"pass", int8, "1", "whether all six requirements passed", {0, 1}, "no yes"});
@@ -160,17 +170,18 @@ void write_rows(const LandfallFileWriter& file, const DrawTable& table) {
 /// Varied keys begin with the name of their stage; no metric does.
 bool is_varied(const std::string& name) {
   static constexpr std::array kStages = {"scan.", "regrid.", "eval."};
-  return name == kPairColumn || std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
+  return name == kPairColumn ||
+         std::ranges::any_of(kStages, [&](const char* stage) { return name.starts_with(stage); });
 }
 
 /// Refuses values that no campaign has, because sums of them could overflow.
 template <class T>
-void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values, std::int64_t least,
-                     std::int64_t most) {
+void require_at_most(const LandfallFileReader& file, const std::string& name, const Grid<T>& values,
+                     std::int64_t least, std::int64_t most) {
   for (const T value : values.values())
     if (value < least || value > most)
-      file.fail("/state/" + name + ": " + std::to_string(value) + " is not in [" + std::to_string(least) + ", " +
-                std::to_string(most) + "]");
+      file.fail("/state/" + name + ": " + std::to_string(value) + " is not in [" + std::to_string(least) +
+                ", " + std::to_string(most) + "]");
 }
 
 template <class T>
@@ -200,10 +211,10 @@ Json rate_json(const std::string& name, const PassRate& rate) {
           {"exact_lower_bound", exact_lower_bound(rate)}};
 }
 
-/// Of a campaign that judges hazards: how often the chosen place is safe in truth. A draw without a safe place, or whose
-/// place is unknown in truth, counts as not safe.
-Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe, const std::vector<double>& site_x_m,
-                 const std::vector<double>& missed) {
+/// Of a campaign that judges hazards: how often the chosen place is safe in truth. A draw without a safe
+/// place, or whose place is unknown in truth, counts as not safe.
+Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
+                 const std::vector<double>& site_x_m, const std::vector<double>& missed) {
   const auto sites = std::ranges::count_if(site_x_m, [](double x_m) { return !std::isnan(x_m); });
   double sum = 0;
   std::int64_t known = 0;
@@ -212,10 +223,10 @@ Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe, con
       sum += frac;
       ++known;
     }
-  return {{"draws_with_site", sites},
-          {"missed_hazard_frac_mean", known > 0 ? Json(sum / static_cast<double>(known)) : Json(nullptr)},
-          {"chosen_place_safe",
-           rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), draws})}};
+  return {
+      {"draws_with_site", sites},
+      {"missed_hazard_frac_mean", known > 0 ? Json(sum / static_cast<double>(known)) : Json(nullptr)},
+      {"chosen_place_safe", rate_json("chosen_place_safe", {std::ranges::count(chosen_safe, 1.0), draws})}};
 }
 
 /// The rates of all rows.
@@ -322,7 +333,8 @@ DrawTable read_rows(const LandfallFileReader& file) {
   read_into(table, "pass", std::span(result.pass));
   for (const DatasetEntry& dataset : list_datasets(table.group())) {
     if (dataset.name == "seed" || dataset.name == "pass") continue;
-    if (table.row_count(dataset.name) != size) file.fail(table.path_of(dataset.name) + " has another length than seed");
+    if (table.row_count(dataset.name) != size)
+      file.fail(table.path_of(dataset.name) + " has another length than seed");
     DrawColumn column{dataset.name, std::vector<double>(size)};
     read_into(table, dataset.name, std::span(column.values));
     (is_varied(dataset.name) ? result.varied : result.metrics).push_back(std::move(column));
@@ -340,7 +352,8 @@ DrawTable read_rows(const LandfallFileReader& file) {
 std::vector<NamedNumber> flat_metrics(const DrawResult& result) {
   std::vector<NamedNumber> flat;
   const Metrics* const full = std::get_if<Metrics>(&result.metrics);
-  flatten(full != nullptr ? metrics_json(*full) : fields_json(std::get<DecisiveMetrics>(result.metrics)), "", flat);
+  flatten(full != nullptr ? metrics_json(*full) : fields_json(std::get<DecisiveMetrics>(result.metrics)), "",
+          flat);
   if (!result.hazards) return flat;
   flatten(score_json(result.hazards->score), "score", flat);
   const std::size_t begin = flat.size();

@@ -31,15 +31,16 @@ struct Draws {
 using NamedNumber = std::pair<std::string, double>;
 
 /// The numbers of metrics.json without arrays and texts: null as NaN, true as 1. `pass` and
-/// `version` are not among them. After them those of score.json as score.KEY and of its best site as site.KEY, NaN
-/// where there is no site.
+/// `version` are not among them. After them those of score.json as score.KEY and of its best site as
+/// site.KEY, NaN where there is no site.
 [[nodiscard]] std::vector<NamedNumber> flat_metrics(const DrawResult& result);
 
 /// How many draws passed each requirement and all six, with Wilson's 95 % interval and the exact one-sided
-/// lower bound; of a campaign that judges hazards also in how many the chosen place is safe in truth. Over several scans
-/// for each of them, and for all. With the state of a sequential test the results decided the number of draws: both are then not
-/// valid, and marked so.
-[[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table, const std::optional<SprtState>& sprt);
+/// lower bound; of a campaign that judges hazards also in how many the chosen place is safe in truth. Over
+/// several scans for each of them, and for all. With the state of a sequential test the results decided the
+/// number of draws: both are then not valid, and marked so.
+[[nodiscard]] nlohmann::ordered_json verdict_json(const DrawTable& table,
+                                                  const std::optional<SprtState>& sprt);
 
 /// Writes draws.h5 (docs/user/files/draws.md) and commits it. `verdict` is stored as text.
 void write_draws(LandfallFileWriter& file, const Draws& draws, const nlohmann::ordered_json& verdict,

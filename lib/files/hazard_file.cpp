@@ -73,8 +73,10 @@ void write_sites(const LandfallFileWriter& file, const HazardMap& map) {
   const auto p_safe = site_column(sites, [](const LandingSite& s) { return or_nan(s.p_safe); });
   const auto slope = site_column(sites, [](const LandingSite& s) { return s.slope_deg; });
   const auto roughness = site_column(sites, [](const LandingSite& s) { return s.roughness_m; });
-  const auto distance = site_column(sites, [](const LandingSite& s) { return or_nan(s.distance_to_hazard_m); });
-  const auto truth = site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
+  const auto distance =
+      site_column(sites, [](const LandingSite& s) { return or_nan(s.distance_to_hazard_m); });
+  const auto truth =
+      site_column(sites, [](const LandingSite& s) { return static_cast<std::int8_t>(s.truth); });
   using enum h5::Type;
   std::vector<ColumnSpec> columns = {
       {"rank", int32, "1", "rank of the site, 1 is the best"},

@@ -16,8 +16,8 @@ namespace landfall {
 /// name under which the file appears only when it is complete.
 class LandfallFileWriter {
  public:
-  /// `kind` is terrain, scan, dem, evaluation, plan, hazards or draws. Throws UsageError before any work is done if the
-  /// output exists.
+  /// `kind` is terrain, scan, dem, evaluation, plan, hazards or draws. Throws UsageError before any work is
+  /// done if the output exists.
   LandfallFileWriter(const OutputOptions& options, const std::string& kind, const Provenance& provenance);
 
   [[nodiscard]] hid_t root() const { return file_.get(); }

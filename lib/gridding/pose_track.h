@@ -19,8 +19,8 @@ struct ScanPoses {
   friend bool operator==(const ScanPoses&, const ScanPoses&);
 };
 
-/// The estimated poses of a scan's pulses: at most 16,384 at equal steps, and the last one. The columns of times and
-/// estimated poses have one length.
+/// The estimated poses of a scan's pulses: at most 16,384 at equal steps, and the last one. The columns of
+/// times and estimated poses have one length.
 [[nodiscard]] ScanPoses estimated_poses(std::string name, const PulseColumns& pulses);
 
 /// A pose and the time since its scan began.

@@ -77,8 +77,7 @@ Plane fit(const PlaneSums& s) {
 
 /// Calls set(bin, sums) for each bin that holds a return.
 template <class Set>
-void set_filled_bins(const WeightedMeanAccumulator& bins, Set set,
-                         const ProgressCallback& progress = {}) {
+void set_filled_bins(const WeightedMeanAccumulator& bins, Set set, const ProgressCallback& progress = {}) {
   const GridSpec& spec = bins.spec();
   const auto visit = [&](std::size_t begin, std::size_t end) {
     for (auto row = static_cast<std::int64_t>(begin); row < static_cast<std::int64_t>(end); ++row)

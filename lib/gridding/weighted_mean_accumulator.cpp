@@ -67,8 +67,8 @@ bool WeightedMeanAccumulator::clear() {
   constexpr std::size_t kBinsPerPiece = std::size_t{1} << 16U;
   const std::span<BinSums> bins = bins_.values();
   parallel_for(bins.size(), kBinsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::fill(bins.begin() + static_cast<std::ptrdiff_t>(begin), bins.begin() + static_cast<std::ptrdiff_t>(end),
-              BinSums{});
+    std::fill(bins.begin() + static_cast<std::ptrdiff_t>(begin),
+              bins.begin() + static_cast<std::ptrdiff_t>(end), BinSums{});
   });
   clear_counts();
   return true;

@@ -33,7 +33,7 @@ bool decide(Fate wanted) {
 }
 
 std::atomic<bool> deferring{false};  // NOLINT(*-avoid-non-const-global-variables)
-std::atomic<int> deferred{0};        // NOLINT(*-avoid-non-const-global-variables): the signal that came meanwhile
+std::atomic<int> deferred{0};  // NOLINT(*-avoid-non-const-global-variables): the signal that came meanwhile
 static_assert(std::atomic<int>::is_always_lock_free);
 
 struct Slot {

@@ -30,11 +30,12 @@ class CampaignLayers {
     add_probability("p_fail_rel_y", footprint + "relative y", in_region(maps_.fail_rel_y));
     add_probability("p_fail_absolute", footprint + "absolute", in_region(maps_.fail_absolute));
     if (maps_.safety) add_safety(*maps_.safety);
-    add_error("e_z_mean", "Mean error in z", Style::signed_error, Rule::extreme, "mean of e_z", mean_of(maps_.e_z));
-    add_error("e_z_std", "Spread of the error in z", Style::magnitude, Rule::largest, "standard deviation of e_z",
-              std_of(maps_.e_z));
-    add_error("e_map_std", "Spread of the error of the map", Style::magnitude, Rule::mean, "standard deviation",
-              std_of(maps_.e_map));
+    add_error("e_z_mean", "Mean error in z", Style::signed_error, Rule::extreme, "mean of e_z",
+              mean_of(maps_.e_z));
+    add_error("e_z_std", "Spread of the error in z", Style::magnitude, Rule::largest,
+              "standard deviation of e_z", std_of(maps_.e_z));
+    add_error("e_map_std", "Spread of the error of the map", Style::magnitude, Rule::mean,
+              "standard deviation", std_of(maps_.e_map));
     if (draws_.z_sigma_abs) add_predicted(*draws_.z_sigma_abs);
     return std::move(list_);
   }
@@ -153,19 +154,18 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
   const std::int64_t shown = std::min(table.size(), kMaxShownDraws);
   Packer packer;
   ReportData data;
-  data.values = {
-      {"colors", colors_json()},
-      {"quantile", parameters.quantile},
-      {"region", region_json(parameters)},
-      {"layers", Json::array()},
-      {"draw_count", table.size()},
-      {"first_draw", table.first},
-      {"seeds", seeds_json(table, shown)},
-      {"pass", std::vector<int>(table.pass.begin(), table.pass.begin() + shown)},
-      {"requirements", requirements_json(table, shown)},
-      {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
-      {"metrics", columns_json(table.metrics, shown, is_shown)},
-      {"stages", stages_json(config)}};
+  data.values = {{"colors", colors_json()},
+                 {"quantile", parameters.quantile},
+                 {"region", region_json(parameters)},
+                 {"layers", Json::array()},
+                 {"draw_count", table.size()},
+                 {"first_draw", table.first},
+                 {"seeds", seeds_json(table, shown)},
+                 {"pass", std::vector<int>(table.pass.begin(), table.pass.begin() + shown)},
+                 {"requirements", requirements_json(table, shown)},
+                 {"varied", columns_json(table.varied, shown, [](const DrawColumn&) { return true; })},
+                 {"metrics", columns_json(table.metrics, shown, is_shown)},
+                 {"stages", stages_json(config)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
     const std::int64_t factor = reduction_factor(spec, most_cells);

@@ -37,7 +37,7 @@ const RisleyParameters& checked(const RisleyParameters& parameters) {
 double degrees(double angle_rad) { return std::round(angle_rad * (180 / pi) * 1e6) / 1e6; }
 
 [[noreturn]] void refuse_reach(std::int64_t pulse, const Vector3d& aim,
-                             const std::optional<RisleyReach>& reach) {
+                               const std::optional<RisleyReach>& reach) {
   std::ostringstream message;
   message << "scanner: pulse " << pulse << " aims "
           << degrees(std::atan2(std::hypot(aim.x(), aim.y()), aim.z())) << " degrees off the boresight; ";

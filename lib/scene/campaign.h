@@ -38,8 +38,8 @@ class Campaign {
   /// draw of `span` has the rays of the scan, and can be made by `device` if one is given (DeviceGridder);
   /// FormatError as the readers do, or for a terrain other than the one that was scanned.
   Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config, const DrawSpan& span,
-           std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device, Provenance& provenance,
-           const ProgressCallback& progress);
+           std::optional<std::int64_t> pair, const std::optional<OpenClOptions>& device,
+           Provenance& provenance, const ProgressCallback& progress);
 
   [[nodiscard]] const std::string& crs_wkt() const { return scene_.crs_wkt; }
   /// No draw yet, from row `first` on.

@@ -28,8 +28,8 @@ struct Part {
 };
 
 std::string range_text(const Part& part) {
-  return part.path + " (draws " + std::to_string(part.table().first) + ":" + std::to_string(part.table().end()) +
-         ")";
+  return part.path + " (draws " + std::to_string(part.table().first) + ":" +
+         std::to_string(part.table().end()) + ")";
 }
 
 void require_one_campaign(const std::vector<Part>& parts) {
@@ -48,8 +48,10 @@ void require_same_contents(const std::vector<Part>& parts) {
   const Draws& first = parts.front().input.draws;
   for (const Part& part : parts) {
     const Draws& draws = part.input.draws;
-    if (!same_columns(draws.table.varied, first.table.varied) || !same_columns(draws.table.metrics, first.table.metrics) ||
-        draws.maps.has_value() != first.maps.has_value() || (draws.maps && (draws.maps->spec() != first.maps->spec() ||
+    if (!same_columns(draws.table.varied, first.table.varied) ||
+        !same_columns(draws.table.metrics, first.table.metrics) ||
+        draws.maps.has_value() != first.maps.has_value() ||
+        (draws.maps && (draws.maps->spec() != first.maps->spec() ||
                         draws.maps->safety.has_value() != first.maps->safety.has_value())))
       throw FormatError(part.path + ": its columns or its grid are not those of " + parts.front().path);
   }
@@ -74,12 +76,12 @@ void require_whole(const std::vector<Part>& parts, std::int64_t count) {
     const std::int64_t first = parts[i].table().first;
     if (first < before) throw UsageError(range_text(parts[i]) + ": overlaps " + range_text(parts[i - 1]));
     if (first > before)
-      throw UsageError(range_text(parts[i]) + ": draws " + std::to_string(before) + ":" + std::to_string(first) +
-                       " are missing");
+      throw UsageError(range_text(parts[i]) + ": draws " + std::to_string(before) + ":" +
+                       std::to_string(first) + " are missing");
   }
   if (const std::int64_t end = parts.back().table().end(); end != count)
-    throw UsageError(range_text(parts.back()) + ": draws " + std::to_string(end) + ":" + std::to_string(count) +
-                     " are missing");
+    throw UsageError(range_text(parts.back()) + ": draws " + std::to_string(end) + ":" +
+                     std::to_string(count) + " are missing");
 }
 
 }  // namespace
@@ -96,7 +98,9 @@ Provenance CampaignState::provenance_of(const DrawTable& table) const {
 }
 
 std::optional<Draws> CampaignState::load(const std::function<void(const std::string&)>& warn) const {
-  { const OutputPath killed(path_, true); }  // removes what a run that was killed while it wrote a state has left
+  {
+    const OutputPath killed(path_, true);
+  }  // removes what a run that was killed while it wrote a state has left
   if (!std::filesystem::exists(path_)) return std::nullopt;
   try {
     DrawsInput input = read_draws(path_);

@@ -11,8 +11,8 @@
 
 namespace landfall {
 
-/// What a run of a campaign leaves while it is going on: a file of draws under a hidden name beside the output,
-/// so that a run that was ended goes on where it was.
+/// What a run of a campaign leaves while it is going on: a file of draws under a hidden name beside the
+/// output, so that a run that was ended goes on where it was.
 class CampaignState {
  public:
   /// `provenance` is that of the output. `first` is the first draw of the run.
@@ -37,8 +37,9 @@ class CampaignState {
 /// The option of a part in its provenance: "A:B".
 [[nodiscard]] nlohmann::json part_options(std::int64_t first, std::int64_t end);
 
-/// Joins the parts of one campaign. `provenance` gets the configuration, the inputs and the chain of the undivided campaign.
-/// Throws UsageError, naming two files, for parts that overlap, leave a gap or belong to different campaigns.
+/// Joins the parts of one campaign. `provenance` gets the configuration, the inputs and the chain of the
+/// undivided campaign. Throws UsageError, naming two files, for parts that overlap, leave a gap or belong to
+/// different campaigns.
 struct MergedDraws {
   Draws draws;
   std::string crs_wkt;

@@ -22,7 +22,8 @@ class ScanSequence {
                const NumberTable* samples)
       : device_(sources.device) {
     if (sources.pairs.size() > 1) resolved["layers"] = false;
-    for (const ScanPair& pair : sources.pairs) scans_.push_back(std::make_unique<Scan>(pair, resolved, name, samples));
+    for (const ScanPair& pair : sources.pairs)
+      scans_.push_back(std::make_unique<Scan>(pair, resolved, name, samples));
     if (config().sprt() && has_pairs())
       throw UsageError(name + ": /stop: a sequential test decides on one scan, and --pair gives " +
                        std::to_string(scans_.size()));
@@ -73,7 +74,8 @@ class ScanSequence {
 
  private:
   struct Scan {
-    Scan(const ScanPair& pair, const nlohmann::json& resolved, const std::string& name, const NumberTable* samples)
+    Scan(const ScanPair& pair, const nlohmann::json& resolved, const std::string& name,
+         const NumberTable* samples)
         : file(pair.scan), terrain(pair.terrain), config(resolved, name, file.file().config(), samples) {}
     RangeFile file;
     std::string terrain;
@@ -88,8 +90,8 @@ class ScanSequence {
     const DrawSpan span = {std::clamp<std::int64_t>(span_.first - begin, 0, draws),
                            std::clamp<std::int64_t>(span_.end - begin, 0, draws)};
     const auto number = has_pairs() ? std::optional(static_cast<std::int64_t>(pair)) : std::nullopt;
-    campaign_ = std::make_unique<Campaign>(scan.file, scan.terrain, scan.config, span, number, device_, provenance,
-                                           progress);
+    campaign_ = std::make_unique<Campaign>(scan.file, scan.terrain, scan.config, span, number, device_,
+                                           provenance, progress);
     loaded_ = pair;
   }
 
@@ -116,10 +118,12 @@ class DrawLoop {
       scans_.of(draws.table.end()).run_next(draws);
       if (sprt_) sprt_->add(draws.table.pass.back() == 1);
       const std::vector<std::int8_t>& pass = draws.table.pass;
-      output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) + " pass");
+      output_.note(std::to_string(std::ranges::count(pass, 1)) + " of " + std::to_string(pass.size()) +
+                   " pass");
       report(progress, static_cast<double>(draws.table.end() - span_.first) /
                            static_cast<double>(span_.end - span_.first));
-      if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws) || interrupts.requested()) continue;
+      if (output_.clock_s() - saved_s < kStateInterval_s || is_done(draws) || interrupts.requested())
+        continue;
       scans_.complete(draws);
       state_.save(draws, scans_.crs_wkt());
       saved_s = output_.clock_s();
@@ -164,7 +168,8 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   ScanSequence scans(sources, output.provenance.config, output.config_name, samples ? &*samples : nullptr);
   output.provenance.config = scans.json();
   const DrawSpan span = scans.checked_span(part);
-  output.phase("read", [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });
+  output.phase("read",
+               [&](const ProgressCallback& progress) { scans.check(span, output.provenance, progress); });
   const CampaignState state(output.file.path, output.provenance, span.first);
   if (span.first != 0 || span.end != scans.row_count())
     output.provenance.options = part_options(span.first, span.end);

@@ -22,8 +22,8 @@ struct ScanPair {
 
 /// What a campaign is made from, and on.
 struct CampaignSources {
-  /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p. Such a
-  /// campaign has no maps.
+  /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p.
+  /// Such a campaign has no maps.
   std::vector<ScanPair> pairs;
   std::string samples;  ///< a table of values; empty: none
   /// The OpenCL device that draws errors and grids the returns; none: the CPU does.
@@ -48,11 +48,11 @@ struct CampaignResult {
   double draws_per_s = 0;          ///< of this run
 };
 
-/// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written beside the
-/// output (CampaignState); a run of the same campaign begins there. An interrupt ends the run after the draw that is
-/// being made and a last state. The state is removed when the output is complete.
-/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the rows or of a sequential test, and for a
-/// sequential test over several pairs.
+/// Runs a campaign, or its part, and writes draws.h5. At most every 30 s the state of the run is written
+/// beside the output (CampaignState); a run of the same campaign begins there. An interrupt ends the run
+/// after the draw that is being made and a last state. The state is removed when the output is complete.
+/// Throws as DrawsConfig and Campaign do, and UsageError for a part beyond the rows or of a sequential test,
+/// and for a sequential test over several pairs.
 CampaignResult run_campaign(const CampaignSources& sources, const std::optional<DrawSpan>& part,
                             CampaignOutput output);
 

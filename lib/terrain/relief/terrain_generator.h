@@ -36,8 +36,8 @@ void validate(const TerrainModel& model, const GridSpec& spec);
 /// Throws UsageError as validate() does, and, without a DEM, for an elevation farther than 1e12 m from 0;
 /// FormatError for such an elevation with a DEM, where a DEM is refused (no finite node, NaN at the centre
 /// with Datum::center, a node outside the raster, or by the loader itself), where a standing feature's centre
-/// is on a hole, or for an albedo from a raster, at a node with an elevation, that is not in [0, 1]; all name the
-/// cause. The result does not depend on the number of threads.
+/// is on a hole, or for an albedo from a raster, at a node with an elevation, that is not in [0, 1]; all name
+/// the cause. The result does not depend on the number of threads.
 [[nodiscard]] GeneratedTerrain generate_terrain(const TerrainModel& model, const GridSpec& spec,
                                                 const DemLoader& load_dem,
                                                 const ProgressCallback& progress = {});

@@ -2,9 +2,9 @@
 // Configurations: JSON text and --set, as the tools take them up to the work itself.
 //
 // An input is a letter (t: terrain-gen, i: terrain-gen with the options of an import, s: scan-sim, r: regrid,
-// u: regrid --uncertainty, e: dem-eval, h: hazard-map, m: monte-carlo), the configuration, and any number of further texts,
-// each after a zero byte: assignments for --set; for i the values of the import's options first; for u those
-// of --navigation-sigma.
+// u: regrid --uncertainty, e: dem-eval, h: hazard-map, m: monte-carlo), the configuration, and any number of
+// further texts, each after a zero byte: assignments for --set; for i the values of the import's options
+// first; for u those of --navigation-sigma.
 #include <algorithm>
 #include <array>
 #include <vector>

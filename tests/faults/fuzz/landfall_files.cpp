@@ -241,13 +241,14 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* list) {
 }
 
 void unchunk_tables(hid_t file, const std::vector<std::string>& objects) {
-  constexpr std::array kKept = {"/points/x_est", "/points/pulse",  "/points/status", "/pulses/t",
-                                "/features/x",   "/features/kind", "/sites/cost", "/draws/seed",
-                                "/state/e_z_sum"};
+  constexpr std::array kKept = {"/points/x_est", "/points/pulse", "/points/status",
+                                "/pulses/t",     "/features/x",   "/features/kind",
+                                "/sites/cost",   "/draws/seed",   "/state/e_z_sum"};
   for (const std::string& path : objects) {
     const bool in_table = path.starts_with("/points/") || path.starts_with("/pulses/") ||
                           path.starts_with("/detector/") || path.starts_with("/features/") ||
-                          path.starts_with("/sites/") || path.starts_with("/draws/") || path.starts_with("/state/");
+                          path.starts_with("/sites/") || path.starts_with("/draws/") ||
+                          path.starts_with("/state/");
     if (in_table && std::find(kKept.begin(), kKept.end(), path) == kKept.end()) unchunk(file, path);
   }
 }

@@ -27,9 +27,7 @@ std::string crs(const std::string& method, const std::string& parameters, const 
          R"wkt(]],AXIS["(N)",north,ORDER[2],LENGTHUNIT["u",)wkt" + unit + "]]]";
 }
 
-std::string sinusoidal() {
-  return crs("Sinusoidal", degree("Longitude of natural origin", "20.5"));
-}
+std::string sinusoidal() { return crs("Sinusoidal", degree("Longitude of natural origin", "20.5")); }
 
 TEST(GridMapping, HasParametersInDegreesAndMetresAndNames) {
   const auto mapping = grid_mapping_of(sinusoidal());

@@ -160,7 +160,8 @@ TEST(Instrument, RefusesErrorsThatAreTheHosts) {
 }
 
 TEST(Instrument, HasTheClockOfAReceiver) {
-  const Instrument lidar = instrument(R"({"scanner": {"type": "flash"}, "receiver": {"timer_step_s": 1e-9}})");
+  const Instrument lidar =
+      instrument(R"({"scanner": {"type": "flash"}, "receiver": {"timer_step_s": 1e-9}})");
   const double step_m = 299792458.0 / 2 * 1e-9;
   const PulseReturns returns = lidar.step({.truth = kAt10m});
   for (const PixelReturn& pixel : returns.pixels) {

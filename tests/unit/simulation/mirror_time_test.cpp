@@ -45,16 +45,15 @@ std::unique_ptr<Pattern> lines(LineDirection direction = LineDirection::boustrop
 
 ScanModel scan(const PointingErrorParameters& errors, std::unique_ptr<const Scanner> scanner,
                std::unique_ptr<const Pattern> pattern, double scan_time_s = 0.03) {
-  return ScanModel{
-      .lidar = {.detector = perspective_detector({.rows = 1, .columns = 1}),
-                .scanner = std::move(scanner),
-                .pattern = std::move(pattern),
-                .range_errors = RangeErrors({}, 1),
-                .pointing_error = PointingError(errors, 1)},
-      .trajectory = std::make_unique<ConstantVelocity>(
-          ConstantVelocityParameters{.position_m = {{0, 0, kHeight_m}}, .velocity_mps = {{0, 0, 0}}}),
-      .pulse_rate_hz = kRate_hz,
-      .scan_time_s = scan_time_s};
+  return ScanModel{.lidar = {.detector = perspective_detector({.rows = 1, .columns = 1}),
+                             .scanner = std::move(scanner),
+                             .pattern = std::move(pattern),
+                             .range_errors = RangeErrors({}, 1),
+                             .pointing_error = PointingError(errors, 1)},
+                   .trajectory = std::make_unique<ConstantVelocity>(ConstantVelocityParameters{
+                       .position_m = {{0, 0, kHeight_m}}, .velocity_mps = {{0, 0, 0}}}),
+                   .pulse_rate_hz = kRate_hz,
+                   .scan_time_s = scan_time_s};
 }
 
 PulseBatch simulate(ScanModel model) {
@@ -116,7 +115,9 @@ TEST(MirrorTime, EveryScannerIsWhereItShouldBeThreePulsesLater) {
        },
        true},
       {[] { return std::make_unique<Risley>(RisleyParameters{.encoder_sigma_rad = 0}); }},
-      {[] { return std::make_unique<Polygon>(PolygonParameters{.phase_rad = 0.01, .frame_amplitude_rad = 0.1}); }},
+      {[] {
+        return std::make_unique<Polygon>(PolygonParameters{.phase_rad = 0.01, .frame_amplitude_rad = 0.1});
+      }},
       {[] { return std::make_unique<Palmer>(PalmerParameters{.tilt_rad = 0.04}); }},
       {[&] { return std::make_unique<TableScanner>(table, TableMirror{}); }},
       {[&] { return std::make_unique<TableScanner>(table, std::nullopt); }},
@@ -143,8 +144,9 @@ TEST(MirrorTime, EveryScannerIsWhereItShouldBeThreePulsesLater) {
 // A curved path is interpolated linearly between the aims of two pulses.
 TEST(MirrorTime, BetweenTwoPulsesTheAimMovesUniformly) {
   const auto run = [](double error_s) {
-    return simulate(scan({.mirror_time_bias_s = error_s}, std::make_unique<Fsm>(FsmParameters{}),
-                         std::make_unique<Spiral>(SpiralParameters{.radius_m = 40, .inner_radius_m = 10, .period_s = 0.01})));
+    return simulate(scan(
+        {.mirror_time_bias_s = error_s}, std::make_unique<Fsm>(FsmParameters{}),
+        std::make_unique<Spiral>(SpiralParameters{.radius_m = 40, .inner_radius_m = 10, .period_s = 0.01})));
   };
   const PulseBatch ideal = run(0);
   for (const double share : {0.25, -0.25}) {
@@ -175,12 +177,12 @@ TEST(MirrorTime, WithoutAnAimAtThatTimeThereIsNoError) {
 
 // At a mosaic whose steps last one pulse nothing is known of the motion.
 TEST(MirrorTime, AStepOfOnePulseDoesNotMove) {
-  const auto one_column = std::make_unique<LineSearch>(
-      LineSearchParameters{.rows = 5, .columns = 1, .half_width_m = 50});
+  const auto one_column =
+      std::make_unique<LineSearch>(LineSearchParameters{.rows = 5, .columns = 1, .half_width_m = 50});
   for (const double error_s : {1e-5, -1e-5}) {
-    const PulseBatch batch = simulate(scan({.mirror_time_bias_s = error_s},
-                                           std::make_unique<Fsm>(FsmParameters{}),
-                                           std::make_unique<LineSearch>(*one_column)));
+    const PulseBatch batch =
+        simulate(scan({.mirror_time_bias_s = error_s}, std::make_unique<Fsm>(FsmParameters{}),
+                      std::make_unique<LineSearch>(*one_column)));
     EXPECT_NEAR(batch.points.y_true[1], 25, 1e-9);
   }
 }
@@ -188,7 +190,8 @@ TEST(MirrorTime, AStepOfOnePulseDoesNotMove) {
 TEST(MirrorTime, TheLaserKeepsItsOwnTime) {
   const auto run = [](double error_s) {
     return simulate(scan({.mirror_time_bias_s = error_s},
-                         std::make_unique<Fsm>(FsmParameters{.timing = {.turnaround_time_s = 0.001}}), lines()));
+                         std::make_unique<Fsm>(FsmParameters{.timing = {.turnaround_time_s = 0.001}}),
+                         lines()));
   };
   const PulseBatch late = run(1e-4);
   EXPECT_EQ(late.points.status, run(0).points.status);
