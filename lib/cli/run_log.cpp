@@ -33,4 +33,10 @@ void RunLog::write(const std::string& line) {
   if (file_.is_open()) file_ << line << std::endl;  // flushed, because a run may be killed
 }
 
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
+  return text;
+}
+
 }  // namespace landfall::cli

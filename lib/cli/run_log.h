@@ -19,4 +19,7 @@ class RunLog {
   std::ofstream file_;
 };
 
+/// A text in one line, even if a file name or a key in it contains line breaks.
+[[nodiscard]] std::string one_line(std::string text);
+
 }  // namespace landfall::cli
