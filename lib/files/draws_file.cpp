@@ -400,6 +400,7 @@ DrawsInput read_draws(const std::filesystem::path& path) {
   input.draws.table = read_rows(file);
   input.file_id = file.file_id();
   input.chain = file.chain();
+  if (input.chain.empty()) file.fail("does not say how it was made: /provenance is missing");
   if (!has_grid(file)) return input;
   const GridLayerReader layers(file);
   input.crs_wkt = layers.crs_wkt();

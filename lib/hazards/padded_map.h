@@ -29,8 +29,6 @@ class PaddedMap {
   [[nodiscard]] std::int64_t rows() const { return rows_; }
   [[nodiscard]] std::int64_t cols() const { return cols_; }
   [[nodiscard]] std::int64_t margin() const { return margin_; }
-  /// Bins from one row to the next.
-  [[nodiscard]] std::int64_t pitch() const { return pitch_; }
   /// The bin's value; row and column may lie up to margin() bins outside.
   [[nodiscard]] const double* at(std::int64_t row, std::int64_t col) const {
     return values_.data() + (row + margin_) * pitch_ + col + margin_;

@@ -146,6 +146,9 @@ class EditedParts(FaultsTest):
             file["draws/pass"] = np.zeros(1, np.int8)
         self.refuse_part(["pass"], shorten)
 
+    def test_no_history(self):
+        self.refuse_part(["does not say how it was made: /provenance is missing"], lambda file: file.__delitem__("provenance"))
+
     def test_other_columns(self):
         def remove(file):
             name = next(name for name in file["draws"] if not name.startswith("requirements") and name not in ("seed", "pass"))

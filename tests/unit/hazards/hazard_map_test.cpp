@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "base/error.h"
@@ -73,6 +74,7 @@ TEST(MapHazards, LevelGroundIsSafeWhereTheLanderFits) {
   EXPECT_FLOAT_EQ(best.distance_to_hazard_m.value(), 0.8F);  // unknown places are not safe
   EXPECT_EQ(best.truth, Safety::unknown);
   EXPECT_EQ(map.sites.size(), 1U);  // others would be 5 m away
+  EXPECT_EQ(map.p_touchdown.at({0, 0}), 0);
 }
 
 TEST(MapHazards, OnlyTheRegionIsJudged) {
@@ -109,6 +111,8 @@ TEST(MapHazards, FilledTruthCountsInTheRegionOnly) {
   HazardParameters parameters = small_lander();
   parameters.region_radius_m = 1;
   EXPECT_EQ(map_hazards(input, parameters, kAtOnce).truth.value().score.filled_truth_bins, 1);
+  parameters.region_radius_m = 2;
+  EXPECT_EQ(map_hazards(input, parameters, kAtOnce).truth.value().score.filled_truth_bins, 2);
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
@@ -122,6 +126,10 @@ TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
   parameters = small_lander();
   parameters.lander.leg_radius_m = 1;
   EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");  // pads of one bin
+  parameters.lander.leg_radius_m = 1.05 - 0.5e-10;                   // stand 11 bins away
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
+              HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
+  parameters.lander.leg_radius_m = 1;
   parameters.lander.pad_diameter_m = 0.2;
   EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/leg_radius_m: a lander of 23"));
@@ -130,6 +138,23 @@ TEST(MapHazards, ALanderThatTheMapCannotHoldIsRefused) {
   parameters.lander.body_radius_m = 1.1;
   EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: lander/body_radius_m: a lander of 23"));
+}
+
+TEST(MapHazards, TheShorterSideOfTheMapHoldsTheLander) {
+  HazardParameters parameters = small_lander();
+  parameters.lander.body_radius_m = 1.1;
+  for (const GridSpec& spec : {GridSpec{0.1, -10, -15, 22, 31}, GridSpec{0.1, -15, -10, 31, 22}})
+    EXPECT_THAT(refusal({Grid<double>(spec), std::nullopt, BinMask(spec), std::nullopt}, parameters),
+                HasSubstr("usage: lander/body_radius_m: a lander of 23 bins"));
+}
+
+TEST(MapHazards, TheBodyIsNamedIfOthersReachAsFar) {
+  HazardParameters parameters = small_lander();
+  parameters.lander.leg_radius_m = parameters.lander.body_radius_m = 1.1;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
+  parameters.method = HazardMethod::range_difference;
+  parameters.lander.body_radius_m = parameters.limits.roughness_m = 0.5;
+  EXPECT_THAT(refusal(level_ground(1, 0.1), parameters), HasSubstr("usage: lander/body_radius_m"));
 }
 
 TEST(MapHazards, ALanderThatTheMapCannotResolveIsRefused) {
@@ -165,9 +190,14 @@ TEST(MapHazards, WindowsThatTheMapCannotHoldOrResolveAreRefused) {
   EXPECT_EQ(refusal(level_ground(1, 0.1), parameters),
             "usage: limits/roughness_m: a window of 23 bins across is larger than the map of 21 x 21 bins of "
             "0.1 m");
+  parameters.limits.roughness_m = 0.1;
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
   parameters.limits.roughness_m = 0.09;
   EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
               HasSubstr("usage: limits/roughness_m: 0.09 is less than 1 bin of 0.1 m"));
+  parameters.method = HazardMethod::contact;  // has no windows
+  EXPECT_EQ(refusal(level_ground(1, 0.1), parameters), "accepted");
+  parameters.method = HazardMethod::range_difference;
   parameters.limits.roughness_m = 0.3;
   parameters.lander.body_radius_m = 0.8;
   EXPECT_THAT(refusal(level_ground(1, 0.1), parameters),
@@ -184,9 +214,29 @@ TEST(MapHazards, EachMethodHasItsProbability) {
     HazardParameters parameters = small_lander();
     parameters.method = method;
     const Grid<float> p = map_hazards(input, parameters, kAtOnce).p_safe.value();
+    EXPECT_FALSE(input.z_sigma);
     EXPECT_GT(p.at({20, 20}), 0.99);
     EXPECT_LT(p.at({35, 35}), 0.01);
   }
+}
+
+// 8 sigma of noise are 9 deg or more with each method.
+TEST(MapHazards, HalfADegreeFromTheLimitIsNotCertain) {
+  HazardInput input = level_ground(1, 0.1);
+  HazardParameters parameters = small_lander();
+  for (std::int64_t row = 0; row < 21; ++row)
+    for (std::int64_t col = 0; col < 21; ++col)
+      input.z.at({row, col}) = std::tan(10.5 * std::numbers::pi / 180) * input.z.spec().x(col);
+  for (const HazardMethod method :
+       {HazardMethod::contact, HazardMethod::plane, HazardMethod::range_difference, HazardMethod::lmeds})
+    for (const double limit_deg : {10.0, 11.0}) {
+      input.z_sigma = Grid<double>(input.z.spec(), 0.02);
+      parameters.method = method;
+      parameters.limits.slope_deg = limit_deg;
+      const Grid<float> p = map_hazards(input, parameters, kAtOnce).p_safe.value();
+      EXPECT_GT(p.at({10, 10}), 0) << static_cast<int>(method);
+      EXPECT_LT(p.at({10, 10}), 1) << static_cast<int>(method);
+    }
 }
 
 TEST(MapHazards, ARegionWithoutAKnownPlaceSaysWhy) {
@@ -260,6 +310,47 @@ TEST(TruthPositions, AreMovedByTheMeanOfTheRing) {
   EXPECT_EQ(positions[0].bin, (BinIndex{10, 10}));
   EXPECT_NEAR(positions[0].x_m, 0.01, 1e-15);
   EXPECT_NEAR(positions[0].y_m, -0.02, 1e-15);
+}
+
+// Of a hole beside the corner, whose ring lies to one side of the axes.
+TEST(TruthPositions, TakeTheFirstRowAndColumn) {
+  const GridSpec spec{0.1, 5, 7, 3, 3};
+  Grid<double> z_true(spec);
+  Grid<double> x_true(spec);
+  Grid<double> y_true(spec);
+  for (std::int64_t row = 0; row < 3; ++row)
+    for (std::int64_t col = 0; col < 3; ++col) {
+      x_true.at({row, col}) = spec.x(col) + (col == 0 ? 0.04 : 0);
+      y_true.at({row, col}) = spec.y(row) + (row == 0 ? 0.08 : 0);
+    }
+  z_true.at({1, 1}) = x_true.at({1, 1}) = y_true.at({1, 1}) = kNan;
+  const std::vector<TruthPosition> positions = truth_positions(z_true, x_true, y_true, {{{1, 1}, 1}});
+  ASSERT_EQ(positions.size(), 1U);
+  EXPECT_NEAR(positions[0].x_m, spec.x(1) + 3 * 0.04 / 8, 1e-15);
+  EXPECT_NEAR(positions[0].y_m, spec.y(1) + 3 * 0.08 / 8, 1e-15);
+}
+
+TEST(FillMap, FillsTheSmallHolesOfEachLayer) {
+  const GridSpec spec = GridSpec::centered(1, 0.5);
+  Grid<double> z(spec, 2);
+  Grid<double> z_true(spec, 3);
+  Grid<double> z_sigma(spec, 0.25);
+  z.at({2, 2}) = z_true.at({2, 2}) = z_sigma.at({2, 2}) = kNan;
+  HazardParameters parameters;
+  parameters.z_sigma_m = 0.5;  // only of maps without their own
+  const HazardInput input = fill_map(z, z_true, z_sigma, parameters, fill_truth);
+  EXPECT_EQ(input.z.at({2, 2}), 2);
+  EXPECT_EQ(input.z_true.value().at({2, 2}), 3);
+  EXPECT_EQ(input.z_sigma.value().at({2, 2}), 0.25);
+  EXPECT_EQ(count_set(input.filled_truth), 1);
+  EXPECT_EQ(input.filled_truth.at({2, 2}), 1);
+  EXPECT_EQ(fill_map(z, {}, {}, parameters, fill_truth).z_sigma.value().at({2, 2}), 0.5);
+  parameters.z_sigma_m.reset();
+  parameters.hole_fill_bins = 0;
+  const HazardInput bare = fill_map(z, {}, {}, parameters, fill_truth);
+  EXPECT_TRUE(std::isnan(bare.z.at({2, 2})));
+  EXPECT_FALSE(bare.z_true || bare.z_sigma);
+  EXPECT_EQ(count_set(bare.filled_truth), 0);
 }
 
 TEST(FillTruth, FillsOnlyWhatIsMissing) {

@@ -78,6 +78,28 @@ TEST(HoleFilling, AnotherLayerIsMeanedOverTheSameRing) {
   EXPECT_DOUBLE_EQ(ring_mean(x, holes[0]), (305.0 + 306 + 404 + 406 + 504 + 505 + 506) / 7);
 }
 
+// The middle of a block of 5 x 5 takes the third ring; of another layer, too, which has values within it.
+TEST(HoleFilling, TheThirdRingHasNoBinsWithinIt) {
+  Grid<double> z = ramp();
+  for (std::int64_t row = 2; row <= 6; ++row)
+    for (std::int64_t col = 3; col <= 7; ++col) z.at({row, col}) = kNan;
+  const auto holes = small_holes(z, 25);
+  ASSERT_EQ(holes.size(), 25U);
+  EXPECT_EQ(holes[12].bin, (BinIndex{4, 5}));
+  EXPECT_EQ(holes[12].ring, 3);
+  Grid<double> layer = ramp();
+  for (std::int64_t row = 3; row <= 5; ++row)
+    for (std::int64_t col = 4; col <= 6; ++col) layer.at({row, col}) = 1e6;
+  EXPECT_DOUBLE_EQ(ring_mean(layer, holes[12]), 405);
+}
+
+TEST(HoleFilling, AMeanOfOneValueAndOfNone) {
+  Grid<double> layer(GridSpec{1, 0, 0, 3, 3}, kNan);
+  EXPECT_TRUE(std::isnan(ring_mean(layer, {{1, 1}, 1})));
+  layer.at({0, 2}) = 7;
+  EXPECT_EQ(ring_mean(layer, {{1, 1}, 1}), 7);
+}
+
 /// As the definition says, bin by bin.
 TEST(HoleFilling, EqualsBruteForceOnRandomMaps) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

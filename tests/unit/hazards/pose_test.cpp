@@ -137,6 +137,7 @@ TEST(Pose, AFittedPlaneIsMeasuredOnBothSides) {
   ASSERT_TRUE(poses);
   EXPECT_EQ(poses->steepest.highest, (BinIndex{4, 6}));
   EXPECT_NEAR(poses->steepest.centre_z_m, 1e4 - 0.5 / 13, 1e-9);
+  EXPECT_EQ(poses->steepest.yaw_rad, 0);
   EXPECT_GT(poses->steepest.north, 0);
   EXPECT_LT(poses->steepest.east, 0);
 }

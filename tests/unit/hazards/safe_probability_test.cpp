@@ -228,6 +228,7 @@ struct SlowProbability {
       ++fallback_count;
       reach = z.spec().rows + z.spec().cols;
     }
+    if (std::isnan(mean_about(bias[first], place, reach))) return room >= 0 ? 1 : 0;
     const double mean = mean_about(spread[first], place, reach);
     const double square = mean_about(spread[first + 1], place, reach);
     return 0.5 *
@@ -283,6 +284,54 @@ TEST(SafeProbability, EqualsItsDefinition) {
   expect_as_slow({.leg_radius_m = 0.4, .body_radius_m = 0.1}, 7);
 }
 
+/// The height of each bin is its measure, so that those at the border of the map are places, too. Where
+/// `without_errors` is not 0, a place has no measure.
+void expect_bins_as_slow(const BinMask& without_errors, bool has_fallbacks) {
+  const GridSpec& spec = without_errors.spec();
+  Grid<double> z(spec, 0.08);
+  Grid<double> sigma(spec, 0.004);
+  add_noise(z, 0.05, 11);
+  add_noise(sigma, 0.0008, 12);
+  for (const BinIndex corner : {BinIndex{0, 0}, BinIndex{0, 38}, BinIndex{42, 0}, BinIndex{42, 38}}) {
+    z.at(corner) = 0.079;
+    sigma.at(corner) = 0.012;
+  }
+  const MeasurePlaces measure = [&](const Grid<double>& map, const BinMask& places) {
+    PlaceMeasures found{Grid<double>(spec, kNan), Grid<double>(spec, kNan)};
+    for (std::size_t i = 0; i < spec.size(); ++i) {
+      if (places.values()[i] == 0 || without_errors.values()[i] != 0) continue;
+      found.slope_deg.values()[i] = 200 * map.values()[i];
+      found.roughness_m.values()[i] = map.values()[i];
+    }
+    return found;
+  };
+  const PlaceMeasures measured = measure(z, BinMask(spec, 1));
+  const HazardLimits limits{16, 0.078};
+  const LanderStencil lander({.leg_radius_m = 0.4, .body_radius_m = 0.4}, spec.resolution_m);
+  const Grid<float> found = safe_probability(z, sigma, lander, limits, 0.4, measured, measure);
+  SlowProbability slow{z, sigma, lander.body.half_bins(), limits, 0.4, measured, measure};
+  const Grid<double> expected = slow();
+  for (std::size_t i = 0; i < spec.size(); ++i) {
+    ASSERT_EQ(std::isnan(found.values()[i]), std::isnan(expected.values()[i])) << i;
+    if (std::isnan(expected.values()[i])) continue;
+    ASSERT_NEAR(found.values()[i], expected.values()[i], 1e-4) << i;
+  }
+  EXPECT_GT(slow.open_count, 100);
+  EXPECT_GT(slow.certain_count, 50);
+  EXPECT_EQ(slow.fallback_count > 0, has_fallbacks);
+}
+
+// Errors are those of every eighth row. Without any, p is that of the measures alone.
+TEST(SafeProbability, EqualsItsDefinitionUpToTheBorder) {
+  BinMask without_errors(GridSpec{0.1, -20, -17, 43, 39});
+  expect_bins_as_slow(without_errors, false);
+  for (std::int64_t row = 0; row < 43; row += 8)
+    for (std::int64_t col = 0; col < 39; ++col) without_errors.at({row, col}) = 1;
+  expect_bins_as_slow(without_errors, true);
+  without_errors.at({16, 20}) = 0;  // one place alone
+  expect_bins_as_slow(without_errors, true);
+}
+
 // Where only one measure has errors, the other one leaves its probability.
 TEST(SafeProbability, OneMeasureWithoutErrors) {
   const GridSpec spec{0.1, -8, -8, 17, 17};
@@ -297,6 +346,50 @@ TEST(SafeProbability, OneMeasureWithoutErrors) {
   const Grid<float> p =
       safe_probability(z, Grid<double>(spec, 0.01), lander, {2, 0.25}, 0.3, measured, measure);
   EXPECT_GT(p.at({8, 8}), 0);
+}
+
+// A place is open up to 8 sigma from its limits, and errors are measured in every eighth row near one.
+TEST(SafeProbability, MeasuresErrorsNearOpenPlaces) {
+  const GridSpec spec{0.1, -16, -16, 33, 33};
+  const LanderStencil lander({.leg_radius_m = 0.4, .body_radius_m = 0.4}, 0.1);
+  const HazardLimits limits{30, 0.3};
+  PlaceMeasures measured{Grid<double>(spec), Grid<double>(spec)};
+  for (const BinIndex open : {BinIndex{11, 5}, BinIndex{12, 9}, BinIndex{13, 12}})
+    measured.roughness_m.at(open) = limits.roughness_m;
+  std::vector<BinMask> masks;
+  const Grid<float> p = safe_probability(Grid<double>(spec), Grid<double>(spec, 0.01), lander, limits, 0.4,
+                                         measured, [&](const Grid<double>& /*map*/, const BinMask& places) {
+                                           masks.push_back(places);
+                                           return measured;
+                                         });
+  for (std::int64_t row = 0; row < spec.rows; ++row)
+    for (std::int64_t col = 0; col < spec.cols; ++col) {
+      const bool is_measured = (row == 8 && (col == 5 || col == 9)) || (row == 16 && (col == 9 || col == 12));
+      ASSERT_EQ(masks.front().at({row, col}) != 0, is_measured) << row << ' ' << col;
+    }
+}
+
+// The measures of a place exactly 8 sigma from a limit do not decide: those of the replicates do.
+TEST(SafeProbability, APlaceAtEightSigmaIsOpen) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const GridSpec spec{0.1, -5, -5, 11, 11};
+  const LanderStencil lander({.leg_radius_m = 0.3, .body_radius_m = 0.3}, 0.1);
+  struct Case {
+    HazardLimits limits;
+    double slope_deg, roughness_m;  // measured
+    bool is_safe;                   // by these
+  };
+  // 8 sigma are 1 m, and over a base of 1 m a radian.
+  for (const Case& c : {Case{{10, 2}, 10, 3, false}, Case{{0, 2}, kDegrees, 2, false},
+                        Case{{200, 1}, 0, 0, true}, Case{{kDegrees, 5}, 0, 0, true}}) {
+    const PlaceMeasures measured{Grid<double>(spec, c.slope_deg), Grid<double>(spec, c.roughness_m)};
+    const PlaceMeasures then{Grid<double>(spec, c.is_safe ? c.limits.slope_deg + 1 : 0),
+                             Grid<double>(spec, 0)};
+    const Grid<float> p =
+        safe_probability(Grid<double>(spec), Grid<double>(spec, 0.125), lander, c.limits, 1, measured,
+                         [&](const Grid<double>& /*map*/, const BinMask& /*places*/) { return then; });
+    for (const float value : p.values()) EXPECT_EQ(value, c.is_safe ? 0 : 1);
+  }
 }
 
 // Without noise a place at its limit is open, and its measures decide.

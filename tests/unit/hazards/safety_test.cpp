@@ -88,10 +88,26 @@ TEST(HazardScore, BrierAndReliability) {
   ASSERT_EQ(score.reliability.size(), 10U);
   EXPECT_EQ(score.reliability[2].count, 2);
   EXPECT_DOUBLE_EQ(*score.reliability[2].safe_frac, 0.5);
+  EXPECT_DOUBLE_EQ(*score.reliability[9].safe_frac, 1);
   EXPECT_DOUBLE_EQ(score.reliability[2].p_low, 0.2);
   EXPECT_DOUBLE_EQ(score.reliability[2].p_high, 0.3);
   EXPECT_EQ(score.reliability[9].count, 1);
   EXPECT_FALSE(score.reliability[0].safe_frac);
+}
+
+// The first place of the region is false on both counts: judged safe, and a hazard in truth.
+TEST(HazardScore, OfOnePlace) {
+  const PlaceMeasures judged = places({{0, 0}});
+  const PlaceMeasures truth = places({{0, 1}});
+  const BinMask region(judged.slope_deg.spec(), 1);
+  Grid<float> p(region.spec(), 0.5F);
+  const HazardScore score = score_hazards(judged, truth, {}, region, &p);
+  EXPECT_EQ(score.roc[0].rates.missed_hazard_frac, 1);
+  EXPECT_EQ(score.brier, 0.25);
+  EXPECT_EQ(score.reliability[5].count, 1);
+  EXPECT_EQ(score.reliability[5].safe_frac, 0);
+  p.values()[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(score_hazards(judged, truth, {}, region, &p).brier);
 }
 
 }  // namespace

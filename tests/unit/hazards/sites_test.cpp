@@ -44,6 +44,21 @@ TEST(Touchdown, WhatIsUnknownOrOffTheMapCountsAsUnsafe) {
   EXPECT_EQ(touchdown_probability(p, 0, region).at(spec.bin_of(0.5, 0)), 0);
 }
 
+TEST(Touchdown, TheKernelReachesThreeSigma) {
+  const GridSpec spec = GridSpec::centered(1, 0.1);
+  Grid<float> p(spec);
+  p.at(spec.bin_of(0, 0)) = 1;
+  const Grid<float> smooth = touchdown_probability(p, 0.1, BinMask(spec, 1));
+  EXPECT_GT(smooth.at(spec.bin_of(0.3, 0)), 0.001);
+  EXPECT_GT(smooth.at(spec.bin_of(0, -0.3)), 0.001);
+  EXPECT_EQ(smooth.at(spec.bin_of(0.4, 0)), 0);
+}
+
+TEST(LandingCost, OfTheWholeMap) {
+  const Grid<float> cost = landing_cost(Grid<float>(GridSpec::centered(2, 1), 0.75F), {.divert_radius_m = 3});
+  for (const float value : cost.values()) EXPECT_GE(value, 0.25F);
+}
+
 TEST(LandingCost, GrowsWithTheDivert) {
   const GridSpec spec = GridSpec::centered(5, 1);
   const Grid<float> cost =
@@ -66,6 +81,8 @@ TEST(DistanceToHazard, IsEuclideanAndInTheRegion) {
   EXPECT_FLOAT_EQ(distance.at(spec.bin_of(4, 3)), 5);
   EXPECT_FLOAT_EQ(distance.at({0, 0}), std::hypot(5.0F, 5.0F));
   EXPECT_TRUE(std::isnan(distance.at(spec.bin_of(3, 4))));
+  safe.at({0, 0}) = 0;
+  EXPECT_EQ(distance_to_hazard(safe, region).at({0, 0}), 0);
 }
 
 TEST(Sites, AreTheBestThatLieApart) {
