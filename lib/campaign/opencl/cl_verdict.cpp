@@ -50,7 +50,7 @@ ClVerdict::ClVerdict(const ClWork& work, std::size_t rows, std::size_t cols, con
       reached_(work.buffer(kBoundBytes * kAxes * tiles_)),
       mean_ranges_(work.buffer(kBoundBytes * kAxes * tiles_)),
       means_(work.buffer(sizeof(double) * kAxes * bins_)),
-      row_sums_of_(work.buffer(sizeof(double) * bins_)),
+      square_rows_(work.buffer(sizeof(double) * bins_)),
       packed_(work.buffer(sizeof(cl_ulong) * rows * (cols + 1))) {
   if (!has_maps_) return;
   counts_ = work.buffer(sizeof(std::int32_t) * DeviceSums{}.counts.size() * bins_);
@@ -95,8 +95,8 @@ void ClVerdict::judge_axis(const cl::Buffer& scene, const DeviceRule& rule, cl_u
   const auto bins = static_cast<cl_uint>(bins_);
   const auto tiles = static_cast<cl_uint>(tiles_);
   work_.launch(add_up_, rows_, scene, rule_, errors_, mean_ranges_, packed_, tiles, axis, cl_uint{0});
-  if (rule.is_square != 0) work_.launch(row_sums_, bins_, scene, rule_, errors_, row_sums_of_, bins, axis);
-  work_.launch(average_, bins_, scene, rule_, region_, errors_, reached_, half_widths_, packed_, row_sums_of_,
+  if (rule.is_square != 0) work_.launch(row_sums_, bins_, scene, rule_, errors_, square_rows_, bins, axis);
+  work_.launch(average_, bins_, scene, rule_, region_, errors_, reached_, half_widths_, packed_, square_rows_,
                means_, flags_, bins, tiles, axis);
   work_.launch(bound_, tiles_, scene, means_, bounds_, tiles, axis, cl_uint{1});
   work_.launch(reach_, tiles_, scene, rule_, bounds_, mean_ranges_, tiles, axis, cl_uint{1});

@@ -39,7 +39,7 @@ class ClVerdict {
   cl::Buffer surface_, nodes_, region_, z_true_map_, rule_, half_widths_;
   cl::Buffer errors_, valid_, flags_, tallies_, unusual_;
   cl::Buffer bounds_, reached_, mean_ranges_;  ///< of tiles
-  cl::Buffer means_, row_sums_of_, packed_;
+  cl::Buffer means_, square_rows_, packed_;
   cl::Buffer counts_, sums_, squares_;  ///< of the maps
 };
 

@@ -274,7 +274,7 @@ double filled(global const double* in_row, long col, long cols) {
   return col < 0 || col >= cols || isnan(in_row[col]) ? 0 : in_row[col];
 }
 
-// The sums of the rows of all squares, from the left; of one axis.
+// The sums of a row of each square footprint, from the left; of one axis.
 kernel void row_sums(constant Scene* s, constant Rule* rule, global const double* errors, global double* sums, const uint bins,
                      const uint axis) {
   const size_t bin = get_global_id(0);
@@ -301,7 +301,7 @@ double row_sum(const Window* w, global const double* errors, long row) {
 // The means of the footprints that may exceed a limit, of one axis, NAN elsewhere; flags the footprints of the region with a value.
 kernel void average(constant Scene* s, constant Rule* rule, global const char* region, global const double* errors,
                     global const Bound* reached, global const long* half_widths, global const ulong* counts,
-                    global const double* squares, global double* means, global uchar* flags, const uint bins, const uint tiles,
+                    global const double* square_rows, global double* means, global uchar* flags, const uint bins, const uint tiles,
                     const uint axis) {
   const size_t bin = get_global_id(0);
   if (bin >= bins) return;
@@ -317,11 +317,11 @@ kernel void average(constant Scene* s, constant Rule* rule, global const char* r
   const Span rows = rows_of(&w);
   double sum = 0;
   for (long row = rows.begin; row < rows.end; ++row)
-    sum += rule->is_square ? squares[row * w.cols + w.col] : row_sum(&w, errors + axis * (size_t)bins, row);
+    sum += rule->is_square ? square_rows[row * w.cols + w.col] : row_sum(&w, errors + axis * (size_t)bins, row);
   *mean = sum / (double)count;
 }
 
-// Whether a quantile exceeds the limit that it lies next to: fabs(e - mean) of `beyond` values does.
+// Whether a quantile between the largest |e - mean| within the limit and the smallest beyond it exceeds the limit.
 bool interpolated_exceeds(const Window* w, global const double* errors, double mean, double frac, double limit) {
   const Span rows = rows_of(w);
   double last_within = 0;
