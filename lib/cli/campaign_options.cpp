@@ -59,8 +59,7 @@ void bind_campaign(CLI::App& app, CampaignOptions& o) {
       ->type_name("RANGE");
   app.add_option("--engine", o.engine,
                  "Where errors are drawn and returns gridded: cpu, opencl (an OpenCL device with double "
-                 "precision; the "
-                 "same file), or opencl-or-cpu (cpu if the device cannot be used)")
+                 "precision; the same file), or opencl-or-cpu (cpu if the device cannot be used)")
       ->check(CLI::IsMember({"cpu", "opencl", "opencl-or-cpu"}))
       ->capture_default_str();
   app.add_option("--verdict", o.verdict,
