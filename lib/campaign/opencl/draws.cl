@@ -6,15 +6,8 @@
 // A chunk of pulses takes four launches: place() computes the points and counts those of each bin, allot() gives each bin its part
 // of a list, scatter() writes the points' numbers there in any order, and add() sorts the numbers of a bin and adds its points in
 // the order of the scan. Bins keep their sums from chunk to chunk.
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
-#pragma OPENCL FP_CONTRACT OFF
 
 // Structures of lib/campaign/opencl/device_draws.h.
-typedef struct {
-  double resolution_m, first_row, first_col, rows, cols;
-  long pixels;
-} Scene;
-
 typedef struct {
   ulong seed, noise_stream, dropout_stream, false_stream;
   double sigma_m, sigma_per_m, incidence_sigma_rad, bias_m, dropout_frac, false_frac, false_min_m, false_span_m;

@@ -8,15 +8,8 @@
 // reach() the range of these means, add_up() the values beyond the limit for some and for each of these, and judge() decides, looking
 // at each value only where these counts do not tell. tally() counts the flags. Values that a device cannot judge set *unusual: the CPU
 // judges that draw. add_to_maps() adds a draw that was judged.
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
-#pragma OPENCL FP_CONTRACT OFF
 
 // Structures of lib/campaign/opencl/device_draws.h.
-typedef struct {
-  double resolution_m, first_row, first_col, rows, cols;
-  long pixels;
-} Scene;
-
 typedef struct {
   double resolution_m, anchor, first_row, first_col;
   long rows, cols;

@@ -141,7 +141,12 @@ const std::vector<OpenClDevice>& described_devices() {
 }
 
 cl::Program compiled(const cl::Context& context, const cl::Device& device, KernelFile file) {
-  cl::Program program(context, embedded::kKernels[static_cast<std::size_t>(file)].text);
+  const auto text_of = [](KernelFile of) {
+    return std::string(embedded::kKernels[static_cast<std::size_t>(of)].text);
+  };
+  cl::Program::Sources texts = {text_of(file)};
+  if (file != KernelFile::walk) texts.insert(texts.begin(), text_of(KernelFile::scene));
+  cl::Program program(context, texts);
   try {
     program.build({device}, "-cl-std=CL1.2");
   } catch (const cl::Error&) {

@@ -59,10 +59,10 @@ class FinishesQueue {
 [[nodiscard]] const std::vector<OpenClDevice>& described_devices();
 
 /// In the order of embedded::kKernels.
-enum class KernelFile { walk, draws, verdict };
+enum class KernelFile { walk, draws, verdict, scene };
 
-/// The kernels of a file for a device. Throws cl::Error; DeviceError, without the device's name,
-/// with the compiler's message.
+/// The kernels of a file for a device, behind scene.cl for draws and verdicts. Throws cl::Error; DeviceError,
+/// without the device's name, with the compiler's message.
 [[nodiscard]] cl::Program compiled(const cl::Context& context, const cl::Device& device, KernelFile file);
 
 }  // namespace landfall
