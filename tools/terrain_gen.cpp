@@ -61,6 +61,10 @@ void bind(CLI::App& app, Options& o) {
   of_raster(
       "--horizontal-scale", import.horizontal_scale, "M",
       "Metres per unit of the coordinates (per pixel without a georeference), for a raster without a CRS");
+  of_raster(
+      "--nodata", import.nodata, "VALUE",
+      "Samples that are holes, beside those that the raster declares; none: keep numbers that look like "
+      "undeclared fill values");
   app.add_option("--half-width", import.half_width,
                  "Half width of the site, metres; default with --from: the largest that fits")
       ->type_name("M");

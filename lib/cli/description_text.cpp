@@ -272,11 +272,22 @@ std::string step_line(const OrderedJson& step) {
          "\n";
 }
 
+/// What was taken where a file that a step read said nothing, or two things.
+std::string assumed_lines(const OrderedJson& step) {
+  std::string text;
+  if (!step.contains("inputs") || !step["inputs"].is_array()) return text;
+  for (const OrderedJson& input : step["inputs"])
+    if (input.is_object() && input.contains("assumed") && input["assumed"].is_array())
+      for (const OrderedJson& assumed : input["assumed"])
+        if (assumed.is_string()) text += "    assumed: " + assumed.get<std::string>() + "\n";
+  return text;
+}
+
 std::string provenance_lines(const OrderedJson& d) {
   std::string text;
   if (!d["options"].is_null()) text += "\n" + cut("options " + d["options"].dump(), page_width()) + "\n";
   text += "\nprovenance, oldest step first\n";
-  for (const OrderedJson& step : d["chain"]) text += step_line(step);
+  for (const OrderedJson& step : d["chain"]) text += step_line(step) + assumed_lines(step);
   if (d["environment"].is_object())
     for (const auto& [key, value] : d["environment"].items())
       text += line(key.c_str(), value.is_string() ? value.get<std::string>() : value.dump());

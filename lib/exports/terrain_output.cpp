@@ -143,7 +143,8 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
   const DemLoader load = [&](const DemBase& dem, const GridSpec& site) {
     screen_raster(dem, links);
     DemRaster raster = dem_loader(links)(dem, site);
-    output.provenance.add_input("raster", raster_id(raster), {});
+    output.provenance.add_input("raster", raster_id(raster), {}, raster.source.assumed);
+    for (const std::string& assumed : raster.source.assumed) warnings.push_back(dem.path + ": " + assumed);
     for (std::string& warning : posting_warnings(dem, raster, site)) warnings.push_back(std::move(warning));
     return raster;
   };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <utility>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -15,7 +16,10 @@ namespace {
 
 nlohmann::json inputs_json(const std::vector<InputRecord>& inputs) {
   nlohmann::json list = nlohmann::json::array();
-  for (const InputRecord& input : inputs) list.push_back({{"role", input.role}, {"file_id", input.file_id}});
+  for (const InputRecord& input : inputs) {
+    list.push_back({{"role", input.role}, {"file_id", input.file_id}});
+    if (!input.assumed.empty()) list.back()["assumed"] = input.assumed;
+  }
   return list;
 }
 
@@ -46,8 +50,8 @@ nlohmann::json Provenance::as_step() const {
 }
 
 void Provenance::add_input(const std::string& role, const std::string& id,
-                           const nlohmann::json& upstream_chain) {
-  inputs.push_back({role, id});
+                           const nlohmann::json& upstream_chain, std::vector<std::string> assumed) {
+  inputs.push_back({role, id, std::move(assumed)});
   for (const nlohmann::json& step : upstream_chain)
     if (std::find(chain.begin(), chain.end(), step) == chain.end()) chain.push_back(step);
 }

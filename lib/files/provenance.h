@@ -12,6 +12,8 @@ namespace landfall {
 struct InputRecord {
   std::string role;     ///< "terrain", "scan", "dem", "raster", "mesh", "trajectory"
   std::string file_id;  ///< of a landfall file; otherwise the hash of the bytes
+  /// What the file did not say, or said in two ways, and what was taken instead (DemSource::assumed).
+  std::vector<std::string> assumed = {};
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };
 
@@ -35,7 +37,8 @@ struct Provenance {
   /// This step as an element of a downstream file's chain.
   [[nodiscard]] nlohmann::json as_step() const;
   /// Adds an input and everything upstream of it.
-  void add_input(const std::string& role, const std::string& file_id, const nlohmann::json& upstream_chain);
+  void add_input(const std::string& role, const std::string& file_id, const nlohmann::json& upstream_chain,
+                 std::vector<std::string> assumed = {});
 };
 
 /// The hash of a foreign file's bytes. Throws FormatError if it cannot be read.

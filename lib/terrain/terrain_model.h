@@ -52,6 +52,9 @@ struct DemBase {
   std::optional<double> vertical_scale{};
   /// Metres per unit of the raster's coordinates (per pixel without any), for a raster without a CRS.
   std::optional<double> horizontal_scale_m;
+  /// Samples, before scale and offset, that are holes beside those that the raster declares.
+  std::optional<double> nodata{};
+  bool keeps_undeclared_fills = false;  ///< numbers that look like undeclared fill values are elevations
   friend bool operator==(const DemBase&, const DemBase&) = default;
 };
 

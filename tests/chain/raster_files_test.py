@@ -64,6 +64,14 @@ def scaled(factor, read):
     return lambda path: factor * read(path)
 
 
+def equidistant(pixel):
+    """The site around a pixel of the raster of Gale, a map of degrees in metres of the equator."""
+    radius, corner = 3396190.0, (8142406.5, -276455.5)
+    step = np.degrees(1 / radius)
+    first = np.degrees(np.array(corner) / radius)
+    return Degrees((first[0] + pixel[0] * step, first[1] - pixel[1] * step), radius, step, tuple(first), 10**9)
+
+
 def mola(_):
     return readers.raw(os.path.join(DATA, "dem/mars_mola_megt90n000cb_be_int16.img"), ">i2", (720, 1440))
 
@@ -188,8 +196,7 @@ REAL_FILES = {
     "dem/europa_e26_terminator_10m.tif": Loads(
         "GeoTIFF, orthographic, float32", "", readers.tiff, Cells((256, 256), 10)),
     "dem/mars_gale_hirise_1m.tif": Loads(
-        "GeoTIFF, equidistant cylindrical, float32", "--center-pixel 173,168", readers.tiff,
-        Cells((173, 168), 1)),
+        "GeoTIFF, equidistant cylindrical, float32", "--center-pixel 173,168", readers.tiff, equidistant((173, 168))),
     "dem/mars_mola_megt90n000cb.vrt": Loads(
         "VRT of a raw big-endian int16 file, degrees 0 .. 360",
         "--follow-links --center=-133.8,18.65 --half-width 300000 --resolution 10000", mola,

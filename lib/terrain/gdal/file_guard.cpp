@@ -184,7 +184,9 @@ FileGuard::FileGuard(std::string raster, RasterLinks links) : raster_(std::move(
 }
 
 GDALDatasetUniquePtr FileGuard::open(unsigned flags) const {
-  return GDALDatasetUniquePtr(GDALDataset::Open(raster_.c_str(), flags, raster_drivers()));
+  // GDAL compares valid ranges with packed numbers whatever they refer to; "@": only where a driver knows it.
+  const char* const options[] = {"@HONOUR_VALID_RANGE=NO", nullptr};
+  return GDALDatasetUniquePtr(GDALDataset::Open(raster_.c_str(), flags, raster_drivers(), options));
 }
 
 FileGuard::~FileGuard() { Permits::of_process().remove(number_); }

@@ -186,6 +186,11 @@ void refuse_link(const FileGuard& guard, const DemBase& dem) {
                       "follow_links");
 }
 
+bool is_signed_byte(GDALRasterBand& band) {
+  const char* const type = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
+  return band.GetRasterDataType() == GDT_Byte && type != nullptr && EQUAL(type, "SIGNEDBYTE");
+}
+
 OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors) {
   for (const std::string& file : named_files(dem.path, links)) {
     require_no_stream(file);
@@ -209,22 +214,6 @@ OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& 
   OpenRaster raster{std::move(checks), std::move(guard), std::move(dataset), band, size};
   require_usable(raster, dem);
   return raster;
-}
-
-Georeference georeference(const OpenRaster& raster) {
-  std::array<double, 6> coefficients{};
-  Georeference result;
-  if (raster.dataset->GetGeoTransform(coefficients.data()) == CE_None)
-    result.transform = GeoTransform(coefficients);
-  const OGRSpatialReference* crs = raster.dataset->GetSpatialRef();
-  if (crs != nullptr && !crs->IsEmpty()) result.crs = crs;
-  const auto declares_metres = [&](const char* item) {
-    const char* const unit = raster.dataset->GetMetadataItem(item);
-    return unit != nullptr && std::string_view(unit) == "m";
-  };
-  result.in_metres = declares_metres("x#units") && declares_metres("y#units");
-  result.size = raster.size;
-  return result;
 }
 
 }  // namespace landfall

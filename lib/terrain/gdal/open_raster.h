@@ -8,7 +8,8 @@
 #include "terrain/gdal/damage_checks.h"
 #include "terrain/gdal/file_guard.h"
 #include "terrain/gdal/gdal_errors.h"
-#include "terrain/gdal/site_frame.h"
+#include "terrain/relief/dem_raster.h"
+#include "terrain/terrain_model.h"
 
 namespace landfall {
 
@@ -27,10 +28,11 @@ struct OpenRaster {
 /// a remedy.
 [[nodiscard]] OpenRaster open_raster(const DemBase& dem, RasterLinks links, const GdalErrors& errors);
 
+/// GDAL before 3.7 has no type for signed bytes: it reads them as unsigned ones and says so.
+[[nodiscard]] bool is_signed_byte(GDALRasterBand& band);
+[[nodiscard]] inline double as_signed_byte(double raw) { return raw > 127 ? raw - 256 : raw; }
+
 /// Throws FormatError if the raster's guard refused a file, which then explains a failure.
 void refuse_link(const FileGuard& guard, const DemBase& dem);
-
-/// The georeference of the raster. Points into the raster.
-[[nodiscard]] Georeference georeference(const OpenRaster& raster);
 
 }  // namespace landfall

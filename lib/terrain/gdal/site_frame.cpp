@@ -8,9 +8,11 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "terrain/gdal/map_projection.h"
 
 namespace landfall {
 namespace {
@@ -109,27 +111,165 @@ std::string orthographic_wkt(const OGRSpatialReference& geographic, const MapPoi
   return wkt.empty() ? kLocalSiteCrsWkt : wkt;
 }
 
+/// A raster whose columns follow longitude and whose rows follow latitude, in units of `radians`.
+RasterCover cover_of(const GeoTransform& transform, const RasterSize& size, double radians) {
+  RasterCover cover;
+  const Eigen::Matrix2d pixels = transform.pixels_per_unit() / radians;
+  if (pixels(0, 1) != 0 || pixels(1, 0) != 0) return cover;
+  const double period = 2 * std::numbers::pi * std::abs(pixels(0, 0));
+  constexpr double kTolerance_px = 0.01;
+  const bool closes =
+      std::abs(period - std::round(period))<kTolerance_px&& static_cast<double>(size.cols)> period - 0.5;
+  if (!closes) return cover;
+  cover.period = std::llround(period);
+  if (cover.period % 2 != 0) return cover;
+  const auto row_of = [&](double lat_rad) { return transform.pixel({0, lat_rad / radians}).row; };
+  const double pole = std::numbers::pi / 2;
+  const double first = row_of(pixels(1, 1) < 0 ? pole : -pole);
+  const double last = row_of(pixels(1, 1) < 0 ? -pole : pole);
+  const auto is_at = [](double row, double edge) { return std::abs(row - edge) < kTolerance_px; };
+  const auto rows = static_cast<double>(size.rows);
+  for (const double edge : {-0.5, 0.0})
+    if (is_at(first, edge)) cover.first_pole = edge;
+  for (const double edge : {rows - 0.5, rows - 1})
+    if (is_at(last, edge)) cover.last_pole = edge;
+  return cover;
+}
+
+struct LonLatRaster {
+  const GeoTransform& transform;
+  RasterSize size;
+  double radians;  ///< per unit of its coordinates
+  Ellipsoid body;
+};
+
+/// `geographic` is the CRS of the raster's longitudes and latitudes.
+SiteFrame lon_lat_frame(const LonLatRaster& raster, const OGRSpatialReference& geographic, const DemBase& dem,
+                        const PixelPosition& center) {
+  const MapPoint point = raster.transform.map_point(center);
+  const LonLat ground{point.x * raster.radians, point.y * raster.radians};
+  constexpr double kPole = std::numbers::pi / 2;
+  if (!(std::abs(ground.lat_rad) <= kPole * (1 + 1e-12)))
+    throw FormatError(dem.path + ": the site centre's latitude " +
+                      number_text(ground.lat_rad * 180 / std::numbers::pi) + " lies beyond a pole");
+  const OrthographicFrame frame(raster.body, ground);
+  const double units = geographic.GetAngularUnits();
+  const MapPoint wrapped{std::remainder(ground.lon_rad, 2 * std::numbers::pi) / units,
+                         ground.lat_rad / units};
+  const double posting_m =
+      std::ranges::max(raster.transform.edges()) * raster.radians * raster.body.semi_major_m;
+  return {SiteMapping(raster.transform, center, frame, raster.radians),
+          orthographic_wkt(geographic, wrapped),
+          posting_m,
+          cover_of(raster.transform, raster.size, raster.radians),
+          {}};
+}
+
+Ellipsoid body_of(const OGRSpatialReference& crs) {
+  const double inverse_flattening = crs.GetInvFlattening();
+  return {crs.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
+}
+
 SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform& transform,
                            const DemBase& dem, const PixelPosition& center) {
   const OGRSpatialReference& crs = *georeference.crs;
   if (crs.IsDerivedGeographic())
     throw FormatError(dem.path + ": has a rotated-pole CRS; gdalwarp can bring it to a plain one");
-  const double radians = crs.GetAngularUnits();
-  const MapPoint point = transform.map_point(center);
-  if (!(std::abs(point.y * radians) <= std::numbers::pi / 2))
-    throw FormatError(dem.path + ": the site centre's latitude " + number_text(point.y) +
-                      " lies beyond a pole");
-  const double inverse_flattening = crs.GetInvFlattening();
-  const Ellipsoid body{crs.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
-  const OrthographicFrame frame(body, {point.x * radians, point.y * radians});
-  const double turn = 2 * std::numbers::pi / radians;
-  const MapPoint wrapped{std::remainder(point.x, turn), point.y};
-  const double posting_m = std::ranges::max(transform.edges()) * radians * body.semi_major_m;
-  return {SiteMapping(transform, center, frame, radians), orthographic_wkt(crs, wrapped), posting_m};
+  return lon_lat_frame({transform, georeference.size, crs.GetAngularUnits(), body_of(crs)}, crs, dem, center);
+}
+
+/// A projected map in an orthographic frame.
+class ProjectedSite {
+ public:
+  ProjectedSite(const Georeference& georeference, const GeoTransform& transform, const DemBase& dem,
+                const PixelPosition& center, MapProjection projection)
+      : georeference_(georeference),
+        transform_(transform),
+        dem_(dem),
+        center_(center),
+        projection_(std::move(projection)),
+        ground_(projection_.ground(transform.map_point(center))),
+        geographic_(georeference.crs->CloneGeogCS()) {}
+
+  /// None where the map's scale is that of the ground.
+  [[nodiscard]] std::optional<SiteFrame> frame() const {
+    if (!std::isfinite(ground_.lon_rad) || !std::isfinite(ground_.lat_rad))
+      throw FormatError(dem_.path + ": the site centre lies outside its map projection; give another center");
+    const OrthographicFrame frame(projection_.body(), ground_);
+    const MapDistortion distortion =
+        map_distortion(projection_, frame, ground_, georeference_.crs->GetLinearUnits());
+    if (!distortion.matters()) return std::nullopt;
+    const std::optional<LinearMap> linear = linear_map(projection_, ground_);
+    return linear && linear->y_per_lat ? equidistant(*linear) : general(frame, linear);
+  }
+
+ private:
+  /// An equidistant cylindrical map: a raster of longitudes and latitudes in other units.
+  [[nodiscard]] SiteFrame equidistant(const LinearMap& map) const {
+    const MapPoint at = transform_.map_point(center_);
+    const auto c = transform_.coefficients();
+    const double x = 1 / map.x_per_lon;
+    const double y = 1 / *map.y_per_lat;
+    const GeoTransform radians({ground_.lon_rad + (c[0] - at.x) * x, c[1] * x, c[2] * x,
+                                ground_.lat_rad + (c[3] - at.y) * y, c[4] * y, c[5] * y});
+    return lon_lat_frame({radians, georeference_.size, 1, projection_.body()}, *geographic_, dem_, center_);
+  }
+
+  /// Any other map, point by point.
+  [[nodiscard]] SiteFrame general(const OrthographicFrame& frame,
+                                  const std::optional<LinearMap>& linear) const {
+    const auto pixel_of = [projection = projection_, transform = transform_, ground = ground_,
+                           around = linear ? 2 * std::numbers::pi * std::abs(linear->x_per_lon) : 0.0,
+                           middle = transform_.map_point(center_)](const LonLat& difference) {
+      MapPoint point =
+          projection.map_point({ground.lon_rad + difference.lon_rad, ground.lat_rad + difference.lat_rad});
+      if (around > 0) point.x = middle.x + std::remainder(point.x - middle.x, around);  // across the seam
+      return transform.pixel(point);
+    };
+    const double units = geographic_->GetAngularUnits();
+    const MapPoint center{std::remainder(ground_.lon_rad, 2 * std::numbers::pi) / units,
+                          ground_.lat_rad / units};
+    SiteFrame site{SiteMapping(center_, frame, pixel_of), orthographic_wkt(*geographic_, center), 0, {}, {}};
+    site.posting_m = site.mapping.posting_m();
+    if (!(std::isfinite(site.posting_m) && site.posting_m > 0))
+      throw FormatError(
+          dem_.path + ": its map projection is singular at the site; gdalwarp -t_srs \"+proj=ortho +lat_0=" +
+          short_number(center.y) + " +lon_0=" + short_number(center.x) + "\" can map it");
+    return site;
+  }
+
+  const Georeference& georeference_;
+  const GeoTransform& transform_;
+  const DemBase& dem_;
+  PixelPosition center_;
+  MapProjection projection_;
+  LonLat ground_;
+  std::unique_ptr<OGRSpatialReference> geographic_;
+};
+
+/// A projected map; its own axes where its scale is that of the ground.
+SiteFrame projected_frame(const Georeference& georeference, const GeoTransform& transform, const DemBase& dem,
+                          const PixelPosition& center) {
+  const OGRSpatialReference& crs = *georeference.crs;
+  const double metres_per_unit = crs.GetLinearUnits();
+  if (!(std::isfinite(metres_per_unit) && metres_per_unit > 0))
+    throw FormatError(dem.path + ": its CRS has no linear unit");
+  std::vector<std::string> assumed;
+  if (auto projection = MapProjection::of(crs)) {
+    if (auto site = ProjectedSite(georeference, transform, dem, center, std::move(*projection)).frame())
+      return std::move(*site);
+  } else if (crs.IsProjected() != 0) {
+    assumed.emplace_back("its map projection is not known: a scale of 1 is assumed at the site");
+  }
+  return {SiteMapping(transform, center, metres_per_unit),
+          shifted_wkt(crs, transform.map_point(center)),
+          std::ranges::min(transform.edges()) * metres_per_unit,
+          {},
+          std::move(assumed)};
 }
 
 double unreferenced_scale(const Georeference& georeference, const DemBase& dem) {
-  if (!dem.horizontal_scale_m && georeference.in_metres) return 1;
+  if (!dem.horizontal_scale_m && georeference.metres_per_unit > 0) return georeference.metres_per_unit;
   if (!dem.horizontal_scale_m)
     throw UsageError(
         dem.path +
@@ -147,10 +287,13 @@ SiteFrame site_frame(const Georeference& georeference, const DemBase& dem) {
   const GeoTransform transform = usable_transform(georeference, dem);
   const PixelPosition center = center_pixel(georeference, transform, dem);
   const OGRSpatialReference* crs = georeference.crs;
-  const double shorter_edge = std::ranges::min(transform.edges());
   if (crs == nullptr) {
     const double scale_m = unreferenced_scale(georeference, dem);
-    return {SiteMapping(transform, center, scale_m), kLocalSiteCrsWkt, shorter_edge * scale_m};
+    return {SiteMapping(transform, center, scale_m),
+            kLocalSiteCrsWkt,
+            std::ranges::min(transform.edges()) * scale_m,
+            {},
+            {}};
   }
   if (dem.horizontal_scale_m) {
     const char* name = crs->GetName();
@@ -159,11 +302,7 @@ SiteFrame site_frame(const Georeference& georeference, const DemBase& dem) {
   }
   if (crs->IsGeographic()) return geographic_frame(georeference, transform, dem, center);
   if (crs->IsGeocentric()) throw FormatError(dem.path + ": its CRS is geocentric, not a map");
-  const double metres_per_unit = crs->GetLinearUnits();
-  if (!(std::isfinite(metres_per_unit) && metres_per_unit > 0))
-    throw FormatError(dem.path + ": its CRS has no linear unit");
-  return {SiteMapping(transform, center, metres_per_unit), shifted_wkt(*crs, transform.map_point(center)),
-          shorter_edge * metres_per_unit};
+  return projected_frame(georeference, transform, dem, center);
 }
 
 }  // namespace landfall

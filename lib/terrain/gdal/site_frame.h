@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "terrain/relief/dem_raster.h"
 #include "terrain/relief/site_mapping.h"
@@ -18,16 +20,30 @@ struct Georeference {
   const OGRSpatialReference* crs =
       nullptr;  ///< axes in longitude-latitude or easting-northing order; may be null
   RasterSize size;
-  bool in_metres = false;  ///< without a CRS: the coordinates declare metres (netCDF: x:units, y:units)
+  double metres_per_unit =
+      0;  ///< of the coordinates, by the CRS or as they declare; 0: not known, or degrees
 };
 
-/// The frame of a site in a raster.
+/// How far a raster of longitudes and latitudes continues beyond its edges: it closes around the body, and
+/// beyond a pole lies the other side.
+struct RasterCover {
+  std::int64_t period = 0;           ///< columns around the body; 0: it does not close
+  std::optional<double> first_pole;  ///< the row of the pole at the first edge: -0.5 or 0
+  std::optional<double> last_pole;   ///< rows - 0.5 or rows - 1
+
+  friend bool operator==(const RasterCover&, const RasterCover&) = default;
+};
+
+/// The frame of a site in a raster: the map's own axes where the map's scale at the site is 1 within 1e-3 and
+/// its axes are at a right angle, else the orthographic frame around the centre.
 struct SiteFrame {
   SiteMapping mapping;
   std::string crs_wkt;
   /// Pixel spacing, metres: the shorter edge of a cell; for a geographic raster the longer edge, because its
   /// meridians converge.
   double posting_m = 0;
+  RasterCover cover;
+  std::vector<std::string> assumed;  ///< of the map, as in RasterStatement
 };
 
 /// Throws UsageError and FormatError as load_dem() (lib/terrain/gdal/gdal_loader.h) does.

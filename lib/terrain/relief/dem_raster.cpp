@@ -79,12 +79,6 @@ bool within(double low, double high, std::int64_t count, double reach) {
   return low >= -reach && high <= static_cast<double>(count - 1) + reach;
 }
 
-bool inside(const RasterSize& size, Interpolation method, const PixelBox& box) {
-  const double reach = overhang(method) + kBorderTolerance;
-  return within(box.low.col, box.high.col, size.cols, reach) &&
-         within(box.low.row, box.high.row, size.rows, reach);
-}
-
 void extend(PixelBox& box, const PixelPosition& p) {
   // The comparisons are negated so that a NaN enters the box.
   if (!(p.col >= box.low.col)) box.low.col = p.col;
@@ -107,8 +101,14 @@ double interpolate(const DemSamples& samples, Interpolation method, const PixelP
   return weighted(samples, linear_taps(pixel.row, rows), linear_taps(pixel.col, cols));
 }
 
+bool box_inside(const RasterSize& size, Interpolation method, const PixelBox& box) {
+  const double reach = overhang(method) + kBorderTolerance;
+  return within(box.low.col, box.high.col, size.cols, reach) &&
+         within(box.low.row, box.high.row, size.rows, reach);
+}
+
 bool inside(const RasterSize& size, Interpolation method, const PixelPosition& pixel) {
-  return inside(size, method, PixelBox{pixel, pixel});
+  return box_inside(size, method, {pixel, pixel});
 }
 
 PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site) {
@@ -125,6 +125,16 @@ PixelBox pixel_box(const SiteMapping& mapping, const GridSpec& site) {
     visit(site.cols, [&](std::int64_t col) { extend(box, mapping.pixel({site.x(col), site.y(row)})); });
   for (const std::int64_t col : {std::int64_t{0}, site.cols - 1})
     visit(site.rows, [&](std::int64_t row) { extend(box, mapping.pixel({site.x(col), site.y(row)})); });
+  // Around a pole the nodes have every longitude, and latitudes beyond those of the border.
+  const std::optional<SitePoint> pole = mapping.pole();
+  const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
+  if (pole && within(pole->x_m, site.x(0), site.x(site.cols - 1)) &&
+      within(pole->y_m, site.y(0), site.y(site.rows - 1))) {
+    const double middle = mapping.pixel({0, 0}).col;
+    const double row = mapping.pixel(*pole).row;
+    extend(box, {middle - mapping.half_turn_px(), row});
+    extend(box, {middle + mapping.half_turn_px(), row});
+  }
   return box;
 }
 
@@ -135,14 +145,14 @@ std::int64_t largest_half(const SiteMapping& mapping, const RasterSize& size, In
   while (fails - fits > 1) {
     const std::int64_t half = fits + (fails - fits) / 2;
     const GridSpec square{resolution_m, -half, -half, 2 * half + 1, 2 * half + 1};
-    (inside(size, method, pixel_box(mapping, square)) ? fits : fails) = half;
+    (box_inside(size, method, pixel_box(mapping, square)) ? fits : fails) = half;
   }
   return fits;
 }
 
 void require_site_inside(const SiteMapping& mapping, const RasterSize& size, Interpolation method,
                          const GridSpec& site, const std::string& what) {
-  if (inside(size, method, pixel_box(mapping, site))) return;
+  if (box_inside(size, method, pixel_box(mapping, site))) return;
   std::ostringstream message;
   message.precision(10);
   message << what << ": the site, " << site.x(0) << " .. " << site.x(site.cols - 1)

@@ -39,6 +39,9 @@ struct DemSource {
   std::string driver;  ///< GDAL's short name
   RasterSize size;     ///< of the whole raster, not of the window that was read
   int band = 1;
+  /// What the raster did not say, or said in two ways, and what was taken instead; sentences without its
+  /// name.
+  std::vector<std::string> assumed = {};
   friend bool operator==(const DemSource&, const DemSource&) = default;
 };
 
@@ -72,6 +75,9 @@ struct PixelBox {
   PixelPosition low;
   PixelPosition high;
 };
+
+/// True where all of the box is inside().
+[[nodiscard]] bool box_inside(const RasterSize& size, Interpolation method, const PixelBox& box);
 
 /// The pixels under the nodes of a site, computed from the nodes of its border; NaN if one of them has no
 /// position in the raster's coordinates.

@@ -2,6 +2,7 @@
 #include "terrain/relief/site_mapping.h"
 
 #include <cmath>
+#include <utility>
 
 namespace landfall {
 
@@ -53,6 +54,12 @@ LonLat OrthographicFrame::difference(const SitePoint& point) const {
   return {std::atan2(q.y(), q.x()), lat_rad - center_.lat_rad};
 }
 
+SitePoint OrthographicFrame::pole() const {
+  const double sign = center_.lat_rad < 0 ? -1 : 1;
+  const Eigen::Vector3d p(0, 0, sign * body_.semi_major_m * (1 - body_.flattening));
+  return {0, R_body_plane_.col(1).dot(p - origin_m_)};
+}
+
 SiteMapping::SiteMapping(const GeoTransform& georeference, const PixelPosition& center,
                          double metres_per_unit)
     : center_(center), pixels_per_step_(georeference.pixels_per_unit() / metres_per_unit) {}
@@ -61,7 +68,24 @@ SiteMapping::SiteMapping(const GeoTransform& georeference, const PixelPosition& 
                          const OrthographicFrame& frame, double radians_per_unit)
     : center_(center), pixels_per_step_(georeference.pixels_per_unit() / radians_per_unit), frame_(frame) {}
 
+SiteMapping::SiteMapping(const PixelPosition& center, const OrthographicFrame& frame, PixelOfGround ground)
+    : center_(center), pixels_per_step_(Eigen::Matrix2d::Zero()), frame_(frame) {
+  const PixelPosition first = ground({0, 0});
+  ground_ = [ground = std::move(ground), first](const LonLat& difference) {
+    const PixelPosition pixel = ground(difference);
+    return PixelPosition{pixel.col - first.col, pixel.row - first.row};
+  };
+}
+
 PixelPosition SiteMapping::pixel(const SitePoint& point) const {
+  if (smooth_) {
+    const Eigen::Vector2d pixels = smooth_->at({point.x_m, point.y_m});
+    return {center_.col + pixels.x(), center_.row + pixels.y()};
+  }
+  if (ground_) {
+    const PixelPosition pixels = ground_(frame_->difference(point));
+    return {center_.col + pixels.col, center_.row + pixels.row};
+  }
   Eigen::Vector2d step(point.x_m, point.y_m);
   if (frame_) {
     const LonLat difference = frame_->difference(point);
@@ -69,6 +93,22 @@ PixelPosition SiteMapping::pixel(const SitePoint& point) const {
   }
   const Eigen::Vector2d pixels = pixels_per_step_ * step;
   return {center_.col + pixels.x(), center_.row + pixels.y()};
+}
+
+std::optional<SiteMapping> SiteMapping::smoothed(double half_width_m) const {
+  if (!ground_) return *this;
+  constexpr double kTolerance_px = 1e-7;
+  const auto exact = [&](const Eigen::Vector2d& point) {
+    const PixelPosition pixels = ground_(frame_->difference({point.x(), point.y()}));
+    return Eigen::Vector2d(pixels.col, pixels.row);
+  };
+  SiteMapping mapping = *this;
+  mapping.smooth_ = SmoothMap::fitted(exact, half_width_m, kTolerance_px);
+  return mapping.smooth_ ? std::optional(mapping) : std::nullopt;
+}
+
+std::optional<SitePoint> SiteMapping::pole() const {
+  return frame_ && !ground_ ? std::optional(frame_->pole()) : std::nullopt;
 }
 
 double SiteMapping::posting_m() const {

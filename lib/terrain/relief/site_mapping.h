@@ -5,8 +5,11 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <numbers>
 #include <optional>
 
+#include "terrain/relief/smooth_map.h"
 #include "terrain/site_point.h"
 
 namespace landfall {
@@ -35,6 +38,10 @@ class GeoTransform {
   /// The lengths of a pixel's edges, along a row and along a column, map units.
   [[nodiscard]] std::array<double, 2> edges() const {
     return {std::hypot(cell_(0, 0), cell_(1, 0)), std::hypot(cell_(0, 1), cell_(1, 1))};
+  }
+  /// GDAL's six coefficients.
+  [[nodiscard]] std::array<double, 6> coefficients() const {
+    return {origin_.x(), cell_(0, 0), cell_(0, 1), origin_.y(), cell_(1, 0), cell_(1, 1)};
   }
   /// Pixels (col, row) per map unit (x, y).
   [[nodiscard]] Eigen::Matrix2d pixels_per_unit() const { return cell_.inverse(); }
@@ -65,6 +72,8 @@ class OrthographicFrame {
   /// Longitude and latitude of the surface under a point of the plane, both relative to the centre; NaN
   /// beyond the body's limb. The longitude difference lies in [-pi, pi].
   [[nodiscard]] LonLat difference(const SitePoint& point) const;
+  /// The pole of the centre's hemisphere.
+  [[nodiscard]] SitePoint pole() const;
 
  private:
   Ellipsoid body_;
@@ -72,6 +81,9 @@ class OrthographicFrame {
   Eigen::Vector3d origin_m_;      // of the body, x through the centre's meridian
   Eigen::Matrix3d R_body_plane_;  // columns: north, up; east is the body's y
 };
+
+/// The position in a raster of the ground at a longitude and latitude, both relative to a site's centre.
+using PixelOfGround = std::function<PixelPosition(const LonLat& difference)>;
 
 /// Maps a point of the site to a position in a raster.
 class SiteMapping {
@@ -82,8 +94,18 @@ class SiteMapping {
   /// those of `frame`, which has the same centre.
   SiteMapping(const GeoTransform& georeference, const PixelPosition& center, const OrthographicFrame& frame,
               double radians_per_unit);
+  /// A raster in any map projection, which `ground` evaluates; the site's axes are those of `frame`. Call
+  /// smoothed() before pixel() is called from several threads or for many points.
+  SiteMapping(const PixelPosition& center, const OrthographicFrame& frame, PixelOfGround ground);
 
   [[nodiscard]] PixelPosition pixel(const SitePoint& point) const;
+  /// The same mapping for a site of this half width: that of a map projection as a polynomial within 1e-7
+  /// pixel of it, others unchanged. None where the projection is not smooth there (a seam, a limb).
+  [[nodiscard]] std::optional<SiteMapping> smoothed(double half_width_m) const;
+  /// The pole of a raster in longitude and latitude, where it lies on the site's half of the body.
+  [[nodiscard]] std::optional<SitePoint> pole() const;
+  /// Columns that half a turn of longitude takes; only with a pole().
+  [[nodiscard]] double half_turn_px() const { return std::abs(pixels_per_step_(0, 0)) * std::numbers::pi; }
   /// Distance on the site, metres, at its centre, from a pixel's centre to the nearer of its neighbours in
   /// the row and in the column; not finite or 0 if the centre is a pole of the raster's longitudes.
   [[nodiscard]] double posting_m() const;
@@ -94,6 +116,8 @@ class SiteMapping {
   PixelPosition center_;
   Eigen::Matrix2d pixels_per_step_;  // per metre, or per radian with a frame
   std::optional<OrthographicFrame> frame_;
+  PixelOfGround ground_;             // relative to the centre's pixel where smooth_ is not set
+  std::optional<SmoothMap> smooth_;  // from metres to pixels from the centre
 };
 
 }  // namespace landfall

@@ -55,11 +55,11 @@ void use_terrain(const JsonSource& source) {
 }
 
 void use_import(const std::string& text, Texts texts) {
-  constexpr std::array kOptions = {&ImportOptions::from,           &ImportOptions::center,
-                                   &ImportOptions::center_pixel,   &ImportOptions::band,
-                                   &ImportOptions::interpolation,  &ImportOptions::datum,
-                                   &ImportOptions::vertical_scale, &ImportOptions::horizontal_scale,
-                                   &ImportOptions::half_width,     &ImportOptions::resolution};
+  constexpr std::array kOptions = {
+      &ImportOptions::from,           &ImportOptions::center,           &ImportOptions::center_pixel,
+      &ImportOptions::band,           &ImportOptions::interpolation,    &ImportOptions::datum,
+      &ImportOptions::vertical_scale, &ImportOptions::horizontal_scale, &ImportOptions::nodata,
+      &ImportOptions::half_width,     &ImportOptions::resolution};
   texts.resize(std::max(texts.size(), kOptions.size()));
   ImportOptions options;
   for (std::size_t i = 0; i < kOptions.size(); ++i) options.*kOptions[i] = texts[i];

@@ -280,7 +280,7 @@ TEST_F(LoadDem, WithoutGeoreference) {
 }
 
 TEST_F(LoadDem, RefusesWhatTheConfigGetsWrong) {
-  const std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
+  const std::array<double, 6> transform{5e5, 1, 0, 0, 0, -1};
   const GridSpec spec = GridSpec::centered(4, 1);
   DemBase good = written({21, 21, map_plane(transform), "Float32", transform, "EPSG:32631", {}, 1, 0, {}});
   EXPECT_EQ(refusal(good, spec), "accepted");
@@ -292,7 +292,7 @@ TEST_F(LoadDem, RefusesWhatTheConfigGetsWrong) {
   dem.band = 2;
   EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("band 2 is not in 1..1")));
   dem = good;
-  dem.center = {10, -10};
+  dem.center = {500010, -10};
   dem.center_pixel = {10, 10};
   EXPECT_THAT(refusal(dem, spec), AllOf(HasSubstr("usage: "), HasSubstr("not both")));
   dem.center.reset();
@@ -395,15 +395,15 @@ TEST_F(LoadDem, TellsThePostingOfItsPixels) {
     const DemBase dem = written({21, 21, map_plane(transform), "Float32", transform, crs, {}, 1, 0, {}});
     return fit_dem_site(dem, {}).resolution_m;
   };
-  EXPECT_EQ(posting({0, 0.3, 0, 0, 0, -0.3}, "EPSG:32631"), 0.3);
-  EXPECT_EQ(posting({0, 5, 0, 0, 0, -7}, "EPSG:32631"), 5);
-  EXPECT_EQ(posting({0, 3, -4, 0, 4, 3}, "EPSG:32631"), 5);  // turned by 53 degrees
+  EXPECT_EQ(posting({5e5, 0.3, 0, 0, 0, -0.3}, "EPSG:32631"), 0.3);
+  EXPECT_EQ(posting({5e5, 5, 0, 0, 0, -7}, "EPSG:32631"), 5);
+  EXPECT_EQ(posting({5e5, 3, -4, 0, 4, 3}, "EPSG:32631"), 5);  // turned by 53 degrees
   EXPECT_DOUBLE_EQ(posting({0, 1, 0, 80, 0, -1}, "+proj=longlat +R=180000"), 1000 * std::numbers::pi);
 }
 
 // 8200 x 8200 exceed 64 Mpx: only a window is read (1 MB here, not 538 MB), and it says the same.
 TEST_F(LoadDem, LargeRastersAreReadByWindow) {
-  const std::array<double, 6> transform{0, 1, 0, 0, 0, -1};
+  const std::array<double, 6> transform{5e5, 1, 0, 0, 0, -1};
   const auto plane = [](int col, int row) { return 2 * col + 3 * row; };
   DemBase dem = written({8200, 8200, plane, "Int32", transform, "EPSG:32631", {}, 1, 0, {}});
   dem.interpolation = Interpolation::bicubic;
