@@ -20,6 +20,7 @@ ScanPlan::ScanPlan(Grid<std::int8_t> region)
 void ScanPlan::add(const PulseBatch& batch) {
   const GridSpec& spec = region_.spec();
   std::size_t row = 0;
+  if (!epoch_s_ && !batch.pulses.t.empty()) epoch_s_ = batch.pulses.t.front();
   for (std::size_t k = 0; k < batch.pulses.t.size(); ++k) {
     std::int64_t returns = 0;
     std::int64_t inside = 0;
@@ -33,7 +34,7 @@ void ScanPlan::add(const PulseBatch& batch) {
       const BinIndex bin = spec.bin_of(batch.points.x_true[row], batch.points.y_true[row]);
       if (!spec.contains(bin)) continue;
       inside += region_.at(bin);
-      add_return(spec.index(bin), batch.points.pulse[row], batch.pulses.t[k]);
+      add_return(spec.index(bin), batch.points.pulse[row], batch.pulses.t[k] - *epoch_s_);
     }
     ++(!fired              ? pulses_.blanked
        : inside == 0       ? pulses_.off_region
@@ -44,12 +45,12 @@ void ScanPlan::add(const PulseBatch& batch) {
   }
 }
 
-void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double t_s) {
+void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double since_start_s) {
   std::int32_t& count = count_.values()[bin];
   if (count == std::numeric_limits<std::int32_t>::max())
     throw FormatError(
         "a bin of the plan has more than 2147483647 returns; plan a shorter scan or finer bins");
-  if (count++ == 0) first_seen_s_.values()[bin] = static_cast<float>(t_s);
+  if (count++ == 0) first_seen_s_.values()[bin] = static_cast<float>(since_start_s);
   if (last_pulse_.values()[bin] == pulse) return;
   last_pulse_.values()[bin] = pulse;
   ++frames_.values()[bin];

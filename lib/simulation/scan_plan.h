@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/fields.h"
@@ -35,20 +36,21 @@ class ScanPlan {
   [[nodiscard]] const Grid<std::int32_t>& count() const { return count_; }
   /// Number of pulses with a return in the bin; more than one means overlap.
   [[nodiscard]] const Grid<std::int32_t>& frames() const { return frames_; }
-  /// When the bin was first seen, seconds, as t in the pulse table; NaN if never.
+  /// When the bin was first seen, seconds since the first pulse; NaN if never.
   [[nodiscard]] const Grid<float>& first_seen_s() const { return first_seen_s_; }
   [[nodiscard]] const PulseBudget& pulses() const { return pulses_; }
   [[nodiscard]] std::int64_t return_count() const { return return_count_; }
   [[nodiscard]] std::int64_t region_return_count() const { return region_return_count_; }
 
  private:
-  void add_return(std::size_t bin, std::int32_t pulse, double t_s);
+  void add_return(std::size_t bin, std::int32_t pulse, double since_start_s);
 
   Grid<std::int8_t> region_;
   Grid<std::int32_t> count_;
   Grid<std::int32_t> frames_;
   Grid<float> first_seen_s_;
   Grid<std::int32_t> last_pulse_;  ///< last pulse with a return in the bin, -1 before any
+  std::optional<double> epoch_s_;  ///< the time of the first pulse
   PulseBudget pulses_;
   std::int64_t return_count_ = 0;
   std::int64_t region_return_count_ = 0;
