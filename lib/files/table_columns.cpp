@@ -28,7 +28,7 @@ std::string name_list(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) {
     if (list.size() > kMaxLength) return list + ", ...";
-    list += (list.empty() ? "" : ", ") + (name.empty() ? "''" : shown_word(name));
+    list += (list.empty() ? "" : ", ") + (name.empty() ? "''" : plain_ascii(abbreviated(name)));
   }
   return list;
 }

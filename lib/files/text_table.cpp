@@ -211,7 +211,7 @@ class TextTable {
     using enum ParsedNumber::Outcome;
     const ParsedNumber parsed = parsed_number(cell);
     if (parsed.outcome == number) return parsed.value;
-    const std::string what = shown_word(column) + " '" + shown_word(cell) + "'";
+    const std::string what = plain_ascii(abbreviated(column)) + " '" + shown_word(cell) + "'";
     if (parsed.outcome == too_large) fail(what + " is beyond double precision");
     fail(what + " is not a number" +
          (has_decimal_comma(cell) ? ": write decimals with a point, not a comma" : ""));
