@@ -43,7 +43,7 @@ class Trajectories(ToolTest):
     def scan(self, table, name="scan.h5", **keys):
         scan = self.path(name)
         config = {"detector": {"rows": 4, "columns": 4}, "laser": {"pulse_rate_hz": 700, "scan_time_s": 0.5},
-                  "scanner": {"type": "fsm", "pattern": {"rows": 9, "columns": 9, "half_width_m": 20}},
+                  "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": 9, "columns": 9, "half_width_m": 20}},
                   "pointing_error": {"time_stamp_bias_s": 1e-4}, "trajectory": {"type": "table", "path": table}} | keys
         self.succeed("scan-sim", "-O", "--terrain", self.ground, "-o", scan, "-c", self.config(config))
         return scan
