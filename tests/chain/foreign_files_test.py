@@ -82,7 +82,7 @@ class Trajectories(ToolTest):
         self.assertGreater(np.nanmax(dems[0]["t_mean"]) - np.nanmin(dems[0]["t_mean"]), 0.4)
         plans = []
         for table in ("t.csv", "gps.csv"):
-            self.succeed("scan-sim", "-O", "--plan", "--terrain", self.ground, "-o", self.path("plan.h5"), "-c", self.config(
+            self.succeed("scan-sim", "-O", "--plan", "-o", self.path("plan.h5"), "-c", self.config(
                 {"detector": {"rows": 4, "columns": 4}, "laser": {"pulse_rate_hz": 700, "scan_time_s": 0.5},
                  "trajectory": {"type": "table", "path": self.path(table)}}), "--plan-radius", "5")
             plans.append(columns(self.path("plan.h5"))["first_seen"])
