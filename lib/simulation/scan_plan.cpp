@@ -20,7 +20,6 @@ ScanPlan::ScanPlan(Grid<std::int8_t> region)
 void ScanPlan::add(const PulseBatch& batch) {
   const GridSpec& spec = region_.spec();
   std::size_t row = 0;
-  if (!epoch_s_ && !batch.pulses.t.empty()) epoch_s_ = batch.pulses.t.front();
   for (std::size_t k = 0; k < batch.pulses.t.size(); ++k) {
     std::int64_t returns = 0;
     std::int64_t inside = 0;
@@ -34,7 +33,7 @@ void ScanPlan::add(const PulseBatch& batch) {
       const BinIndex bin = spec.bin_of(batch.points.x_true[row], batch.points.y_true[row]);
       if (!spec.contains(bin)) continue;
       inside += region_.at(bin);
-      add_return(spec.index(bin), batch.points.pulse[row], batch.pulses.t[k] - *epoch_s_);
+      add_return(spec.index(bin), batch.points.pulse[row], batch.pulses.t[k]);
     }
     ++(!fired              ? pulses_.blanked
        : inside == 0       ? pulses_.off_region
@@ -59,7 +58,9 @@ void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double since_star
 ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region, std::int64_t points_per_batch,
                    const ProgressCallback& progress) {
   ScanPlan plan(std::move(region));
+  std::int64_t pulse = 0;
   const auto add = [&](PulseBatch& batch) {
+    for (double& t_s : batch.pulses.t) t_s = simulation.since_start_s(pulse++);
     plan.add(batch);
     return SinkWork{};
   };

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "base/fields.h"
@@ -28,7 +27,8 @@ class ScanPlan {
   /// `region`: 1 for each bin that the scan should cover.
   explicit ScanPlan(Grid<std::int8_t> region);
 
-  /// Adds the next pulses in order of time. The batch must hold all their pixels.
+  /// Adds the next pulses in order of time, with times since the first pulse. The batch must hold all their
+  /// pixels.
   void add(const PulseBatch& batch);
 
   [[nodiscard]] const Grid<std::int8_t>& region() const { return region_; }
@@ -50,7 +50,6 @@ class ScanPlan {
   Grid<std::int32_t> frames_;
   Grid<float> first_seen_s_;
   Grid<std::int32_t> last_pulse_;  ///< last pulse with a return in the bin, -1 before any
-  std::optional<double> epoch_s_;  ///< the time of the first pulse
   PulseBudget pulses_;
   std::int64_t return_count_ = 0;
   std::int64_t region_return_count_ = 0;
