@@ -73,6 +73,18 @@ std::vector<double> values_of(const DatasetEntry& column, const TableGroup& grou
   return values;
 }
 
+/// Refuses a wanted column that is there as something else: text, a scalar, more than two dimensions.
+void require_numbers(hid_t file, const TableGroup& group, const TableColumns& wanted,
+                     const std::string& name) {
+  const std::string folder = group.path == "/" ? "" : group.path;
+  std::vector<std::string> names = wanted.required;
+  names.insert(names.end(), wanted.optional.begin(), wanted.optional.end());
+  for (const std::string& column : names)
+    if (!has_columns(group.names(), {.required = {column}}) && h5::exists(file, folder + "/" + column))
+      throw FormatError(name + ": " + folder + "/" + column +
+                        " is not a column of numbers; a column has (N), (N, 1) or (1, N)");
+}
+
 NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wanted) {
   const h5::Handle file = h5::open_file(path);
   const std::vector<TableGroup> groups = groups_of(file.get(), wanted);
@@ -85,6 +97,7 @@ NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wan
     throw FormatError(path.string() + ": " + what +
                       (others.empty() ? "" : "; nor has any of its groups: " + abbreviated(others)));
   };
+  require_numbers(file.get(), group, wanted, path.string());
   std::map<std::string, std::vector<double>> columns;
   for (const MatchedColumn& column : matched_columns(group.names(), wanted, fail))
     columns[column.name] = values_of(group.columns[column.position], group, path.string());

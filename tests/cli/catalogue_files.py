@@ -202,6 +202,10 @@ def make_broken_landfall_files():
         for name in ("t_s", "x_m", "y_m", "z_m"):
             file["a/" + name] = file["b/" + name] = [0.0, 1.0]
             other[name] = np.zeros((2, 2))
+    with h5py.File("cube.h5", "w") as file:
+        for name in ("t_s", "x_m", "y_m", "z_m"):
+            file[name] = np.zeros(2)
+        file["vx_mps"] = np.zeros((2, 1, 1))
     edited("incomplete.h5", "dem.h5", attribute("complete", 0))
     edited("newer.h5", "dem.h5", attribute("format_version", "2.0"))
     with h5py.File("terrain.h5") as file:

@@ -251,6 +251,15 @@ TEST_F(NumberTables, Hdf5ColumnsMayBeMatricesOfOneRowOrColumn) {
   EXPECT_THAT(refusal_of_file(), HasSubstr("/t_s has the shape (2, 2); a column has (N), (N, 1) or (1, N)"));
 }
 
+TEST_F(NumberTables, AnOptionalHdf5ColumnMayNotBeSomethingElse) {
+  write_columns(path_, {2}, {""}, kColumns.required);
+  {
+    const h5::Handle file(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    write_column(file.get(), "vx_mps", {1, 2}, {2, 1, 1});
+  }
+  EXPECT_THAT(refusal_of_file(), HasSubstr("/vx_mps is not a column of numbers"));
+}
+
 TEST_F(NumberTables, Hdf5ColumnsMayBeInTheOnlyGroupThatHasThem) {
   const std::vector<std::string> capitals = {"T_S", "X_M", "Y_M", "Z_M", "QW", "QX", "QY", "QZ"};
   write_columns(path_, {1, 2}, {"flight"}, capitals);
