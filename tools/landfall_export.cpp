@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   landfall-export scan.h5 -o scan.ply              CloudCompare, ParaView
-  landfall-export scan.h5 -o scan.las --position true
+  landfall-export scan.h5 -o scan.las --time gps
   landfall-export scan.h5 -o scan.xmf              ParaView, meshio; no copy
   landfall-export scan.h5 -o - --format csv --columns x_est,y_est,z_est | head
   landfall-export dem.h5 -o dem.tif --layers z_est,count  GIS
@@ -42,6 +42,11 @@ void bind(CLI::App& app, ExportOptions& o) {
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 40U))
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "csv: also the points without a return");
+  app.add_option(
+         "--time", o.time,
+         "las: times as seconds since the first pulse (scan, default), or as adjusted standard GPS time "
+         "(gps) if the trajectory's clock shows GPS seconds")
+      ->check(CLI::IsMember({"scan", "gps"}));
   app.add_flag("--sites", o.sites, "csv, gpkg: the landing sites of a hazard map, not its layers");
 }
 
@@ -54,13 +59,15 @@ ExitCode run(cli::Session& session, const ExportOptions& o) {
   const FileExport file_export(o, name);
   const std::string second = file_export.second_output();
   if (!second.empty()) session.claim_output("-o", second, {o.input});
+  std::string remark;
   try {
     session.phase("export", [&](const ProgressCallback& progress) {
-      file_export.write(output, session.tool(), progress);
+      remark = file_export.write(output, session.tool(), progress);
     });
   } catch (const ClosedPipe&) {
     session.log("the reader of standard output has closed it");
   }
+  if (!remark.empty()) session.warn(remark);
   return ExitCode::done;
 }
 

@@ -21,7 +21,10 @@ struct GriddedReturns {
 
   explicit GriddedReturns(const GridSpec& grid) : bins(grid), moments(grid) {}
 
-  void add(const PulseBatch& batch, std::int64_t first_pulse) {
+  /// Replaces the times of the batch by those since the first pulse, as regrid does.
+  void add(PulseBatch& batch, std::int64_t first_pulse, const Simulation& simulation) {
+    for (std::size_t k = 0; k < batch.pulses.t.size(); ++k)
+      batch.pulses.t[k] = simulation.since_start_s(first_pulse + static_cast<std::int64_t>(k));
     std::vector<double> times(batch.points.size());
     std::ranges::transform(batch.points.pulse, times.begin(), [&](std::int32_t pulse) {
       return batch.pulses.t[static_cast<std::size_t>(pulse - first_pulse)];
@@ -49,7 +52,7 @@ GriddedReturns gridded_returns(const CampaignScene& scene, const Simulation& sim
                                        static_cast<std::size_t>(span.count * pixels)),
                       batch);
     batch.keep_returns();
-    gridded.add(batch, first);
+    gridded.add(batch, first, simulation);
   }
   return gridded;
 }

@@ -56,6 +56,11 @@ std::string metres(const OrderedJson& value) {
   return value.is_number() ? print("%.6g", value.get<double>()) : "-";
 }
 
+/// Also of a clock whose seconds are large numbers.
+std::string time_text(const OrderedJson& value) {
+  return value.is_number() ? print("%.15g", value.get<double>()) : "-";
+}
+
 std::string range(const OrderedJson& pair, const char* unit) {
   return pair.is_array() ? metres(pair[0]) + " to " + metres(pair[1]) + " " + unit : "-";
 }
@@ -121,7 +126,7 @@ std::string scan_lines(const OrderedJson& s) {
   else
     pulses += integer(s["pixel_count"]) + " pixels";
   if (s["t_first_s"].is_number())
-    pulses += ", from " + metres(s["t_first_s"]) + " to " + metres(s["t_last_s"]) + " s";
+    pulses += ", from " + time_text(s["t_first_s"]) + " to " + time_text(s["t_last_s"]) + " s";
   OrderedJson by_status;
   for (const std::string name : {"return", "miss", "undetected", "dropout", "dead", "false_return"})
     if (s.contains(name + "_count")) by_status[name] = s[name + "_count"];  // undetected: with a receiver

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file_extension.h"
+#include "base/number_text.h"
 #include "exports/csv.h"
 #include "exports/grid_layers.h"
 #include "exports/las.h"
@@ -84,6 +85,7 @@ void require_no_stray_option(const ExportOptions& o, bool is_scan) {
                             {!o.position.empty(), "--position", "las ply xmf", ""},
                             {o.every != 1, "--every", "csv las ply", "csv"},
                             {o.keep_misses, "--keep-misses", "csv", ""},
+                            {!o.time.empty(), "--time", "las", ""},
                             {o.sites, "--sites", "", "csv gpkg"}};
   for (const Option& option : options)
     if (option.given && !has(is_scan ? option.of_scan : option.of_grid, o.format))
@@ -126,17 +128,35 @@ void export_points_xdmf(const PointReader& points, const ExportOptions& o, const
   positions_output.commit();
 }
 
-void export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool, ByteSink& sink,
-                 const ProgressCallback& progress) {
+/// What the reader of a .las should know about its times; empty if the options say it.
+std::string time_remark(const PointReader& points, const ExportOptions& o, const std::string& output) {
+  constexpr double kWeek_s = 604800;
+  if (o.time.empty())
+    return output + ": times are seconds since the first pulse; --time gps writes adjusted standard GPS time";
+  if (o.time == "gps" && points.pulse_times().epoch_s < kWeek_s)
+    return output + ": the times lie in January 1980, because the trajectory begins at t = " +
+           number_text(points.pulse_times().epoch_s) + " s; --time gps wants a clock of GPS seconds";
+  return "";
+}
+
+/// Returns a remark about the times, or nothing.
+std::string export_scan(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
+                        ByteSink& sink, const ProgressCallback& progress) {
   const PointReader points(o.input);
   if (o.format == "csv")
     write_points_csv(points, {points.choose(o.columns), {!o.keep_misses, o.every}}, sink, progress);
   else if (o.format == "ply")
     write_points_ply(points, ply_pass(points, o), sink, progress);
   else if (o.format == "las")
-    write_points_las(points, o.position, o.every, tool + " " + program_version(), sink, progress);
+    write_points_las(points,
+                     {.position = o.position,
+                      .every = o.every,
+                      .time = o.time == "gps" ? LasTime::gps : LasTime::scan,
+                      .software = tool + " " + program_version()},
+                     sink, progress);
   else
     export_points_xdmf(points, o, output, tool, sink);
+  return o.format == "las" ? time_remark(points, o, output.path.string()) : "";
 }
 
 void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& sink,
@@ -191,24 +211,33 @@ std::string FileExport::second_output() const {
   return kind_ == "scan" && options_.format == "xmf" ? xdmf_positions(output_).string() : "";
 }
 
-void FileExport::write(const OutputOptions& output, const std::string& tool,
-                       const ProgressCallback& progress) const {
-  if (options_.format == "tif") return export_geotiff(options_, output, tool, progress);
-  if (options_.format == "png") return export_picture(options_, output, progress);
-  if (options_.format == "gpkg")
-    return write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output);
-  const auto write_to = [&](ByteSink&& sink) {
-    if (options_.sites)
-      write_sites_csv(LandfallFileReader(options_.input, {"hazards"}), sink);
-    else if (kind_ == "scan")
-      export_scan(options_, output, tool, sink, progress);
-    else
-      export_grid(options_, output, sink, progress);
-    sink.finish();
-  };
-  if (output_ == "-") return write_to(StandardOutputSink());
-  OutputPath path(output.path, output.overwrite);
-  write_to(FileSink(path));
+std::string FileExport::write(const OutputOptions& output, const std::string& tool,
+                              const ProgressCallback& progress) const {
+  std::string remark;
+  if (options_.format == "tif") {
+    export_geotiff(options_, output, tool, progress);
+  } else if (options_.format == "png") {
+    export_picture(options_, output, progress);
+  } else if (options_.format == "gpkg") {
+    write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output);
+  } else {
+    const auto write_to = [&](ByteSink&& sink) {
+      if (options_.sites)
+        write_sites_csv(LandfallFileReader(options_.input, {"hazards"}), sink);
+      else if (kind_ == "scan")
+        remark = export_scan(options_, output, tool, sink, progress);
+      else
+        export_grid(options_, output, sink, progress);
+      sink.finish();
+    };
+    if (output_ == "-") {
+      write_to(StandardOutputSink());
+    } else {
+      OutputPath path(output.path, output.overwrite);
+      write_to(FileSink(path));
+    }
+  }
+  return remark;
 }
 
 }  // namespace landfall

@@ -19,6 +19,7 @@ struct ExportOptions {
   std::string position;              ///< of a scan's points: "est" or "true"
   std::size_t every = 1;             ///< points, or lines of a .csv: the first and every N-th after it
   bool keep_misses = false;          ///< of a scan, only as .csv
+  std::string time;                  ///< of a scan, as .las: "scan" or "gps"
   bool sites = false;                ///< of a hazard map, as .csv or .gpkg: its landing sites, no layers
 };
 
@@ -33,9 +34,11 @@ class FileExport {
   /// The second output beside the first: the points' positions of an .xmf. Empty if there is none.
   [[nodiscard]] std::string second_output() const;
 
-  /// Writes `output`, whose path is that of the constructor; `tool` is the software name in the file. Throws
-  /// ClosedPipe (byte_sink.h), and as the formats' writers do.
-  void write(const OutputOptions& output, const std::string& tool, const ProgressCallback& progress) const;
+  /// Writes `output`, whose path is that of the constructor; `tool` is the software name in the file. Returns
+  /// a remark about its times that the user should see, or nothing. Throws ClosedPipe (byte_sink.h), and as
+  /// the formats' writers do.
+  [[nodiscard]] std::string write(const OutputOptions& output, const std::string& tool,
+                                  const ProgressCallback& progress) const;
 
  private:
   ExportOptions options_;

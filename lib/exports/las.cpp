@@ -130,9 +130,9 @@ std::int32_t LasGrid::stored(double coordinate_m, std::size_t axis) const {
 
 std::string las_header(const LasContent& content) {
   std::string out = "LASF";
-  append_raw(out, std::uint16_t{0});  // file source
-  append_raw(out, std::uint16_t{0});  // global encoding: times count from the scan's own zero
-  append_text(out, "", 16);           // project
+  append_raw(out, std::uint16_t{0});                                                  // file source
+  append_raw(out, static_cast<std::uint16_t>(content.time == LasTime::gps ? 1 : 0));  // global encoding
+  append_text(out, "", 16);                                                           // project
   append_raw(out, std::uint8_t{1});
   append_raw(out, std::uint8_t{2});
   append_text(out, "landfall scan", 32);  // system identifier
@@ -159,10 +159,21 @@ std::string las_header(const LasContent& content) {
   return out + content.file_id;
 }
 
-void write_points_las(const PointReader& points, const std::string& position, std::size_t every,
-                      const std::string& software, ByteSink& sink, const ProgressCallback& progress) {
+void require_gps_times(const PointReader& points) {
+  const std::vector<double>& since_s = points.pulse_times().since_s;
+  const double least_s = since_s.empty() ? 0 : *std::ranges::min_element(since_s);
+  if (points.pulse_times().epoch_s + least_s < 0)
+    throw UsageError("--time gps: " + points.file().name() + ": a pulse is at " +
+                     number_text(points.pulse_times().epoch_s + least_s) +
+                     " s; the GPS clock begins at 0 s (1980-01-06): use --time scan");
+}
+
+void write_points_las(const PointReader& points, const LasRequest& request, ByteSink& sink,
+                      const ProgressCallback& progress) {
   static_cast<void>(points.column(name_of(&PulseColumns::t)));
-  PointReader::Pass pass{position_columns(position), {true, every}, 3};
+  if (request.time == LasTime::gps) require_gps_times(points);
+  PointReader::Pass pass{position_columns(request.position), {true, request.every}, 3};
+  pass.first_time_s = request.time == LasTime::gps ? points.pulse_times().epoch_s - 1e9 : 0;
   const ReturnNumbers numbers(points);
   const Extent extent = extent_of(points, pass, numbers, [&](double f) { report(progress, f / 4); });
   if (extent.count == 0) points.file().fail("holds no return");
@@ -173,7 +184,8 @@ void write_points_las(const PointReader& points, const std::string& position, st
                            extent.box,
                            extent.count,
                            extent.count_by_return,
-                           software,
+                           request.software,
+                           request.time,
                            points.file().file_id().substr(0, 256)};
   sink.write(las_header(content));
   pass.columns.insert(pass.columns.end(), {name_of(&PulseColumns::t), name_of(&PointColumns::status)});

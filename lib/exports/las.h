@@ -41,6 +41,12 @@ struct LasGrid {
   }
 };
 
+/// What the GPS times of points are.
+enum class LasTime {
+  scan,  ///< seconds since the first pulse
+  gps,   ///< adjusted standard GPS time: t - 1e9 s, t on the GPS clock, whose 0 is 1980-01-06
+};
+
 /// The content of a LAS header.
 struct LasContent {
   LasGrid grid;
@@ -48,6 +54,7 @@ struct LasContent {
   std::size_t count = 0;                         ///< at most 2^32 - 1
   std::array<std::size_t, 5> count_by_return{};  ///< the first returns, the second ones, ...
   std::string software;                          ///< cut to 32 bytes
+  LasTime time = LasTime::scan;                  ///< bit 0 of the global encoding is set for gps
   std::string file_id;  ///< of the scan: a variable-length record of user "landfall", number 1
 };
 
@@ -55,12 +62,24 @@ struct LasContent {
 /// they are read back; the creation day is 0, so that equal points give equal bytes.
 [[nodiscard]] std::string las_header(const LasContent& content);
 
+/// Which points of a scan to write, and how.
+struct LasRequest {
+  std::string position = "est";  ///< "est" or "true"
+  std::size_t every = 1;
+  LasTime time = LasTime::scan;
+  std::string software;
+};
+
+/// Throws UsageError where a pulse is sent before the beginning of GPS time.
+void require_gps_times(const PointReader& points);
+
 /// Writes the selected returns as LAS 1.2, point format 1: GPS time is the pulse's time, the number of the
 /// return and of all returns of its pixel (1 of 1 unless the scan has several), the intensity in
 /// photoelectrons, at most 65535 (0 without a receiver), classification 1 (unclassified) for a return and 7
-/// (low point, noise) for a false return; scan angle, user data and point source are 0. `position` is "est"
-/// or "true". Throws FormatError for a scan that does not fit (LasGrid::fitting, more than 2^32 - 1 points).
-void write_points_las(const PointReader& points, const std::string& position, std::size_t every,
-                      const std::string& software, ByteSink& sink, const ProgressCallback& progress = {});
+/// (low point, noise) for a false return; scan angle, user data and point source are 0. Throws UsageError
+/// as require_gps_times() does, and FormatError for a scan that does not fit (LasGrid::fitting, more than
+/// 2^32 - 1 points).
+void write_points_las(const PointReader& points, const LasRequest& request, ByteSink& sink,
+                      const ProgressCallback& progress = {});
 
 }  // namespace landfall

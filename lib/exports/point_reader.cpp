@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "exports/grid_layers.h"
-#include "files/scan_file.h"
 #include "hdf5/column_reader.h"
 #include "returns/columns.h"
 
@@ -50,7 +49,7 @@ ColumnTarget resized(ColumnValues& values, std::size_t count) {
       values);
 }
 
-std::vector<double> pulse_times(const LandfallFileReader& file) {
+std::vector<double> stored_times(const LandfallFileReader& file) {
   const bool has_times =
       h5::exists(file.root(), "pulses") && TableReader(file.root(), "pulses", file.name()).has(kTime);
   return has_times ? read_pulse_times(file) : std::vector<double>();
@@ -66,7 +65,8 @@ PointReader::PointReader(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
       columns_(columns_of(points_)),
-      pulse_times_s_(pulse_times(file_)),
+      stored_times_s_(stored_times(file_)),
+      pulse_times_(stored_times_s_.empty() ? PulseTimes{} : read_pulse_times_since_first(file_)),
       row_count_(points_.row_count(kStatus)) {
   for (const auto member : kCoordinates) {
     const std::string name = name_of(member);
@@ -77,7 +77,7 @@ PointReader::PointReader(const std::filesystem::path& path)
   for (const ContentInfo& column : columns_)
     if (points_.row_count(column.name) != row_count_)
       file_.fail("/points/" + column.name + " has another length than /points/status");
-  if (!pulse_times_s_.empty() && points_.has(kPulse) && !points_.has(kTime)) {
+  if (!stored_times_s_.empty() && points_.has(kPulse) && !points_.has(kTime)) {
     const auto& time = std::get<0>(kPulseColumns);
     columns_.push_back({time.name, h5::Type::float64, time.units, time.long_name});
   }
@@ -157,7 +157,7 @@ class PointReader::BatchSource {
   std::vector<std::string> stored_columns(const Pass& pass) {
     std::vector<std::string> names;
     for (const std::string& name : pass.columns)
-      if (name == kTime && !reader_.points_.has(kTime))
+      if (name == kTime && (pass.first_time_s || !reader_.points_.has(kTime)))
         wants_time_ = true;
       else
         names.push_back(name);
@@ -183,10 +183,15 @@ class PointReader::BatchSource {
     times.resize(pulse_.size());
     for (const std::uint32_t i : batch.selected) {
       const std::int32_t pulse = pulse_[i];
-      if (pulse < 0 || static_cast<std::size_t>(pulse) >= reader_.pulse_times_s_.size())
+      if (pulse < 0 || static_cast<std::size_t>(pulse) >= reader_.stored_times_s_.size())
         fail(batch, kPulse, i, "is " + std::to_string(pulse) + ", which /pulses does not have");
-      times[i] = reader_.pulse_times_s_[static_cast<std::size_t>(pulse)];
+      times[i] = time(static_cast<std::size_t>(pulse));
     }
+  }
+
+  [[nodiscard]] double time(std::size_t pulse) const {
+    return pass_.first_time_s ? *pass_.first_time_s + reader_.pulse_times_.since_s[pulse]
+                              : reader_.stored_times_s_[pulse];
   }
 
   void require_finite(const PointBatch& batch) const {

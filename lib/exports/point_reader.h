@@ -12,6 +12,7 @@
 
 #include "base/progress.h"
 #include "files/contents.h"
+#include "files/scan_file.h"
 #include "output/byte_sink.h"
 
 namespace landfall {
@@ -55,6 +56,8 @@ class PointReader {
   /// unknown name or one that is given twice.
   [[nodiscard]] std::vector<std::string> choose(const std::vector<std::string>& names) const;
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
+  /// The times of the pulses; empty if the file has none.
+  [[nodiscard]] const PulseTimes& pulse_times() const { return pulse_times_; }
   /// The number of selected rows. Reads the column `status`, once for each selection.
   [[nodiscard]] std::size_t count(const PointSelection& selection) const;
 
@@ -64,6 +67,9 @@ class PointReader {
     PointSelection selection;
     /// In these columns (the first ones of `columns`) every selected value must be finite.
     std::size_t finite_columns = 0;
+    /// The column `t` counts so that the first pulse has this time, without the rounding of large times;
+    /// nothing: as stored.
+    std::optional<double> first_time_s = {};
   };
   /// Calls use(batch) for all rows in order; later batches are read meanwhile. Throws FormatError, naming
   /// file, column and row, for a value that must be finite and is not, and for a pulse number that does not
@@ -77,7 +83,8 @@ class PointReader {
   LandfallFileReader file_;
   TableReader points_;
   std::vector<ContentInfo> columns_;
-  std::vector<double> pulse_times_s_;
+  std::vector<double> stored_times_s_;
+  PulseTimes pulse_times_;
   std::size_t row_count_ = 0;
 };
 

@@ -66,6 +66,8 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
     MeshFile read = read_mesh_file(import.path);
     report(progress, 0.5);
     output.provenance.add_input("mesh", read.content_id, {});
+    for (const std::string& unread : read.soup.unread)
+      content.warnings.push_back(import.path + ": " + unread + " is not read");
     content.mesh = clean_mesh(std::move(read.soup), import.placement, import.path);
     report(progress, 1);
   });

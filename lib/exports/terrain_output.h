@@ -30,7 +30,8 @@ struct TerrainContent {
   std::optional<NodeCounts> nodes = {};                                 ///< of a gridded one
   std::optional<std::map<std::string, std::int64_t>> features_of = {};  ///< objects by kind
   std::optional<CleanMesh> mesh = {};                                   ///< of an imported one
-  std::vector<std::string> warnings = {};  ///< where the site does not suit the raster that it is taken from
+  /// Where the site does not suit its raster; the parts of a mesh file that are not read.
+  std::vector<std::string> warnings = {};
 };
 
 /// The files of the mesh or of the rasters, which an output at `path` must not replace. The files of a raster

@@ -12,6 +12,8 @@
 namespace landfall {
 namespace {
 
+constexpr const char* kTime = "t_mean";
+
 /// Part of a row of the map, and the offset of its values in a tile.
 struct Strip {
   const GridSpec& spec;
@@ -123,7 +125,7 @@ std::vector<Layer> all_layers(TruthAt truth_at) {
           z_true(truth_at),
           simple<float>("x_est_mean", &BinValues::x_est, "m", "mean estimated x of the bin's returns"),
           simple<float>("y_est_mean", &BinValues::y_est, "m", "mean estimated y of the bin's returns"),
-          simple<float>("t_mean", &BinValues::t, "s", "mean time of the bin's returns"),
+          simple<double>(kTime, &BinValues::t, "s", "mean time of the bin's returns since the first pulse"),
           simple<float>("z_spread", &BinValues::z_spread, "m",
                         "weighted standard deviation of the estimated elevations"),
           of_filled_bins("z_corrected", "estimated elevation, carried along the slope to the bin centre",
@@ -199,6 +201,7 @@ std::int64_t write_dem(LandfallFileWriter& file, const GriddedScans& scans, cons
     tiled.push_back({layer.name, layer.type, layer.text});
     tiled.back().text.ancillary_variables = ancillary_variables(layer.name, layers);
     if (layer.is_sigma) tiled.back().text.comment = request.left_out;
+    if (layer.name == kTime) tiled.back().text.epoch_s = request.epoch_s;
   }
   const bool has_sigmas = std::ranges::any_of(layers, &Layer::is_sigma);
   std::atomic<std::int64_t> empty_bins = 0;

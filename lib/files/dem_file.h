@@ -18,9 +18,10 @@ struct DemRequest {
   std::vector<std::string> layers;        ///< names; empty: all that can be computed
   const TerrainSurface* truth = nullptr;  ///< the terrain; without it z_true and z_true_map are left out
   TruthAt truth_at = TruthAt::bin_center;
-  bool uncertainty = false;  ///< also z_true_map and the sigmas
-  bool corrected = false;    ///< also z_corrected
-  std::string left_out;      ///< what the sigmas leave out, for their attribute `comment`
+  bool uncertainty = false;   ///< also z_true_map and the sigmas
+  bool corrected = false;     ///< also z_corrected
+  std::string left_out = {};  ///< what the sigmas leave out, for their attribute `comment`
+  double epoch_s = 0;         ///< what the clock shows at the time 0 of the returns, for t_mean's attribute
 };
 
 /// The layer names that a DEM may have, in the order of the file.

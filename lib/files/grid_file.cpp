@@ -167,6 +167,7 @@ h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const
   if (!text.ancillary_variables.empty())
     h5::write_attribute(dataset.get(), "ancillary_variables", text.ancillary_variables);
   if (!text.comment.empty()) h5::write_attribute(dataset.get(), "comment", text.comment);
+  if (text.epoch_s) h5::write_attribute(dataset.get(), "epoch_s", *text.epoch_s);
   if (!text.flag_values.empty()) h5::write_attribute(dataset.get(), "flag_values", text.flag_values);
   if (!text.flag_masks.empty()) h5::write_attribute(dataset.get(), "flag_masks", text.flag_masks);
   if (!text.flag_meanings.empty()) h5::write_attribute(dataset.get(), "flag_meanings", text.flag_meanings);

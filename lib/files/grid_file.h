@@ -35,6 +35,7 @@ class GridLayerWriter {
     std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
     std::string ancillary_variables = {};      ///< layers that qualify this one's values, in CF's form
     std::string comment = {};                  ///< CF's comment
+    std::optional<double> epoch_s = {};        ///< of a time: what the clock shows at 0
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>

@@ -1,142 +1,106 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/number_table.h"
 
-#include <algorithm>
-#include <charconv>
-#include <fstream>
+#include <functional>
 #include <map>
-#include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "base/regular_file.h"
+#include "files/table_columns.h"
+#include "files/text_table.h"
 #include "hdf5/dataset_list.h"
-#include "hdf5/table.h"
 
 namespace landfall {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
+/// A group of an HDF5 file, and its datasets of numbers.
+struct TableGroup {
+  std::string path;  ///< "/" or "/a/b"
+  std::vector<DatasetEntry> columns;
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const DatasetEntry& column : columns) names.push_back(column.name);
+    return names;
   }
-}
-
-/// Reads a CSV line by line; every message names file and line.
-class CsvReader {
- public:
-  explicit CsvReader(const std::filesystem::path& path) : name_(path.string()), stream_(path) {
-    if (!stream_) fail("cannot be read");
-  }
-
-  NumberTable read(const TableColumns& wanted) {
-    std::string line;
-    if (!next(line)) fail(stream_.bad() ? "reading failed" : "is empty");
-    read_header(line, wanted);
-    while (next(line)) read_row(line);
-    if (stream_.bad()) fail("reading failed");
-    std::map<std::string, std::vector<double>> columns;
-    for (Column& column : columns_) columns[column.name] = std::move(column.values);
-    return {name_, std::move(columns)};
-  }
-
- private:
-  struct Column {
-    std::string name;
-    std::size_t position;  ///< in a line
-    std::vector<double> values;
-  };
-
-  bool next(std::string& line) {
-    while (std::getline(stream_, line)) {
-      ++line_number_;
-      const std::string_view text = trimmed(line);
-      if (!text.empty() && text.front() != '#') return true;
-    }
-    return false;
-  }
-
-  void read_header(std::string_view line, const TableColumns& wanted) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some spreadsheets begin UTF-8 with it
-    if (line.substr(0, 3) == kByteOrderMark) line.remove_prefix(3);
-    const auto names = cells_of(line);
-    width_ = names.size();
-    for (const std::string& name : wanted.required)
-      if (!take_column(names, name)) fail("the header has no column " + name);
-    for (const std::string& name : wanted.optional) take_column(names, name);
-    if (!wanted.all) return;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const std::string name(names[i]);
-      if (name.empty()) fail("column " + std::to_string(i + 1) + " has no name");
-      if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
-          names.begin() + static_cast<std::ptrdiff_t>(i))
-        fail("column " + shown_word(names[i]) + " is given twice");
-      columns_.push_back({name, i, {}});
-    }
-  }
-
-  bool take_column(const std::vector<std::string_view>& names, const std::string& name) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) return false;
-    columns_.push_back({name, static_cast<std::size_t>(found - names.begin()), {}});
-    return true;
-  }
-
-  void read_row(const std::string& line) {
-    const auto cells = cells_of(line);
-    if (cells.size() != width_)
-      fail(std::to_string(cells.size()) + " values; the header names " + std::to_string(width_));
-    for (Column& column : columns_) {
-      const std::string_view cell = cells[column.position];
-      double value = 0;
-      const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-      if (error != std::errc() || stop != cell.data() + cell.size())
-        fail(column.name + " '" + shown_word(cell) + "' is not a number");
-      column.values.push_back(value);
-    }
-  }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw FormatError(name_ + (line_number_ > 0 ? ": line " + std::to_string(line_number_) : "") + ": " +
-                      what);
-  }
-
-  std::string name_;
-  std::ifstream stream_;
-  std::size_t line_number_ = 0;
-  std::vector<Column> columns_;
-  std::size_t width_ = 0;
 };
+
+/// The root and, unless it has the columns, the groups below it. A group that is in two places is listed
+/// twice; depth and number are limited.
+std::vector<TableGroup> groups_of(hid_t root, const TableColumns& wanted) {
+  constexpr std::size_t kMostGroups = 1000;
+  constexpr int kMostLevels = 4;
+  std::vector<TableGroup> groups;
+  const std::function<void(hid_t, const std::string&, int)> visit = [&](hid_t group, const std::string& path,
+                                                                        int level) {
+    if (groups.size() == kMostGroups) return;
+    groups.push_back({path.empty() ? "/" : path, list_datasets(group)});
+    if (level == kMostLevels || has_columns(groups.front().names(), wanted)) return;
+    for (const std::string& name : list_groups(group))
+      visit(h5::open_group(group, name).get(), path + "/" + name, level + 1);
+  };
+  visit(root, "", 0);
+  return groups;
+}
+
+/// The root if it has the columns, else the only group that has them.
+const TableGroup& group_of(const std::vector<TableGroup>& groups, const TableColumns& wanted,
+                           const std::string& name) {
+  std::vector<const TableGroup*> found;
+  for (const TableGroup& group : groups)
+    if (has_columns(group.names(), wanted)) found.push_back(&group);
+  if (found.empty() || found.front() == &groups.front()) return groups.front();
+  if (found.size() > 1)
+    throw FormatError(name + ": the groups " + found[0]->path + " and " + found[1]->path +
+                      " both have the columns; copy one of them to the root");
+  return *found.front();
+}
+
+/// A dataset of the shape (N), (N, 1) or (1, N), as MATLAB writes vectors.
+std::vector<double> values_of(const DatasetEntry& column, const TableGroup& group, const std::string& file) {
+  const std::string path = (group.path == "/" ? "" : group.path) + "/" + column.name;
+  const std::vector<hsize_t>& shape = column.shape;
+  if (shape.size() == 2 && shape[0] != 1 && shape[1] != 1)
+    throw FormatError(file + ": " + path + " has the shape (" + std::to_string(shape[0]) + ", " +
+                      std::to_string(shape[1]) + "); a column has (N), (N, 1) or (1, N)");
+  std::vector<double> values(static_cast<std::size_t>(column.value_count()));
+  if (!h5::read_values(column.dataset.get(), H5T_NATIVE_DOUBLE, values.data()))
+    throw FormatError(file + ": reading " + path + " failed: " + h5::reading_failure());
+  return values;
+}
+
+/// Refuses a wanted column that is there as something else: text, a scalar, more than two dimensions.
+void require_numbers(hid_t file, const TableGroup& group, const TableColumns& wanted,
+                     const std::string& name) {
+  const std::string folder = group.path == "/" ? "" : group.path;
+  std::vector<std::string> names = wanted.required;
+  names.insert(names.end(), wanted.optional.begin(), wanted.optional.end());
+  for (const std::string& column : names)
+    if (!has_columns(group.names(), {.required = {column}}) && h5::exists(file, folder + "/" + column))
+      throw FormatError(name + ": " + folder + "/" + column +
+                        " is not a column of numbers; a column has (N), (N, 1) or (1, N)");
+}
 
 NumberTable read_hdf5(const std::filesystem::path& path, const TableColumns& wanted) {
   const h5::Handle file = h5::open_file(path);
-  const TableReader table(file.get(), "/", path.string());
-  std::map<std::string, std::vector<double>> columns;
-  const auto read = [&](const std::string& name) {
-    std::vector<double>& values = columns[name];
-    values.resize(table.row_count(name));
-    table.read(name, 0, std::span(values));
+  const std::vector<TableGroup> groups = groups_of(file.get(), wanted);
+  const TableGroup& group = group_of(groups, wanted, path.string());
+  const auto fail = [&](const std::string& what) {
+    std::string others;
+    for (const TableGroup& other : groups)
+      if (&other != &groups.front() && !other.columns.empty())
+        others += (others.empty() ? "" : ", ") + other.path;
+    throw FormatError(path.string() + ": " + what +
+                      (others.empty() ? "" : "; nor has any of its groups: " + abbreviated(others)));
   };
-  for (const std::string& name : wanted.required) read(name);
-  for (const std::string& name : wanted.optional)
-    if (table.has(name)) read(name);
-  if (wanted.all)
-    for (const DatasetEntry& dataset : list_datasets(file.get())) read(dataset.name);
+  require_numbers(file.get(), group, wanted, path.string());
+  std::map<std::string, std::vector<double>> columns;
+  for (const MatchedColumn& column : matched_columns(group.names(), wanted, fail))
+    columns[column.name] = values_of(group.columns[column.position], group, path.string());
   return {path.string(), std::move(columns)};
 }
 
@@ -147,7 +111,7 @@ NumberTable read_number_table(const std::filesystem::path& path, const TableColu
   h5::initialise();
   const htri_t is_hdf5 = H5Fis_hdf5(path.c_str());
   if (is_hdf5 < 0) throw FormatError(path.string() + ": reading failed: " + h5::reading_failure());
-  return is_hdf5 > 0 ? read_hdf5(path, columns) : CsvReader(path).read(columns);
+  return is_hdf5 > 0 ? read_hdf5(path, columns) : read_text_table(path, columns);
 }
 
 TableLoader recording_table_loader(Provenance& provenance) {

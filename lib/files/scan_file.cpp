@@ -185,11 +185,39 @@ std::vector<double> read_pulse_times(const LandfallFileReader& scan) {
   return times;
 }
 
+PulseTimes times_since_first(std::vector<double> times_s, std::optional<double> rate_hz) {
+  PulseTimes times{times_s.empty() ? 0 : times_s.front(), std::move(times_s)};
+  const auto since_start = [&](std::size_t k) { return static_cast<double>(k) / *rate_hz; };
+  bool is_regular = rate_hz.has_value();
+  for (std::size_t k = 0; k < times.since_s.size() && is_regular; ++k) {
+    const double rounding = 0x1p-52 * std::max(std::abs(times.epoch_s), std::abs(times.since_s[k]));
+    is_regular = std::abs(times.since_s[k] - times.epoch_s - since_start(k)) <= rounding;
+  }
+  for (std::size_t k = 0; k < times.since_s.size(); ++k)
+    times.since_s[k] = is_regular ? since_start(k) : times.since_s[k] - times.epoch_s;
+  return times;
+}
+
+PulseTimes read_pulse_times_since_first(const LandfallFileReader& scan) {
+  const nlohmann::json::json_pointer where("/laser/pulse_rate_hz");
+  const nlohmann::json& config = scan.config();
+  std::optional<double> rate_hz;
+  if (config.is_object() && config.contains(where) && config.at(where).is_number() && config.at(where) > 0)
+    rate_hz = config.at(where).get<double>();
+  return times_since_first(read_pulse_times(scan), rate_hz);
+}
+
+void ScanReader::count_from(double epoch_s) {
+  const double lead_s = pulse_times_.epoch_s - epoch_s;
+  for (double& time_s : pulse_times_.since_s) time_s += lead_s;
+  pulse_times_.epoch_s = epoch_s;
+}
+
 ScanReader::ScanReader(const std::filesystem::path& path)
     : file_(path, {"scan"}),
       points_(file_.root(), "points", file_.name()),
       columns_(points_, columns_of_a_dem()),
-      pulse_times_s_(read_pulse_times(file_)),
+      pulse_times_(read_pulse_times_since_first(file_)),
       crs_wkt_(read_crs(file_.root())),
       row_count_(points_.row_count(name_of(&PointColumns::pulse))) {
   for (const std::string& column : columns_of_a_dem())
@@ -220,7 +248,7 @@ bool ScanReader::all_valid(const PointColumns& points, std::size_t first, std::s
 void ScanReader::fail_at_row(const PointColumns& points, std::size_t i, std::size_t row) const {
   if (!has_pulse(i))
     file_.fail("/points/pulse[" + std::to_string(row) + "] = " + std::to_string(pulse_[i]) +
-               " is not a row of /pulses (" + std::to_string(pulse_times_s_.size()) + ")");
+               " is not a row of /pulses (" + std::to_string(pulse_times_.since_s.size()) + ")");
   const auto* const bad =
       std::ranges::find_if_not(kCoordinates, [&](auto member) { return is_finite((points.*member)[i]); });
   file_.fail("/points/" + std::string(name_of(*bad)) + "[" + std::to_string(row) +
@@ -232,7 +260,7 @@ std::size_t ScanReader::keep_returns(ScanPoints& points, std::size_t first, std:
   std::size_t next = first;
   for (std::size_t i = first; i < end; ++i) {
     if (!is_return(PointStatus{status_[i]})) continue;
-    points.t[next] = pulse_times_s_[static_cast<std::size_t>(pulse_[i])];
+    points.t[next] = pulse_times_.since_s[static_cast<std::size_t>(pulse_[i])];
     if (next != i)
       for (const auto member : kCoordinates) (points.columns.*member)[next] = (points.columns.*member)[i];
     ++next;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -57,13 +58,27 @@ class ScanWriter {
 /// The rows of a scan that hold a return, with the columns that a DEM needs: only kCoordinates.
 struct ScanPoints {
   PointColumns columns;
-  std::vector<double> t;  ///< the time of the pulse
+  std::vector<double> t;  ///< the time of the pulse since the reader's epoch
 
   [[nodiscard]] GridPoints view() const { return GridPoints::of(columns, t); }
 };
 
-/// The times of all pulses. Throws FormatError, naming the row, for a time that is not finite.
+/// The times of all pulses on the clock of the trajectory, as stored. Throws FormatError, naming the row, for
+/// a time that is not finite.
 [[nodiscard]] std::vector<double> read_pulse_times(const LandfallFileReader& scan);
+
+/// The times of a scan's pulses, without the rounding of large times on a clock.
+struct PulseTimes {
+  double epoch_s = 0;             ///< what the clock shows at the first pulse; 0 without pulses
+  std::vector<double> since_s{};  ///< since the first pulse
+};
+
+/// Of read_pulse_times(): differences from the first one. Where the stored times are those of pulses at a
+/// constant rate f on the clock, rounded, they are k/f instead, which is exact for any epoch. `rate_hz`: f,
+/// if it is known.
+[[nodiscard]] PulseTimes times_since_first(std::vector<double> times_s, std::optional<double> rate_hz);
+/// times_since_first() with the rate in the scan's configuration.
+[[nodiscard]] PulseTimes read_pulse_times_since_first(const LandfallFileReader& scan);
 
 /// Reads a scan.h5 in pieces, on all threads, in bounded memory.
 class ScanReader {
@@ -74,6 +89,12 @@ class ScanReader {
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
   [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
+  /// What the clock of the trajectory shows where times are 0: at first that of the scan's first pulse.
+  [[nodiscard]] double epoch_s() const { return pulse_times_.epoch_s; }
+  /// Counts the times from another epoch on the same clock from now on.
+  void count_from(double epoch_s);
+  /// The times of all pulses since the epoch.
+  [[nodiscard]] const std::vector<double>& pulse_times_s() const { return pulse_times_.since_s; }
   [[nodiscard]] std::size_t row_count() const { return row_count_; }
   /// Reads the returns (and false returns) among rows [begin, begin + count). Throws FormatError, naming the
   /// row, for a return with a coordinate that is not finite or a pulse number that does not exist in /pulses.
@@ -82,7 +103,7 @@ class ScanReader {
 
  private:
   [[nodiscard]] bool has_pulse(std::size_t i) const {
-    return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_s_.size();
+    return pulse_[i] >= 0 && static_cast<std::size_t>(pulse_[i]) < pulse_times_.since_s.size();
   }
   [[nodiscard]] bool is_valid(const PointColumns& points, std::size_t i) const;
   [[nodiscard]] bool all_valid(const PointColumns& points, std::size_t first, std::size_t end) const;
@@ -92,7 +113,7 @@ class ScanReader {
   LandfallFileReader file_;
   TableReader points_;
   ColumnReader columns_;
-  std::vector<double> pulse_times_s_;
+  PulseTimes pulse_times_;
   std::string crs_wkt_;
   std::size_t row_count_ = 0;
   std::vector<std::int32_t> pulse_;  ///< values of the rows being read

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -74,6 +75,9 @@ Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance) 
     const LandfallFileReader& file = scans.emplace_back(std::make_unique<ScanReader>(path))->file();
     provenance.add_input("scan", file.file_id(), file.chain());
   }
+  double epoch_s = std::numeric_limits<double>::infinity();
+  for (const auto& scan : scans) epoch_s = std::min(epoch_s, scan->epoch_s());
+  for (const auto& scan : scans) scan->count_from(epoch_s);
   return scans;
 }
 

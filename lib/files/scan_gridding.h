@@ -15,7 +15,8 @@ namespace landfall {
 
 using Scans = std::vector<std::unique_ptr<ScanReader>>;
 
-/// Opens scans, and adds them to the inputs of what is made from them.
+/// Opens scans, and adds them to the inputs of what is made from them. All count their times from the
+/// earliest of their first pulses.
 [[nodiscard]] Scans open_scans(const std::vector<std::string>& paths, Provenance& provenance);
 
 /// Throws FormatError, naming the scan, if its history names another terrain than the one with this id.

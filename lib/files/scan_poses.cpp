@@ -8,13 +8,15 @@
 
 namespace landfall {
 
-ScanPoses read_scan_poses(const LandfallFileReader& scan) {
+ScanPoses read_scan_poses(const ScanReader& reader) {
+  const LandfallFileReader& scan = reader.file();
   const TableReader pulses(scan.root(), "pulses", scan.name());
   PulseColumns p;
-  const std::size_t count = pulses.row_count(name_of(&PulseColumns::t));
+  p.t = reader.pulse_times_s();
+  const std::size_t count = p.t.size();
   for (const auto member :
-       {&PulseColumns::t, &PulseColumns::px_est, &PulseColumns::py_est, &PulseColumns::pz_est,
-        &PulseColumns::qw_est, &PulseColumns::qx_est, &PulseColumns::qy_est, &PulseColumns::qz_est}) {
+       {&PulseColumns::px_est, &PulseColumns::py_est, &PulseColumns::pz_est, &PulseColumns::qw_est,
+        &PulseColumns::qx_est, &PulseColumns::qy_est, &PulseColumns::qz_est}) {
     if (pulses.row_count(name_of(member)) != count)
       scan.fail("columns /pulses/t and /pulses/" + std::string(name_of(member)) + " differ in length");
     (p.*member).resize(count);

@@ -18,9 +18,14 @@ struct MeshFile {
   std::string content_id;  ///< the hash of the file's bytes, as from content_id()
 };
 
-/// Reads Wavefront OBJ, PLY (ASCII and binary of either byte order), OFF and STL (ASCII and binary),
-/// identified by the file extension (.obj, .ply, .off, .stl, in upper or lower case). Normals, colours,
-/// texture, groups and materials are ignored, and material files are never opened.
+/// Reads Wavefront OBJ, PLY (ASCII and binary of either byte order), OFF and STL (ASCII and binary), and
+/// shape models of the Planetary Data System with the lines of an OBJ, identified by the file extension
+/// (.obj, .ply, .off, .stl, .tab, in upper or lower case). Normals, colours, texture, groups and materials
+/// are ignored, and material files are never opened.
+///
+/// Every part of the shape is read or refused: facets of any number of corners, several solids of an STL,
+/// triangle strips of a PLY; points, lines and free-form geometry are refused, and so is whatever follows the
+/// last element that the file declares. PolygonSoup::unread names other elements of a PLY.
 ///
 /// Throws FormatError, naming the file, the line or the offset, and the error: not a regular file, an unknown
 /// extension, a format that differs from the extension, an invalid number or index, a file that ends too
@@ -33,6 +38,8 @@ struct MeshFile {
 [[nodiscard]] PolygonSoup parse_off(std::string_view text, const std::string& name);
 [[nodiscard]] PolygonSoup parse_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] PolygonSoup parse_ply(std::string_view bytes, const std::string& name);
+/// An OBJ that may be a .tab. Throws FormatError for a table that does not begin as an OBJ does.
+[[nodiscard]] PolygonSoup parse_shape_table(std::string_view text, const std::string& name);
 
 /// Writes a terrain as a mesh, metres, frame D: OBJ if the name ends in .obj, else binary little-endian PLY
 /// (float64). A grid gives its triangles as D6 splits them, without triangles that have a NaN corner and

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/foreign_content.h"
 #include "meshio/mesh_file.h"
 #include "meshio/mesh_text.h"
 
@@ -91,7 +92,7 @@ void add_property(MeshText& text, std::vector<Element>& elements) {
 }
 
 Header read_header(std::string_view bytes, const std::string& name) {
-  MeshText text(bytes, name);
+  MeshText text(bytes, name, bytes.size() - without_byte_order_mark(bytes).size());
   if (text.word_of_line() != "ply") text.fail("is not a PLY file: it does not begin with 'ply'");
   Header header;
   bool has_format = false;
@@ -146,6 +147,13 @@ class Values {
   /// The least number of bytes of a value.
   [[nodiscard]] std::size_t least_size(Type type) const {
     return encoding_ == Encoding::text ? 1 : size_of(type);
+  }
+
+  /// Refuses what follows the last element.
+  void require_end() {
+    if (encoding_ == Encoding::text) return text_.require_end();
+    if (bytes_left() > 0)
+      fail(std::to_string(bytes_left()) + " bytes follow the last element that the header declares");
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -226,7 +234,7 @@ void add_polygon(const std::vector<double>& numbers, const Values& values, Polyg
     soup.corners.push_back(
         point_number(static_cast<std::int64_t>(number), [&](const std::string& what) { values.fail(what); }));
   }
-  soup.polygon_ends.push_back(soup.corners.size());
+  end_polygon(soup, [&](const std::string& what) { values.fail(what); });
 }
 
 /// The index of a property that the element must have, as a list or as a scalar.
@@ -235,7 +243,8 @@ std::size_t property_index(const Element& element, std::initializer_list<const c
   for (const char* const name : names)
     for (std::size_t i = 0; i < element.properties.size(); ++i)
       if (element.properties[i].name == name && element.properties[i].length.has_value() == is_list) return i;
-  throw FormatError(file + ": its element '" + element.name + "' has no property " + *names.begin());
+  throw FormatError(file + ": its element '" + element.name + "' has no " +
+                    (is_list ? "list " : "property ") + *names.begin());
 }
 
 void read_vertices(Values& values, const Element& element, const std::string& name, PolygonSoup& soup) {
@@ -250,14 +259,33 @@ void read_vertices(Values& values, const Element& element, const std::string& na
   }
 }
 
-void read_facets(Values& values, const Element& element, const std::string& name, PolygonSoup& soup) {
+/// read(numbers of the list) for each row of an element; its other properties are ignored.
+template <class Read>
+void read_lists(Values& values, const Element& element, const std::string& name, const Read& read) {
   const std::size_t corners = property_index(element, {"vertex_indices", "vertex_index"}, true, name);
   std::vector<double> list;
   for (std::int64_t i = 0; i < element.count; ++i)
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       static_cast<void>(read_property(values, element.properties[p], list));
-      if (p == corners) add_polygon(list, values, soup);
+      if (p == corners) read(list);
     }
+}
+
+/// The triangles of strips: each corner makes one with the two before it, whose order alternates so that all
+/// face the same side. -1 ends a strip within the list.
+void add_strips(const std::vector<double>& numbers, const Values& values, PolygonSoup& soup) {
+  auto begin = numbers.begin();
+  while (begin != numbers.end()) {
+    const auto end = std::find(begin, numbers.end(), -1.0);
+    if (end - begin == 1 || end - begin == 2)
+      values.fail("a triangle strip of " + std::to_string(end - begin) + " corners");
+    for (auto third = begin; third < end; ++third) {
+      if (third - begin < 2) continue;
+      const bool is_odd = (third - begin) % 2 == 1;
+      add_polygon({third[is_odd ? -1 : -2], third[is_odd ? -2 : -1], *third}, values, soup);
+    }
+    begin = end == numbers.end() ? end : end + 1;
+  }
 }
 
 void pass_over(Values& values, const Element& element) {
@@ -268,10 +296,28 @@ void pass_over(Values& values, const Element& element) {
       static_cast<void>(read_property(values, property, list));
 }
 
+/// An element of another name. Lines and the like belong to the shape; a camera or a material does not.
+void read_other(Values& values, const Element& element, const std::string& name, PolygonSoup& soup) {
+  if (element.count == 0) return;
+  for (const char* const shape : {"edge", "edges", "line", "polyline", "point", "range_grid", "cell"})
+    if (element.name == shape)
+      throw FormatError(name + ": has " + std::to_string(element.count) + " elements '" + element.name +
+                        "'; vertex, face and tristrips are read: remove or convert them");
+  pass_over(values, element);
+  soup.unread.push_back("element '" + shown_word(element.name) + "' (" + std::to_string(element.count) + ")");
+}
+
+void require_single(const std::vector<Element>& elements, const std::string& name) {
+  for (auto element = elements.begin(); element != elements.end(); ++element)
+    if (std::any_of(elements.begin(), element, [&](const Element& e) { return e.name == element->name; }))
+      throw FormatError(name + ": declares the element '" + shown_word(element->name) + "' twice");
+}
+
 }  // namespace
 
 PolygonSoup parse_ply(std::string_view bytes, const std::string& name) {
   const Header header = read_header(bytes, name);
+  require_single(header.elements, name);
   Values values(bytes, name, header);
   PolygonSoup soup;
   for (const Element& element : header.elements) {
@@ -279,10 +325,13 @@ PolygonSoup parse_ply(std::string_view bytes, const std::string& name) {
     if (element.name == "vertex")
       read_vertices(values, element, name, soup);
     else if (element.name == "face")
-      read_facets(values, element, name, soup);
+      read_lists(values, element, name, [&](const auto& list) { add_polygon(list, values, soup); });
+    else if (element.name == "tristrips")
+      read_lists(values, element, name, [&](const auto& list) { add_strips(list, values, soup); });
     else
-      pass_over(values, element);
+      read_other(values, element, name, soup);
   }
+  values.require_end();
   return soup;
 }
 

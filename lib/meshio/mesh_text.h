@@ -7,18 +7,23 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
+#include "base/parsed_number.h"
 #include "terrain/mesh/polygon_soup.h"
 
 namespace landfall {
 
-/// Reads words and lines of a text mesh file.
+/// Reads words and lines of a text mesh file. Lines end with LF, CR LF or CR.
 class MeshText {
  public:
   MeshText(std::string_view text, const std::string& name, std::size_t at = 0)
-      : text_(text), name_(name), at_(at) {}
+      : text_(text), name_(name), at_(at) {
+    const std::size_t end = text.find_first_of("\r\n");
+    cr_alone_ = end != std::string_view::npos && text[end] == '\r' && text.substr(end + 1, 1) != "\n";
+  }
 
   /// From here on, a backslash at the end of a line joins the next line to it, as in OBJ.
   void join_lines() { joins_lines_ = true; }
@@ -35,28 +40,27 @@ class MeshText {
   /// The next word of this line; empty at its end.
   std::string_view word_of_line() {
     for (;;) {
-      while (at_ < text_.size() && is_space(text_[at_]) && text_[at_] != '\n') ++at_;
+      while (at_ < text_.size() && is_space(text_[at_]) && !is_line_end(text_[at_])) ++at_;
       const std::size_t next = joined_line();
       if (next == 0) return word_here();
       at_ = next;
     }
   }
 
-  /// Goes to the beginning of the next line.
+  /// Goes to the beginning of the next line. Where the first line of the text ends with CR alone, so does
+  /// this one: a LF after it may be the first byte of binary data.
   void skip_line() {
-    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
-    if (at_ < text_.size()) ++at_;
+    while (at_ < text_.size() && !is_line_end(text_[at_])) ++at_;
+    if (at_ < text_.size()) at_ += !cr_alone_ && text_.substr(at_, 2) == "\r\n" ? 2U : 1U;
   }
 
   [[nodiscard]] double number(std::string_view word) const {
-    const std::string_view digits = word.substr(!word.empty() && word.front() == '+' ? 1 : 0);
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool is_tiny = error == std::errc::result_out_of_range;  // or too large
-    if ((error != std::errc() && !is_tiny) || end != digits.data() + digits.size() || digits.empty())
+    const ParsedNumber parsed = parsed_number(word);
+    if (parsed.outcome == ParsedNumber::Outcome::not_a_number)
       fail("'" + shown_word(word) + "' is not a number");
-    if (is_tiny) fail("'" + shown_word(word) + "' is beyond double precision");
-    return value;
+    if (parsed.outcome == ParsedNumber::Outcome::too_large)
+      fail("'" + shown_word(word) + "' is beyond double precision");
+    return parsed.value;
   }
 
   [[nodiscard]] std::int64_t integer(std::string_view word) const {
@@ -74,14 +78,32 @@ class MeshText {
     return {x, y, number(word_of_line())};
   }
 
+  /// The numbers that remain on this line, up to a comment.
+  std::vector<double> numbers_of_line() {
+    std::vector<double> numbers;
+    for (std::string_view word = word_of_line(); !word.empty() && word.front() != '#'; word = word_of_line())
+      numbers.push_back(number(word));
+    return numbers;
+  }
+
+  /// Refuses a word: what follows the last element of the file.
+  void require_end() {
+    for (std::string_view rest = word(); !rest.empty(); rest = word()) {
+      if (rest.front() != '#')
+        fail("'" + shown_word(rest) + "' follows the last element that the file declares");
+      skip_line();
+    }
+  }
+
   /// "NAME: line 12: what".
   [[noreturn]] void fail(const std::string& what) const {
     std::size_t line = 1;
-    for (const char c : text_.substr(0, at_)) line += c == '\n' ? 1U : 0U;
+    for (const char c : text_.substr(0, at_)) line += c == (cr_alone_ ? '\r' : '\n') ? 1U : 0U;
     throw FormatError(name_ + ": line " + std::to_string(line) + ": " + what);
   }
 
  private:
+  [[nodiscard]] static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   [[nodiscard]] static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
   std::string_view word_here() {
@@ -93,15 +115,26 @@ class MeshText {
   /// The beginning of the next line if a backslash here joins it; else 0.
   [[nodiscard]] std::size_t joined_line() const {
     if (!joins_lines_ || at_ >= text_.size() || text_[at_] != '\\') return 0;
-    const std::size_t end = at_ + (text_.substr(at_ + 1, 1) == "\r" ? 2 : 1);
-    return text_.substr(end, 1) == "\n" ? end + 1 : 0;
+    if (text_.substr(at_ + 1, 2) == "\r\n") return at_ + 3;
+    return at_ + 1 < text_.size() && is_line_end(text_[at_ + 1]) ? at_ + 2 : 0;
   }
 
   std::string_view text_;
   std::string name_;
   std::size_t at_;
   bool joins_lines_ = false;
+  bool cr_alone_ = false;  ///< the first line ends with CR alone
 };
+
+/// Ends the polygon whose corners were added last. `fail` reports one that is no facet.
+template <class Fail>
+void end_polygon(PolygonSoup& soup, const Fail& fail) {
+  const std::size_t corners =
+      soup.corners.size() - (soup.polygon_ends.empty() ? 0 : soup.polygon_ends.back());
+  if (corners < 3)
+    fail("a facet of " + std::to_string(corners) + " corners; a terrain has no points and lines: remove it");
+  soup.polygon_ends.push_back(soup.corners.size());
+}
 
 /// The index of a point as soups store it; `fail` reports any invalid number.
 template <class Fail>

@@ -26,7 +26,7 @@ UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
   std::vector<ScanPoses> poses;
   for (const auto& scan : scans) {
     origins.push_back({scan->file().name(), scan->file().config()});
-    poses.push_back(read_scan_poses(scan->file()));
+    poses.push_back(read_scan_poses(*scan));
   }
   nlohmann::json& config = output.provenance.config;
   const UncertaintyParameters parameters = uncertainty_parameters(config, output.config_name, origins);
@@ -109,6 +109,7 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
       layers.left_out = "leaves out errors of the scans: " + uncertainty->left_out;
   }
   const Scene truth = open_truth(sources, scans, config.grid, output);
+  layers.epoch_s = scans.front()->epoch_s();
   layers.truth = truth.surface.get();
   layers.truth_at = config.truth_at;
   check_layers(layers);

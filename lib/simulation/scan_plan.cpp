@@ -44,12 +44,12 @@ void ScanPlan::add(const PulseBatch& batch) {
   }
 }
 
-void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double t_s) {
+void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double since_start_s) {
   std::int32_t& count = count_.values()[bin];
   if (count == std::numeric_limits<std::int32_t>::max())
     throw FormatError(
         "a bin of the plan has more than 2147483647 returns; plan a shorter scan or finer bins");
-  if (count++ == 0) first_seen_s_.values()[bin] = static_cast<float>(t_s);
+  if (count++ == 0) first_seen_s_.values()[bin] = static_cast<float>(since_start_s);
   if (last_pulse_.values()[bin] == pulse) return;
   last_pulse_.values()[bin] = pulse;
   ++frames_.values()[bin];
@@ -58,7 +58,9 @@ void ScanPlan::add_return(std::size_t bin, std::int32_t pulse, double t_s) {
 ScanPlan plan_scan(const Simulation& simulation, Grid<std::int8_t> region, std::int64_t points_per_batch,
                    const ProgressCallback& progress) {
   ScanPlan plan(std::move(region));
+  std::int64_t pulse = 0;
   const auto add = [&](PulseBatch& batch) {
+    for (double& t_s : batch.pulses.t) t_s = simulation.since_start_s(pulse++);
     plan.add(batch);
     return SinkWork{};
   };

@@ -27,7 +27,8 @@ class ScanPlan {
   /// `region`: 1 for each bin that the scan should cover.
   explicit ScanPlan(Grid<std::int8_t> region);
 
-  /// Adds the next pulses in order of time. The batch must hold all their pixels.
+  /// Adds the next pulses in order of time, with times since the first pulse. The batch must hold all their
+  /// pixels.
   void add(const PulseBatch& batch);
 
   [[nodiscard]] const Grid<std::int8_t>& region() const { return region_; }
@@ -35,14 +36,14 @@ class ScanPlan {
   [[nodiscard]] const Grid<std::int32_t>& count() const { return count_; }
   /// Number of pulses with a return in the bin; more than one means overlap.
   [[nodiscard]] const Grid<std::int32_t>& frames() const { return frames_; }
-  /// When the bin was first seen, seconds, as t in the pulse table; NaN if never.
+  /// When the bin was first seen, seconds since the first pulse; NaN if never.
   [[nodiscard]] const Grid<float>& first_seen_s() const { return first_seen_s_; }
   [[nodiscard]] const PulseBudget& pulses() const { return pulses_; }
   [[nodiscard]] std::int64_t return_count() const { return return_count_; }
   [[nodiscard]] std::int64_t region_return_count() const { return region_return_count_; }
 
  private:
-  void add_return(std::size_t bin, std::int32_t pulse, double t_s);
+  void add_return(std::size_t bin, std::int32_t pulse, double since_start_s);
 
   Grid<std::int8_t> region_;
   Grid<std::int32_t> count_;

@@ -32,10 +32,11 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
     : pulse_rate_hz_(model.pulse_rate_hz),
       pulse_count_(landfall::pulse_count(model)),
       attitude_knowledge_(model.attitude_knowledge),
-      first_nominal_pose_(model.trajectory->nominal_pose(model.trajectory->start_time_s())),
+      first_nominal_pose_(model.trajectory->nominal_pose(0)),
       trajectory_(std::move(model.trajectory)),
       navigation_error_(std::move(model.navigation_error)),
       estimate_(std::move(model.estimate)),
+      estimate_lead_s_(estimate_ ? trajectory_->epoch_s() - estimate_->epoch_s() : 0),
       simulator_(std::move(model.lidar), engine, ground, albedo) {
   // Fail now, not after an hour, if a trajectory or a table of angles is too short.
   const PulseInput last = pulse(pulse_count_ - 1);
@@ -43,15 +44,14 @@ Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSu
   static_cast<void>(
       simulator_.lidar().scanner->state({.time = {last.time.pulse, last.time.since_start_s + mirror_s}}));
   static_cast<void>(believed_pose(0));
-  static_cast<void>(believed_pose(static_cast<double>(pulse_count_ - 1) / pulse_rate_hz_));
+  static_cast<void>(believed_pose(since_start_s(pulse_count_ - 1)));
 }
 
 Pose Simulation::believed_pose(double since_start_s) const {
-  const double t_s = trajectory_->start_time_s() + since_start_s;
-  if (estimate_) return estimate_->pose(t_s);
-  Pose known = trajectory_->pose(t_s);
+  if (estimate_) return estimate_->pose(since_start_s + estimate_lead_s_);
+  Pose known = trajectory_->pose(since_start_s);
   if (attitude_knowledge_ == AttitudeKnowledge::commanded)
-    known.rotation = trajectory_->nominal_pose(t_s).rotation;
+    known.rotation = trajectory_->nominal_pose(since_start_s).rotation;
   return navigation_error_ ? navigation_error_->estimated(known, since_start_s) : known;
 }
 
@@ -59,21 +59,20 @@ double Simulation::stamped_time_s(const PulseTime& pulse) const {
   const double error_s = simulator_.lidar().pointing_error.time_stamp_error_s(pulse.pulse);
   if (error_s == 0) return pulse.since_start_s;
   const Trajectory& known = estimate_ ? *estimate_ : *trajectory_;
-  const double start_s = trajectory_->start_time_s();
-  return std::clamp(pulse.since_start_s + error_s, known.earliest_time_s() - start_s,
-                    known.end_time_s() - start_s);
+  return std::clamp(pulse.since_start_s + error_s, known.earliest_time_s() - estimate_lead_s_,
+                    known.end_time_s() - estimate_lead_s_);
 }
 
 PulseInput Simulation::pulse(std::int64_t k) const {
-  const double since_start_s = static_cast<double>(k) / pulse_rate_hz_;
+  const double since_start_s = this->since_start_s(k);
   PulseInput input{.time = {k, since_start_s},
-                   .t_s = trajectory_->start_time_s() + since_start_s,
+                   .t_s = trajectory_->epoch_s() + since_start_s,
                    .interval_s = 1 / pulse_rate_hz_};
-  input.truth = trajectory_->pose(input.t_s);
+  input.truth = trajectory_->pose(since_start_s);
   input.estimate = believed_pose(stamped_time_s(input.time));
   const Pattern* pattern = simulator_.lidar().pattern.get();
   if (pattern != nullptr)
-    input.nominal = pattern->compensated() ? trajectory_->nominal_pose(input.t_s) : first_nominal_pose_;
+    input.nominal = pattern->compensated() ? trajectory_->nominal_pose(since_start_s) : first_nominal_pose_;
   return input;
 }
 
@@ -136,12 +135,11 @@ void Simulation::look(std::int64_t pulse, const TrueRanges& truth, PulseWorkspac
 }
 
 Transform<DemFrame, LidarFrame> Simulation::true_lidar(std::int64_t pulse) const {
-  const double since_start_s = static_cast<double>(pulse) / pulse_rate_hz_;
-  return trajectory_->pose(trajectory_->start_time_s() + since_start_s) * simulator_.true_mount(pulse);
+  return trajectory_->pose(since_start_s(pulse)) * simulator_.true_mount(pulse);
 }
 
 Transform<DemFrame, LidarFrame> Simulation::believed_lidar(std::int64_t pulse) const {
-  const PulseTime time{pulse, static_cast<double>(pulse) / pulse_rate_hz_};
+  const PulseTime time{pulse, since_start_s(pulse)};
   return believed_pose(stamped_time_s(time)) * simulator_.lidar().mount;
 }
 

@@ -22,7 +22,8 @@ struct ScanModel {
   std::unique_ptr<const NavigationError> navigation_error{};  ///< empty: the estimate equals the truth
   double pulse_rate_hz = 20000;
   double scan_time_s = 2;
-  /// The lander's estimated trajectory, used instead of the truth with a navigation error.
+  /// The lander's estimated trajectory, on the clock of `trajectory`; used instead of the truth with a
+  /// navigation error.
   std::unique_ptr<const Trajectory> estimate{};
   AttitudeKnowledge attitude_knowledge = AttitudeKnowledge::truth;
 };
@@ -36,9 +37,9 @@ struct PulseSpan {
   std::int64_t count = 0;
 };
 
-/// The pulse loop. Pulses are sent at t_k = t0 + k/f, k = 0 .. N - 1, N = floor(f T + 1e-9), or fewer if the
-/// pattern stops; all pixels of a pulse share its time, pose and scanner state. The pattern aims from the
-/// trajectory's nominal pose: at t_k for a compensated pattern, at t0 otherwise.
+/// The pulse loop. Pulses are sent k/f after the trajectory's epoch, k = 0 .. N - 1, N = floor(f T + 1e-9),
+/// or fewer if the pattern stops; all pixels of a pulse share its time, pose and scanner state. The pattern
+/// aims from the trajectory's nominal pose: at k/f for a compensated pattern, at 0 otherwise.
 ///
 /// The estimated pose of the pulse at t is the one at t + e, e the lidar's time-stamp error; t + e is clamped
 /// to the times of the trajectory, or of the estimate where one is given.
@@ -54,6 +55,10 @@ class Simulation {
              const SurfaceAlbedo* albedo = nullptr);
 
   [[nodiscard]] std::int64_t pulse_count() const { return pulse_count_; }
+  /// The time of a pulse since the first one.
+  [[nodiscard]] double since_start_s(std::int64_t pulse) const {
+    return static_cast<double>(pulse) / pulse_rate_hz_;
+  }
   /// Number of pulses over pulse rate, seconds.
   [[nodiscard]] double duration_s() const { return static_cast<double>(pulse_count_) / pulse_rate_hz_; }
   /// Rays of all pulses, including those of sub-pixels.
@@ -105,6 +110,7 @@ class Simulation {
   std::unique_ptr<const Trajectory> trajectory_;
   std::unique_ptr<const NavigationError> navigation_error_;
   std::unique_ptr<const Trajectory> estimate_;
+  double estimate_lead_s_;  ///< how long after the estimate's epoch that of the trajectory is
   PulseSimulator simulator_;
 };
 

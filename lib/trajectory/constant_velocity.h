@@ -16,8 +16,8 @@ struct ConstantVelocityParameters {
   RollPitchYaw rpy_rate_radps{};
 };
 
-/// p = position + velocity (t - t0); roll, pitch and yaw are each linear in t - t0; t0 = 0. The motion has no
-/// beginning and no end: times before t0 are extrapolated.
+/// p = position + velocity t; roll, pitch and yaw are each linear in t; t0 = 0. The motion has no beginning
+/// and no end: times before 0 are extrapolated.
 class ConstantVelocity : public Trajectory {
  public:
   /// Throws UsageError, naming the key, where a number is not finite.
@@ -32,7 +32,6 @@ class ConstantVelocity : public Trajectory {
     const RollPitchYaw rpy = linear(parameters_.rpy, t_s, parameters_.rpy_rate_radps);
     return {rotation_from<DemFrame, BodyFrame>(rpy), parameters_.position_m + t_s * parameters_.velocity_mps};
   }
-  [[nodiscard]] double start_time_s() const override { return 0; }
   [[nodiscard]] double earliest_time_s() const override { return -std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double end_time_s() const override { return std::numeric_limits<double>::infinity(); }
 

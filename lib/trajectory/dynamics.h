@@ -50,7 +50,6 @@ class DynamicsTrajectory : public Trajectory {
 
   /// A time that lies up to 1 ns outside the span counts as its end.
   [[nodiscard]] Pose pose(double t_s) const override;
-  [[nodiscard]] double start_time_s() const override { return 0; }
   /// The last control time: duration_s or up to one control period later.
   [[nodiscard]] double end_time_s() const override;
 

@@ -69,17 +69,21 @@ std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) 
 }  // namespace
 
 TableTrajectory::TableTrajectory(std::vector<TrajectorySample> samples, std::string name)
-    : name_(std::move(name)), samples_(std::move(samples)) {
+    : name_(std::move(name)),
+      epoch_s_(samples.empty() ? 0 : samples.front().t_s),
+      samples_(std::move(samples)) {
+  for (TrajectorySample& sample : samples_) sample.t_s -= epoch_s_;
   check(samples_, name_);
   for (TrajectorySample& sample : samples_) sample.attitude.normalize();
   slopes_mps_ = slopes(samples_);
 }
 
 Pose TableTrajectory::pose(double t_s) const {
-  if (!(t_s >= start_time_s() - kTimeSlack_s && t_s <= end_time_s() + kTimeSlack_s))
-    throw FormatError(name_ + ": time " + number_text(t_s) + " s lies outside the table, " +
-                      number_text(start_time_s()) + " .. " + number_text(end_time_s()) + " s");
-  const double t = std::clamp(t_s, start_time_s(), end_time_s());
+  if (!(t_s >= -kTimeSlack_s && t_s <= end_time_s() + kTimeSlack_s))
+    throw FormatError(name_ + ": time " + number_text(t_s) + " s lies outside the table, 0 .. " +
+                      number_text(end_time_s()) + " s" +
+                      (epoch_s_ == 0 ? "" : " after its first row, t_s = " + number_text(epoch_s_)));
+  const double t = std::clamp(t_s, 0.0, end_time_s());
   // The piece that begins at or before t. The last time belongs to the last piece.
   const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, t,
                                      [](double time, const TrajectorySample& s) { return time < s.t_s; });

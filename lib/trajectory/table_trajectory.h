@@ -12,7 +12,7 @@ namespace landfall {
 
 /// One row of a trajectory table.
 struct TrajectorySample {
-  double t_s = 0;
+  double t_s = 0;  ///< on any clock
   Point<DemFrame> position_m{};
   /// D <- B, Hamilton; note that Eigen's constructor takes (w, x, y, z).
   Eigen::Quaterniond attitude = Eigen::Quaterniond::Identity();
@@ -28,20 +28,21 @@ struct TrajectorySample {
 /// - attitudes by slerp between neighbours, the shortest way: constant body rate from sample to sample.
 class TableTrajectory : public Trajectory {
  public:
-  /// Times must increase strictly, all numbers must be finite, and the norm of a quaternion must be within
-  /// 1e-3 of 1 (it is then normalised); at least 2 rows. Throws FormatError otherwise; the message begins
-  /// with `name` and names the row counted from 1.
+  /// The epoch is the first row's time; from here on, only differences from it are used. These must increase
+  /// strictly, all numbers must be finite, and the norm of a quaternion must be within 1e-3 of 1 (it is then
+  /// normalised); at least 2 rows. Throws FormatError otherwise; the message begins with `name` and names the
+  /// row counted from 1.
   explicit TableTrajectory(std::vector<TrajectorySample> samples, std::string name = "trajectory table");
 
   /// A time that lies up to 1 ns outside the table counts as its end: pulse times are rounded.
   [[nodiscard]] Pose pose(double t_s) const override;
-  /// The time of the first row.
-  [[nodiscard]] double start_time_s() const override { return samples_.front().t_s; }
+  [[nodiscard]] double epoch_s() const override { return epoch_s_; }
   [[nodiscard]] double end_time_s() const override { return samples_.back().t_s; }
 
  private:
   std::string name_;
-  std::vector<TrajectorySample> samples_;
+  double epoch_s_;
+  std::vector<TrajectorySample> samples_;  ///< with times since the epoch
   std::vector<Vector<DemFrame>> slopes_mps_;
 };
 

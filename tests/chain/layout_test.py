@@ -19,8 +19,8 @@ POINTS = dict.fromkeys(["x_est", "y_est", "z_est", "x_true", "y_true", "z_true",
 POSE = ["px", "py", "pz", "qw", "qx", "qy", "qz"]
 PULSES = dict.fromkeys(["t", "angle_1", "angle_2"] + [f"{name}_{which}" for which in ("true", "est") for name in POSE],
                        FLOAT64) | {"point_begin": INT64, "point_count": INT32}
-DEM = dict.fromkeys(["z_est", "x_true", "y_true", "z_true", "weight_sum"], FLOAT64) | {"count": INT32} | \
-    dict.fromkeys(["x_est_mean", "y_est_mean", "t_mean", "z_spread"], FLOAT32)
+DEM = dict.fromkeys(["z_est", "x_true", "y_true", "z_true", "weight_sum", "t_mean"], FLOAT64) | {"count": INT32} | \
+    dict.fromkeys(["x_est_mean", "y_est_mean", "z_spread"], FLOAT32)
 EVAL = dict.fromkeys(["e_x", "e_y", "e_z"], FLOAT64) | \
     dict.fromkeys(["abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "distance_to_valid"], FLOAT32) | \
     {"invalid": INT8, "in_region": INT8, "hole_id": INT32, "fail": INT8}

@@ -198,6 +198,14 @@ def make_broken_landfall_files():
         file["a"] = file["b"] = np.zeros((4, 4))
     with h5py.File("times.h5", "w") as file:
         file["t_s"] = [0.0, 1.0]
+    with h5py.File("groups.h5", "w") as file, h5py.File("matrix.h5", "w") as other:
+        for name in ("t_s", "x_m", "y_m", "z_m"):
+            file["a/" + name] = file["b/" + name] = [0.0, 1.0]
+            other[name] = np.zeros((2, 2))
+    with h5py.File("cube.h5", "w") as file:
+        for name in ("t_s", "x_m", "y_m", "z_m"):
+            file[name] = np.zeros(2)
+        file["vx_mps"] = np.zeros((2, 1, 1))
     edited("incomplete.h5", "dem.h5", attribute("complete", 0))
     edited("newer.h5", "dem.h5", attribute("format_version", "2.0"))
     with h5py.File("terrain.h5") as file:
@@ -300,5 +308,7 @@ def make_files():
     with open("cut.ply", "wb") as file:
         file.write(b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
                    b"end_header\n\x03\0\0")
+    with open("long.ply", "wb") as file:
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n\x03\0\0")
     with open("short.stl", "wb") as file:
         file.write(b" " * 80 + struct.pack("<I", 7) + b"\0" * 60)

@@ -163,8 +163,8 @@ def check_counts(ledger, status):
 
 # dem.h5
 
-DOUBLE = ["z_est", "weight_sum", "x_true", "y_true"]
-FLOATS = ["x_est_mean", "y_est_mean", "t_mean"]
+DOUBLE = ["z_est", "weight_sum", "x_true", "y_true", "t_mean"]
+FLOATS = ["x_est_mean", "y_est_mean"]
 SIGMAS = ["z_sigma_abs", "z_sigma_rel", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma"]
 
 
@@ -180,6 +180,10 @@ def check_dem(case, ledger, ground, scans=("scan.h5",)):
     config = config_of("dem.h5")
     parts = [returns(path) for path in scans]
     points, pulses = {name: np.concatenate([part[name] for part, _ in parts]) for name in parts[0][0]}, parts[0][1]
+    epoch = min(pulses["t"][0] for _, pulses in parts)
+    with h5py.File("dem.h5") as file:
+        ledger.equal("dem: epoch_s", [file["t_mean"].attrs["epoch_s"]], [epoch])
+    points["t"], pulses["t"] = points["t"] - epoch, pulses["t"] - epoch
     bins = regrid.Bins(points, config)
     expected, dem = bins.layers(ground), columns("dem.h5")
     of = f" ({config['method']})"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Mesh files, as terrain-gen --from takes them.
 //
-// An input is a letter (o: OBJ, p: PLY, f: OFF, s: STL) and the file.
+// An input is a letter (o: OBJ, p: PLY, f: OFF, s: STL, t: shape table) and the file.
 #include <cmath>
 
 #include "fuzz_target.h"
@@ -21,6 +21,8 @@ PolygonSoup parse(std::uint8_t format, const std::string& bytes) {
       return parse_off(bytes, kName);
     case 's':
       return parse_stl(bytes, kName);
+    case 't':
+      return parse_shape_table(bytes, kName);
     default:
       return parse_obj(bytes, kName);
   }

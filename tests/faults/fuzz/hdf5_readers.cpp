@@ -63,7 +63,7 @@ void read_scan(const Path& path) {
   ScanPoints points;
   for (std::size_t begin = 0; begin < scan.row_count(); begin += kTableChunkRows)
     scan.read(begin, std::min(kTableChunkRows, scan.row_count() - begin), points);
-  static_cast<void>(PoseTrack({read_scan_poses(scan.file())}));
+  static_cast<void>(PoseTrack({read_scan_poses(scan)}));
 }
 
 void read_ranges(const Path& path) {
@@ -87,7 +87,7 @@ void export_points(const Path& path) {
   std::vector<std::string> names;
   for (const ContentInfo& column : points.columns()) names.push_back(column.name);
   write_points_csv(points, {names, {false, 2}}, sink);
-  write_points_las(points, "est", 1, "fuzz", sink);
+  write_points_las(points, {.software = "fuzz"}, sink);
 }
 
 void judge_dem(const Path& path) {

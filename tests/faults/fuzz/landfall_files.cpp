@@ -126,7 +126,7 @@ void make_dem(const fs::path& path, const fs::path& scan_path, const fs::path& t
   const GridSpec grid = regrid_config(provenance.config, "config").grid;
   GriddedScans gridded = grid_scans(scans, {grid, Method::bilinear_nearest, true});
   gridded.slopes = slope_layer(*gridded.nearest);
-  const PoseTrack poses({read_scan_poses(scans.front()->file())});
+  const PoseTrack poses({read_scan_poses(*scans.front())});
   gridded.uncertainty = std::make_unique<UncertaintyMap>(*gridded.nearest, *gridded.moments, gridded.slopes,
                                                          poses, UncertaintyParameters{.range_sigma_m = 0.02});
   const DemRequest request{{}, terrain.surface.get(), TruthAt::bin_center, true, true, "nothing"};

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "memory_sink.h"
@@ -14,11 +15,12 @@
 namespace landfall {
 namespace {
 
-std::string las(const SmallScan& scan, std::size_t every = 1) {
+std::string las(const SmallScan& scan, std::size_t every = 1, LasTime time = LasTime::scan) {
   const TemporaryFolder folder;
   scan.write(folder / "scan.h5");
   MemorySink sink;
-  write_points_las(PointReader(folder / "scan.h5"), "est", every, "landfall-export 1.2.3 (a very long name)",
+  write_points_las(PointReader(folder / "scan.h5"),
+                   {.every = every, .time = time, .software = "landfall-export 1.2.3 (a very long name)"},
                    sink);
   return sink.bytes();
 }
@@ -60,6 +62,28 @@ TEST(PointsLas, HoldsPlaceTimeAndClass) {
   EXPECT_EQ(at<std::uint8_t>(file, third + 15), 7);
   EXPECT_EQ(at<std::uint8_t>(file, third + 15 - kLasPointBytes), 1);
   EXPECT_EQ(at<double>(file, third + 20), 0.25);
+}
+
+/// The GPS time of the last point, and the global encoding.
+std::pair<double, int> time_and_encoding(const SmallScan& scan, LasTime time) {
+  const std::string file = las(scan, 1, time);
+  return {at<double>(file, file.size() - 8), at<std::uint16_t>(file, 6)};
+}
+
+// LAS 1.2, table 2: with bit 0 of the global encoding, times are GPS seconds less 1e9; without, small
+// numbers.
+TEST(PointsLas, TimesFitTheGlobalEncoding) {
+  const SmallScan gps{.t = {1.4e9, 1.4e9 + 0.25, 1.4e9 + 0.5}};
+  EXPECT_EQ(time_and_encoding(gps, LasTime::scan), std::pair(0.5, 0));
+  EXPECT_EQ(time_and_encoding(gps, LasTime::gps), std::pair(4e8 + 0.5, 1));
+  EXPECT_EQ(time_and_encoding({}, LasTime::gps), std::pair(-1e9 + 0.5, 1));
+}
+
+TEST(PointsLas, RefusesTimesBeforeTheGpsClock) {
+  const SmallScan early{.t = {-1, -0.75, -0.5}};
+  EXPECT_EQ(time_and_encoding(early, LasTime::scan), std::pair(0.5, 0));
+  EXPECT_THAT([&] { las(early, 1, LasTime::gps); },
+              testing::ThrowsMessage<UsageError>(testing::HasSubstr("a pulse is at -1 s")));
 }
 
 TEST(PointsLas, BoundsAreThoseOfTheSelectedPoints) {

@@ -104,10 +104,32 @@ TEST(ScanReader, ReadsTheReturnsWithTheirTimes) {
     const ScanPoints points = read_all({.options = {.keep_misses = keep_misses}});
     EXPECT_THAT(points.columns.x_est, ElementsAre(1, 2, 4));
     EXPECT_THAT(points.columns.z_true, ElementsAre(1, 2, 4));
-    EXPECT_THAT(points.t, ElementsAre(0.5, 0.5, 1.5));
+    EXPECT_THAT(points.t, ElementsAre(0, 0, 1)) << "since the first pulse";
     EXPECT_EQ(points.view().t.data(), points.t.data());
     EXPECT_EQ(points.view().y_true.data(), points.columns.y_true.data());
   }
+}
+
+// 1.4e9 s has a spacing of 2.4e-7 s, so that pulses 1/3 s apart are stored with an error.
+TEST(PulseTimes, AreExactForAConstantRateOnAnyClock) {
+  for (const double epoch_s : {0.0, 7.3, -1e6 / 3, 1.4e9}) {
+    std::vector<double> stored;
+    std::vector<double> exact;
+    for (int k = 0; k < 1000; ++k) {
+      exact.push_back(k / 3e3);
+      stored.push_back(epoch_s + exact.back());
+    }
+    const PulseTimes times = times_since_first(stored, 3e3);
+    EXPECT_EQ(times.epoch_s, epoch_s);
+    EXPECT_EQ(times.since_s, exact) << epoch_s;
+  }
+}
+
+TEST(PulseTimes, AreDifferencesOtherwise) {
+  EXPECT_THAT(times_since_first({5, 5.25, 5.5}, std::nullopt).since_s, ElementsAre(0, 0.25, 0.5));
+  EXPECT_THAT(times_since_first({5, 5.25, 5.75}, 4).since_s, ElementsAre(0, 0.25, 0.75)) << "not at 4 Hz";
+  EXPECT_THAT(times_since_first({5, 4}, std::nullopt).since_s, ElementsAre(0, -1));
+  EXPECT_THAT(times_since_first({}, 4).since_s, testing::IsEmpty());
 }
 
 // Row 4 is the third return: rows are those of the file, also where misses before it are left out.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "exports/small_scan.h"
+#include "files/dem_file.h"
 #include "temporary_folder.h"
 
 namespace landfall {
@@ -51,6 +52,29 @@ TEST_F(ScanGridding, AllScansAreInOneMap) {
   EXPECT_DOUBLE_EQ(bin(gridded, 2).z_est, 4.25);
   EXPECT_EQ(gridded.bins->inside_count(), 4);
   EXPECT_EQ(gridded.bins->outside_count(), 4);
+}
+
+// The second scan begins 2 s after the first: their returns about x = 1 m have the times 0 and 2 s.
+TEST_F(ScanGridding, OpenedScansCountFromTheEarliestFirstPulse) {
+  SmallScan scan{.t = {1.4e9, 1.4e9 + 0.25, 1.4e9 + 0.5}};
+  scan.write(folder_ / "first.h5");
+  for (double& x : scan.x) x += 0.25;
+  for (double& t : scan.t) t += 2;
+  scan.write(folder_ / "second.h5");
+  Provenance provenance{.tool = "regrid"};
+  const Scans scans = open_scans({folder_ / "second.h5", folder_ / "first.h5"}, provenance);
+  for (const auto& opened : scans) EXPECT_EQ(opened->epoch_s(), 1.4e9);
+  const GriddedScans gridded = grid_scans(scans, {kGrid, Method::mean});
+  EXPECT_EQ(bin(gridded, 1).t, 1);
+  {
+    LandfallFileWriter file({folder_ / "dem.h5"}, "dem", provenance);
+    write_dem(file, gridded, {.layers = {"t_mean"}, .epoch_s = scans.front()->epoch_s()}, "");
+  }
+  const LandfallFileReader dem(folder_ / "dem.h5", {"dem"});
+  const h5::Handle layer = h5::open_dataset(dem.root(), "t_mean");
+  EXPECT_EQ(h5::read_number_attribute(layer.get(), "epoch_s"), 1.4e9);
+  const h5::Handle type(H5Dget_type(layer.get()), H5Tclose);
+  EXPECT_EQ(H5Tget_size(type.get()), 8U);
 }
 
 TEST_F(ScanGridding, TheWeightedMeanHasItsMoments) {

@@ -154,6 +154,32 @@ TEST(ErrorEffects, ATableOfEstimatesIsTheEstimate) {
   EXPECT_EQ(batch.pulses.pz_true[99], lander(99).z());
 }
 
+/// Moves, on any clock, from x = t - first at `first_s` on.
+std::unique_ptr<TableTrajectory> moving_from(double first_s, double epoch_s) {
+  const auto row = [&](double t) {
+    return TrajectorySample{epoch_s + t, {{std::sin(t), t, 503}}, Eigen::Quaterniond::Identity()};
+  };
+  return std::make_unique<TableTrajectory>(
+      std::vector<TrajectorySample>{row(first_s), row(0.5), row(0.75), row(2)}, "on a clock");
+}
+
+// Truth, estimates that begin 0.5 s earlier, and time-stamp errors: the clock changes only the column t.
+TEST(ErrorEffects, AClockDoesNotChangeTheScan) {
+  const PlaneEngine engine;
+  const auto made = [&](double epoch_s) {
+    ScanModel model = scan({.pointing = {.time_stamp_bias_s = -0.0025}});
+    model.trajectory = moving_from(0, epoch_s);
+    model.estimate = moving_from(-0.5, epoch_s);
+    return simulate(std::move(model), engine);
+  };
+  PulseBatch gps = made(1.4e9);
+  const PulseBatch plain = made(0);
+  EXPECT_EQ(gps.points, plain.points);
+  EXPECT_EQ(gps.pulses.px_est, plain.pulses.px_est);
+  EXPECT_EQ(gps.pulses.t[99], 1.4e9 + plain.pulses.t[99]);
+  EXPECT_NEAR(plain.pulses.py_est[99], 0.099 - 0.0025, 0.01);
+}
+
 TEST(ErrorEffects, EstimatesMustReachOverTheScan) {
   const PlaneEngine engine;
   for (const auto& [first_s, last_s] : {std::pair(0.01, 1.0), std::pair(-1.0, 0.05)}) {

@@ -14,7 +14,7 @@ namespace {
 
 TEST(ConstantVelocity, DefaultIsThePapersDescent) {
   const ConstantVelocity descent({});
-  EXPECT_EQ(descent.start_time_s(), 0);
+  EXPECT_EQ(descent.epoch_s(), 0);
   EXPECT_TRUE(std::isinf(descent.end_time_s()));
   EXPECT_EQ(descent.pose(0).position.v, Eigen::Vector3d(0, 0, 500));
   EXPECT_EQ(descent.pose(2).position.v, Eigen::Vector3d(0, 0, 454));

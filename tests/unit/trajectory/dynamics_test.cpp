@@ -48,7 +48,7 @@ TEST(Dynamics, GoesThroughItsStatesAndEndsAtTheLast) {
                                      .control_period_s = 0.03,
                                      .duration_s = 2});
   ASSERT_EQ(tumbling.states().size(), 68U);
-  EXPECT_EQ(tumbling.start_time_s(), 0);
+  EXPECT_EQ(tumbling.epoch_s(), 0);
   EXPECT_DOUBLE_EQ(tumbling.end_time_s(), 2.01);
   for (std::size_t k = 0; k < tumbling.states().size(); ++k) {
     const Pose pose = tumbling.pose(0.03 * static_cast<double>(k));

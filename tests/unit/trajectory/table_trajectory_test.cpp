@@ -38,8 +38,9 @@ std::string message_of(std::vector<TrajectorySample> samples) {
 
 TEST(TableTrajectory, StartsAtItsFirstRow) {
   const TableTrajectory table = sampled([](double) { return Eigen::Vector3d::Zero(); }, {7, 8, 10});
-  EXPECT_EQ(table.start_time_s(), 7);
-  EXPECT_EQ(table.end_time_s(), 10);
+  EXPECT_EQ(table.epoch_s(), 7);
+  EXPECT_EQ(table.earliest_time_s(), 0);
+  EXPECT_EQ(table.end_time_s(), 3);
 }
 
 TEST(TableTrajectory, TwoRowsAreAStraightLine) {
@@ -68,8 +69,8 @@ TEST(TableTrajectory, GoesThroughItsSamples) {
 TEST(TableTrajectory, SlopesComeFromThreePoints) {
   const TableTrajectory table =
       sampled([](double t) { return Eigen::Vector3d(t * t * t, 0, 0); }, {-1, 0, 1});
-  EXPECT_NEAR(table.pose(0.25).position.v.x(), 0.25, 1e-15);
-  EXPECT_NEAR(table.pose(-0.75).position.v.x(), -0.75, 1e-15);
+  EXPECT_NEAR(table.pose(1.25).position.v.x(), 0.25, 1e-15);
+  EXPECT_NEAR(table.pose(0.25).position.v.x(), -0.75, 1e-15);
 }
 
 // With its velocities a cubic is itself; a sample without one takes its parabola's.
@@ -81,9 +82,9 @@ TEST(TableTrajectory, SlopesAreTheVelocitiesWhereGiven) {
   std::vector<TrajectorySample> samples = {cubic(-1), cubic(0.5), cubic(1)};
   const TableTrajectory table(samples);
   for (const double t : {-0.9, -0.1, 0.7})
-    EXPECT_LT((table.pose(t).position.v - cubic(t).position_m.v).norm(), 1e-13) << t;
+    EXPECT_LT((table.pose(t + 1).position.v - cubic(t).position_m.v).norm(), 1e-13) << t;
   samples[1].velocity_mps.reset();
-  EXPECT_GT((TableTrajectory(samples).pose(0.7).position.v - cubic(0.7).position_m.v).norm(), 1e-3);
+  EXPECT_GT((TableTrajectory(samples).pose(1.7).position.v - cubic(0.7).position_m.v).norm(), 1e-3);
 }
 
 TEST(TableTrajectory, AttitudeIsSlerp) {
@@ -141,16 +142,40 @@ TEST(TableTrajectory, RefusesABadTable) {
 
 TEST(TableTrajectory, RefusesTimesOutsideTheTable) {
   const TableTrajectory table = sampled([](double t) { return Eigen::Vector3d(t, 0, 0); }, {1, 2.5});
-  EXPECT_EQ(table.pose(2.5 + 0.9e-9).position.v.x(), 2.5);
-  EXPECT_EQ(table.pose(1 - 0.9e-9).position.v.x(), 1);
-  EXPECT_THROW(static_cast<void>(table.pose(1 - 2e-9)), FormatError);
+  EXPECT_EQ(table.pose(1.5 + 0.9e-9).position.v.x(), 2.5);
+  EXPECT_EQ(table.pose(-0.9e-9).position.v.x(), 1);
+  EXPECT_THROW(static_cast<void>(table.pose(-2e-9)), FormatError);
   EXPECT_THROW(static_cast<void>(table.pose(std::nan(""))), FormatError);
   try {
-    static_cast<void>(table.pose(2.75));
+    static_cast<void>(table.pose(1.75));
     FAIL();
   } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("2.75 s lies outside the table, 1 .. 2.5 s"));
+    EXPECT_THAT(error.what(),
+                testing::EndsWith("1.75 s lies outside the table, 0 .. 1.5 s after its first row, t_s = 1"));
   }
+}
+
+// 1.4e9 s, a GPS time, has a spacing of 2.4e-7 s; rows at multiples of 2^-20 s are exact in both tables.
+TEST(TableTrajectory, IsTheSameOnAnyClock) {
+  const Motion motion = [](double t) { return Eigen::Vector3d(std::sin(t), 30 * t, std::exp(-t)); };
+  const auto on_clock = [&](double epoch_s) {
+    std::vector<TrajectorySample> samples;
+    for (const double t : {0.0, 0.25, 1 + 0x1p-20, 1.75, 3.0})
+      samples.push_back({epoch_s + t, {motion(t)}, about({0, 0, 1}, t)});
+    return TableTrajectory(std::move(samples));
+  };
+  const TableTrajectory table = on_clock(0);
+  const TableTrajectory gps = on_clock(1.4e9);
+  EXPECT_EQ(gps.epoch_s(), 1.4e9);
+  EXPECT_EQ(gps.end_time_s(), table.end_time_s());
+  for (double t = 0; t <= 3; t += 1.0 / 300) ASSERT_EQ(gps.pose(t), table.pose(t)) << t;
+}
+
+// At -1e9 s, rows 1e-10 s apart are the same time.
+TEST(TableTrajectory, RefusesRowsThatTheirEpochDoesNotSeparate) {
+  const Eigen::Quaterniond one = Eigen::Quaterniond::Identity();
+  EXPECT_THAT(message_of({{-1e9, {}, one}, {1e-10, {}, one}, {2e-10, {}, one}}),
+              testing::HasSubstr("row 3: t_s"));
 }
 
 }  // namespace
