@@ -71,7 +71,7 @@ ExitCode list_devices(cli::Session& session, const Options& o) {
   nlohmann::ordered_json measured;
   session.phase("measure",
                 [&](const ProgressCallback& progress) { measured = cli::measure_devices(progress); });
-  std::cout << (o.json ? measured.dump(2) + "\n" : cli::devices_text(measured));
+  std::cout << shown_lines(o.json ? measured.dump(2) + "\n" : cli::devices_text(measured));
   return ExitCode::done;
 }
 
