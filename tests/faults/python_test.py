@@ -20,6 +20,7 @@ import traceback
 import unittest
 
 import h5py
+import matplotlib
 import numpy as np
 
 from harness import ChainTest, read_bytes
@@ -28,12 +29,13 @@ from harness.commands import run_command
 ROOT = os.environ["LANDFALL_ROOT"]
 sys.path.insert(0, os.path.join(ROOT, "python"))
 sys.dont_write_bytecode = True
-os.environ["MPLBACKEND"] = "Agg"
+matplotlib.use("Agg")
 # pylint: disable=wrong-import-position
 import landfall
 from landfall import (errors, grids, plot_dem, plot_draws, plot_eval, plot_hazards, plot_plan, plot_populations, plot_profile,
                       plot_terrain)
 from landfall.table import Table
+from matplotlib import pyplot
 
 del grids  # imported here once, not in every child
 IS_LONG = bool(os.environ.get("LANDFALL_TEST_LONG"))
@@ -93,7 +95,10 @@ def draw(path, plot, folder):
     line = ["--from=-2,-1.5", "--to=2,1.5"] if plot is plot_profile else []
     plot.main([path, "-O", "--dpi", "50", "-o", name, *line])
     figures = sorted(glob.glob(os.path.join(folder, "f*.png")))
-    return hashlib.sha256(b"".join(map(read_bytes, figures))).hexdigest()
+    found = hashlib.sha256(b"".join(map(read_bytes, figures))).hexdigest()
+    for figure in figures:
+        os.remove(figure)
+    return found
 
 
 def outcome(task):
@@ -106,28 +111,31 @@ def outcome(task):
         return "traceback", traceback.format_exc()
 
 
-def in_child(task):
-    """The outcome of a task in a child process, or ("signal", number)."""
+def in_child(*tasks):
+    """The outcomes of tasks, in order, in a child process; of one that ends the child ("signal", number), without those after it."""
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
         with contextlib.suppress(BaseException):
             os.close(reading)
-            signal.alarm(LONGEST_S)
+            signal.alarm(LONGEST_S * len(tasks))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
             null = os.open(os.devnull, os.O_WRONLY)
             os.dup2(null, 1)
             os.dup2(null, 2)
             with os.fdopen(writing, "w", encoding="utf-8") as pipe:
-                json.dump(outcome(task), pipe)
+                for task in tasks:
+                    print(json.dumps(outcome(task)), file=pipe, flush=True)
+                    pyplot.close("all")
             os._exit(0)
         os._exit(9)
     os.close(writing)
     with os.fdopen(reading, encoding="utf-8") as pipe:
-        text = pipe.read()
+        outcomes = [tuple(json.loads(line)) for line in pipe]
     _, status = os.waitpid(child, 0)
-    return ("signal", os.waitstatus_to_exitcode(status)) if os.waitstatus_to_exitcode(status) else tuple(json.loads(text))
+    end = os.waitstatus_to_exitcode(status)
+    return outcomes + [("signal", end)] if end else outcomes
 
 
 class DamagedFiles(ChainTest):
@@ -160,11 +168,6 @@ class DamagedFiles(ChainTest):
         with open(self.damaged, "wb") as file:
             file.write(content)
 
-    def run_task(self, task):
-        for name in os.listdir(self.figures):
-            os.remove(os.path.join(self.figures, name))
-        return in_child(task)
-
     def attack(self, count, is_sealed, with_plots=True):
         """Flips `count` bits, half of them in metadata, and yields what was tried, kind, reader and outcome."""
         choose, outcomes = random.Random(f"{SEED} {is_sealed}"), collections.Counter()
@@ -176,17 +179,17 @@ class DamagedFiles(ChainTest):
             at = choose.choice(places[kind]) if choose.random() < 0.5 or not is_sealed else choose.randrange(len(content))
             bit = choose.randrange(8)
             content[at] ^= 1 << bit
-            for name, task in self.tasks(kind, with_plots):
-                self.write(content)
-                what, value = self.run_task(task)
-                outcomes[what] += 1
-                yield {"kind": kind, "reader": name, "at": at, "bit": bit}, kind, name, (what, value)
+            self.write(content)
+            names, tasks = zip(*self.tasks(kind, with_plots))
+            for name, found in zip(names, in_child(*tasks)):
+                outcomes[found[0]] += 1
+                yield {"kind": kind, "reader": name, "at": at, "bit": bit}, kind, name, found
         print(f"{count} bits, {'sealed' if is_sealed else 'unsealed'}: {dict(outcomes)}", file=sys.stderr)
 
     def intact(self, kind, reader):
         """The outcome of a reader for the intact file."""
         self.write(read_bytes(self.files[kind]))
-        return self.run_task(dict(self.tasks(kind))[reader])
+        return in_child(dict(self.tasks(kind))[reader])[0]
 
     def test_a_bit_of_a_file_with_its_seal(self):
         """Refused, or the same contents and figures: a bit in a layer that a figure does not show changes nothing of it."""
@@ -210,14 +213,16 @@ class DamagedFiles(ChainTest):
 
     def test_the_outcomes_are_told_apart(self):
         """Checks the attack itself: a signal, a traceback, and other contents."""
-        self.assertEqual(in_child(lambda: os.kill(os.getpid(), signal.SIGSEGV)), ("signal", -signal.SIGSEGV))
-        self.assertEqual(in_child(lambda: {}["x"])[0], "traceback")
+        self.assertEqual(in_child(lambda: 1, lambda: os.kill(os.getpid(), signal.SIGSEGV), lambda: 2), [("right", 1), ("signal", -signal.SIGSEGV)])
+        self.assertEqual(in_child(lambda: {}["x"])[0][0], "traceback")
         self.write(read_bytes(self.files["dem"]))
-        before = in_child(lambda: open_all(self.damaged, "dem"))
+        before = in_child(lambda: open_all(self.damaged, "dem"))[0]
         self.assertEqual(before[0], "right")
         with h5py.File(self.damaged, "a") as file:
             file["z_est"].attrs["units"] = "km"
-        self.assertNotEqual(in_child(lambda: open_all(self.damaged, "dem")), before)
+        after = in_child(lambda: open_all(self.damaged, "dem"))[0]
+        self.assertEqual(after[0], "right")
+        self.assertNotEqual(after, before)
 
 
 class OddFiles(ChainTest):
@@ -274,7 +279,7 @@ class HostileFiles(ChainTest):
         for path in sorted(glob.glob(os.path.join(HOSTILE, "*.h5"))):
             name = os.path.basename(path)
             with self.subTest(name):
-                what, text = in_child(lambda path=path: open_all(path, None))
+                what, text = in_child(lambda path=path: open_all(path, None))[0]
                 self.assertEqual(what, "right" if name in self.RIGHT else "refused", text)
 
     def test_each_through_the_commands_of_its_kind(self):
@@ -285,7 +290,7 @@ class HostileFiles(ChainTest):
             kind = next(kind for word, kind in self.KINDS.items() if word in name)
             for plot in PLOTS.get(kind, []):
                 with self.subTest(name=name, plot=plot.__name__):
-                    what, text = in_child(lambda path=path, plot=plot: draw(path, plot, figures))
+                    what, text = in_child(lambda path=path, plot=plot: draw(path, plot, figures))[0]
                     self.assertEqual(what, "right" if name in self.RIGHT else "refused", text)
 
 
