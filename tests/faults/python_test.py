@@ -118,7 +118,7 @@ def in_child(*tasks):
     if not child:
         with contextlib.suppress(BaseException):
             os.close(reading)
-            signal.alarm(LONGEST_S * len(tasks))
+            resource.setrlimit(resource.RLIMIT_CPU, (LONGEST_S * len(tasks),) * 2)
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
             null = os.open(os.devnull, os.O_WRONLY)
