@@ -3,10 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "base/shown_text.h"
 #include "cli/description_text.h"
 #include "cli/devices.h"
 #include "cli/tool.h"
 #include "files/file_description.h"
+#include "files/landfall_file.h"
 
 namespace landfall {
 namespace {
@@ -16,6 +18,7 @@ constexpr const char* kExamples = R"(Examples:
   landfall-info terrain.h5 scan.h5 dem.h5 eval.h5
   landfall-info dem.h5 --json
   landfall-info huge.h5 --no-statistics --config
+  landfall-info --check *.h5
   landfall-info --devices
 Keys of --json: docs/user/landfall-info.md.)";
 
@@ -24,6 +27,8 @@ constexpr const char* kDescription =
 
 Files are read in pieces, so that the memory does not depend on their size. A file that is damaged, incomplete or not a landfall file is refused with a one-line message; the other files are still described.
 
+--check only checks files, as every tool does when it opens one: the seal, the structure, links, filters and sizes, and that the file is complete. It prints a line for each file that is refused, and nothing for the others. It takes milliseconds, because values are not read: their own checksums show damage when they are read.
+
 --devices lists the devices on which scan-sim --engine opencl can trace rays, with double precision and a measured speed, and the speed of this CPU.)";
 
 struct Options {
@@ -31,6 +36,7 @@ struct Options {
   bool json = false;
   bool no_statistics = false;
   bool config = false;
+  bool check = false;
   bool devices = false;
 };
 
@@ -43,6 +49,9 @@ void bind(CLI::App& app, Options& o) {
                "List layers and columns with their meaning, without reading values");
   app.add_flag("--config", o.config,
                "Print the whole configuration, not only what differs from the defaults");
+  app.add_flag("--check", o.check,
+               "Check the files as every tool does when it opens them, and print only refusals; exit 1 if "
+               "there is one");
   app.add_flag(
       "--devices", o.devices,
       "List the OpenCL devices instead: memory, double precision, and rays per second beside the CPU's");
@@ -57,38 +66,56 @@ nlohmann::ordered_json describe(cli::Session& session, const Options& o, const s
 }
 
 ExitCode list_devices(cli::Session& session, const Options& o) {
-  if (!o.files.empty() || o.no_statistics || o.config)
-    throw UsageError("--devices describes no file; omit files, --no-statistics and --config");
+  if (!o.files.empty() || o.no_statistics || o.config || o.check)
+    throw UsageError("--devices describes no file; omit files, --no-statistics, --config and --check");
   nlohmann::ordered_json measured;
   session.phase("measure",
                 [&](const ProgressCallback& progress) { measured = cli::measure_devices(progress); });
-  std::cout << (o.json ? measured.dump(2) + "\n" : cli::devices_text(measured));
+  std::cout << shown_lines(o.json ? measured.dump(2) + "\n" : cli::devices_text(measured));
   return ExitCode::done;
 }
 
-/// A file that is not a landfall file does not prevent the description of the others.
-ExitCode run(cli::Session& session, const Options& o) {
-  if (o.devices) return list_devices(session, o);
-  if (o.files.empty()) throw UsageError("a file to describe is required");
+/// Calls `work` for each file. One that is refused does not prevent the work on the others.
+template <class Work>
+ExitCode for_each_file(const cli::Session& session, const std::vector<std::string>& files, const Work& work) {
   ExitCode code = ExitCode::done;
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  std::string gap;
-  for (const std::string& path : o.files) {
+  for (const std::string& path : files) {
     try {
-      const nlohmann::ordered_json description = describe(session, o, path);
-      if (o.json)
-        all.push_back(description);
-      else
-        std::cout << gap << cli::description_text(description, o.config) << std::flush;
-      gap = "\n";
+      work(path);
     } catch (const Error& error) {
-      if (o.files.size() == 1) throw;
-      std::cerr << session.tool() << ": " << error.what() << '\n';
+      if (files.size() == 1) throw;
+      std::cerr << shown_text(session.tool() + ": " + error.what()) << '\n';
       code = error.exit_code();
     }
   }
-  if (o.json) std::cout << (o.files.size() == 1 ? all.at(0) : all).dump(2) << '\n';
   return code;
+}
+
+ExitCode check_files(const cli::Session& session, const Options& o) {
+  if (o.json || o.no_statistics || o.config)
+    throw UsageError("--check describes no file; omit --json, --no-statistics and --config");
+  return for_each_file(session, o.files, [](const std::string& path) { check_file(path); });
+}
+
+ExitCode describe_files(cli::Session& session, const Options& o) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  std::string gap;
+  const ExitCode code = for_each_file(session, o.files, [&](const std::string& path) {
+    const nlohmann::ordered_json description = describe(session, o, path);
+    if (o.json)
+      all.push_back(description);
+    else
+      std::cout << gap << cli::description_text(description, o.config) << std::flush;
+    gap = "\n";
+  });
+  if (o.json) std::cout << shown_lines((o.files.size() == 1 ? all.at(0) : all).dump(2)) << '\n';
+  return code;
+}
+
+ExitCode run(cli::Session& session, const Options& o) {
+  if (o.devices) return list_devices(session, o);
+  if (o.files.empty()) throw UsageError("a file to describe is required");
+  return o.check ? check_files(session, o) : describe_files(session, o);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "base/shown_text.h"
 #include "cli/config_changes.h"
 #include "cli/hazard_table.h"
 #include "cli/page_width.h"
@@ -25,10 +26,11 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// A text from a file, on one line and cut to the page width.
-std::string cut(std::string text, std::size_t width) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+/// Columns of a unit, which a foreign file may write at any length.
+constexpr std::size_t kUnitWidth = 24;
+
+/// A text on one line, cut to the page width.
+std::string cut(const std::string& text, std::size_t width) {
   if (text.size() <= width) return text;
   std::size_t end = width - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;  // not inside a letter
@@ -96,10 +98,8 @@ std::string extent(const OrderedJson& d) {
                                (nodes ? "" : " (centres of the bins)"));
   }
   if (d.contains("opens_as"))  // never cut, to be copied
-    for (const auto& [program, name] : {std::pair("GDAL, QGIS", "gdal"), std::pair("GMT", "gmt")}) {
-      const std::string text_to_copy = d["opens_as"][name].get<std::string>();
-      text += print("  %-11s ", program) + cut(text_to_copy, text_to_copy.size()) + "\n";
-    }
+    for (const auto& [program, name] : {std::pair("GDAL, QGIS", "gdal"), std::pair("GMT", "gmt")})
+      text += print("  %-11s ", program) + d["opens_as"][name].get<std::string>() + "\n";
   if (d.contains("mesh")) {
     const OrderedJson& m = d["mesh"];
     text += line("mesh",
@@ -157,7 +157,7 @@ std::string list_lines(const std::string& group, const OrderedJson& entries) {
   for (const OrderedJson& e : entries)
     text += cut(print("  %-*s %-8s %10s  %-5s ", width, e["name"].get<std::string>().c_str(),
                       e["type"].get<std::string>().c_str(), bytes(e["stored_bytes"].get<double>()).c_str(),
-                      e["unit"].get<std::string>().c_str()) +
+                      cut(e["unit"].get<std::string>(), kUnitWidth).c_str()) +
                     e["long_name"].get<std::string>(),
                 page_width()) +
             "\n";
@@ -197,7 +197,8 @@ struct TableShape {
 TableShape shape_of(const OrderedJson& entries) {
   const int width = static_cast<int>(std::min<std::size_t>(name_width(entries), 40));
   std::size_t unit = 4;
-  for (const OrderedJson& entry : entries) unit = std::max(unit, entry["unit"].get<std::string>().size());
+  for (const OrderedJson& entry : entries)
+    unit = std::max(unit, std::min(kUnitWidth, entry["unit"].get<std::string>().size()));
   const std::size_t numbers = static_cast<std::size_t>(width) + 58;
   return {width, numbers + unit + 8 <= page_width(), numbers + 4 <= page_width()};
 }
@@ -212,10 +213,10 @@ std::string statistics_row(const TableShape& shape, const std::array<std::string
 
 std::string statistics_lines(const OrderedJson& e, const TableShape& shape) {
   const std::string type = e["type"].get<std::string>();
-  std::string text =
-      statistics_row(shape, {"  " + e["name"].get<std::string>(), type, integer(e["count"]),
-                             integer(e["nan_count"]), value_text(e["min"], type), value_text(e["max"], type),
-                             number(e["mean"]), number(e["std"]), e["unit"].get<std::string>()});
+  std::string text = statistics_row(
+      shape, {"  " + e["name"].get<std::string>(), type, integer(e["count"]), integer(e["nan_count"]),
+              value_text(e["min"], type), value_text(e["max"], type), number(e["mean"]), number(e["std"]),
+              cut(e["unit"].get<std::string>(), kUnitWidth)});
   if (e["infinite_count"] != 0)
     text += print("  %-*s   infinite: ", shape.name_width, "") + integer(e["infinite_count"]) + "\n";
   if (e.contains("flag_counts")) text += flag_lines(e["flag_counts"], shape.name_width + 5);
@@ -252,7 +253,7 @@ std::string config_lines(const OrderedJson& d, bool whole) {
   std::string text = "\nconfiguration, where it differs from the defaults\n";
   const std::vector<ConfigChange> changes = config_changes(d["config"], schema);
   for (const ConfigChange& change : changes)
-    text += cut("  " + change.key + " = " + change.value.dump(), page_width()) + "\n";
+    text += cut("  " + shown_text(change.key) + " = " + change.value.dump(), page_width()) + "\n";
   return text + (changes.empty() ? "  (nowhere)\n" : "");
 }
 
@@ -337,9 +338,24 @@ std::string result_tables(const OrderedJson& d) {
   return text;
 }
 
-}  // namespace
+/// A description whose texts and names can be printed, each on one line. The configuration and the options
+/// are still compared and dumped; the final shown_lines() is enough for them, because JSON has no raw line
+/// feeds.
+OrderedJson printable(const OrderedJson& value) {
+  if (value.is_string()) return shown_text(value.get<std::string>());
+  if (!value.is_structured()) return value;
+  OrderedJson result = value.is_array() ? OrderedJson::array() : OrderedJson::object();
+  for (const auto& [key, inner] : value.items()) {
+    const OrderedJson shown = key == "config" || key == "options" ? inner : printable(inner);
+    if (value.is_array())
+      result.push_back(shown);
+    else
+      result[shown_text(key)] = shown;
+  }
+  return result;
+}
 
-std::string description_text(const OrderedJson& d, bool whole_config) {
+std::string text_of(const OrderedJson& d, bool whole_config) {
   std::string text = head(d) + extent(d);
   if (d.contains("scan")) text += scan_lines(d["scan"]);
   if (d.contains("features")) text += feature_lines(d["features"]);
@@ -354,6 +370,12 @@ std::string description_text(const OrderedJson& d, bool whole_config) {
                       "_json is not what this version writes");
   }
   return text + config_lines(d, whole_config) + provenance_lines(d);
+}
+
+}  // namespace
+
+std::string description_text(const OrderedJson& description, bool whole_config) {
+  return shown_lines(text_of(printable(description), whole_config));
 }
 
 }  // namespace landfall::cli

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 
 namespace landfall::cli {
 namespace {
@@ -30,13 +31,7 @@ void RunLog::open(const std::string& path) {
 }
 
 void RunLog::write(const std::string& line) {
-  if (file_.is_open()) file_ << line << std::endl;  // flushed, because a run may be killed
-}
-
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ') c = '?';
-  return text;
+  if (file_.is_open()) file_ << shown_text(line) << std::endl;  // flushed, because a run may be killed
 }
 
 }  // namespace landfall::cli

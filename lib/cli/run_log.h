@@ -12,14 +12,11 @@ class RunLog {
   /// Appends to a log, or begins one. Throws UsageError if the file is not a log of landfall: nothing else is
   /// ever changed; also if it cannot be written.
   void open(const std::string& path);
-  /// Adds a line; does nothing if no log is open.
+  /// Adds a line, with shown_text(); does nothing if no log is open.
   void write(const std::string& line);
 
  private:
   std::ofstream file_;
 };
-
-/// A text in one line, even if a file name or a key in it contains line breaks.
-[[nodiscard]] std::string one_line(std::string text);
 
 }  // namespace landfall::cli

@@ -13,6 +13,7 @@
 #include "base/file_extension.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "base/shown_text.h"
 #include "base/utf8.h"
 #include "cli/config_changes.h"
 #include "cli/progress_bar.h"
@@ -209,7 +210,7 @@ double Session::phase(const std::string& name, const std::function<void(const Pr
 double Session::elapsed_s() const { return wall_seconds() - start_s_; }
 
 void Session::say(const std::string& text, bool shown) const {
-  const std::string line = one_line(tool_ + ": " + text);
+  const std::string line = shown_text(tool_ + ": " + text);
   log_.write(line);
   if (shown && !options_.quiet) std::cerr << line << '\n';
 }

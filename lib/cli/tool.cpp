@@ -9,6 +9,7 @@
 
 #include "base/abbreviated.h"
 #include "base/parallel.h"
+#include "base/shown_text.h"
 #include "base/thread_supply.h"
 #include "base/utf8.h"
 #include "cli/command_line.h"
@@ -161,7 +162,7 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log) {
     session.resolve_config(tool);
     tool.check(session);
   }
-  if (options.print_config) std::cout << session.config().dump(2) << '\n';
+  if (options.print_config) std::cout << shown_lines(session.config().dump(2)) << '\n';
   if (options.print_config || options.check_only) return ExitCode::done;
   // Never destroyed: removing the limit would make oneTBB start threads that are no longer needed. Volatile,
   // so that the compiler keeps the pointer and leak checkers find the object reachable.
@@ -171,7 +172,7 @@ ExitCode run_tool(const Tool& tool, const CommonOptions& options, RunLog& log) {
   session.require_output_for_view();
   const ExitCode code = run_naming_output(tool, session);
   session.view_output();
-  if (options.json_summary) std::cout << session.summary().dump(2) << '\n';
+  if (options.json_summary) std::cout << shown_lines(session.summary().dump(2)) << '\n';
   return code;
 }
 
@@ -245,7 +246,7 @@ int tool_main(int argc, const char* const* argv, const Tool& tool) {
   CommonOptions options;
   RunLog log;
   const auto fail = [&](const std::string& message, ExitCode code) {
-    const std::string line = one_line(tool.name + ": " + message);
+    const std::string line = shown_text(tool.name + ": " + message);
     log.write(line);
     std::cerr << line << '\n';
     return static_cast<int>(code);

@@ -23,11 +23,18 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// The largest configuration. A device such as /dev/zero has no end.
+constexpr std::size_t kMaxMebibytes = 64;
+
 std::string read_to_end(std::istream& stream, const std::string& name) {
   std::string text;
   std::array<char, 4096> block;  // small, because the stack may be small (ulimit -s)
-  while (stream.read(block.data(), block.size()), stream.gcount() > 0)
+  while (stream.read(block.data(), block.size()), stream.gcount() > 0) {
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > kMaxMebibytes << 20U)
+      throw UsageError(name + ": is larger than " + std::to_string(kMaxMebibytes) +
+                       " MiB, the limit of a configuration");
+  }
   const bool failed = stream.bad() || (&stream == &std::cin && std::ferror(stdin) != 0);
   if (failed) throw UsageError(name + ": cannot be read completely");
   return text;

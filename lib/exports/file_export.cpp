@@ -198,8 +198,7 @@ void export_picture(const ExportOptions& o, const OutputOptions& output, const P
 FileExport::FileExport(ExportOptions options, const std::string& output)
     : options_(std::move(options)), output_(output) {
   options_.format = format_of(options_, output);
-  const LandfallFileReader file(options_.input,
-                                {"terrain", "scan", "dem", "evaluation", "plan", "hazards", "draws"});
+  const LandfallFileReader file(options_.input, kLandfallKinds);
   kind_ = kind_of(file);
   require_possible(file, options_.format);
   require_no_stray_option(options_, kind_ == "scan");

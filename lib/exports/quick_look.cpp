@@ -201,8 +201,7 @@ RgbImage quick_look(const std::filesystem::path& input, const std::string& layer
                     const ProgressCallback& progress) {
   bool is_mesh = false;
   {
-    const LandfallFileReader file(input,
-                                  {"terrain", "scan", "dem", "evaluation", "plan", "hazards", "draws"});
+    const LandfallFileReader file(input, kLandfallKinds);
     if (kind_of(file) == "scan") {
       const PointReader points(input);
       return scan_picture(points, layer.empty() ? name_of(&PointColumns::z_est) : layer, progress);

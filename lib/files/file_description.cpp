@@ -302,7 +302,7 @@ void add_provenance(Json& json, const LandfallFileReader& file) {
 
 Json describe_file(const std::filesystem::path& path, const DescriptionOptions& options,
                    const ProgressCallback& progress) {
-  const LandfallFileReader file(path, {"terrain", "scan", "dem", "evaluation", "plan", "hazards", "draws"});
+  const LandfallFileReader file(path, kLandfallKinds);
   Json json = head(path, file);
   if (h5::exists(file.root(), "x") && h5::exists(file.root(), "y"))
     json["grid"] = grid_json(GridLayerReader(file).spec());

@@ -14,6 +14,7 @@ namespace landfall {
 namespace {
 
 constexpr const char* kFormatVersion = "1.0";
+constexpr const char* kIncomplete = "is incomplete (attribute complete is not 1)";
 
 std::string title_of(const std::string& kind) {
   if (kind == "terrain") return "True terrain of a landing site";
@@ -125,6 +126,14 @@ void LandfallFileWriter::commit() {
   output_.commit();
 }
 
+void check_file(const std::filesystem::path& path) {
+  const h5::Handle file = open_quietly(path.string());
+  if (h5::read_text_attribute(file.get(), "format_name") != "landfall.results")
+    static_cast<void>(LandfallFileReader(path, kLandfallKinds));
+  else if (h5::read_number_attribute(file.get(), "complete").value_or(0) != 1)
+    throw FormatError(path.string() + ": " + kIncomplete);
+}
+
 LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
                                        std::initializer_list<const char*> kinds)
     : name_(path.string()), file_(open_quietly(name_)) {
@@ -139,8 +148,7 @@ LandfallFileReader::LandfallFileReader(const std::filesystem::path& path,
   const std::string version = h5::read_text_attribute(root(), "format_version").value_or("");
   if (version.substr(0, 2) != "1.")
     fail("format_version '" + shown_word(version) + "' is not 1.x, which this version reads");
-  if (h5::read_number_attribute(root(), "complete").value_or(0) != 1)
-    fail("is incomplete (attribute complete is not 1)");
+  if (h5::read_number_attribute(root(), "complete").value_or(0) != 1) fail(kIncomplete);
   read_provenance();
 }
 

@@ -12,11 +12,15 @@
 
 namespace landfall {
 
+/// The kinds of files that the tools write.
+inline constexpr std::initializer_list<const char*> kLandfallKinds = {
+    "terrain", "scan", "dem", "evaluation", "plan", "hazards", "draws"};
+
 /// The parts common to all landfall files (docs/user/files/README.md): root attributes, /provenance, and a
 /// name under which the file appears only when it is complete.
 class LandfallFileWriter {
  public:
-  /// `kind` is terrain, scan, dem, evaluation, plan, hazards or draws. Throws UsageError before any work is
+  /// `kind` is one of kLandfallKinds. Throws UsageError before any work is
   /// done if the output exists.
   LandfallFileWriter(const OutputOptions& options, const std::string& kind, const Provenance& provenance);
 
@@ -62,6 +66,12 @@ class LandfallFileReader {
   nlohmann::json chain_ = nlohmann::json::array();
   nlohmann::json config_;
 };
+
+/// Checks a file as every reader does when it opens one, without reading values: that it is a regular HDF5
+/// file with an intact seal or none, of a sound structure, self-contained and without foreign filters or
+/// disproportionate sizes (h5::open_file()), of one of landfall's kinds, in a format that this version reads,
+/// and complete. Takes the results of a study too, which no tool reads. Throws FormatError, naming the file.
+void check_file(const std::filesystem::path& path);
 
 /// True if `path` is an HDF5 file that a landfall tool has begun: of any kind, and not necessarily complete.
 /// Throws FormatError if the system refuses access.

@@ -5,7 +5,7 @@ import os
 import re
 import sys
 
-from landfall.errors import Error, UsageError
+from landfall.errors import Error, UsageError, printable
 
 
 class Parser(argparse.ArgumentParser):
@@ -34,7 +34,10 @@ def run(main):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except OSError as error:
-        print(f"{name}: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        print(f"{name}: {printable(error.filename or '')}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)
+    except MemoryError:
+        print(f"{name}: not enough memory for this run", file=sys.stderr)
         sys.exit(1)
 
 

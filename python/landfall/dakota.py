@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from landfall import command, model, runs, schema, tools
-from landfall.errors import DataError, UsageError
+from landfall.errors import DataError, UsageError, printable
 
 # { DAKOTA_VARS = 3 }, { velocity = 1.5e-01 }; a value may be in quotation marks.
 APREPRO = re.compile(r'\{\s*(\S+)\s*=\s*"?([^"{}]*?)"?\s*\}')
@@ -104,7 +104,7 @@ def main(arguments):
     text = results_text(of, found, functions)
     command.write_whole(options.results, lambda path: _write(path, text))
     for why in of.failures.values():
-        print(f"landfall-model: {options.parameters}: {why}", file=os.sys.stderr)
+        print(printable(f"landfall-model: {options.parameters}: {why}"), file=os.sys.stderr)
 
 
 def _write(path, text):

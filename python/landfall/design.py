@@ -12,7 +12,7 @@ import os
 import statistics
 
 from landfall import command, model, progress, runs, schema
-from landfall.errors import Error, ToolError, UsageError
+from landfall.errors import Error, ToolError, UsageError, printable_lines
 
 SIX = "all six"
 PLACE = "chosen place safe"
@@ -58,8 +58,13 @@ class Problem:
                 raise UsageError(f"{where}: needs either values, or low and high")
             if "values" not in variable and not ("low" in variable and "high" in variable and variable["low"] < variable["high"]):
                 raise UsageError(f"{where}: low and high are needed, and low < high")
+            if "values" in variable and ("integer" in variable or "step" in variable):
+                raise UsageError(f"{where}: integer and step are for a range; omit them where values are listed")
             if variable.get("integer") and any(variable[end] != int(variable[end]) for end in ("low", "high")):
                 raise UsageError(f"{where}: low and high of an integer must be whole numbers")
+        pattern = self.base["scan"]["scanner"].get("pattern", {})
+        if self.tree.get("whole_pattern") and not ("rows" in pattern and "columns" in pattern):
+            raise UsageError(f"{self.path}: /whole_pattern: needs a scanner whose pattern has rows and columns")
         for name in self.tree.get("cost", {}):
             if name not in COSTS:
                 raise UsageError(f"{self.path}: /cost/{name}: is not one of {', '.join(COSTS)}")
@@ -258,6 +263,6 @@ def main(arguments):
 
     answer = design_search.Design(problem, options.out, options.workers, prefix, progress.Progress()).run()
     design_report.write(problem, answer, options.out)
-    print(design_report.text_of(problem, answer))
+    print(printable_lines(design_report.text_of(problem, answer)))
     if answer["winner"] is None:
         raise Error(f"{problem.path}: no candidate passes with a probability of {problem.probability}")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files of landfall: the checks before any value is read, and their grids and metrics."""
 import contextlib
+import ctypes
 import importlib
 import json
 import os
@@ -9,77 +10,65 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
+from landfall import tools
 from landfall.errors import DataError, Error
 
 # Attributes by which HDF5 links layers to their coordinates.
 DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
-
-class ForeignFileError(OSError):
-    """The file refers to another one."""
-
-
-def require_self_contained(file):
-    """Raises ForeignFileError, naming the path in the file, for links that are not hard, virtual datasets and external values.
-
-    Follows no link and reads no value, so that no other file is opened.
-    """
-    groups, seen = [file["/"]], {_address(file["/"])}
-    while groups:
-        group = groups.pop()
-        for name in group:
-            path = f"{group.name.rstrip('/')}/{name}"
-            link = group.get(name, getlink=True)
-            if not isinstance(link, h5py.HardLink):
-                target = f"{getattr(link, 'filename', '')} {getattr(link, 'path', '')}".strip()
-                raise ForeignFileError(f"{path} is a link, to {target or 'a target that HDF5 does not know'}; links are not followed")
-            item = group[name]
-            if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
-                raise ForeignFileError(f"{path} keeps its values in other files, which are not opened")
-            if isinstance(item, h5py.Group) and _address(item) not in seen:
-                seen.add(_address(item))
-                groups.append(item)
+# What h5py and the code that reads with it raise for contents that are not as expected.
+UNREADABLE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, MemoryError)
 
 
-def _address(item):
-    return h5py.h5o.get_info(item.id).addr
+@contextlib.contextmanager
+def naming(path):
+    """What goes wrong while a file is read becomes one DataError that names it."""
+    try:
+        yield
+    except UNREADABLE as error:
+        raise DataError(f"{path}: {_reason(error)}") from error
+
+
+def _reason(error):
+    what = " ".join(str(error.args[0] if isinstance(error, KeyError) and error.args else error).split())
+    return f"does not fit in memory: {what}" if isinstance(error, MemoryError) else f"cannot be read: {what or type(error).__name__}"
 
 
 @contextlib.contextmanager
 def open_landfall(path, format_name):
     """Opens a finished landfall file of the given format_name for reading.
 
-    Errors of HDF5 while the file is open become a DataError that names the file.
+    Errors of HDF5 and of the contents while the file is open become a DataError that names the file.
     """
-    with open_screened(path, (format_name,)) as file:
-        try:
-            yield file
-        except (OSError, RuntimeError) as error:
-            raise _unreadable(path, error) from error
+    with open_screened(path, (format_name,)) as file, naming(path):
+        yield file
 
 
-def open_screened(path, formats):
-    """An open h5py.File that is self-contained, finished and of one of the formats. Throws DataError, naming the file."""
-    if not os.path.exists(path):
-        raise DataError(f"{path}: no such file")
-    file = None
-    try:
-        file = h5py.File(path, "r")
-        require_self_contained(file)
+def open_screened(path, formats, check=True):
+    """An open h5py.File of one of the formats, which the tools have checked (tools.check_files) unless `check` is false.
+
+    Throws DataError, naming the file.
+    """
+    if check:
+        tools.check_files(path)
+    turn_off_plugins()
+    with naming(path), contextlib.ExitStack() as stack:
+        file = stack.enter_context(h5py.File(path, "r"))
         check_kind(file, path, formats)
+        stack.pop_all()
         return file
-    except Exception as error:
-        if file:
-            file.close()
-        if isinstance(error, ForeignFileError):
-            raise DataError(f"{path}: {error}") from error
-        if isinstance(error, (OSError, RuntimeError)):
-            raise _unreadable(path, error) from error
-        raise
 
 
-def _unreadable(path, error):
-    return DataError(f"{path}: not a readable HDF5 file ({' '.join(str(error).split())})")
+def file_id(path):
+    """The file_id of a file that tools.sound_files() found; None if it has none."""
+    turn_off_plugins()
+    with naming(path), h5py.File(path, "r") as file:
+        return text(file.attrs.get("file_id"))
+
+
+def turn_off_plugins():
+    """HDF5 loads no filter from a file any more in this process. Filters that are registered already, as by hdf5plugin, remain."""
+    ctypes.CDLL(h5py.h5z.__file__).H5PLset_loading_state(0)
 
 
 def text(value):
@@ -100,8 +89,8 @@ def read(dataset, key):
     """The values at a key. Errors of HDF5 become a DataError that names the file and the dataset."""
     try:
         return dataset.asstr()[key] if h5py.check_string_dtype(dataset.dtype) else dataset[key]
-    except (OSError, RuntimeError) as error:
-        raise DataError(f"{dataset.file.filename}: {dataset.name}: {' '.join(str(error).split())}") from error
+    except (OSError, RuntimeError, MemoryError) as error:
+        raise DataError(f"{dataset.file.filename}: {dataset.name}: {_reason(error)}") from error
 
 
 def check_kind(file, path, formats):
@@ -131,11 +120,24 @@ class MapGrid:
         return float(min(-self.x[0], self.x[-1], -self.y[0], self.y[-1]))
 
 
+def numbers(group, name):
+    """A dataset of real numbers. Throws DataError for any other, as of text or of complex numbers."""
+    item = group[name]
+    if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "biuf":
+        raise DataError(f"{item.file.filename}: {item.name} does not hold real numbers")
+    return item
+
+
+def read_columns(group):
+    """{name: values} of the columns of a group."""
+    return {name: numbers(group, name)[()] for name in group}
+
+
 def read_grid(file):
     """The grid of the file, or None if it has no x and y."""
     if "x" not in file or "y" not in file:
         return None
-    x, y = np.asarray(file["x"][()], float), np.asarray(file["y"][()], float)
+    x, y = (np.asarray(numbers(file, name)[()], float) for name in ("x", "y"))
     if x.ndim != 1 or y.ndim != 1 or x.size < 2 or y.size < 2:
         raise DataError(f"{file.filename}: x and y must be lists of at least 2 bin centres")
     step = (x[-1] - x[0]) / (x.size - 1)
@@ -149,7 +151,7 @@ def read_layer(file, grid, name):
     """A layer as an array with NaN for all values that are not finite; None if the file does not have the layer."""
     if grid is None or name not in file:
         return None
-    values = file[name][()]
+    values = numbers(file, name)[()]
     if values.shape != grid.shape:
         raise DataError(f"{file.filename}: {name} has shape {values.shape}; x and y need {grid.shape}")
     if values.dtype.kind == "f" and np.isinf(values).any():

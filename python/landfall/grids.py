@@ -13,12 +13,12 @@ MESH = {"vertices": ("vertex", "axis"), "triangles": ("triangle", "corner")}
 class Source:
     """An open file. A copy of it, such as an unpickled one, opens the file again."""
 
-    def __init__(self, path, formats, file=None):
-        self.path, self.formats = path, formats
-        self.file = file or files.open_screened(path, formats)
+    def __init__(self, path, formats, check=True, file=None):
+        self.path, self.formats, self.check = path, formats, check
+        self.file = file or files.open_screened(path, formats, check)
 
     def __reduce__(self):
-        return Source, (self.path, self.formats)
+        return Source, (self.path, self.formats, self.check)
 
     def close(self):
         self.file.close()
@@ -54,8 +54,7 @@ class Backend(xarray.backends.BackendEntrypoint):
         return result
 
 
-def open_grid(path, formats, file):
-    source = Source(path, formats, file)
+def open_grid(source):
     result = xarray.open_dataset(source, engine=Backend)
     result.set_close(source.close)
     return result

@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from landfall import colors, reduction, relief
+from landfall.errors import printable_lines
 
 FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
 MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least
@@ -30,7 +31,7 @@ plt.rcParams.update({"font.size": FONT_PT, "axes.titlesize": FONT_PT + 1, "figur
 
 def new_figure(rows_cols, size_in, title, **ratios):
     figure, axes = plt.subplots(*rows_cols, figsize=size_in, layout="constrained", squeeze=False, **ratios)
-    figure.suptitle(title)
+    figure.suptitle(printable_lines(title), parse_math=False)  # it holds the name of a file
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     return figure, axes
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """landfall.open: a file as an xarray.Dataset, a Table or a dict."""
+import contextlib
 import os
 
 import h5py
@@ -15,23 +16,24 @@ TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score", "landfal
 TABLES = {"landfall.scan": "points", "landfall.results": "/"}
 
 
-def open_file(path, group=None):
+def open_file(path, group=None, check=True):
     """See landfall.open."""
     path = os.fspath(path)
     if group is None and os.path.isfile(path) and not h5py.is_hdf5(path):
         return read_tree(path)
-    file = files.open_screened(path, (*GRIDS, *TABLES))
-    try:
+    with files.naming(path), contextlib.ExitStack() as on_failure:
+        file = on_failure.enter_context(files.open_screened(path, (*GRIDS, *TABLES), check))
         group = group or TABLES.get(files.text(file.attrs["format_name"]))
-        if group:
-            return open_table(file, group)
-        files.package("xarray")
-        from landfall import grids
+        opened = open_table(file, group) if group else _open_grid(path, file, check)
+        on_failure.pop_all()
+        return opened
 
-        return grids.open_grid(path, GRIDS, file)
-    except Exception:
-        file.close()
-        raise
+
+def _open_grid(path, file, check):
+    files.package("xarray")
+    from landfall import grids
+
+    return grids.open_grid(grids.Source(path, GRIDS, check, file))
 
 
 def read_tree(path):

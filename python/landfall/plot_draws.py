@@ -44,7 +44,7 @@ class Draws:
         with files.open_landfall(path, "landfall.draws") as file:
             self.grid = files.read_grid(file) if "x" in file else None
             self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
-            self.columns = {name: files.read(item, ()) for name, item in file["draws"].items()}
+            self.columns = files.read_columns(file["draws"])
             self.verdict = json.loads(files.text(file["verdict_json"][()])) if "verdict_json" in file else {}
             self.config = files.read_metrics(file, "provenance/config_json")
         if self.grid is not None and self.layers["z_true_map"] is None:

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from landfall import command, files, plots
-from landfall.errors import DataError
+from landfall.errors import DataError, printable
 
 STEPS_PER_DECADE = 12
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"]  # Okabe and Ito's, for colour-blind readers
@@ -141,7 +141,7 @@ def read_samples(file):
         raise DataError(f"{file.filename}: has no grid with a list of /features")
     try:
         config = json.loads(file["provenance/config_json"][()])
-        x, y, diameter, pattern = (file[f"features/{name}"][()] for name in ("x", "y", "diameter", "pattern"))
+        x, y, diameter, pattern = (files.numbers(file, f"features/{name}")[()] for name in ("x", "y", "diameter", "pattern"))
     except (KeyError, ValueError) as error:
         raise DataError(f"{file.filename}: {error}") from error
     on_site = (x >= grid.x[0]) & (x <= grid.x[-1]) & (y >= grid.y[0]) & (y <= grid.y[-1])
@@ -218,7 +218,7 @@ def draw(samples, name):
     ax.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
     ax.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     ax.legend(fontsize=9, title="lines: law; marks: terrain, 95 % Poisson intervals", title_fontsize=9, loc="upper right")
-    ax.set_title(f"Sizes of the objects of {name}")
+    ax.set_title(printable(f"Sizes of the objects of {name}"), parse_math=False)
     return figure
 
 

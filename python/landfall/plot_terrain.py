@@ -128,7 +128,7 @@ def read_objects(file):
         return Objects({})
     group = file["features"]
     try:
-        x, y, diameter, kind = (group[name][()] for name in ("x", "y", "diameter", "kind"))
+        x, y, diameter, kind = (files.numbers(group, name)[()] for name in ("x", "y", "diameter", "kind"))
         meanings = group["kind"].attrs["flag_meanings"]
         meanings = (meanings.decode() if isinstance(meanings, bytes) else str(meanings)).split()
         values = np.atleast_1d(group["kind"].attrs["flag_values"])
@@ -217,7 +217,7 @@ def draw(file, options):
     grid = files.read_grid(file)
     if grid is None or "z" not in file or file["z"].shape != grid.shape:
         raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
-    relief = read_relief(file["z"], grid, Sun(options.sun_azimuth_deg, options.sun_elevation_deg))
+    relief = read_relief(files.numbers(file, "z"), grid, Sun(options.sun_azimuth_deg, options.sun_elevation_deg))
     objects = read_objects(file)
     figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
     node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))

@@ -5,8 +5,8 @@ import contextlib
 import math
 import os
 
-from landfall import command
-from landfall.errors import DataError, UsageError
+from landfall import command, tools
+from landfall.errors import DataError, UsageError, printable
 
 
 def add_output_options(parser):
@@ -27,6 +27,8 @@ def parse_figure_of_tools(arguments, prog, description):
     add_output_options(parser)
     options = parser.parse_args(arguments)
     require_png(options.output)
+    if options.bin:
+        tools.BIN = options.bin
     return options
 
 
@@ -115,7 +117,7 @@ def save(figures, dpi):
             figure.savefig(temporary[path], format="png", dpi=dpi, metadata={"Software": None})
         for path in figures:
             os.replace(temporary[path], path)
-            print(path)
+            print(printable(path))
     except OSError as error:
         raise DataError(f"cannot write {error.filename or ''}: {error.strerror or error}") from error
     finally:

@@ -4,6 +4,8 @@ import sys
 import threading
 import time
 
+from landfall.errors import printable
+
 
 class Progress:
     """Counts steps of a run. Steps that were found done do not enter the estimate of the time that is left."""
@@ -36,6 +38,7 @@ class Progress:
     def say(self, text):
         """A line of its own off the terminal."""
         end, self.shown = ("", True) if self.live else ("\n", False)
+        text = printable(text)
         print(f"\r\033[K{text}" if self.live else text, end=end, file=self.stream, flush=True)
 
     def clear(self):

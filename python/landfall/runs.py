@@ -16,9 +16,7 @@ import tempfile
 import threading
 import weakref
 
-import h5py
-
-from landfall import command, schema, tools
+from landfall import command, files, schema, tools
 from landfall.errors import DataError, ToolError, UsageError
 from landfall.study import results, stages
 from landfall.study.model import read_config
@@ -269,7 +267,7 @@ class Scan:
 
 def rows_of(path):
     """The rows of a file of draws: [{name: value, None where it has none}]."""
-    with h5py.File(path) as file:
-        columns = {name: column[()].tolist() for name, column in file["draws"].items() if isinstance(column, h5py.Dataset)}
+    with files.open_landfall(path, "landfall.draws") as file:
+        columns = {name: values.tolist() for name, values in files.read_columns(file["draws"]).items()}
     names = list(columns)
     return [{name: None if value != value else value for name, value in zip(names, values)} for values in zip(*columns.values())]

@@ -11,6 +11,7 @@ import re
 from landfall import tools
 from landfall.errors import UsageError
 
+MAX_BYTES = 64 << 20  # of a configuration, as in lib/config/json_source.cpp
 STRING_OR_COMMENT = re.compile(r'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None)}
 WORDS = {"$schema", "$id", "title", "description", "default", "definitions", "type", "properties", "additionalProperties",
@@ -22,9 +23,13 @@ def read_json(path):
     """The file's value. Rejects duplicate keys, NaN, infinity and NUL bytes; skips comments and a byte order mark at the start."""
     try:
         with open(path, "rb") as file:
-            data = file.read().removeprefix(codecs.BOM_UTF8)
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise UsageError(f"{path}: is larger than {MAX_BYTES >> 20} MiB, the limit of a configuration")
+        data = data.removeprefix(codecs.BOM_UTF8)
         _reject_nul(data)
-        return json.loads(STRING_OR_COMMENT.sub(_blank, data.decode()), object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite)
+        return json.loads(STRING_OR_COMMENT.sub(_blank, data.decode()), object_pairs_hook=_unique, parse_constant=_no_constant, parse_float=_finite,
+                          parse_int=_whole)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
@@ -87,6 +92,13 @@ def _finite(text):
     if value in (float("inf"), float("-inf")):
         raise ValueError(f"{text} is too large for a number")
     return value
+
+
+def _whole(text):
+    """An integer that a double can hold, as every number of a configuration is used as one somewhere."""
+    if len(text.lstrip("-")) > 300:
+        raise ValueError(f"{text[:20]}... is too large for a number")
+    return int(text)
 
 
 def _is(value, name):

@@ -9,7 +9,7 @@ import os
 import numpy as np
 
 from landfall import command, model, progress, runs, schema
-from landfall.errors import DataError, UsageError
+from landfall.errors import DataError, UsageError, printable_lines
 
 RANDOM = "random numbers"  # the group of the seed: which noise, dropouts and dead pixels are drawn
 KINDS = {"first": "first order", "total": "total"}
@@ -17,6 +17,8 @@ PARTS = ("value", "low", "high")
 ESTIMATORS = {"martinez": "MartinezSensitivityAlgorithm", "saltelli": "SaltelliSensitivityAlgorithm", "jansen": "JansenSensitivityAlgorithm",
               "mauntz-kucherenko": "MauntzKucherenkoSensitivityAlgorithm"}
 LEAST_POINTS = 16
+# Kind of distribution: its keys, and those that it needs.
+DISTRIBUTIONS = {"normal": (("mean", "sigma"), ("sigma",)), "uniform": (("low", "high"), ("low", "high"))}
 
 
 class Problem:
@@ -40,16 +42,19 @@ class Problem:
         module, given, where = model.openturns(), self.tree["groups"][group][key], f"{self.path}: /groups/{group}/{key}"
         if group == RANDOM:
             raise UsageError(f"{self.path}: /groups/{group}: this group is always there; give yours another name")
-        allowed = ("type", "mean", "sigma") if given["type"] == "normal" else ("type", "low", "high")
+        allowed, needed = DISTRIBUTIONS[given["type"]]
         for name in given:
-            if name not in allowed:
-                raise UsageError(f"{where}/{name}: is not a key of the type {given['type']}, which has {', '.join(allowed[1:])}")
+            if name not in ("type", *allowed):
+                raise UsageError(f"{where}/{name}: is not a key of the type {given['type']}, which has {', '.join(allowed)}")
+        for name in needed:
+            if name not in given:
+                raise UsageError(f"{where}: needs the key \"{name}\", because its type is {given['type']}")
         if given["type"] == "normal":
-            if not given.get("sigma", 0) > 0:
-                raise UsageError(f"{where}/sigma: {given.get('sigma')} is not > 0")
+            if not given["sigma"] > 0:
+                raise UsageError(f"{where}/sigma: {given['sigma']} is not > 0")
             return module.Normal(float(given.get("mean", 0)), float(given["sigma"]))
-        if not given.get("low", 0) < given.get("high", 0):
-            raise UsageError(f"{where}/low: {given.get('low')} is not < high, {given.get('high')}")
+        if not given["low"] < given["high"]:
+            raise UsageError(f"{where}/low: {given['low']} is not < high, {given['high']}")
         return module.Uniform(float(given["low"]), float(given["high"]))
 
     def draw_count(self):
@@ -193,4 +198,4 @@ def main(arguments):
     plots.save({figure: figure_of(problem, answer)}, 150)
     answer_page.write(os.path.join(options.out, "report.html"), problem.title, problem.tree.get("description", ""),
                       answer_page.sensitivity_sections(problem, answer, figure, of.runner.version))
-    print(text_of(problem, answer))
+    print(printable_lines(text_of(problem, answer)))

@@ -6,16 +6,16 @@ import shutil
 import subprocess
 import sys
 
-from landfall.errors import ToolError
+from landfall.errors import DataError, ToolError
 
 # Holds python/, schemas/ and studies/: a clone, or PREFIX/share/landfall.
 SHARE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 IS_CLONE = os.path.exists(os.path.join(SHARE, "CMakeLists.txt"))
-BIN = os.path.normpath(os.path.join(SHARE, "build/release/bin" if IS_CLONE else "../../bin"))
+BIN = os.path.abspath(os.environ.get("LANDFALL_BIN") or os.path.join(SHARE, "build/release/bin" if IS_CLONE else "../../bin"))
 
 
 def find(tool, folder=None):
-    """The path of a tool: in the given folder, else in the installation of this package, else on PATH."""
+    """The path of a tool: in the given folder, else in $LANDFALL_BIN or the installation of this package, else on PATH."""
     path = os.path.join(folder or BIN, tool)
     found = path if os.access(path, os.X_OK) else None if folder else shutil.which(tool)
     if found is None:
@@ -32,6 +32,31 @@ def run_tool(path, *arguments, **options):
     if result.returncode != 0:
         raise ToolError(result.stderr.strip() or f"{path}: exit code {result.returncode}", result.returncode)
     return result
+
+
+def check_files(*paths):
+    """Throws DataError unless each file is one that the tools open: the check of landfall-info --check, by which a file that could crash
+    HDF5, load a program or lead to another file is refused before HDF5 reads it. Costs some 50 ms and reads no values."""
+    for first in range(0, len(paths), 500):
+        names = [os.path.join(".", path) if path.startswith("-") else path for path in map(os.fspath, paths[first:first + 500])]
+        try:
+            run_tool(find("landfall-info"), "--check", "-q", *names)
+        except ToolError as error:
+            refusal = str(error).removeprefix("landfall-info: ")
+            if error.exit_code == 1 and refusal != str(error):
+                raise DataError(refusal) from error
+            raise ToolError(f"{names[0]}: cannot be checked: {error}; set LANDFALL_BIN to the folder of landfall's tools") from error
+
+
+def sound_files(paths):
+    """Those of the files that check_files() does not refuse."""
+    try:
+        if paths:
+            check_files(*paths)
+        return paths
+    except DataError:
+        half = len(paths) // 2
+        return [*sound_files(paths[:half]), *sound_files(paths[half:])] if half else []
 
 
 def run(tool, config, inputs, output, options):

@@ -26,7 +26,9 @@ def parse(arguments):
     parser.add_argument("-o", "--output", metavar="DIR", required=True)
     parser.add_argument("--bin", metavar="DIR", default="build/release/bin", help="where the tools are")
     parser.add_argument("--config", metavar="EVAL.json", help="dem-eval's configuration")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    tools.BIN = options.bin
+    return options
 
 
 def error_statistics(path):

@@ -14,6 +14,18 @@ import numpy as np
 
 from harness import ChainTest, attributes, run
 
+# Loads the packages of a program, and all engines of xarray, whose own warnings do not matter here; from then on, a warning is an error.
+# It is about our file then, or about the program. What a package says of its own code later is ignored.
+PREAMBLE = """import sys, warnings
+warnings.simplefilter("ignore")
+import {packages}
+if "xarray" in sys.modules:
+    sys.modules["xarray"].backends.list_engines()
+warnings.simplefilter("error")
+for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, SyntaxWarning, ImportWarning):
+    warnings.simplefilter("ignore", category)
+warnings.filterwarnings("error", module="__main__$")
+"""
 RASTERS = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters")
 
 
@@ -73,8 +85,9 @@ class Opens(ChainTest):
         return json.loads(self.succeed("landfall-info", path, "--json", "--no-statistics").stdout)
 
     def python(self, program, *arguments):
-        """Runs a program in which every warning is an error."""
-        result = subprocess.run([sys.executable, "-W", "error", "-c", program, *arguments], capture_output=True, text=True,
+        """Runs a program, which begins with its imports; a warning is an error (PREAMBLE)."""
+        program = PREAMBLE.format(packages=program.split("\n", 1)[0].removeprefix("import ")) + program
+        result = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True,
                                 timeout=100, cwd=self.folder, check=False)
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         return result.stdout.strip()
@@ -147,6 +160,15 @@ class Opens(ChainTest):
             file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         self.refuse(2, "terrain-gen", "--from", self.path("m.obj"), "-o", self.path("m.nc"), words=["grids", ".h5"],
                     output=self.path("m.nc"))
+
+    def test_warnings_about_our_files_count_and_those_of_packages_about_themselves_do_not(self):
+        with open(self.path("noisy.py"), "w", encoding="ascii") as file:
+            file.write("import warnings\nwarnings.warn('at import')\ndef old(): warnings.warn('an old function', DeprecationWarning)\n"
+                       "def read(): warnings.warn('the file has no frame')\n")
+        self.assertEqual(self.python("import noisy\nnoisy.old()\nprint(1)"), "1")
+        for ours in ("noisy.read()", "import warnings; warnings.warn('x', DeprecationWarning)"):
+            with self.assertRaises(AssertionError):
+                self.python(f"import noisy\n{ours}")
 
     def test_rasterio(self):
         self.need("rasterio")

@@ -237,6 +237,16 @@ class Assignments(ToolTest):
             self.assertEqual((result.returncode, result.stderr), (0, ""))
             self.assertEqual(json.loads(result.stdout), self.resolved(name))
 
+    def test_a_configuration_has_a_largest_size(self):
+        """A device without an end does not fill the memory."""
+        self.refuse(2, "scan-sim", "--check", "-c", "/dev/zero", words=["/dev/zero: is larger than 64 MiB"])
+        with open("/dev/zero", "rb") as zeros:
+            result = subprocess.run([tool("scan-sim"), "--check", "-c", "-"], stdin=zeros, capture_output=True, text=True, timeout=100, check=False)
+        self.assertEqual(result.returncode, 2)
+        self.check_message("scan-sim", result.stderr, ["standard input: is larger than 64 MiB"])
+        with self.assertRaisesRegex(UsageError, "^/dev/zero: is larger than 64 MiB"):
+            read_json("/dev/zero")
+
     def test_seed_option_overrides_set_and_file(self):
         for name in ["terrain-gen", "scan-sim"]:
             config = self.config({"seed": 5})

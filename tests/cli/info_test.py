@@ -3,6 +3,7 @@
 """landfall-info: its description of a file agrees with h5py and numpy."""
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -11,7 +12,7 @@ import unittest
 import h5py
 import numpy as np
 
-from harness import TOOLS, ChainTest, attributes, run, tool
+from harness import TOOLS, ChainTest, attributes, run, set_text, tool
 
 TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 3 0\nv 0 0 -4\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
 
@@ -328,10 +329,53 @@ class Refusals(InfoTest):
             self.assertEqual(self.describe(path)["config"][key], value)
 
     def test_control_characters_do_not_reach_the_terminal(self):
-        path = self.changed(self.chain.dem, lambda f: f.attrs.__setitem__("title", "a\x1b[2Jb\nc"))
-        text = self.info(path)
-        self.assertNotIn("\x1b", text)
-        self.assertIn("(a [2Jb c)", text.split("\n")[0])
+        hostile, shown = "a\x1b[2Jb\nc\u202ed\u009b\x07", "a\\u001b[2Jb\\u000ac\\u202ed\\u009b\\u0007"
+
+        def spoil(file):
+            for attribute in ("title", "source"):
+                file.attrs[attribute] = hostile
+            for attribute in ("units", "long_name"):
+                file["z_est"].attrs[attribute] = hostile
+            file["z_est" + hostile] = file["count"][()]
+            set_text(file["provenance"], "environment_json", json.dumps({hostile: hostile}))
+            config = json.loads(file["provenance/config_json"][()])
+            set_text(file["provenance"], "config_json", json.dumps({**config, hostile: hostile}))
+        path = self.changed(self.chain.dem, spoil)
+        for options in ([], ["--config"], ["--no-statistics"], ["--json"]):
+            text = self.info(path, *options)
+            self.assertEqual(sorted(set(re.findall("[\x00-\x1f\x7f-\x9f\u202e]", text))), ["\n"], options)
+        self.assertIn(f"({shown})", self.info(path).split("\n")[0])
+        self.assertEqual(self.describe(path)["title"], hostile)  # escapes of JSON
+        self.refuse(1, "landfall-info", self.path("no" + hostile.replace("/", "")), words=["/no" + shown + ": no such file"])
+
+    def test_a_unit_of_any_length_is_cut(self):
+        path = self.changed(self.chain.dem, lambda f: f["z_est"].attrs.__setitem__("units", "m" * 5000))
+        self.assertLess(max(map(len, self.info(path).split("\n"))), 130)
+
+    def test_the_check_prints_nothing_or_a_line_for_each_refused_file(self):
+        paths = [self.chain.output(name) for name in TOOLS]
+        self.assertEqual(self.info("--check", *paths), "")
+        unfinished = self.changed(self.chain.dem, lambda f: f.attrs.__setitem__("complete", 0))
+        flipped = self.copy(self.chain.eval, "flipped.h5")
+        with open(flipped, "r+b") as file:
+            file.seek(-70, os.SEEK_END)
+            file.write(b"?")
+        result = run("landfall-info", "--check", self.chain.dem, unfinished, flipped, self.path("none.h5"))
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertEqual(result.stderr.splitlines(), [
+            f"landfall-info: {unfinished}: is incomplete (attribute complete is not 1)",
+            f"landfall-info: {flipped}: is an HDF5 file that is truncated or damaged; make it again",
+            f"landfall-info: {self.path('none.h5')}: no such file"])
+        self.refuse(1, "landfall-info", "--check", self.chain.metrics, words=["is not an HDF5 file"])
+
+    def test_the_check_takes_the_results_of_a_study(self):
+        path = self.path("results.h5")
+        with h5py.File(path, "w") as file:
+            file.attrs.update({"format_name": "landfall.results", "format_version": 1})
+        self.refuse(1, "landfall-info", "--check", path, words=["is incomplete"])
+        with h5py.File(path, "a") as file:
+            file.attrs["complete"] = 1
+        self.succeed("landfall-info", "--check", path)
 
     def test_a_bad_file_does_not_hide_the_others(self):
         result = run("landfall-info", self.chain.dem, self.path("nowhere.h5"), self.chain.terrain)
@@ -350,6 +394,8 @@ class Refusals(InfoTest):
     def test_usage(self):
         self.refuse(2, "landfall-info", words=["a file to describe"])
         self.refuse(2, "landfall-info", self.chain.dem, "-o", "x.h5", words=["-o"])
+        for option in ("--json", "--config", "--no-statistics", "--devices"):
+            self.refuse(2, "landfall-info", "--check", self.chain.dem, option, words=["--check"])
         self.assertEqual(self.entries(), [])
 
 

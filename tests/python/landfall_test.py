@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The package landfall: the result of open() for each kind of file, its refusals, and what run() passes to the tools."""
+import contextlib
 import json
 import os
 import pickle
@@ -197,7 +198,7 @@ class Tables(Chain):
         """Of 12,960,000 rows of 11 columns, 1 GB, one row in a thousand is read."""
         path, rows = self.path("large.h5"), 12_960_000
         with h5py.File(path, "w") as file:
-            file.attrs.update({"format_name": "landfall.scan", "complete": 1})
+            file.attrs.update({"format_name": "landfall.scan", "format_version": "1.0", "complete": 1})
             for name in "abcdefghijk":
                 column = file.create_dataset(f"points/{name}", (rows,), "f8", chunks=(65536,), compression="gzip", fillvalue=2.5)
                 column.attrs["units"] = "m"
@@ -223,20 +224,20 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)""")
 class Refusals(Chain):
     def test_files_that_are_not_of_landfall(self):
         self.refused(self.path("none.h5"), "no such file")
-        self.refused(self.folder, "not a readable HDF5 file")
+        self.refused(self.folder, "is a directory")
         with open(self.path("note.txt"), "w", encoding="ascii") as file:
             file.write("nothing")
         self.refused(self.path("note.txt"), "neither an HDF5 file nor JSON")
         with open(self.path("other.json"), "w", encoding="ascii") as file:
             file.write('{"format": "other"}')
         self.refused(self.path("other.json"), '"format" is not one of landfall.metrics')
-        self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("format_name", "other")), "format_name is 'other'")
+        self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("format_name", "other")), "is a other file")
 
     def test_damaged_and_unfinished_files(self):
-        self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("complete", 0)), "never finished")
+        self.refused(self.changed("dem.h5", lambda file: file.attrs.modify("complete", 0)), "is incomplete")
         with open(self.path("dem.h5"), "rb") as whole, open(self.path("short.h5"), "wb") as file:
             file.write(whole.read()[:20000])
-        self.refused(self.path("short.h5"), "not a readable HDF5 file")
+        self.refused(self.path("short.h5"), "truncated or damaged")
 
     def test_links_to_other_files(self):
         target = self.path("target")
@@ -246,7 +247,51 @@ class Refusals(Chain):
             def link(file, kind=kind):
                 del file[kind]
                 file[kind] = h5py.ExternalLink(target, "/z")
-            self.refused(self.changed(name, link), f"/{kind} is a link")
+            self.refused(self.changed(name, link), f"/{kind} is a link to another file, {target}")
+
+    def test_a_filter_loads_no_plug_in(self):
+        """Neither with the check, which refuses the filter, nor without it. 32001 is Blosc's filter."""
+        folder = tempfile.mkdtemp(dir=self.folder)
+        library, loaded = os.path.join(folder, "libblosc.so"), os.path.join(folder, "loaded")
+        subprocess.run(["cc", "-shared", "-fPIC", "-x", "c", "-", "-o", library], text=True, check=True, input=f"""#include <fcntl.h>
+__attribute__((constructor)) static void mark(void) {{ open("{loaded}", O_CREAT | O_WRONLY, 0600); }}""")
+
+        def filtered(file):
+            properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            properties.set_chunk((4,))
+            properties.set_filter(32001, h5py.h5z.FLAG_OPTIONAL, (2,))
+            space = h5py.h5s.create_simple((4,))
+            h5py.h5d.create(file.id, b"extra", h5py.h5t.IEEE_F64LE, space, properties).write_direct_chunk((0,), b"12345678")
+        path = self.changed("scan.h5", filtered)
+        self.refused(path, "/extra is stored by filter 32001")
+        read = f"import h5py; h5py.File({path!r})['extra'][()]"
+        with mock.patch.dict(os.environ, {"HDF5_PLUGIN_PATH": folder}):
+            python(f"import contextlib\nwith contextlib.suppress(OSError):\n  {read}")
+            self.assertTrue(os.path.exists(loaded))  # without landfall the library is loaded
+            os.remove(loaded)
+            python(f"import landfall, contextlib\nscan = landfall.open({path!r}, check=False)\nwith contextlib.suppress(OSError):\n  {read}")
+        self.assertFalse(os.path.exists(loaded))
+
+    def test_a_missing_tool_leaves_no_file_unchecked(self):
+        with mock.patch.object(tools, "BIN", self.folder), mock.patch.dict(os.environ, {"PATH": "/nowhere"}):
+            with self.assertRaisesRegex(landfall.Error, "dem.h5: cannot be checked: .*landfall-info: no such program.*LANDFALL_BIN"):
+                landfall.open(self.path("dem.h5"))
+            landfall.open(self.path("dem.h5"), check=False).close()
+
+    def test_a_name_that_begins_with_a_dash(self):
+        shutil.copy(self.path("dem.h5"), self.path("-O.h5"))
+        with contextlib.chdir(self.folder):
+            landfall.open("-O.h5").close()
+
+    def test_messages_can_be_printed(self):
+        for name, shown in (("no\x1b[31m.h5", "no\\u001b[31m.h5"), ("a\u202e5h.", "a\\u202e5h."), ("a\nb", "a\\u000ab"), ("\udcff", "\\xff"),
+                            ("Höhe.h5", "Höhe.h5")):
+            for error in (landfall.DataError(name), landfall.UsageError(name)):
+                self.assertEqual(str(error), shown)
+        self.assertEqual(str(landfall.ToolError("a: \x1b\nb", 2)), "a: \\u001b\nb")
+        with self.assertRaises(landfall.DataError) as context:
+            landfall.open(self.path("no\x1b[31m.h5"))
+        self.assertEqual(str(context.exception), self.path("no\\u001b[31m.h5") + ": no such file")
 
     def test_groups_and_columns(self):
         self.refused(self.path("scan.h5"), "has no group holes", group="holes")

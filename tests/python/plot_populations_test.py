@@ -40,7 +40,7 @@ def per_hectare(pattern, *diameters):
 def write_terrain(path, patterns, columns):
     """Writes the parts of a terrain file of 100 x 100 m that the script reads."""
     with h5py.File(path, "w") as file:
-        file.attrs["format_name"] = "landfall.terrain"
+        file.attrs["format_name"], file.attrs["format_version"] = "landfall.terrain", "1.0"
         file.attrs["complete"] = np.int32(1)
         file["x"] = file["y"] = np.arange(-50, 51.0)
         file["provenance/config_json"] = json.dumps({"patterns": patterns})

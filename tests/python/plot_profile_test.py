@@ -37,7 +37,7 @@ def make_dem(path, truth=True, empty=()):
     for row, col in empty:
         true[row, col] = estimated[row, col] = np.nan
     with h5py.File(path, "w") as file:
-        file.attrs["format_name"], file.attrs["complete"] = "landfall.dem", np.int32(1)
+        file.attrs.update({"format_name": "landfall.dem", "format_version": "1.0", "complete": np.int32(1)})
         file["x"], file["y"], file["z_est"] = X, Y, estimated
         if truth:
             file["z_true"] = true

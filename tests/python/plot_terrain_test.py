@@ -26,7 +26,7 @@ def make_terrain(path, nodes=61, slopes=(0.3, -0.2), objects=True):
     axis = (np.arange(nodes) - nodes // 2) * 0.5
     z = slopes[0] * axis[None, :] + slopes[1] * axis[:, None]
     with h5py.File(path, "w") as file:
-        file.attrs["format_name"] = "landfall.terrain"
+        file.attrs["format_name"], file.attrs["format_version"] = "landfall.terrain", "1.0"
         file.attrs["complete"] = np.int32(1)
         file["x"], file["y"], file["z"] = axis, axis, z
         if objects:

@@ -27,7 +27,7 @@ PICTURES = ["accuracy", "coverage", "elevation_error", "verdict"]
 
 def start_file(path, format_name, complete=1):
     file = h5py.File(path, "w")
-    file.attrs["format_name"] = format_name
+    file.attrs["format_name"], file.attrs["format_version"] = format_name, "1.0"
     file.attrs["complete"] = np.int32(complete)
     centers = (np.arange(BINS) - BINS // 2) * RESOLUTION_M
     file["x"], file["y"] = centers, centers
@@ -173,11 +173,11 @@ class PlotDemTest(ScriptTest):
         self.expect_failure(1, "dem.h5: no such file", "plot_dem.py", "dem.h5")
         with open(self.path("text.h5"), "w", encoding="utf-8") as file:
             file.write("not HDF5")
-        self.expect_failure(1, "text.h5: not a readable HDF5 file", "plot_dem.py", "text.h5")
+        self.expect_failure(1, "text.h5: is not an HDF5 file", "plot_dem.py", "text.h5")
         make_evaluation(self.path("eval.h5"))
         self.expect_failure(1, "expected 'landfall.dem'", "plot_dem.py", "eval.h5")
         make_dem(self.path("unfinished.h5"), complete=0)
-        self.expect_failure(1, "never finished", "plot_dem.py", "unfinished.h5")
+        self.expect_failure(1, "is incomplete", "plot_dem.py", "unfinished.h5")
         with start_file(self.path("bare.h5"), "landfall.dem"):
             pass
         self.expect_failure(1, "z_est", "plot_dem.py", "bare.h5")
@@ -186,7 +186,7 @@ class PlotDemTest(ScriptTest):
         make_dem(self.path("dem.h5"))
         with open(self.path("dem.h5"), "r+b") as file:
             file.truncate(os.path.getsize(self.path("dem.h5")) // 2)
-        self.expect_failure(1, "dem.h5: not a readable HDF5 file", "plot_dem.py", "dem.h5")
+        self.expect_failure(1, "dem.h5: is an HDF5 file that is truncated or damaged", "plot_dem.py", "dem.h5")
 
     def test_layer_of_another_shape(self):
         with start_file(self.path("dem.h5"), "landfall.dem") as file:

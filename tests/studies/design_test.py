@@ -115,6 +115,8 @@ class Filters(DesignTest):
                               ({"variables": {"a": {"keys": ["scan.seed"], "low": 2, "high": 2}}}, "/variables/a: low and high are needed, and low < high"),
                               ({"variables": {"a": {"keys": ["scan.seed"]}}}, "needs either values, or low and high"),
                               ({"variables": {"a": {"keys": ["scan.seed"], "integer": True, "low": 1.5, "high": 2}}}, "must be whole numbers"),
+                              ({"variables": {"a": {"keys": ["scan.seed"], "integer": True, "values": [1, 2]}}}, "/variables/a: integer and step are for a range"),
+                              ({"whole_pattern": True, "base": {**BASE, "scan": {"scanner": {"type": "flash"}}}}, "/whole_pattern: needs a scanner"),
                               ({"search": {"start": [{"lines": 1}]}}, "/search/start/0: needs a value for each of lines, columns"),
                               ({"terrains": []}, "/terrains")):
             with self.assertRaisesRegex(UsageError, message):

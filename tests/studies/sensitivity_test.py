@@ -154,6 +154,9 @@ class Sample(SensitivityTest):
         normal = {"type": "normal", "sigma": 1}
         for groups, message in (({"a": {VELOCITY: {"type": "normal", "sigma": 0}}}, f"/groups/a/{VELOCITY}/sigma: 0 is not > 0"),
                                 ({"a": {VELOCITY: {"type": "uniform", "low": 2, "high": 1}}}, "/low: 2 is not < high, 1"),
+                                ({"a": {VELOCITY: {"type": "uniform", "high": 1}}}, f'/groups/a/{VELOCITY}: needs the key "low", because its type is uniform'),
+                                ({"a": {VELOCITY: {"type": "uniform", "low": -1}}}, f'/groups/a/{VELOCITY}: needs the key "high"'),
+                                ({"a": {VELOCITY: {"type": "normal", "mean": 1}}}, f'/groups/a/{VELOCITY}: needs the key "sigma"'),
                                 ({"a": {VELOCITY: {**normal, "high": 1}}}, "/high: is not a key of the type normal, which has mean, sigma"),
                                 ({"a": {VELOCITY: normal}, "b": {VELOCITY: normal}}, "is given twice"),
                                 ({"a": {"scan.seed": normal}}, 'is the key of the group "random numbers"'),

@@ -13,7 +13,7 @@ import csv
 import os
 
 from landfall import command, files, plots
-from landfall.errors import UsageError
+from landfall.errors import UsageError, printable
 from landfall.study import crossing, figures, verdicts
 from landfall.study.table import REQUIREMENTS, Results
 
@@ -99,7 +99,7 @@ def write_csv(path, head, rows):
             writer.writerow(head)
             writer.writerows([["" if isinstance(cell, float) and cell != cell else cell for cell in row] for row in rows])
     command.write_whole(path, write_to)
-    print(path)
+    print(printable(path))
 
 
 def draw_all(options, results, metrics):

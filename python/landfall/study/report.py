@@ -5,9 +5,7 @@ import json
 import math
 import os
 
-import h5py
-
-from landfall import files
+from landfall import files, tools
 from landfall.errors import DataError
 from landfall.study import chain, configs, names, results, session
 from landfall.study.model import STAGES
@@ -79,6 +77,7 @@ def report(folder, figures):
     config_table, run_table = ConfigTable(study.folder), RunTable(study)
     case_configs = [config_table.of_case(chains[case]) for case in shown]
     case_runs = [run_table.of_case(chains[case]) for case in shown]
+    run_table.add_file_ids()
     seconds = [run_table.seconds(runs) for runs in case_runs]
     return {
         "name": study.cases["name"], "title": study.cases["title"], "description": study.cases.get("description", ""),
@@ -252,18 +251,14 @@ class RunTable:
             summary = self._study.logs.summary(run) or {}
             output = run.output if os.path.exists(os.path.join(self._study.folder, run.output)) else None
             self.rows.append([run.kind, output, *(_rounded(summary.get(key), 4) for key in ("wall_s", "cpu_s")),
-                              summary.get("peak_memory_bytes"), self._file_id(output)])
+                              summary.get("peak_memory_bytes"), None])
         return self._index[run.output]
 
-    def _file_id(self, output):
-        if not output or not output.endswith(".h5"):
-            return None
-        try:
-            with h5py.File(os.path.join(self._study.folder, output), "r") as file:
-                found = file.attrs.get("file_id")
-        except OSError:
-            return None
-        return found.decode() if isinstance(found, bytes) else found
+    def add_file_ids(self):
+        """Reads the file_id of each output that the tools would open."""
+        paths = {os.path.join(self._study.folder, row[1]): row for row in self.rows if row[1] and row[1].endswith(".h5")}
+        for path in tools.sound_files(list(paths)):
+            paths[path][-1] = files.file_id(path)
 
     def seconds(self, runs):
         times = [self.rows[run][2] for run in runs]

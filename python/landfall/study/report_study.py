@@ -8,7 +8,7 @@ import argparse
 import os
 
 from landfall import command, tools
-from landfall.errors import DataError, UsageError
+from landfall.errors import DataError, UsageError, printable
 from landfall.study import page, report
 
 
@@ -57,4 +57,4 @@ def main(arguments):
     except UsageError as error:
         raise DataError(error) from error
     write_page(page.page(tree, figures, texts(".css", "report.css"), texts(".js", "table.js")), output)
-    print(f"{output}: {tree['count']} cases")
+    print(f"{printable(output)}: {tree['count']} cases")

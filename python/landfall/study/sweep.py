@@ -23,7 +23,7 @@ import sys
 
 from landfall import tools
 from landfall.command import Parser
-from landfall.errors import ToolError, UsageError
+from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
 from landfall.study import lock, model, names, reader, repair, rules, session, stages
 from landfall.study.names import counted
@@ -87,7 +87,7 @@ def plan(options):
     fragment = rules.Fragment(graph, layout, study.options)
     with lock.held(options.out):
         written = write_plan(options, study, graph, fragment, versions)
-    print(f"{study.name}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
+    print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
           (f", {counted(len(graph.draws), 'campaign')}" if graph.draws else "") +
@@ -193,14 +193,14 @@ def list_studies(options):
     width = max((len(study.name) for study in found), default=0)
     for study in found:
         count = study.case_count()
-        print(f"{study.name:{width}}  {count:4} case{'s' if count != 1 else ' '}  {study.title}")
+        print(printable(f"{study.name:{width}}  {count:4} case{'s' if count != 1 else ' '}  {study.title}"))
 
 
 def list_cases(options):
     study = reader.read_study(options.study)
-    print("\t".join(["case", *(axis.name for axis in study.axes())]))
+    print("\t".join(["case", *(printable(axis.name) for axis in study.axes())]))
     for number, indices in enumerate(study.cases()):
-        print("\t".join([str(number), *(value if isinstance(value, str) else json.dumps(value)
+        print("\t".join([str(number), *(printable(value if isinstance(value, str) else json.dumps(value))
                                         for value in study.values(indices))]))
 
 
@@ -212,7 +212,7 @@ def show(options):
     indices = cases[options.case]
     values = zip((axis.name for axis in study.axes()), study.values(indices))
     title = f"{study.name}, case {options.case}: " + ", ".join(f"{name} = {shown(value)}" for name, value in values)
-    print("#!/bin/bash\n# " + "".join(character if character.isprintable() else "?" for character in title))
+    print("#!/bin/bash\n# " + printable(title))
     print("set -euo pipefail")
     for stage in study.base:
         config = json.dumps(stages.configuration(study, stage, indices), sort_keys=True)
@@ -243,7 +243,7 @@ def begin(options):
         return
     lock.free_after(options.folder, options.pid)
     for name in repair.repair(options.folder):
-        print(f"{os.path.join(options.folder, name)} is lost or damaged and is made again", file=sys.stderr)
+        print(f"{printable(os.path.join(options.folder, name))} is lost or damaged and is made again", file=sys.stderr)
 
 
 def free(options):
@@ -262,7 +262,7 @@ def status(options):
     by_values = names.CaseNames(cases["axes"], cases["cases"])
     for reason, numbers in failed.items():
         count = f" ({counted(len(numbers), 'case')})" if len(numbers) > 1 else ""
-        print(f"{by_values.of_cases(numbers)}{count}: {reason}")
+        print(printable(f"{by_values.of_cases(numbers)}{count}: {reason}"))
 
 
 def states(folder, results):
@@ -318,7 +318,7 @@ def collect(options):
     results.write_csv(table, os.path.join(options.folder, "results.csv"))
     tidy(options)
     left_out = len(cases["cases"]) - len(rows)
-    print(f"{os.path.join(options.folder, 'results.csv')}: {counted(len(rows), 'case')}, "
+    print(f"{printable(os.path.join(options.folder, 'results.csv'))}: {counted(len(rows), 'case')}, "
           f"{len(table.columns)} columns" + (f"; {left_out} not done" if left_out else ""))
 
 

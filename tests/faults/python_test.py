@@ -1,0 +1,298 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Damaged files in Python: landfall.open and every plot command refuse a file with one landfall.Error, or show what the intact file holds.
+
+Each file is tried in a child process, so that a signal ends the child alone. LANDFALL_TEST_LONG=1 tries 2,000 bits of files with their
+seal and 500 of files without it (docs/quality/fuzzing.md); LANDFALL_TEST_SEED chooses others.
+"""
+import collections
+import contextlib
+import glob
+import hashlib
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import sys
+import traceback
+import unittest
+
+import h5py
+import matplotlib
+import numpy as np
+
+from harness import ChainTest, read_bytes
+from harness.commands import run_command
+
+ROOT = os.environ["LANDFALL_ROOT"]
+sys.path.insert(0, os.path.join(ROOT, "python"))
+sys.dont_write_bytecode = True
+matplotlib.use("Agg")
+# pylint: disable=wrong-import-position
+import landfall
+from landfall import (errors, grids, plot_dem, plot_draws, plot_eval, plot_hazards, plot_plan, plot_populations, plot_profile,
+                      plot_terrain)
+from landfall.table import Table
+from matplotlib import pyplot
+
+del grids  # imported here once, not in every child
+IS_LONG = bool(os.environ.get("LANDFALL_TEST_LONG"))
+SEALED, UNSEALED = (2000, 500) if IS_LONG else (36, 9)
+SEED = int(os.environ.get("LANDFALL_TEST_SEED", "1"))
+HOSTILE = os.path.join(ROOT, "..", "shared", "data", "hostile")
+MEMORY_BYTES, LONGEST_S = 6 << 30, 120
+GROUPS = {"terrain": ["features"], "populations": ["features"], "scan": ["pulses", "detector"], "evaluation": ["holes"], "hazards": ["sites"],
+          "draws": ["draws"]}
+ROCKS = {"grid": {"half_width_m": 6, "resolution_m": 0.2}, "seed": 3, "patterns": [
+    {"type": "golombek_rocks", "k": 0.2, "min_diameter_m": 0.2, "max_diameter_m": 2, "clear_radius_m": 0, "region": {"type": "site"}}]}
+PLOTS = {"terrain": [plot_terrain], "mesh": [plot_terrain], "populations": [plot_populations], "dem": [plot_dem, plot_profile],
+         "evaluation": [plot_eval], "hazards": [plot_hazards], "plan": [plot_plan], "draws": [plot_draws]}
+
+
+def seal_begin(content):
+    """The size of a file before its seal (lib/hdf5/file_seal.h)."""
+    return int.from_bytes(content[-56:-48], "little") if content.endswith(b"landfall seal 1\n") else len(content)
+
+
+def metadata_of(path):
+    """Offsets of all bytes before the seal that are not chunks."""
+    chunks = []
+
+    def add(_, item):
+        if isinstance(item, h5py.Dataset) and item.chunks:
+            found = [item.id.get_chunk_info(i) for i in range(item.id.get_num_chunks())]
+            chunks.extend((chunk.byte_offset, chunk.size) for chunk in found)
+    with h5py.File(path) as file:
+        file.visititems(add)
+    is_chunk = np.zeros(seal_begin(read_bytes(path)), bool)
+    for begin, count in chunks:
+        is_chunk[begin:begin + count] = True
+    return np.flatnonzero(~is_chunk).tolist()
+
+
+def contents(opened):
+    """All that landfall.open gives: attributes, names, types and values."""
+    if isinstance(opened, Table):
+        return [repr(sorted(map(repr, opened.attrs.items()))), repr(opened.attributes), *((name, opened[name].dtype, opened[name].tobytes()) for name in opened)]
+    return [repr(opened.attrs), repr(opened.encoding.get("source")),
+            *((name, repr(layer.attrs), layer.dims, layer.dtype, layer.values.tobytes()) for name, layer in opened.variables.items())]
+
+
+def open_all(path, kind):
+    """A hash of the contents of a file, or the error that refuses it."""
+    found = []
+    for group in (None, *GROUPS.get(kind, [])):
+        with landfall.open(path, group) as opened:
+            found += contents(opened)
+    return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+def draw(path, plot, folder):
+    """A hash of the figures that a plot command writes."""
+    name = os.path.join(folder, "f.png" if plot is not plot_eval else "f-")
+    line = ["--from=-2,-1.5", "--to=2,1.5"] if plot is plot_profile else []
+    plot.main([path, "-O", "--dpi", "50", "-o", name, *line])
+    figures = sorted(glob.glob(os.path.join(folder, "f*.png")))
+    found = hashlib.sha256(b"".join(map(read_bytes, figures))).hexdigest()
+    for figure in figures:
+        os.remove(figure)
+    return found
+
+
+def outcome(task):
+    """("right", hash), ("refused", message) or ("traceback", text) of a task."""
+    try:
+        return "right", task()
+    except errors.Error as error:
+        return "refused", str(error)
+    except BaseException:  # pylint: disable=broad-exception-caught
+        return "traceback", traceback.format_exc()
+
+
+def in_child(*tasks):
+    """The outcomes of tasks, in order, in a child process; of one that ends the child ("signal", number), without those after it."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        with contextlib.suppress(BaseException):
+            os.close(reading)
+            resource.setrlimit(resource.RLIMIT_CPU, (LONGEST_S * len(tasks),) * 2)
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, 1)
+            os.dup2(null, 2)
+            with os.fdopen(writing, "w", encoding="utf-8") as pipe:
+                for task in tasks:
+                    print(json.dumps(outcome(task)), file=pipe, flush=True)
+                    pyplot.close("all")
+            os._exit(0)
+        os._exit(9)
+    os.close(writing)
+    with os.fdopen(reading, encoding="utf-8") as pipe:
+        outcomes = [tuple(json.loads(line)) for line in pipe]
+    _, status = os.waitpid(child, 0)
+    end = os.waitstatus_to_exitcode(status)
+    return outcomes + [("signal", end)] if end else outcomes
+
+
+class DamagedFiles(ChainTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        chain = cls.chain
+        cls.files = {"terrain": chain.terrain, "scan": chain.scan, "dem": chain.dem, "evaluation": chain.eval, "hazards": chain.hazards,
+                     "draws": chain.draws, "mesh": chain.path("mesh.h5"), "plan": chain.path("plan.h5"), "populations": chain.path("rocks.h5")}
+        with open(chain.path("m.obj"), "w", encoding="ascii") as file:
+            file.write("v 0 0 0\nv 9 0 0\nv 0 9 1\nf 1 2 3\n")
+        with open(chain.path("rocks.json"), "w", encoding="ascii") as file:
+            json.dump(ROCKS, file)
+        for name, *arguments in (["terrain-gen", "--from", chain.path("m.obj"), "-o", cls.files["mesh"]],
+                                 ["terrain-gen", "-c", chain.path("rocks.json"), "-o", cls.files["populations"]],
+                                 ["scan-sim", "--plan", "--plan-radius", "5", "-c", chain.config("scan-sim"), "-q", "-o", cls.files["plan"]]):
+            landfall.tools.run_tool(landfall.tools.find(name), *arguments)
+
+    def setUp(self):
+        super().setUp()
+        self.damaged, self.figures = self.path("damaged.h5"), self.path("figures")
+        os.mkdir(self.figures)
+
+    def tasks(self, kind, with_plots=True):
+        yield "open", lambda: open_all(self.damaged, kind)
+        for plot in PLOTS.get(kind, []) if with_plots else []:
+            yield plot.__name__, lambda plot=plot: draw(self.damaged, plot, self.figures)
+
+    def write(self, content):
+        with open(self.damaged, "wb") as file:
+            file.write(content)
+
+    def attack(self, count, is_sealed, with_plots=True):
+        """Flips `count` bits, half of them in metadata, and yields what was tried, kind, reader and outcome."""
+        choose, outcomes = random.Random(f"{SEED} {is_sealed}"), collections.Counter()
+        intact = {kind: read_bytes(path) for kind, path in self.files.items()}
+        places = {kind: metadata_of(path) for kind, path in self.files.items()}
+        for number in range(count):
+            kind = list(self.files)[number % len(self.files)]
+            content = bytearray(intact[kind][:None if is_sealed else seal_begin(intact[kind])])
+            at = choose.choice(places[kind]) if choose.random() < 0.5 or not is_sealed else choose.randrange(len(content))
+            bit = choose.randrange(8)
+            content[at] ^= 1 << bit
+            self.write(content)
+            names, tasks = zip(*self.tasks(kind, with_plots))
+            for name, found in zip(names, in_child(*tasks)):
+                outcomes[found[0]] += 1
+                yield {"kind": kind, "reader": name, "at": at, "bit": bit}, kind, name, found
+        print(f"{count} bits, {'sealed' if is_sealed else 'unsealed'}: {dict(outcomes)}", file=sys.stderr)
+
+    def intact(self, kind, reader):
+        """The outcome of a reader for the intact file."""
+        self.write(read_bytes(self.files[kind]))
+        return in_child(dict(self.tasks(kind))[reader])[0]
+
+    def test_a_bit_of_a_file_with_its_seal(self):
+        """Refused, or the same contents and figures: a bit in a layer that a figure does not show changes nothing of it."""
+        known, refused = {}, 0
+        for tried, kind, reader, found in self.attack(SEALED, True):
+            refused += found[0] == "refused"
+            with self.subTest(**tried):
+                if found[0] == "refused":
+                    self.assertRegex(found[1], r"\A[^\n]*damaged\.h5[^\n]*\Z")
+                    continue
+                if (kind, reader) not in known:
+                    known[kind, reader] = self.intact(kind, reader)
+                self.assertEqual(found, known[kind, reader])
+        self.assertGreater(refused, SEALED)
+
+    def test_a_bit_of_the_metadata_of_a_file_without_its_seal(self):
+        """Other contents cannot be recognised there, but no bit ends Python."""
+        for tried, _, _, found in self.attack(UNSEALED, False, with_plots=IS_LONG):
+            with self.subTest(**tried):
+                self.assertNotEqual(found[0], "signal", found[1])
+
+    def test_the_outcomes_are_told_apart(self):
+        """Checks the attack itself: a signal, a traceback, and other contents."""
+        self.assertEqual(in_child(lambda: 1, lambda: os.kill(os.getpid(), signal.SIGSEGV), lambda: 2), [("right", 1), ("signal", -signal.SIGSEGV)])
+        self.assertEqual(in_child(lambda: {}["x"])[0][0], "traceback")
+        self.write(read_bytes(self.files["dem"]))
+        before = in_child(lambda: open_all(self.damaged, "dem"))[0]
+        self.assertEqual(before[0], "right")
+        with h5py.File(self.damaged, "a") as file:
+            file["z_est"].attrs["units"] = "km"
+        after = in_child(lambda: open_all(self.damaged, "dem"))[0]
+        self.assertEqual(after[0], "right")
+        self.assertNotEqual(after, before)
+
+
+class OddFiles(ChainTest):
+    """Valid HDF5 that no plot can show: one message each."""
+
+    def expect(self, kind, source, change, words):
+        path = shutil.copy(source, self.path("odd.h5"))
+        with h5py.File(path, "a") as file:
+            change(file)
+        result = run_command(f"plot_{kind}", path, "-O", "-o", self.path("f.png"))
+        self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
+        self.assertRegex(result.stderr, r"\Aplot_\w+\.py: [^\n]+\n\Z")
+        self.assertIn(words, result.stderr)
+
+    @staticmethod
+    def replaced(name, **form):
+        def change(file):
+            del file[name]
+            file.create_dataset(name, **form)
+        return change
+
+    def test_layers_that_are_not_real_numbers(self):
+        for kind, source, name in (("dem", self.chain.dem, "z_est"), ("terrain", self.chain.terrain, "z"), ("dem", self.chain.dem, "x"),
+                                   ("hazards", self.chain.hazards, "sites/x"), ("draws", self.chain.draws, "draws/pass")):
+            with h5py.File(source) as file:
+                shape = file[name].shape
+            for form in ({"data": np.zeros(shape, complex)}, {"data": np.full(shape, b"text")}, {"data": "text"}):
+                self.expect(kind, source, self.replaced(name, **form), "does not hold real numbers")
+
+    def test_a_layer_that_claims_more_than_is_stored(self):
+        huge = {"shape": (1 << 20, 1 << 20), "chunks": (256, 256), "dtype": "f8"}
+        self.expect("dem", self.chain.dem, self.replaced("z_est", **huge), "/z_est declares more values")
+
+    def test_groups_in_place_of_layers(self):
+        def change(file):
+            del file["z_est"]
+            file.create_group("z_est")
+        self.expect("dem", self.chain.dem, change, "z_est does not hold real numbers")
+
+    def test_names_are_printed_without_control_characters(self):
+        result = run_command("plot_dem", "no\x1b[31m\u202e.h5")
+        self.assertEqual((result.returncode, result.stderr), (1, "plot_dem.py: no\\u001b[31m\\u202e.h5: no such file\n"))
+        path = shutil.copy(self.chain.dem, self.path("a\x1b[31m $x^$.h5"))
+        self.assertEqual(run_command("plot_dem", path).stdout, self.path("a\\u001b[31m $x^$-figure.png") + "\n")
+
+
+@unittest.skipUnless(os.path.isdir(HOSTILE), "needs the files of shared/data/hostile")
+class HostileFiles(ChainTest):
+    KINDS = {"dem": "dem", "hazards": "hazards", "uid": "hazards", "eval": "evaluation", "plan": "plan", "draws": "draws", "info": "hazards", "echo": "scan"}
+    # What is wrong in these is in their values or texts, which the tools look at.
+    RIGHT = {"dem-inf.h5", "dem-sigma-0.05.h5", "dem-sigma-10pct-nan.h5", "dem-sigma-negative.h5", "evil_dem.h5", "info-slow-bomb.h5"}
+
+    def test_each_is_refused_or_read(self):
+        for path in sorted(glob.glob(os.path.join(HOSTILE, "*.h5"))):
+            name = os.path.basename(path)
+            with self.subTest(name):
+                what, text = in_child(lambda path=path: open_all(path, None))[0]
+                self.assertEqual(what, "right" if name in self.RIGHT else "refused", text)
+
+    def test_each_through_the_commands_of_its_kind(self):
+        figures = self.path("figures")
+        os.mkdir(figures)
+        for path in sorted(glob.glob(os.path.join(HOSTILE, "*.h5"))):
+            name = os.path.basename(path)
+            kind = next(kind for word, kind in self.KINDS.items() if word in name)
+            for plot in PLOTS.get(kind, []):
+                with self.subTest(name=name, plot=plot.__name__):
+                    what, text = in_child(lambda path=path, plot=plot: draw(path, plot, figures))[0]
+                    self.assertEqual(what, "right" if name in self.RIGHT else "refused", text)
+
+
+if __name__ == "__main__":
+    unittest.main()
