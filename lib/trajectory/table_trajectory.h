@@ -28,9 +28,9 @@ struct TrajectorySample {
 /// - attitudes by slerp between neighbours, the shortest way: constant body rate from sample to sample.
 class TableTrajectory : public Trajectory {
  public:
-  /// Times must increase strictly, all numbers must be finite, and the norm of a quaternion must be within
-  /// 1e-3 of 1 (it is then normalised); at least 2 rows. Throws FormatError otherwise; the message begins
-  /// with `name` and names the row counted from 1.
+  /// Times must increase strictly, all numbers must be finite, no velocity may exceed that of light, and the
+  /// norm of a quaternion must be within 1e-3 of 1 (it is then normalised); at least 2 rows. Throws
+  /// FormatError otherwise; the message begins with `name` and names the row counted from 1.
   explicit TableTrajectory(std::vector<TrajectorySample> samples, std::string name = "trajectory table");
 
   /// A time that lies up to 1 ns outside the table counts as its end: pulse times are rounded.
