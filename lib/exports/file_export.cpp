@@ -2,6 +2,8 @@
 #include "exports/file_export.h"
 
 #include <algorithm>
+#include <functional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -152,6 +154,16 @@ void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& 
   write_layers_csv(layers, o.every, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
 }
 
+/// Adds the input's name to what a writer finds wrong in its content.
+void naming(const std::string& input, const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const FormatError& error) {
+    const std::string what = error.what();
+    throw FormatError(what.starts_with(input) ? what : input + ": " + what);
+  }
+}
+
 void export_geotiff(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
                     const ProgressCallback& progress) {
   const GridSource grid(o.input);
@@ -162,7 +174,7 @@ void export_geotiff(const ExportOptions& o, const OutputOptions& output, const s
     content.bands.push_back(
         {std::visit([](const auto& values) { return decltype(GeotiffBand::values)(&values); }, layer.values),
          layer.info.units, layer.info.name});
-  write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); });
+  naming(o.input, [&] { write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); }); });
 }
 
 void export_picture(const ExportOptions& o, const OutputOptions& output, const ProgressCallback& progress) {
@@ -196,7 +208,8 @@ void FileExport::write(const OutputOptions& output, const std::string& tool,
   if (options_.format == "tif") return export_geotiff(options_, output, tool, progress);
   if (options_.format == "png") return export_picture(options_, output, progress);
   if (options_.format == "gpkg")
-    return write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output);
+    return naming(options_.input,
+                  [&] { write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output); });
   const auto write_to = [&](ByteSink&& sink) {
     if (options_.sites)
       write_sites_csv(LandfallFileReader(options_.input, {"hazards"}), sink);
