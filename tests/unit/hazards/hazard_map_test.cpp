@@ -380,7 +380,7 @@ TEST(FillMap, CountsBinsWithoutSigma) {
 
 TEST(MapHazards, PlacesThatNeedABinWithoutSigmaHaveNoProbability) {
   HazardInput input = level_ground(2, 0.1);
-  input.z_sigma = Grid<double>(input.z.spec(), 0.01);
+  input.z_sigma = Grid<double>(input.z.spec(), 0.001);
   const BinIndex bare{15, 22};
   input.z_sigma->at(bare) = kNan;
   input.bins_without_sigma = 1;
