@@ -41,7 +41,7 @@ struct GriddedScans {
   std::optional<MomentAccumulator> moments;
   Grid<Slope> slopes{};                           ///< slope_layer() of the bins; grid_scans() leaves it empty
   std::unique_ptr<UncertaintyMap> uncertainty{};  ///< refers to the above, which must not move any more
-  std::vector<EdgeSample> edges{};  ///< of each scan: its returns of the first 65,536 rows, within 1e-9 bins
+  std::vector<EdgeSample> edges{};  ///< of each scan: its first returns, at most 65,536; within 1e-9 bins
 };
 
 /// Grids the scans one after the other, batch by batch, while the next batch is read; the memory needed does
