@@ -217,7 +217,9 @@ std::string statistics_lines(const OrderedJson& e, const TableShape& shape) {
       shape, {"  " + e["name"].get<std::string>(), type, integer(e["count"]), integer(e["nan_count"]),
               value_text(e["min"], type), value_text(e["max"], type), number(e["mean"]), number(e["std"]),
               cut(e["unit"].get<std::string>(), kUnitWidth)});
-  if (e["infinite_count"] != 0)
+  if (e.contains("not_read"))
+    text += print("  %-*s   not read: ", shape.name_width, "") + e["not_read"].get<std::string>() + "\n";
+  else if (e["infinite_count"] != 0)
     text += print("  %-*s   infinite: ", shape.name_width, "") + integer(e["infinite_count"]) + "\n";
   if (e.contains("flag_counts")) text += flag_lines(e["flag_counts"], shape.name_width + 5);
   return text;

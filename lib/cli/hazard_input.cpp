@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/number_text.h"
 #include "scene/scene.h"
 
 namespace landfall::cli {
@@ -32,18 +33,30 @@ void fill_from_terrain(Session& session, const HazardInputFiles& files, const Ha
   }
 }
 
+void warn_of_missing_sigma(Session& session, const std::string& map, const HazardInput& input) {
+  if (input.bins_without_sigma == 0) return;
+  session.warn(map + ": z_sigma_rel: " +
+               (input.z_sigma
+                    ? "bins with an elevation and without a 1-sigma: " + grouped(input.bins_without_sigma) +
+                          "; places that need one have no p_safe"
+                    : "no bin with an elevation has a 1-sigma; there is no p_safe") +
+               " (z_sigma_m gives such bins one)");
+}
+
 }  // namespace
 
 HazardInput complete_hazard_input(Session& session, const HazardInputFiles& files, HazardSource& source,
                                   const HazardParameters& parameters, Provenance& provenance) {
   if (!files.terrain.empty() && !source.z_true)
     session.warn("--terrain is ignored: " + files.map + " has no true elevations (z_true)");
-  return fill_map(std::move(source.z), std::move(source.z_true), std::move(source.z_sigma), parameters,
-                  [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
-                    if (files.terrain.empty()) return fill_truth(z_true, holes);
-                    fill_from_terrain(session, files, source, holes, z_true, provenance);
-                    return BinMask(z_true.spec());
-                  });
+  HazardInput input = fill_map(std::move(source.z), std::move(source.z_true), std::move(source.z_sigma),
+                               parameters, [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
+                                 if (files.terrain.empty()) return fill_truth(z_true, holes);
+                                 fill_from_terrain(session, files, source, holes, z_true, provenance);
+                                 return BinMask(z_true.spec());
+                               });
+  warn_of_missing_sigma(session, files.map, input);
+  return input;
 }
 
 }  // namespace landfall::cli

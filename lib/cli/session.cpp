@@ -128,6 +128,9 @@ void Session::require_output_for_view() const {
 
 void Session::claim_output(const std::string& option, const std::string& path,
                            const std::vector<std::string>& inputs) {
+  if (path == "-")
+    throw UsageError(option + " needs a file: " + (option == "-o" ? "this output" : "it") +
+                     " cannot be written to standard output (./- is a file named -)");
   require_usable_output(path, options_.overwrite);
   std::vector<std::string> named = inputs;
   add_named_files(config_, named);

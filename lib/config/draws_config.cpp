@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
@@ -222,6 +224,32 @@ std::vector<double> DrawsConfig::values(std::int64_t draw) const {
     values.push_back(
         value(variation, key, static_cast<std::uint64_t>(seed_), static_cast<std::size_t>(draw)));
   return values;
+}
+
+std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::int64_t end) const {
+  if (first >= end) return {};
+  std::set<std::int64_t> draws = {first};
+  struct Deciding {
+    double least, greatest;
+    std::int64_t least_draw, greatest_draw;
+    std::optional<std::int64_t> fraction_draw;
+  };
+  std::vector<Deciding> keys;
+  for (const double value : values(first)) keys.push_back({value, value, first, first, {}});
+  for (std::int64_t draw = first; draw < end; ++draw) {
+    const std::vector<double> drawn = values(draw);
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      Deciding& key = keys[i];
+      if (drawn[i] < key.least) key.least = drawn[i], key.least_draw = draw;
+      if (drawn[i] > key.greatest) key.greatest = drawn[i], key.greatest_draw = draw;
+      if (!key.fraction_draw && drawn[i] != std::floor(drawn[i])) key.fraction_draw = draw;
+    }
+  }
+  for (const Deciding& key : keys) {
+    draws.insert({key.least_draw, key.greatest_draw});
+    if (key.fraction_draw) draws.insert(*key.fraction_draw);
+  }
+  return {draws.begin(), draws.end()};
 }
 
 DrawStages DrawsConfig::stages(std::int64_t draw) const {

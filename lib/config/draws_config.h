@@ -57,6 +57,10 @@ class DrawsConfig {
   /// The values of the varied keys in a draw.
   [[nodiscard]] std::vector<double> values(std::int64_t draw) const;
   [[nodiscard]] std::int64_t seed(std::int64_t draw) const { return seed_ + draw; }
+  /// Draws of [first, end), in order, whose stages() decide whether those of all are accepted: a schema
+  /// bounds each value alone, from above and below, and may ask for whole numbers. At most three for each
+  /// key, and the first one.
+  [[nodiscard]] std::vector<std::int64_t> deciding_draws(std::int64_t first, std::int64_t end) const;
   /// Throws UsageError, naming draw and key, for a value that the stage's schema refuses.
   [[nodiscard]] DrawStages stages(std::int64_t draw) const;
 

@@ -65,6 +65,8 @@ class StrictnessCheck final : public JsonLevels {
     return JsonLevels::start_object(size);
   }
   bool key(std::string& text) override {
+    if (std::ranges::any_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+      throw UsageError(name_ + ": key \"" + shown_word(text) + "\" has a control character (shown as ?)");
     if (!keys_.back().insert(text).second)
       throw UsageError(name_ + ": key \"" + abbreviated(text) + "\" is given twice in one object");
     return true;

@@ -1,33 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "evaluation/dem_layers.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <string>
-#include <vector>
 
 #include "base/error.h"
-#include "evaluation/piecewise.h"
+#include "raster/layer_check.h"
 
 namespace landfall {
 namespace {
 
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
 void check_layer(const char* name, const Grid<double>& layer, const GridSpec& spec) {
   if (layer.spec() != spec) throw FormatError(std::string(name) + ": its grid differs from that of z_est");
-  const auto first_infinite = [&](std::size_t begin, std::size_t end) {
-    const auto values = layer.values().subspan(begin, end - begin);
-    const auto found = std::ranges::find_if(values, [](double v) { return std::isinf(v); });
-    return found == values.end() ? kNone : begin + static_cast<std::size_t>(found - values.begin());
-  };
-  const std::vector<std::size_t> pieces = by_piece(spec.size(), first_infinite);
-  const std::size_t index = *std::ranges::min_element(pieces);
-  if (index == kNone) return;
-  const auto cols = static_cast<std::size_t>(spec.cols);
-  throw FormatError(std::string(name) + ": the value in row " + std::to_string(index / cols) + ", column " +
-                    std::to_string(index % cols) + " is infinite");
+  require_values(layer, name, LayerValues::finite);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "exports/file_export.h"
 
 #include <algorithm>
+#include <functional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -172,6 +174,16 @@ void export_grid(const ExportOptions& o, const OutputOptions& output, ByteSink& 
   write_layers_csv(layers, o.every, sink, [&](double f) { report(progress, (1 + 3 * f) / 4); });
 }
 
+/// Adds the input's name to what a writer finds wrong in its content.
+void naming(const std::string& input, const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const FormatError& error) {
+    const std::string what = error.what();
+    throw FormatError(what.starts_with(input) ? what : input + ": " + what);
+  }
+}
+
 void export_geotiff(const ExportOptions& o, const OutputOptions& output, const std::string& tool,
                     const ProgressCallback& progress) {
   const GridSource grid(o.input);
@@ -182,7 +194,7 @@ void export_geotiff(const ExportOptions& o, const OutputOptions& output, const s
     content.bands.push_back(
         {std::visit([](const auto& values) { return decltype(GeotiffBand::values)(&values); }, layer.values),
          layer.info.units, layer.info.name});
-  write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); });
+  naming(o.input, [&] { write_geotiff(output, content, [&](double f) { report(progress, (1 + f) / 2); }); });
 }
 
 void export_picture(const ExportOptions& o, const OutputOptions& output, const ProgressCallback& progress) {
@@ -218,7 +230,8 @@ std::string FileExport::write(const OutputOptions& output, const std::string& to
   } else if (options_.format == "png") {
     export_picture(options_, output, progress);
   } else if (options_.format == "gpkg") {
-    write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output);
+    naming(options_.input,
+           [&] { write_sites_geopackage(LandfallFileReader(options_.input, {"hazards"}), output); });
   } else {
     const auto write_to = [&](ByteSink&& sink) {
       if (options_.sites)

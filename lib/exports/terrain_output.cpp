@@ -179,7 +179,11 @@ TerrainContent export_terrain(const std::string& path, const TerrainOutput& outp
     write_export(output, terrain.mesh->data());
     return {};
   }
-  write_export(output, *terrain.grid, {terrain.crs_wkt, terrain.file_id});
+  try {
+    write_export(output, *terrain.grid, {terrain.crs_wkt, terrain.file_id});
+  } catch (const FormatError& error) {
+    throw FormatError(path + ": " + error.what());
+  }
   return {count_nodes(terrain.grid->nodes())};
 }
 

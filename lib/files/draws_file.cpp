@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/key_unit.h"
+#include "base/number_text.h"
 #include "campaign/draw_layers.h"
 #include "campaign/pass_rate.h"
 #include "files/contents.h"
@@ -184,6 +185,20 @@ void require_at_most(const LandfallFileReader& file, const std::string& name, co
                 ", " + std::to_string(most) + "]");
 }
 
+struct NamedCounts {
+  const char* name;
+  const Grid<std::int32_t>& values;
+};
+
+/// Refuses a part that is larger than its whole.
+void require_no_more(const LandfallFileReader& file, const NamedCounts& part, const NamedCounts& whole) {
+  for (std::size_t i = 0; i < part.values.spec().size(); ++i)
+    if (part.values.values()[i] > whole.values.values()[i])
+      file.fail(std::string("/state/") + part.name + ", row " + std::to_string(i) + ": " +
+                std::to_string(part.values.values()[i]) + " is more than " + whole.name + ", " +
+                std::to_string(whole.values.values()[i]));
+}
+
 template <class T>
 void read_into(const TableReader& table, const std::string& column, std::span<T> values) {
   table.read(column, 0, values);
@@ -272,6 +287,10 @@ void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
     require_at_most(file, "safety_known", maps.safety->known, 0, maps.draws);
     require_at_most(file, "safety_judged_safe", maps.safety->judged_safe, 0, maps.draws);
     require_at_most(file, "safety_missed", maps.safety->missed, 0, maps.draws);
+    require_no_more(file, {"safety_judged_safe", maps.safety->judged_safe},
+                    {"safety_known", maps.safety->known});
+    require_no_more(file, {"safety_missed", maps.safety->missed},
+                    {"safety_judged_safe", maps.safety->judged_safe});
   }
   for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
     const std::string prefix(name);
@@ -317,6 +336,67 @@ DrawMaps read_state(const LandfallFileReader& file, const GridSpec& spec, std::i
   return maps;
 }
 
+[[noreturn]] void fail_at(const LandfallFileReader& file, const std::string& column, std::size_t row,
+                          double value, const std::string& expected) {
+  file.fail("/draws/" + column + ", row " + std::to_string(row) + ": " + number_text(value) + " is not " +
+            expected);
+}
+
+/// Modulo 2^64: a file may hold any number.
+std::int64_t seed_after(std::int64_t seed, std::int64_t draws) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(seed) + static_cast<std::uint64_t>(draws));
+}
+
+/// Draw i has the seed of the configuration plus i; with several scans, each counts from its own.
+void check_seeds(const LandfallFileReader& file, const DrawTable& table) {
+  const auto pair = std::ranges::find(table.varied, kPairColumn, &DrawColumn::name);
+  const bool has_pairs = pair != table.varied.end();
+  const auto refuse = [&](std::size_t row, std::int64_t expected) {
+    fail_at(file, "seed", row, static_cast<double>(table.seeds[row]),
+            std::to_string(expected) + ", the seed of the campaign plus the number of the draw");
+  };
+  for (std::size_t i = 1; i < table.seeds.size(); ++i)
+    if (const std::int64_t expected = seed_after(table.seeds[i - 1], 1);
+        (!has_pairs || pair->values[i] == pair->values[i - 1]) && table.seeds[i] != expected)
+      refuse(i, expected);
+  static const nlohmann::json::json_pointer kSeed("/scan/seed");
+  const nlohmann::json& config = file.config();
+  if (table.seeds.empty() || has_pairs || !config.is_object() || !config.contains(kSeed) ||
+      !config.at(kSeed).is_number_integer())
+    return;
+  const std::int64_t expected = seed_after(config.at(kSeed).get<std::int64_t>(), table.first);
+  if (table.seeds.front() != expected) refuse(0, expected);
+}
+
+/// Throws FormatError unless each value of the metric is `allowed` or NaN; a table may lack the metric.
+template <class Allowed>
+void check_metric(const LandfallFileReader& file, const DrawTable& table, const std::string& name,
+                  const std::string& expected, const Allowed& allowed) {
+  const DrawColumn* const column = find_metric(table, name);
+  if (column == nullptr) return;
+  for (std::size_t i = 0; i < column->values.size(); ++i)
+    if (!std::isnan(column->values[i]) && !allowed(column->values[i]))
+      fail_at(file, name, i, column->values[i], expected);
+}
+
+/// Refuses rows that contradict themselves or the configuration: no campaign wrote them.
+void check_rows(const LandfallFileReader& file, const DrawTable& table) {
+  check_seeds(file, table);
+  const auto is_flag = [](double value) { return value == 0 || value == 1; };
+  for (const RequirementInfo& info : kRequirementInfo)
+    check_metric(file, table, std::string("requirements.") + info.name + ".pass", "0 or 1", is_flag);
+  check_metric(file, table, "site.true_safe", "0 or 1", is_flag);
+  check_metric(file, table, "score.missed_hazard_frac", "in [0, 1]",
+               [](double value) { return value >= 0 && value <= 1; });
+  for (std::size_t i = 0; i < table.pass.size(); ++i) {
+    const bool all = std::ranges::all_of(kRequirementInfo, [&](const RequirementInfo& info) {
+      return pass_column(table, info.name).values[i] == 1;
+    });
+    if (table.pass[i] != (all ? 1 : 0))
+      fail_at(file, "pass", i, table.pass[i], std::string(all ? "1" : "0") + ", which its requirements give");
+  }
+}
+
 DrawTable read_rows(const LandfallFileReader& file) {
   const TableReader table(file.root(), "draws", file.name());
   DrawTable result;
@@ -344,6 +424,7 @@ DrawTable read_rows(const LandfallFileReader& file) {
     if (std::ranges::find(result.metrics, name, &DrawColumn::name) == result.metrics.end())
       file.fail("/draws has no column " + name);
   }
+  check_rows(file, result);
   return result;
 }
 
@@ -405,8 +486,9 @@ DrawsInput read_draws(const std::filesystem::path& path) {
   const GridLayerReader layers(file);
   input.crs_wkt = layers.crs_wkt();
   input.draws.region = layers.read<std::int8_t>("in_region");
-  input.draws.z_true_map = layers.read<float>("z_true_map");
-  if (layers.has("z_sigma_abs")) input.draws.z_sigma_abs = layers.read<float>("z_sigma_abs");
+  input.draws.z_true_map = layers.read_checked<float>("z_true_map", LayerValues::finite);
+  if (layers.has("z_sigma_abs"))
+    input.draws.z_sigma_abs = layers.read_checked<float>("z_sigma_abs", LayerValues::not_negative);
   input.draws.maps = read_state(file, layers.spec(), input.draws.table.size());
   return input;
 }

@@ -110,10 +110,13 @@ std::optional<UncertaintyLayers> read_uncertainty(const std::filesystem::path& p
   const GridLayerReader layers(file);
   for (const char* const name : {"z_true_map", "z_sigma_abs", "z_sigma_rel"})
     if (!layers.has(name)) return std::nullopt;
-  UncertaintyLayers result{error_of(Axis::z, layers.read<double>("z_true_map"), layers.read<double>("z_est")),
-                           layers.read<float>("z_sigma_abs"), layers.read<float>("z_sigma_rel"),
+  UncertaintyLayers result{error_of(Axis::z, layers.read_checked<double>("z_true_map", LayerValues::finite),
+                                    layers.read<double>("z_est")),
+                           layers.read_checked<float>("z_sigma_abs", LayerValues::not_negative),
+                           layers.read_checked<float>("z_sigma_rel", LayerValues::not_negative),
                            std::nullopt};
-  if (layers.has("count")) result.count = layers.read<std::int32_t>("count");
+  if (layers.has("count"))
+    result.count = layers.read_checked<std::int32_t>("count", LayerValues::not_negative);
   return result;
 }
 
@@ -172,7 +175,7 @@ DemLayers DemWindowReader::read(const GridSpec& window) const {
 
 std::optional<Grid<std::int32_t>> DemWindowReader::count() const {
   if (!layers_.has("count")) return std::nullopt;
-  return layers_.read<std::int32_t>("count");
+  return layers_.read_checked<std::int32_t>("count", LayerValues::not_negative);
 }
 
 EvaluationWriter::EvaluationWriter(const OutputOptions& options, const Provenance& provenance,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/number_text.h"
 #include "files/crs.h"
 #include "files/grid_file.h"
 #include "files/landfall_file.h"
@@ -89,7 +90,15 @@ Json flag_counts(const DatasetEntry& entry, const ValueStatistics& statistics) {
   return counts;
 }
 
-void add_statistics(Json& json, const DatasetEntry& entry, const ValueStatistics& s) {
+void add_statistics(Json& json, const DatasetEntry& entry, const std::optional<ValueStatistics>& statistics) {
+  if (!statistics) {
+    for (const char* const key : {"count", "nan_count", "infinite_count", "min", "max", "mean", "std"})
+      json[key] = nullptr;
+    json["not_read"] = "its chunks have more than " + grouped(kMostChunkValues) +
+                       " values; store it in smaller ones (h5repack)";
+    return;
+  }
+  const ValueStatistics& s = *statistics;
   const bool any = s.count > 0;
   json["count"] = s.count;
   json["nan_count"] = s.nan_count;

@@ -304,6 +304,17 @@ Grid<T> GridLayerReader::read(const std::string& name, const ProgressCallback& p
   return layer;
 }
 
+template <class T>
+Grid<T> GridLayerReader::read_checked(const std::string& name, LayerValues allowed) const {
+  Grid<T> layer = read<T>(name);
+  try {
+    require_values(layer, name, allowed);
+  } catch (const FormatError& error) {
+    file_.fail(error.what());
+  }
+  return layer;
+}
+
 BinIndex GridLayerReader::tile() const { return tile_of(spec_); }
 
 template <class T>
@@ -331,6 +342,9 @@ template Grid<double> GridLayerReader::read_window(const std::string&, const Gri
                                                    const ProgressCallback&) const;
 template Grid<float> GridLayerReader::read_window(const std::string&, const GridSpec&,
                                                   const ProgressCallback&) const;
+template Grid<double> GridLayerReader::read_checked(const std::string&, LayerValues) const;
+template Grid<float> GridLayerReader::read_checked(const std::string&, LayerValues) const;
+template Grid<std::int32_t> GridLayerReader::read_checked(const std::string&, LayerValues) const;
 template Grid<double> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 template Grid<float> GridLayerReader::read(const std::string&, const ProgressCallback&) const;
 template Grid<std::int32_t> GridLayerReader::read(const std::string&, const ProgressCallback&) const;

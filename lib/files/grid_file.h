@@ -14,6 +14,7 @@
 #include "files/crs.h"
 #include "files/landfall_file.h"
 #include "raster/grid.h"
+#include "raster/layer_check.h"
 #include "raster/value_range.h"
 
 namespace landfall {
@@ -103,6 +104,10 @@ class GridLayerReader {
   /// Throws FormatError if the layer is missing, has another shape than (y, x), or cannot be read.
   template <class T>
   [[nodiscard]] Grid<T> read(const std::string& name, const ProgressCallback& progress = {}) const;
+  /// As read(), and throws FormatError for the first value that is neither NaN nor allowed. T: double, float
+  /// or std::int32_t.
+  template <class T>
+  [[nodiscard]] Grid<T> read_checked(const std::string& name, LayerValues allowed) const;
 
   /// Size of the layer's chunks in bins, or a substitute for a layer without such chunks.
   [[nodiscard]] BinIndex tile() const;

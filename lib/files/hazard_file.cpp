@@ -118,21 +118,24 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
     file.fail("is a mesh terrain; hazard-map judges a DEM or a gridded terrain");
   const GridLayerReader layers(file);
   HazardSource source{kind,
-                      layers.read<double>(kind == "dem" ? "z_est" : "z"),
+                      layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite),
                       std::nullopt,
                       std::nullopt,
                       layers.crs_wkt(),
                       file.file_id(),
                       file.chain()};
-  if (kind == "dem" && layers.has("z_sigma_rel")) source.z_sigma = layers.read<double>("z_sigma_rel");
-  if (with_truth && kind == "dem" && layers.has("z_true")) source.z_true = layers.read<double>("z_true");
+  if (kind == "dem" && layers.has("z_sigma_rel"))
+    source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
+  if (with_truth && kind == "dem" && layers.has("z_true"))
+    source.z_true = layers.read_checked<double>("z_true", LayerValues::finite);
   return source;
 }
 
 TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
   const LandfallFileReader file(path, {"dem"});
   const GridLayerReader layers(file);
-  return {layers.read<double>("x_true"), layers.read<double>("y_true")};
+  return {layers.read_checked<double>("x_true", LayerValues::finite),
+          layers.read_checked<double>("y_true", LayerValues::finite)};
 }
 
 void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt) {

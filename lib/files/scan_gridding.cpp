@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -19,15 +20,16 @@ constexpr std::size_t kBatchRows = 4 * kTableChunkRows;
 
 struct Batch {
   ScanReader* scan;
+  std::size_t number;  ///< of the scan
   std::size_t begin;
   std::size_t count;
 };
 
 std::vector<Batch> batches(const Scans& scans) {
   std::vector<Batch> result;
-  for (const auto& scan : scans)
-    for (std::size_t begin = 0; begin < scan->row_count(); begin += kBatchRows)
-      result.push_back({scan.get(), begin, std::min(kBatchRows, scan->row_count() - begin)});
+  for (std::size_t i = 0; i < scans.size(); ++i)
+    for (std::size_t begin = 0; begin < scans[i]->row_count(); begin += kBatchRows)
+      result.push_back({scans[i].get(), i, begin, std::min(kBatchRows, scans[i]->row_count() - begin)});
   return result;
 }
 
@@ -45,8 +47,21 @@ GriddedScans empty_bins(const GriddingRequest& request) {
   return gridded;
 }
 
+EdgeSample sample_edges(const GridPoints& points, double resolution_m) {
+  constexpr double kTolerance = 1e-9;  // bins
+  const auto on_edge = [&](double coordinate_m) {
+    const double bin = coordinate_m / resolution_m + 0.5;
+    return std::abs(bin - std::nearbyint(bin)) <= kTolerance;
+  };
+  EdgeSample sample{static_cast<std::int64_t>(std::min(points.size(), kTableChunkRows))};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(sample.count); ++i)
+    sample.on_edge += on_edge(points.x_est[i]) || on_edge(points.y_est[i]) ? 1 : 0;
+  return sample;
+}
+
 /// Grids a batch while the next one is read.
-void grid_pass(const std::vector<Batch>& todo, GriddedScans& gridded, const ProgressCallback& progress) {
+void grid_pass(const std::vector<Batch>& todo, double resolution_m, GriddedScans& gridded,
+               const ProgressCallback& progress) {
   std::array<ScanPoints, 2> slots;
   read_ahead(
       todo.size(), slots.size(),
@@ -54,6 +69,7 @@ void grid_pass(const std::vector<Batch>& todo, GriddedScans& gridded, const Prog
       [&](std::size_t i, std::size_t slot) {
         const GridPoints points = slots[slot].view();
         gridded.bins->add(points);
+        if (todo[i].begin == 0) gridded.edges[todo[i].number] = sample_edges(points, resolution_m);
         if (gridded.moments) gridded.moments->add(points, *gridded.nearest);
         report(progress,
                gridded.bins->progress(static_cast<double>(i + 1) / static_cast<double>(todo.size())));
@@ -92,7 +108,8 @@ GriddedScans grid_scans(const Scans& scans, const GriddingRequest& request,
                         const ProgressCallback& progress) {
   GriddedScans gridded = empty_bins(request);
   const std::vector<Batch> todo = batches(scans);
-  do grid_pass(todo, gridded, progress);
+  gridded.edges.resize(scans.size());
+  do grid_pass(todo, request.grid.resolution_m, gridded, progress);
   while (gridded.bins->end_pass());
   return gridded;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,12 @@ struct GriddingRequest {
   bool moments = false;  ///< also what an uncertainty map needs; only with the method bilinear_nearest
 };
 
+/// Returns of the beginning of a scan, and how many of them lie on an edge between two bins.
+struct EdgeSample {
+  std::int64_t count = 0;
+  std::int64_t on_edge = 0;
+};
+
 /// The returns of scans, accumulated in the bins of a DEM, and the maps that the caller computes from them.
 struct GriddedScans {
   std::unique_ptr<Accumulator> bins;
@@ -35,6 +42,7 @@ struct GriddedScans {
   std::optional<MomentAccumulator> moments;
   Grid<Slope> slopes{};                           ///< slope_layer() of the bins; grid_scans() leaves it empty
   std::unique_ptr<UncertaintyMap> uncertainty{};  ///< refers to the above, which must not move any more
+  std::vector<EdgeSample> edges{};  ///< of each scan: its first returns, at most 65,536; within 1e-9 bins
 };
 
 /// Grids the scans one after the other, batch by batch, while the next batch is read; the memory needed does

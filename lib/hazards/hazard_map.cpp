@@ -139,6 +139,37 @@ Grid<float> certainty(const Grid<std::int8_t>& safe) {
   return p;
 }
 
+/// Gives bins of filled holes the sigma of their surroundings, and others without one z_sigma_m, if given.
+void complete_sigma(HazardInput& input, const std::vector<FillableBin>& holes,
+                    std::optional<double> z_sigma_m) {
+  fill_holes(*input.z_sigma, holes);
+  std::int64_t known = 0;
+  for (std::size_t i = 0; i < input.z.spec().size(); ++i) {
+    if (std::isnan(input.z.values()[i])) continue;
+    double& sigma = input.z_sigma->values()[i];
+    if (std::isnan(sigma) && z_sigma_m) sigma = *z_sigma_m;
+    ++(std::isnan(sigma) ? input.bins_without_sigma : known);
+  }
+  if (known == 0) input.z_sigma.reset();
+}
+
+/// safe_probability() of the map; NaN at places that need a bin without a sigma. Takes z_sigma out of the
+/// input.
+Grid<float> probability_of(HazardInput& input, const PlaceMeasures& measures, const BinMask& region,
+                           const Judge& judge, const HazardLimits& limits) {
+  const auto measure = [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); };
+  Grid<double> sigma = std::move(*std::exchange(input.z_sigma, std::nullopt));
+  const auto probability = [&](const Grid<double>& z, const PlaceMeasures& measured) {
+    return safe_probability(z, std::move(sigma), judge.lander(), limits, judge.slope_base_m(), measured,
+                            measure);
+  };
+  if (input.bins_without_sigma == 0) return probability(input.z, measures);
+  Grid<double> known = input.z;
+  for (std::size_t i = 0; i < known.spec().size(); ++i)
+    if (std::isnan(sigma.values()[i])) known.values()[i] = sigma.values()[i];
+  return probability(known, measure(known, region));
+}
+
 std::vector<LandingSite> describe(const std::vector<BinIndex>& bins, const HazardMap& map,
                                   const Grid<double>& z) {
   std::vector<LandingSite> sites;
@@ -150,7 +181,7 @@ std::vector<LandingSite> describe(const std::vector<BinIndex>& bins, const Hazar
     site.z_m = z.at(bin);
     site.cost = map.cost.at(bin);
     site.p_touchdown = map.p_touchdown.at(bin);
-    if (map.p_safe) site.p_safe = map.p_safe->at(bin);
+    if (map.p_safe && !std::isnan(map.p_safe->at(bin))) site.p_safe = map.p_safe->at(bin);
     site.slope_deg = map.measures.slope_deg.at(bin);
     site.roughness_m = map.measures.roughness_m.at(bin);
     const float distance = map.distance_to_hazard.at(bin);
@@ -197,11 +228,12 @@ HazardInput fill_map(Grid<double> z, std::optional<Grid<double>> z_true, std::op
   const std::vector<FillableBin> holes = small_holes(z, parameters.hole_fill_bins);
   BinMask filled_truth = z_true ? fill(*z_true, holes) : BinMask(z.spec());
   fill_holes(z, holes);
-  if (z_sigma)
-    fill_holes(*z_sigma, holes);
+  HazardInput input{std::move(z), std::move(z_true), std::move(filled_truth), std::move(z_sigma)};
+  if (input.z_sigma)
+    complete_sigma(input, holes, parameters.z_sigma_m);
   else if (parameters.z_sigma_m)
-    z_sigma = Grid<double>(z.spec(), *parameters.z_sigma_m);
-  return {std::move(z), std::move(z_true), std::move(filled_truth), std::move(z_sigma)};
+    input.z_sigma = Grid<double>(input.z.spec(), *parameters.z_sigma_m);
+  return input;
 }
 
 PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region) {
@@ -228,11 +260,7 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
   if (counts.unknown == counts.all()) refuse_unknown(input.z, map.region, parameters);
   if (input.z_sigma)
     phase("probability", [&](const ProgressCallback&) {
-      map.p_safe = safe_probability(
-          input.z, std::move(*input.z_sigma), judge.lander(), parameters.limits, judge.slope_base_m(),
-          map.measures,
-          [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); });
-      input.z_sigma.reset();
+      map.p_safe = probability_of(input, map.measures, map.region, judge, parameters.limits);
     });
   if (input.z_true)
     phase("judge the truth", [&](const ProgressCallback& progress) {

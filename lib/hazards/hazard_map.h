@@ -34,6 +34,8 @@ struct HazardInput {
   std::optional<Grid<double>> z_true;
   BinMask filled_truth;  ///< bins whose truth is a mean of their surroundings; only with z_true
   std::optional<Grid<double>> z_sigma;  ///< 1 sigma of each bin of z; with it the map has p_safe
+  /// Bins with an elevation and without a sigma: places that need one of them have no p_safe.
+  std::int64_t bins_without_sigma = 0;
 };
 
 /// A bin of a filled hole that has no true elevation, and the position at which it is taken from the terrain.
@@ -57,8 +59,8 @@ struct TruthPosition {
 /// surroundings.
 using TruthFill = std::function<BinMask(Grid<double>& z_true, const std::vector<FillableBin>& holes)>;
 
-/// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m where it has no 1 sigma
-/// of its own.
+/// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m for the bins that have
+/// no 1 sigma of their own. Without a sigma for any bin, the input has no z_sigma.
 [[nodiscard]] HazardInput fill_map(Grid<double> z, std::optional<Grid<double>> z_true,
                                    std::optional<Grid<double>> z_sigma, const HazardParameters& parameters,
                                    const TruthFill& fill);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hdf5/chunk_decoder.h"
@@ -53,6 +55,35 @@ bool advance(std::vector<hsize_t>& chunk, const ChunkRange& range) {
   return false;
 }
 
+/// Remembers the large chunks of open files that are whole: a reader of parts meets them many times.
+class LargeChunks {
+ public:
+  LargeChunks(hid_t dataset, std::size_t chunk_bytes) : are_large_(chunk_bytes > kSmall) {
+    H5O_info_t info;
+    if (are_large_ && H5Oget_info2(dataset, &info, H5O_INFO_BASIC) >= 0)
+      object_ = {info.fileno, info.addr};  // HDF5 numbers each opening of a file
+    else
+      are_large_ = false;
+  }
+  [[nodiscard]] bool has(const std::vector<hsize_t>& offset) const {
+    return are_large_ && whole().contains({object_, offset});
+  }
+  void add(const std::vector<hsize_t>& offset) const {
+    if (are_large_) whole().insert({object_, offset});
+  }
+
+ private:
+  static constexpr std::size_t kSmall = std::size_t{1} << 20U;
+  using Object = std::pair<unsigned long, haddr_t>;
+  static std::set<std::pair<Object, std::vector<hsize_t>>>& whole() {
+    static std::set<std::pair<Object, std::vector<hsize_t>>> all;
+    return all;
+  }
+
+  bool are_large_;
+  Object object_{};
+};
+
 bool is_whole(const StoredChunk& stored, std::span<const h5::Filter> filters, std::size_t chunk_bytes) {
   const auto is_used = [&](std::size_t i) { return (stored.filter_mask >> i & 1U) == 0; };
   std::vector<std::byte> bytes = stored.bytes;
@@ -85,11 +116,26 @@ bool chunks_are_whole(hid_t dataset, hid_t selection) {
   std::vector<hsize_t> chunk = range.first;
   std::vector<hsize_t> offset(chunk.size());
   StoredChunk stored;
+  LargeChunks known(dataset, chunk_bytes);
   do {
     std::ranges::transform(chunk, range.size, offset.begin(), std::multiplies<>());
+    if (known.has(offset)) continue;
     if (load_chunk(dataset, offset, stored) && !is_whole(stored, filters, chunk_bytes)) return false;
+    known.add(offset);
   } while (advance(chunk, range));
   return true;
+}
+
+ChunkBytes chunk_bytes_of(hid_t dataset) {
+  const ChunkRange all = chunks_of(dataset, H5S_ALL);
+  if (all.size.empty()) return {};
+  const h5::Handle type(H5Dget_type(dataset), H5Tclose);
+  ChunkBytes bytes{.one = static_cast<double>(H5Tget_size(type.get())), .row = 1};
+  for (const hsize_t size : all.size) bytes.one *= static_cast<double>(size);
+  for (std::size_t axis = 1; axis < all.last.size(); ++axis)
+    bytes.row *= static_cast<double>(all.last[axis] + 1);
+  bytes.row *= bytes.one;
+  return bytes;
 }
 
 std::optional<std::string> undecodable_filter(hid_t dataset) {

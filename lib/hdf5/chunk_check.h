@@ -15,6 +15,14 @@ namespace landfall {
 /// undecodable_filter() must return nothing.
 [[nodiscard]] bool chunks_are_whole(hid_t dataset, hid_t selection);
 
+/// Bytes of a chunk, and of all chunks side by side, which HDF5 must hold to read a dataset row by row and
+/// decode each chunk once; 0 without chunks. HDF5 holds up to 1 MiB by itself.
+struct ChunkBytes {
+  double one = 0;
+  double row = 0;
+};
+[[nodiscard]] ChunkBytes chunk_bytes_of(hid_t dataset);
+
 /// "4 (szip)", the first filter of a dataset that is not supported. Supported are shuffle, deflate after it,
 /// and fletcher32 anywhere. Returns nothing if all filters are supported.
 [[nodiscard]] std::optional<std::string> undecodable_filter(hid_t dataset);

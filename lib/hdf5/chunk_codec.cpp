@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "hdf5/byte_shuffle.h"
-#include "hdf5/fletcher32.h"
 
 namespace landfall {
 namespace {
@@ -114,12 +113,21 @@ class FlushingCompressor {
   z_stream stream_{};
 };
 
-/// Writes deflate's stored blocks (RFC 1951, 3.2.4), which end at a byte; none of them is marked as the last.
-std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
-  constexpr std::size_t kLongest = 65535;
+constexpr std::size_t kStreamHeader = 2;
+constexpr std::size_t kStreamChecksum = 4;
+constexpr std::size_t kLongestBlock = 65535;
+
+/// The bytes that stored blocks have besides those stored.
+std::size_t block_headers(std::size_t size) { return 5 * (size / kLongestBlock + 1); }
+
+enum class Last { no, yes };
+
+/// Writes deflate's stored blocks (RFC 1951, 3.2.4), which end at a byte; whether they end the stream is
+/// marked in the last of them.
+std::byte* put_stored_blocks(Bytes bytes, Last last, std::byte* out) {
   while (!bytes.empty()) {
-    const std::size_t size = std::min(bytes.size(), kLongest);
-    *out++ = std::byte{0};
+    const std::size_t size = std::min(bytes.size(), kLongestBlock);
+    *out++ = std::byte{last == Last::yes && size == bytes.size()};
     for (const std::size_t field : {size, ~size}) {
       *out++ = static_cast<std::byte>(field & 0xffU);
       *out++ = static_cast<std::byte>(field >> 8U & 0xffU);
@@ -130,50 +138,69 @@ std::byte* put_stored_blocks(Bytes bytes, std::byte* out) {
   return out;
 }
 
+std::byte* put_stream_header(std::byte* out) {
+  *out++ = std::byte{0x78};
+  *out++ = std::byte{0x01};
+  return out;
+}
+
+/// The checksum of the stream's bytes before compression.
+std::byte* put_stream_checksum(Bytes bytes, std::byte* out) {
+  const std::uint32_t checksum = libdeflate_adler32(1, bytes.data(), bytes.size());
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
+  return out;
+}
+
 /// Writes a zlib stream (RFC 1950) to the first bytes of `room`: the noise is stored, the bytes before and
 /// after it are compressed.
 std::span<const std::byte> put_zlib_stream(Bytes bytes, const NoiseRun& noise, libdeflate_compressor* codec,
                                            std::vector<std::byte>& room) {
-  constexpr std::size_t kHeader = 2;
-  constexpr std::size_t kChecksum = 4;
-  constexpr std::size_t kBlockHeader = 5;
   const Bytes stored = bytes.subspan(noise.begin, noise.end - noise.begin);
   const Bytes behind = bytes.subspan(noise.end);
   const std::size_t before_bound = noise.begin > 0 ? FlushingCompressor::bound(noise.begin) : 0;
-  const std::size_t most = kHeader + before_bound + stored.size() +
-                           kBlockHeader * (stored.size() / 65535 + 1) +
-                           libdeflate_deflate_compress_bound(codec, behind.size()) + kChecksum;
+  const std::size_t most = kStreamHeader + before_bound + stored.size() + block_headers(stored.size()) +
+                           libdeflate_deflate_compress_bound(codec, behind.size()) + kStreamChecksum;
   if (room.size() < most) room.resize(most);
-  std::byte* out = room.data();
-  *out++ = std::byte{0x78};
-  *out++ = std::byte{0x01};
+  std::byte* out = put_stream_header(room.data());
   if (noise.begin > 0) {
     thread_local FlushingCompressor flushing;
     out = flushing.put(bytes.first(noise.begin), out, before_bound);
   }
-  out = put_stored_blocks(stored, out);
-  const std::size_t left = room.size() - static_cast<std::size_t>(out - room.data()) - kChecksum;
+  out = put_stored_blocks(stored, Last::no, out);
+  const std::size_t left = room.size() - static_cast<std::size_t>(out - room.data()) - kStreamChecksum;
   const std::size_t size = libdeflate_deflate_compress(codec, behind.data(), behind.size(), out, left);
   if (size == 0) throw IoError("compressing a chunk failed");
-  out += size;
-  const std::uint32_t checksum = libdeflate_adler32(1, bytes.data(), bytes.size());
-  for (const unsigned shift : {24U, 16U, 8U, 0U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
-  return {room.data(), out};
+  return {room.data(), put_stream_checksum(bytes, out + size)};
 }
 
-/// The bytes and their checksum.
-std::span<const std::byte> put_checksum(Bytes raw, std::vector<std::byte>& room) {
-  room.resize(raw.size() + kFletcher32Bytes);
-  std::byte* out = std::copy(raw.begin(), raw.end(), room.data());
-  const std::uint32_t checksum = fletcher32(raw);
-  for (const unsigned shift : {0U, 8U, 16U, 24U}) *out++ = static_cast<std::byte>(checksum >> shift & 0xffU);
-  return room;
+/// The bytes before the zeros at the end; all, if there are few zeros.
+Bytes without_zero_end(Bytes raw) {
+  constexpr std::size_t kFew = 1024;
+  const auto last = std::find_if(raw.rbegin(), raw.rend(), [](std::byte b) { return b != std::byte{0}; });
+  const Bytes rest = raw.first(static_cast<std::size_t>(raw.rend() - last));
+  return raw.size() - rest.size() < kFew ? raw : rest;
+}
+
+/// Writes a zlib stream in which the bytes are as they are, but for zeros at the end.
+std::span<const std::byte> put_stored_stream(Bytes raw, std::vector<std::byte>& room) {
+  const Bytes stored = without_zero_end(raw);
+  const Bytes zeros = raw.subspan(stored.size());
+  room.resize(kStreamHeader + raw.size() + block_headers(raw.size()) + kStreamChecksum);
+  std::byte* out =
+      put_stored_blocks(stored, zeros.empty() ? Last::yes : Last::no, put_stream_header(room.data()));
+  if (!zeros.empty()) {
+    const std::size_t size =
+        libdeflate_deflate_compress(compressor_for(1), zeros.data(), zeros.size(), out, zeros.size());
+    if (size == 0) throw IoError("compressing a chunk failed");
+    out += size;
+  }
+  return {room.data(), put_stream_checksum(raw, out)};
 }
 
 }  // namespace
 
 std::span<const std::byte> ChunkEncoder::encode(std::span<const std::byte> raw) {
-  if (level_ == 0) return put_checksum(raw, stream_);
+  if (level_ == 0) return put_stored_stream(raw, stream_);
   thread_local std::vector<std::byte> room;
   if (room.size() < raw.size()) room.resize(raw.size());
   const std::span<std::byte> planes = std::span(room).first(raw.size());

@@ -11,9 +11,10 @@ namespace landfall {
 inline constexpr unsigned kDeflateAtMost = 1032;
 
 /// The bytes of one chunk as HDF5's own shuffle and deflate filters would store it, so that any HDF5 reader
-/// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. Level 0 leaves
-/// the bytes unchanged and unshuffled, and appends the checksum of HDF5's filter fletcher32. Either form
-/// shows a damaged chunk: a zlib stream has a checksum of its own.
+/// opens it: byte 0 of every element, then byte 1, ..., compressed by libdeflate in zlib form. At level 0
+/// the bytes stay as they are, unshuffled, in the stored blocks of a zlib stream, for HDF5's filter deflate
+/// alone; only zeros at the end, the rows that a short table does not have, are compressed. Either form has
+/// the checksum of a zlib stream, which shows a damaged chunk.
 ///
 /// Below level 6, neighbouring bytes of numbers are stored uncompressed where a trial finds noise in them:
 /// searching noise for repetitions takes four fifths of the time and saves nothing. The trial uses samples,

@@ -15,9 +15,8 @@
 namespace landfall {
 namespace {
 
-constexpr std::uint32_t kShuffleLeftOut = 1;
-constexpr std::uint32_t kDeflateLeftOut = 2;
-constexpr std::uint32_t kChecksumLeftOut = 1;
+constexpr std::uint32_t kFirstLeftOut = 1;
+constexpr std::uint32_t kSecondLeftOut = 2;
 
 /// One decompressor per thread, and memory for a chunk.
 struct Inflater {
@@ -26,15 +25,24 @@ struct Inflater {
   std::vector<std::byte> bytes;
 };
 
+Inflater& inflater() {
+  thread_local Inflater mine;
+  if (!mine.codec) throw IoError("no memory for a decompressor");
+  return mine;
+}
+
+/// False unless the stream holds exactly as many bytes as `out` has room for.
+bool inflate_into(std::span<const std::byte> stored, std::span<std::byte> out) {
+  return libdeflate_zlib_decompress(inflater().codec.get(), stored.data(), stored.size(), out.data(),
+                                    out.size(), nullptr) == LIBDEFLATE_SUCCESS;
+}
+
 /// The decompressed chunk, valid until the next call on this thread; empty if it is corrupt.
 std::span<const std::byte> inflated(std::span<const std::byte> stored, std::size_t size) {
-  thread_local Inflater inflater;
-  if (!inflater.codec) throw IoError("no memory for a decompressor");
-  inflater.bytes.resize(std::max(size, inflater.bytes.size()));
-  const libdeflate_result result = libdeflate_zlib_decompress(
-      inflater.codec.get(), stored.data(), stored.size(), inflater.bytes.data(), size, nullptr);
-  if (result != LIBDEFLATE_SUCCESS) return {};
-  return std::span(inflater.bytes).first(size);
+  std::vector<std::byte>& bytes = inflater().bytes;
+  bytes.resize(std::max(size, bytes.size()));
+  const std::span<std::byte> out = std::span(bytes).first(size);
+  return inflate_into(stored, out) ? out : std::span<std::byte>();
 }
 
 /// The bytes before the checksum; empty if they do not match it.
@@ -50,9 +58,11 @@ std::span<const std::byte> checked(std::span<const std::byte> stored) {
 /// The bytes of the chunk, shuffled if they are stored so; of another size if they are corrupt.
 std::span<const std::byte> opened(std::span<const std::byte> stored, std::uint32_t filter_mask,
                                   const ChunkFormat& format) {
-  if (format.filters == ChunkFilters::shuffle_deflate && (filter_mask & kDeflateLeftOut) == 0)
+  if (format.filters == ChunkFilters::shuffle_deflate && (filter_mask & kSecondLeftOut) == 0)
     return inflated(stored, format.byte_count());
-  if (format.filters == ChunkFilters::fletcher32 && (filter_mask & kChecksumLeftOut) == 0)
+  if (format.filters == ChunkFilters::deflate && (filter_mask & kFirstLeftOut) == 0)
+    return inflated(stored, format.byte_count());
+  if (format.filters == ChunkFilters::fletcher32 && (filter_mask & kFirstLeftOut) == 0)
     return checked(stored);
   return stored;
 }
@@ -61,8 +71,9 @@ std::span<const std::byte> opened(std::span<const std::byte> stored, std::uint32
 
 bool decode_chunk(std::span<const std::byte> stored, std::uint32_t filter_mask, const ChunkFormat& format,
                   std::size_t first, std::span<std::byte> elements) {
-  const bool shuffled =
-      format.filters == ChunkFilters::shuffle_deflate && (filter_mask & kShuffleLeftOut) == 0;
+  const bool shuffled = format.filters == ChunkFilters::shuffle_deflate && (filter_mask & kFirstLeftOut) == 0;
+  if (format.filters == ChunkFilters::deflate && filter_mask == 0 && elements.size() == format.byte_count())
+    return inflate_into(stored, elements);
   const std::span<const std::byte> bytes = opened(stored, filter_mask, format);
   if (bytes.size() != format.byte_count()) return false;
   if (shuffled) {

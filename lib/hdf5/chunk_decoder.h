@@ -7,8 +7,9 @@
 
 namespace landfall {
 
-/// How the bytes of a chunk are stored: the filters that our own files have, in their order.
-enum class ChunkFilters { none, shuffle_deflate, fletcher32 };
+/// How the bytes of a chunk are stored: the filters that our own files have, in their order; files of earlier
+/// versions have fletcher32, or none.
+enum class ChunkFilters { none, shuffle_deflate, deflate, fletcher32 };
 
 /// How the chunks of a dataset are stored.
 struct ChunkFormat {

@@ -34,6 +34,7 @@ std::optional<ChunkFilters> our_filters(hid_t properties) {
   const std::vector<h5::Filter> filters = h5::filters_in(properties);
   if (filters.empty()) return ChunkFilters::none;
   if (filters.size() == 1 && filters[0].id == H5Z_FILTER_FLETCHER32) return ChunkFilters::fletcher32;
+  if (filters.size() == 1 && filters[0].id == H5Z_FILTER_DEFLATE) return ChunkFilters::deflate;
   if (filters.size() == 2 && filters[0].id == H5Z_FILTER_SHUFFLE && filters[1].id == H5Z_FILTER_DEFLATE)
     return ChunkFilters::shuffle_deflate;
   return std::nullopt;

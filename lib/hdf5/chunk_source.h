@@ -24,8 +24,8 @@ struct DecodableChunks {
 };
 
 /// Chunks of exactly `chunk` elements (one number per dimension), without filters, with shuffle and
-/// deflate or with fletcher32, of one of the little-endian types of h5::Type. For any other form, which other
-/// programs may write, returns nothing: use h5::read_values().
+/// deflate, with deflate or with fletcher32, of one of the little-endian types of h5::Type. For any other
+/// form, which other programs may write, returns nothing: use h5::read_values().
 [[nodiscard]] std::optional<DecodableChunks> decodable_chunks(hid_t dataset, std::span<const hsize_t> chunk);
 
 /// The file that holds a dataset's chunks. Several threads may load chunks at the same time: HDF5 gives their

@@ -27,7 +27,7 @@ constexpr T fill_of() {
 }
 
 /// Writes all tiles of a part of a layer to its dataset, which has chunks of part.tile with shuffle and
-/// deflate at the level `compression`, or fletcher32 at level 0. Tiles are compressed on all threads and
+/// deflate at the level `compression`, or deflate alone at level 0. Tiles are compressed on all threads and
 /// written in row-major order. The part must end with a tile or with the layer. Throws IoError naming the
 /// layer.
 template <class T>

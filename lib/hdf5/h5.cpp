@@ -197,12 +197,8 @@ Handle create_dataset(hid_t parent, const std::string& name, Type type, const Da
   if (!shape.chunk.empty()) {
     H5Pset_chunk(properties.get(), rank, shape.chunk.data());
     H5Pset_fill_time(properties.get(), H5D_FILL_TIME_IFSET);
-    if (shape.level > 0) {
-      H5Pset_shuffle(properties.get());
-      H5Pset_deflate(properties.get(), static_cast<unsigned>(shape.level));
-    } else {
-      H5Pset_fletcher32(properties.get());
-    }
+    if (shape.level > 0) H5Pset_shuffle(properties.get());
+    H5Pset_deflate(properties.get(), static_cast<unsigned>(shape.level));
   }
   if (shape.nan_fill) {
     const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -101,8 +101,8 @@ void start_writeback(int descriptor);
 /// invalid.
 Handle create_file(const std::filesystem::path& path);
 Handle create_group(hid_t parent, const std::string& name);
-/// Chunked (chunk dimensions > 0) with shuffle and deflate at `level` (0: only with fletcher32, a checksum),
-/// or contiguous if `chunk` is empty.
+/// Chunked (chunk dimensions > 0) with shuffle and deflate at `level` (0: only with deflate, for its
+/// checksum; ChunkEncoder), or contiguous if `chunk` is empty.
 struct DatasetShape {
   std::vector<hsize_t> size;
   std::vector<hsize_t> chunk;

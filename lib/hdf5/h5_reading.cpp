@@ -15,6 +15,12 @@
 namespace landfall::h5 {
 namespace {
 
+constexpr double kHdf5Cache = 0x1p20;
+/// What HDF5 may hold of a dataset, so that it decodes each chunk once for all parts that are read.
+constexpr double kLargestCache = 0x1p29;
+/// Smaller chunks are decoded again for each part of them.
+constexpr double kSmallChunk = 0x1p22;
+
 bool is_number(hid_t type) {
   const H5T_class_t type_class = H5Tget_class(type);
   return type_class == H5T_INTEGER || type_class == H5T_FLOAT;
@@ -134,7 +140,19 @@ bool exists(hid_t parent, const std::string& name) {
   return true;
 }
 
-Handle open_dataset(hid_t parent, const std::string& name) { return open_kind(parent, name, H5I_DATASET); }
+Handle open_dataset(hid_t parent, const std::string& name) {
+  Handle dataset = open_kind(parent, name, H5I_DATASET);
+  if (!dataset) return dataset;
+  const double row = chunk_bytes_of(dataset.get()).row;
+  if (row <= kHdf5Cache || row > kLargestCache) return dataset;
+  const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  H5Pset_chunk_cache(access.get(), H5D_CHUNK_CACHE_NSLOTS_DEFAULT, static_cast<std::size_t>(row),
+                     H5D_CHUNK_CACHE_W0_DEFAULT);
+  dataset.reset();  // the size holds for the first opening
+  dataset = Handle(H5Dopen2(parent, name.c_str(), access.get()), H5Dclose);
+  if (!dataset) fail_reading(parent, name);
+  return dataset;
+}
 
 Handle open_group(hid_t parent, const std::string& name) { return open_kind(parent, name, H5I_GROUP); }
 
@@ -205,9 +223,15 @@ std::optional<std::string> read_text(hid_t parent, const std::string& name) {
 }
 
 bool read_values(hid_t dataset, hid_t type, hid_t memory, hid_t selection, void* values) {
+  const ChunkBytes chunks = chunk_bytes_of(dataset);
   if (const std::optional<std::string> filter = undecodable_filter(dataset))
     throw FormatError(file_of(dataset) + ": " + path_of(dataset) + " is stored by filter " + *filter +
                       ", which landfall does not read: store it with deflate (h5repack -f GZIP=1)");
+  if (selection != H5S_ALL && chunks.one > kSmallChunk && chunks.row > kLargestCache)
+    throw FormatError(
+        file_of(dataset) + ": " + path_of(dataset) +
+        ": its chunks side by side have more than 512 MiB, too many to read parts of them; store it "
+        "in smaller ones (h5repack)");
   return chunks_are_whole(dataset, selection) &&
          H5Dread(dataset, type, memory, selection, H5P_DEFAULT, values) >= 0;
 }

@@ -41,7 +41,8 @@ void copy_rows(std::span<const T> from, h5::Type to_type, std::byte* to) {
 
 /// The deflate level of a dataset with chunks in a form of TableWriter: 0 without compression.
 std::optional<unsigned> deflate_level(hid_t dataset, const DecodableChunks& chunks) {
-  if (chunks.format.filters != ChunkFilters::shuffle_deflate) return 0;
+  if (chunks.format.filters == ChunkFilters::none || chunks.format.filters == ChunkFilters::fletcher32)
+    return 0;
   const h5::Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   unsigned level = 0;
   unsigned flags = 0;

@@ -16,9 +16,9 @@
 namespace landfall {
 namespace {
 
-/// Values per block of a dataset without chunks, or with too large or too small ones.
+/// Values per block of a dataset without chunks, or with too small ones.
 constexpr hsize_t kBlockValues = 65536;
-constexpr hsize_t kLargestChunk = hsize_t{1} << 21U;
+constexpr hsize_t kMostParallel = hsize_t{1} << 21U;  ///< values of blocks that all threads hold
 constexpr hsize_t kSmallestChunk = 1024;
 constexpr double kMaxValues = 0x1p40;
 
@@ -40,6 +40,10 @@ class Blocks {
     is_int8_ = H5Tequal(type.get(), H5T_STD_I8LE) > 0;
   }
 
+  /// False if a block would need too much memory.
+  [[nodiscard]] bool readable() const { return block_values() <= static_cast<double>(kMostChunkValues); }
+  /// Whether there is memory for one block per thread.
+  [[nodiscard]] bool parallel() const { return block_values() <= static_cast<double>(kMostParallel); }
   [[nodiscard]] std::size_t count() const { return per_axis(0) * per_axis(1); }
   [[nodiscard]] bool is_int8() const { return is_int8_; }
 
@@ -53,6 +57,10 @@ class Blocks {
   }
 
  private:
+  [[nodiscard]] double block_values() const {
+    return static_cast<double>(block_[0]) * static_cast<double>(block_[1]);
+  }
+
   [[nodiscard]] std::size_t per_axis(std::size_t axis) const {
     return (size_[axis] + block_[axis] - 1) / block_[axis];
   }
@@ -61,8 +69,7 @@ class Blocks {
     const h5::Handle properties(H5Dget_create_plist(dataset_), H5Pclose);
     const bool chunked = H5Pget_layout(properties.get()) == H5D_CHUNKED &&
                          H5Pget_chunk(properties.get(), rank_, block_.data()) == rank_;
-    if (chunked && block_[0] <= kLargestChunk && block_[1] <= kLargestChunk / block_[0] &&
-        block_[0] * block_[1] >= kSmallestChunk) {
+    if (chunked && block_values() >= static_cast<double>(kSmallestChunk)) {
       chunks_ = decodable_chunks(dataset_, std::span(block_).first(static_cast<std::size_t>(rank_)));
       return;
     }
@@ -184,9 +191,10 @@ ValueStatistics statistics_of(std::span<const double> values) {
   return result;
 }
 
-ValueStatistics dataset_statistics(hid_t dataset, const std::string& file, const std::string& name,
-                                   const ProgressCallback& progress) {
+std::optional<ValueStatistics> dataset_statistics(hid_t dataset, const std::string& file,
+                                                  const std::string& name, const ProgressCallback& progress) {
   const Blocks blocks(dataset, file, name);
+  if (!blocks.readable()) return std::nullopt;
   struct Slot {
     std::vector<double> values;
     ValueStatistics statistics;
@@ -204,7 +212,14 @@ ValueStatistics dataset_statistics(hid_t dataset, const std::string& file, const
     total.add(slots[number].statistics);
     report(progress, static_cast<double>(block + 1) / static_cast<double>(blocks.count()));
   };
-  produce_in_parallel(blocks.count(), slots.size(), compute, add);
+  if (blocks.parallel()) {
+    produce_in_parallel(blocks.count(), slots.size(), compute, add);
+  } else {
+    for (std::size_t block = 0; block < blocks.count(); ++block) {
+      compute(block, 0);
+      add(block, 0);
+    }
+  }
   if (blocks.count() == 0) report(progress, 1);
   return total;
 }

@@ -34,10 +34,28 @@ std::string machine() {
   return Hash().update(std::string_view(host.data())).update(numbers.string()).hex().substr(0, 8);
 }
 
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// The most bytes that the name of a file has in this folder.
+std::size_t longest_name(const fs::path& folder) {
+  const long longest = ::pathconf(folder.c_str(), _PC_NAME_MAX);
+  return longest > 0 ? static_cast<std::size_t>(longest) : 255;
+}
+
+/// ".NAME.", with a hash in place of a NAME with which a name with `more` bytes would be too long.
+std::string hidden_name(const fs::path& output, std::size_t more) {
+  const std::string name = output.filename().string();
+  const bool fits = name.size() + 2 + more <= longest_name(folder_of(output));
+  return "." + (fits ? name : Hash().update(name).hex().substr(0, 16)) + ".";
+}
+
 /// ".NAME.MACHINE-", the prefix of this machine's temporary files.
-std::string part_prefix(const std::string& output_name) {
-  static const std::string here = machine();
-  return "." + output_name + "." + here + "-";
+std::string part_prefix(const fs::path& output) {
+  static const std::string here = machine() + "-";
+  constexpr std::size_t kProcessAndSuffix = std::string_view("2147483647.part").size();
+  return hidden_name(output, here.size() + kProcessAndSuffix) + here;
 }
 
 /// The process number in ".NAME.MACHINE-PID.part", 0 for any other name.
@@ -54,10 +72,9 @@ int owner_of_part(const std::string& file, const std::string& prefix) {
 }
 
 void remove_abandoned_parts(const fs::path& path) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const std::string prefix = part_prefix(path.filename().string());
+  const std::string prefix = part_prefix(path);
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
+  for (const auto& entry : fs::directory_iterator(folder_of(path), error)) {
     const int pid = owner_of_part(entry.path().filename().string(), prefix);
     if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);
   }
@@ -80,9 +97,12 @@ void require_usable_output(const fs::path& path, bool overwrite) {
   if (path.empty() || path.filename().empty())
     throw UsageError("output '" + path.string() + "' does not name a file");
   if (fs::is_directory(path, ignored)) throw UsageError("output " + path.string() + " is a directory");
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const fs::path folder = folder_of(path);
   if (!fs::is_directory(folder, ignored))
     throw UsageError("output " + path.string() + ": directory " + folder.string() + " does not exist");
+  if (const std::size_t longest = longest_name(folder); path.filename().string().size() > longest)
+    throw UsageError("output " + path.string() + ": its name has more than the " + std::to_string(longest) +
+                     " bytes that a file name has there");
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
     throw UsageError("output " + path.string() + " is not a regular file");
   if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
@@ -93,7 +113,7 @@ OutputPath::OutputPath(fs::path path, bool overwrite) : path_(std::move(path)), 
   require_usable_output(path_, overwrite_);
   remove_abandoned_parts(path_);
   temporary_ = path_;
-  temporary_.replace_filename(part_prefix(path_.filename().string()) + std::to_string(::getpid()) + ".part");
+  temporary_.replace_filename(part_prefix(path_) + std::to_string(::getpid()) + ".part");
   register_temporary_file(temporary_.string());
 }
 
@@ -131,6 +151,10 @@ void write_text(OutputPath& output, const std::string& text) {
   FileSink file(output);
   file.write(text);
   file.flush();
+}
+
+fs::path hidden_beside(const fs::path& output, const std::string& suffix) {
+  return output.parent_path() / (hidden_name(output, suffix.size()) + suffix);
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {

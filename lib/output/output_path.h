@@ -18,14 +18,14 @@ struct OutputOptions {
 /// Work goes to temporary(), a hidden file in the same folder. commit() flushes it to the disk and renames
 /// it. Until then an existing file of that name stays untouched; a run that fails, or is ended by SIGINT or
 /// SIGTERM, removes the temporary file. After SIGKILL a `.NAME.MACHINE-PID.part` file may remain; the next
-/// run for that name removes it if its process is gone. MACHINE identifies the machine or container, because
-/// process numbers repeat elsewhere: files of other machines in a shared directory may still be in use, and
-/// are not touched.
+/// run for that name removes it if its process is gone. A hash replaces a NAME with which that would be
+/// longer than a file name may be. MACHINE identifies the machine or container, because process numbers
+/// repeat elsewhere: files of other machines in a shared directory may still be in use, and are not touched.
 class OutputPath {
  public:
   /// Throws UsageError if `path` exists and `overwrite` is false, exists but is not a regular file (a
-  /// directory, a pipe, a device), or its directory does not exist. A symbolic link is replaced, not
-  /// followed.
+  /// directory, a pipe, a device), its name is too long, or its directory does not exist. A symbolic link is
+  /// replaced, not followed.
   OutputPath(std::filesystem::path path, bool overwrite);
   ~OutputPath();
   OutputPath(const OutputPath&) = delete;
@@ -47,6 +47,11 @@ class OutputPath {
   bool flushed_ = false;
   bool committed_ = false;
 };
+
+/// The hidden file `.NAME.SUFFIX` beside an output; a hash replaces a NAME with which that would be longer
+/// than a file name may be.
+[[nodiscard]] std::filesystem::path hidden_beside(const std::filesystem::path& output,
+                                                  const std::string& suffix);
 
 /// Whether two paths lead to one file, which need not exist.
 [[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);

@@ -12,6 +12,10 @@ namespace {
 
 [[noreturn]] void refuse_aim(std::int64_t pulse, double angle_rad, double limit_rad) {
   std::ostringstream message;
+  if (std::isnan(angle_rad)) {  // the direction from a point to itself
+    message << "scanner: pulse " << pulse << " has no direction: the pattern aims at the lidar itself";
+    throw FormatError(message.str());
+  }
   message << "scanner: pulse " << pulse << " aims " << in_degrees(angle_rad)
           << " degrees off the boresight; max_deflection_deg allows " << in_degrees(limit_rad)
           << " (raise it, or narrow the pattern)";

@@ -23,13 +23,19 @@ Provenance scan_provenance(const nlohmann::json& scan, const Scene& scene) {
   return provenance;
 }
 
-/// Refuses draws whose rays differ from the scan's, before any is run.
+/// Refuses draws whose configuration is not valid or whose rays differ from the scan's, before any is run.
 void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsConfig& config,
                        const DrawSpan& span) {
   Provenance provenance = scan_provenance(config.stages().scan, scene);
-  for (std::int64_t draw = span.first; draw < span.end; ++draw) {
+  const auto check = [&](std::int64_t draw) {
     provenance.config = config.stages(draw).scan;
     scan.require_match(provenance, "");
+  };
+  try {
+    for (const std::int64_t draw : config.deciding_draws(span.first, span.end)) check(draw);
+  } catch (const UsageError&) {  // names the first one
+    for (std::int64_t draw = span.first; draw < span.end; ++draw) check(draw);
+    throw;
   }
 }
 

@@ -87,9 +87,7 @@ void require_whole(const std::vector<Part>& parts, std::int64_t count) {
 }  // namespace
 
 CampaignState::CampaignState(const std::filesystem::path& output, Provenance provenance, std::int64_t first)
-    : path_(output.parent_path() / ("." + output.filename().string() + ".state")),
-      provenance_(std::move(provenance)),
-      first_(first) {}
+    : path_(hidden_beside(output, "state")), provenance_(std::move(provenance)), first_(first) {}
 
 Provenance CampaignState::provenance_of(const DrawTable& table) const {
   Provenance provenance = provenance_;

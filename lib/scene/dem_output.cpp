@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/number_text.h"
 #include "config/config_path.h"
 #include "config/uncertainty_config.h"
 #include "files/scan_poses.h"
@@ -46,6 +47,25 @@ std::vector<std::string> warnings_of(const UncertaintyInputs& inputs) {
         "--uncertainty: the range noise is 0; give --range-sigma METRES if the lidar has noise");
   if (!inputs.left_out.empty())
     warnings.push_back("--uncertainty: the sigmas leave out errors of the scans: " + inputs.left_out);
+  return warnings;
+}
+
+/// floor(x/s + 0.5) of a point on an edge is decided by the rounding of x/s: a regular pattern on the edges
+/// fills some bins twice and leaves others empty.
+std::vector<std::string> edge_warnings(const Scans& scans, const std::vector<EdgeSample>& edges,
+                                       double resolution_m) {
+  constexpr std::int64_t kLeastReturns = 20;
+  constexpr double kShare = 0.05;
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const double share = static_cast<double>(edges[i].on_edge) / static_cast<double>(edges[i].count);
+    if (edges[i].count < kLeastReturns || share <= kShare) continue;
+    warnings.push_back(scans[i]->file().name() + ": " + percent_text(share) + " of its first " +
+                       grouped(edges[i].count) + " returns lie on an edge between bins of " +
+                       number_text(resolution_m) +
+                       " m, where rounding decides the bin: move the pattern by half a bin, or change "
+                       "--resolution");
+  }
   return warnings;
 }
 
@@ -118,6 +138,8 @@ BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, De
   output.phase("grid", [&](const ProgressCallback& progress) {
     gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty}, progress);
   });
+  for (std::string& warning : edge_warnings(scans, gridded.edges, config.grid.resolution_m))
+    warnings.push_back(std::move(warning));
   if (layers.uncertainty || layers.corrected) compute_error_maps(gridded, uncertainty, output.phase);
   std::int64_t empty_bins = 0;
   output.phase("write", [&](const ProgressCallback& progress) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -88,7 +89,7 @@ PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const Terra
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                               PulseWorkspace& workspace) const {
-  steer(pulse, workspace);
+  steer_to_trace(pulse, workspace);
   make_rays(pulse, workspace);
   trace(workspace.rays, workspace.hits_m);
   take_hits(workspace);
@@ -104,7 +105,7 @@ void PulseSimulator::simulate_together(std::span<const PulseInput> pulses, std::
   assert(pulses.size() == workspaces.size());
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < pulses.size(); ++i) {
-    steer(pulses[i], workspaces[i]);
+    steer_to_trace(pulses[i], workspaces[i]);
     make_rays(pulses[i], workspaces[i]);
     rays.insert(rays.end(), workspaces[i].rays.begin(), workspaces[i].rays.end());
   }
@@ -275,6 +276,16 @@ void PulseSimulator::find_signals(PulseWorkspace& workspace, std::span<const Bea
     if (albedo_ != nullptr) signal_pe *= albedo_->at(w.hits[hit].x(), w.hits[hit].y());
     w.signals_pe[i] = signal_pe;
     ++hit;
+  }
+}
+
+void PulseSimulator::steer_to_trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
+  try {
+    steer(pulse, workspace);
+  } catch (const FormatError&) {
+    const std::array boresight = {Ray{(pulse.truth * true_mount(pulse.time.pulse)).position, {}}};
+    require_above_ground(pulse, boresight);
+    throw;
   }
 }
 

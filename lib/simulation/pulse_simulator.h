@@ -163,6 +163,8 @@ class PulseSimulator {
   void take_hits(PulseWorkspace& workspace) const;
   void see(PulseWorkspace& workspace, std::span<const Beam> beams) const;
   void find_signals(PulseWorkspace& workspace, std::span<const Beam> beams) const;
+  /// As steer(). From below the ground a scanner cannot aim at it: then that is the reason of the refusal.
+  void steer_to_trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
   void receive(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void find_incidences(PulseWorkspace& workspace) const;

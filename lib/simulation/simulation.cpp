@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
+#include "base/number_text.h"
 #include "base/parameter_check.h"
 
 namespace landfall {
@@ -26,6 +28,18 @@ std::int64_t pulse_count(const ScanModel& model) {
   if (!model.lidar.pattern) return count;
   return std::min(count, model.lidar.pattern->pulse_limit().value_or(count));
 }
+
+namespace {
+
+/// A pose that is not finite would turn all pixels of the pulse into misses.
+void require_finite(const Pose& pose, const PulseTime& pulse, const char* which) {
+  if (pose.rotation.m.allFinite() && pose.position.v.allFinite()) return;
+  throw FormatError("pulse " + std::to_string(pulse.pulse) + ", " + number_text(pulse.since_start_s) +
+                    " s after the first: the " + which +
+                    " pose is not finite: a value of the trajectory or of an error is too large");
+}
+
+}  // namespace
 
 Simulation::Simulation(ScanModel model, const RayEngine* engine, const TerrainSurface* ground,
                        const SurfaceAlbedo* albedo)
@@ -73,6 +87,9 @@ PulseInput Simulation::pulse(std::int64_t k) const {
   const Pattern* pattern = simulator_.lidar().pattern.get();
   if (pattern != nullptr)
     input.nominal = pattern->compensated() ? trajectory_->nominal_pose(since_start_s) : first_nominal_pose_;
+  require_finite(input.truth, input.time, "true");
+  require_finite(input.estimate, input.time, "estimated");
+  require_finite(input.nominal, input.time, "nominal");
   return input;
 }
 

@@ -29,9 +29,9 @@ struct TrajectorySample {
 class TableTrajectory : public Trajectory {
  public:
   /// The epoch is the first row's time; from here on, only differences from it are used. These must increase
-  /// strictly, all numbers must be finite, and the norm of a quaternion must be within 1e-3 of 1 (it is then
-  /// normalised); at least 2 rows. Throws FormatError otherwise; the message begins with `name` and names the
-  /// row counted from 1.
+  /// strictly, all numbers must be finite, no velocity may exceed that of light, and the norm of a quaternion
+  /// must be within 1e-3 of 1 (it is then normalised); at least 2 rows. Throws FormatError otherwise; the
+  /// message begins with `name` and names the row counted from 1.
   explicit TableTrajectory(std::vector<TrajectorySample> samples, std::string name = "trajectory table");
 
   /// A time that lies up to 1 ns outside the table counts as its end: pulse times are rounded.

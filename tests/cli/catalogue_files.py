@@ -234,6 +234,9 @@ def make_broken_landfall_files():
     damaged("damaged_points.h5", "scan.h5", "points/z_est")
     edited("no_z_est.h5", "dem.h5", removed("z_est"))
     edited("infinite_z_est.h5", "dem.h5", value_at("z_est", (50, 50), np.inf))
+    with h5py.File("dem.h5") as file:
+        shape = file["z_est"].shape
+    edited("negative_sigma.h5", "dem.h5", lambda file: file.create_dataset("z_sigma_rel", data=np.full(shape, -0.05, "f4")))
     damaged("damaged_z_est.h5", "dem.h5", "z_est")
     make_files_with_external_data()
     edited("no_history.h5", "scan.h5", removed("provenance"))

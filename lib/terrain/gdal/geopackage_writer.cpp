@@ -3,13 +3,13 @@
 
 #include <cpl_conv.h>
 #include <gdal_priv.h>
-#include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
 #include <cmath>
 #include <cstddef>
 
 #include "base/error.h"
+#include "terrain/gdal/gdal_crs.h"
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/registry.h"
 
@@ -34,9 +34,7 @@ OGRErr write_point(OGRLayer& target, const PointLayer& layer, std::size_t i) {
 }
 
 bool write_layer(GDALDataset& file, const PointLayer& layer) {
-  OGRSpatialReference crs;
-  if (crs.importFromWkt(layer.crs_wkt.c_str()) != OGRERR_NONE) crs.Clear();
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  OGRSpatialReference crs = crs_to_export(layer.crs_wkt);
   OGRLayer* const target = file.CreateLayer(layer.name.c_str(), &crs, wkbPoint25D);
   if (target == nullptr) return false;
   for (const PointLayer::Column& column : layer.columns) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "terrain/gdal/gdal_crs.h"
 #include "terrain/gdal/gdal_errors.h"
 #include "terrain/gdal/registry.h"
 
@@ -188,8 +189,7 @@ GridDataset::GridDataset(const GeotiffContent& content, int level)
     : spec_(spec_of(content)), level_(spec_, level) {
   nRasterXSize = static_cast<int>(level_.cols.parts);
   nRasterYSize = static_cast<int>(level_.rows.parts);
-  if (crs_.importFromWkt(content.crs_wkt.c_str()) != OGRERR_NONE) crs_.Clear();
-  crs_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  crs_ = crs_to_export(content.crs_wkt);
   const GDALDataType type = type_of(content);
   int number = 0;
   for (const GeotiffBand& band : content.bands)

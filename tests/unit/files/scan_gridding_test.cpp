@@ -77,6 +77,20 @@ TEST_F(ScanGridding, OpenedScansCountFromTheEarliestFirstPulse) {
   EXPECT_EQ(H5Tget_size(type.get()), 8U);
 }
 
+// Of the returns of the first scan, x = 2.5 lies on an edge of bins of 1 m; of 0.5 m: x = 1.25, 2.25, ... do.
+TEST_F(ScanGridding, CountsReturnsOnEdges) {
+  for (const Method method : {Method::mean, Method::median}) {
+    const std::vector<EdgeSample> whole = grid_scans(scans_, {kGrid, method}).edges;
+    ASSERT_EQ(whole.size(), 2U);
+    EXPECT_EQ(whole[0].count, 4);
+    EXPECT_EQ(whole[0].on_edge, 1);
+    EXPECT_EQ(whole[1].on_edge, 0);
+  }
+  const std::vector<EdgeSample> half = grid_scans(scans_, {{0.5, -4, 0, 5, 5}, Method::mean}).edges;
+  EXPECT_EQ(half[0].on_edge, 0);
+  EXPECT_EQ(half[1].on_edge, 4);
+}
+
 TEST_F(ScanGridding, TheWeightedMeanHasItsMoments) {
   const GriddedScans gridded = grid_scans(scans_, {.grid = kGrid, .moments = true});
   ASSERT_EQ(gridded.nearest, gridded.bins.get());

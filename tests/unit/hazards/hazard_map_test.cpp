@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -351,6 +353,51 @@ TEST(FillMap, FillsTheSmallHolesOfEachLayer) {
   EXPECT_TRUE(std::isnan(bare.z.at({2, 2})));
   EXPECT_FALSE(bare.z_true || bare.z_sigma);
   EXPECT_EQ(count_set(bare.filled_truth), 0);
+}
+
+// A bin with an elevation and without a sigma gets z_sigma_m; without that it is counted, and only a map
+// without any sigma has none.
+TEST(FillMap, CountsBinsWithoutSigma) {
+  const GridSpec spec = GridSpec::centered(1, 0.5);
+  Grid<double> z(spec, 2);
+  z.at({0, 3}) = kNan;  // at the border: stays without an elevation
+  Grid<double> z_sigma(spec, 0.25);
+  z_sigma.at({0, 3}) = z_sigma.at({2, 2}) = z_sigma.at({4, 4}) = kNan;
+  HazardParameters parameters;
+  HazardInput input = fill_map(z, {}, z_sigma, parameters, fill_truth);
+  EXPECT_EQ(input.bins_without_sigma, 2);
+  EXPECT_TRUE(std::isnan(input.z_sigma.value().at({2, 2})));
+  parameters.z_sigma_m = 0.5;
+  input = fill_map(z, {}, z_sigma, parameters, fill_truth);
+  EXPECT_EQ(input.bins_without_sigma, 0);
+  EXPECT_EQ(input.z_sigma.value().at({4, 4}), 0.5);
+  EXPECT_EQ(input.z_sigma.value().at({1, 1}), 0.25);
+  parameters.z_sigma_m.reset();
+  input = fill_map(z, {}, Grid<double>(spec, kNan), parameters, fill_truth);
+  EXPECT_EQ(input.bins_without_sigma, 24);
+  EXPECT_FALSE(input.z_sigma);
+}
+
+TEST(MapHazards, PlacesThatNeedABinWithoutSigmaHaveNoProbability) {
+  HazardInput input = level_ground(2, 0.1);
+  input.z_sigma = Grid<double>(input.z.spec(), 0.001);
+  const BinIndex bare{15, 22};
+  input.z_sigma->at(bare) = kNan;
+  input.bins_without_sigma = 1;
+  const HazardMap map = map_hazards(input, small_lander(), kAtOnce);
+  int unknown = 0;
+  for (std::int64_t row = 0; row < 41; ++row)
+    for (std::int64_t col = 0; col < 41; ++col) {
+      const BinIndex place{row, col};
+      if (map.safe.at(place) == 2) continue;
+      const std::int64_t dx = std::abs(col - bare.col);
+      const std::int64_t dy = std::abs(row - bare.row);
+      const bool needs = dx * dx + dy * dy <= 9 || (dx * dx + dy * dy == 10 && dx != dy);  // body, pads
+      EXPECT_EQ(std::isnan(map.p_safe.value().at(place)), needs) << row << ", " << col;
+      EXPECT_EQ(map.p_touchdown.at(place), needs ? 0.0F : 1.0F);
+      unknown += needs ? 1 : 0;
+    }
+  EXPECT_EQ(unknown, 37);
 }
 
 TEST(FillTruth, FillsOnlyWhatIsMissing) {

@@ -58,6 +58,18 @@ TEST(ChunkCodec, Hdf5ReadsStoredPlanes) {
     }
 }
 
+TEST(ChunkCodec, LevelZeroStoresNoRowsThatATableDoesNotHave) {
+  const std::vector<double> values = noisy(12);
+  std::vector<double> padded = values;
+  padded.resize(kTableChunkRows);
+  EXPECT_LT(encoded_size(padded, 0), 12 * sizeof(double) + 1000);
+  EXPECT_EQ(encoded_size(values, 0), 12 * sizeof(double) + 2 + 5 + 4);  // header, one block, checksum
+  for (const std::size_t count : {1UL, 12UL, kTableChunkRows - 128, kTableChunkRows - 127, kTableChunkRows})
+    EXPECT_EQ(through_hdf5(noisy(count), 0), noisy(count)) << count;
+  const std::vector<double> zeros(1000);
+  EXPECT_EQ(through_hdf5(zeros, 0), zeros);
+}
+
 TEST(ChunkCodec, StoringNoiseCostsAlmostNothing) {
   const std::vector<double> values = noisy(kTableChunkRows);
   const std::size_t searched = encoded_size(values, 6);

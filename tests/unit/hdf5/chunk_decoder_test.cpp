@@ -7,6 +7,7 @@
 
 #include "encoded_chunk.h"
 #include "hdf5/byte_shuffle.h"
+#include "hdf5/fletcher32.h"
 
 namespace landfall {
 namespace {
@@ -76,9 +77,46 @@ TEST_F(ChunkDecoder, HonoursTheFilterMask) {
   EXPECT_EQ(out, elements_);
 }
 
-TEST_F(ChunkDecoder, ChecksTheBytesOfLevelZero) {
+// The bytes of level 0 lie in blocks of 65535, so that the header of one lies among them.
+TEST(ChunkDecoderLevelZero, NoDamageChangesAValue) {
+  std::vector<std::byte> elements(70000);
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    elements[i] = std::byte(i % 3000 < 2900 ? 0 : i * 7 % 256);
+  const ChunkFormat format{1, elements.size(), ChunkFilters::deflate};
+  const std::vector<std::byte> stored = encode_chunk(elements, 8, 0);
+  std::vector<std::byte> out(elements.size());
+  ASSERT_TRUE(decode_chunk(stored, 0, format, 0, out));
+  EXPECT_EQ(out, elements);
+  std::vector<std::byte> part(10);
+  ASSERT_TRUE(decode_chunk(stored, 0, format, 65530, part));
+  EXPECT_TRUE(std::equal(part.begin(), part.end(), elements.begin() + 65530));
+  ASSERT_TRUE(decode_chunk(elements, 1, format, 0, out)) << "a chunk without deflate, by the filter mask";
+  EXPECT_EQ(out, elements);
+  // A bit, an inverted 16-bit word (0000 is ffff to fletcher32), and erased blocks.
+  const auto damage = [&](std::size_t begin, std::size_t size, auto change) {
+    std::vector<std::byte> damaged = stored;
+    for (std::size_t i = begin; i < std::min(begin + size, damaged.size()); ++i)
+      damaged[i] = change(damaged[i]);
+    if (decode_chunk(damaged, 0, format, 0, out)) EXPECT_EQ(out, elements) << size << " from " << begin;
+  };
+  for (std::size_t i = 0; i < stored.size(); i += (i < 100 || (i > 65500 && i < 65600)) ? 1 : 97) {
+    damage(i, 1, [](std::byte b) { return b ^ std::byte{0x10}; });
+    damage(i, 2, [](std::byte b) { return ~b; });
+    for (const std::size_t size : {64U, 512U, 4096U, 65536U}) {
+      damage(i, size, [](std::byte) { return std::byte{0xff}; });
+      damage(i, size, [](std::byte) { return std::byte{0}; });
+    }
+  }
+  EXPECT_FALSE(decode_chunk(std::span(stored).first(3), 0, format, 0, out));
+  EXPECT_FALSE(decode_chunk(elements, 0, format, 0, out));
+}
+
+// Earlier versions stored level 0 so.
+TEST_F(ChunkDecoder, ChecksFletcher32) {
   constexpr ChunkFormat kChecked{8, 1000, ChunkFilters::fletcher32};
-  std::vector<std::byte> stored = encode_chunk(elements_, 8, 0);
+  std::vector<std::byte> stored = elements_;
+  for (const unsigned shift : {0U, 8U, 16U, 24U})
+    stored.push_back(static_cast<std::byte>(fletcher32(elements_) >> shift & 0xffU));
   std::vector<std::byte> out(8000);
   ASSERT_TRUE(decode_chunk(stored, 0, kChecked, 0, out));
   EXPECT_EQ(out, elements_);

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <set>
+#include <string>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -119,11 +121,12 @@ TEST_F(ColumnReaderTest, OtherFormsGoThroughHdf5) {
   write_plainly("fletcher", H5T_IEEE_F64LE, kTableChunkRows, checked);
   write_plainly("small_chunks", H5T_IEEE_F64LE, 1000, ours);
   write_plainly("ours", H5T_IEEE_F64LE, kTableChunkRows, ours);
+  const std::set<std::string> decodable = {"only_deflate", "ours"};
   for (const char* const name :
        {"contiguous", "big_endian", "only_deflate", "fletcher", "small_chunks", "ours"}) {
     const h5::Handle dataset = table("/").open(name);
     const hsize_t chunk[] = {kTableChunkRows};
-    EXPECT_EQ(decodable_chunks(dataset.get(), chunk).has_value(), std::string(name) == "ours") << name;
+    EXPECT_EQ(decodable_chunks(dataset.get(), chunk).has_value(), decodable.contains(name)) << name;
     EXPECT_EQ(read_all(name), x_) << name;
   }
 }

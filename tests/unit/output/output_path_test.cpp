@@ -59,6 +59,36 @@ TEST(OutputPath, OverwritesWhenAsked) {
   EXPECT_EQ(read_file(folder / "a.h5"), "new");
 }
 
+// Names of up to 255 bytes are outputs, though ".NAME.MACHINE-PID.part" would be longer than that.
+TEST(OutputPath, TakesEveryNameThatAFileCanHave) {
+  const TemporaryFolder folder;
+  for (const std::size_t size : {200U, 231U, 232U, 254U, 255U}) {
+    const std::string name(size, 'n');
+    OutputPath output(folder / name, false);
+    std::ofstream(output.temporary()) << "new";
+    EXPECT_EQ(output.temporary().filename().string().front(), '.');
+    output.commit();
+    EXPECT_EQ(read_file(folder / name), "new") << size;
+  }
+  EXPECT_EQ(folder.entries(), 5U);
+  EXPECT_THROW(OutputPath(folder / std::string(256, 'n'), false), UsageError);
+}
+
+TEST(OutputPath, HiddenFilesBesideAnOutput) {
+  EXPECT_EQ(hidden_beside("folder/a.h5", "state"), "folder/.a.h5.state");
+  EXPECT_EQ(hidden_beside("a.h5", "state"), ".a.h5.state");
+  const std::string longest(255, 'n');
+  EXPECT_LE(hidden_beside(longest, "state").string().size(), 255U);
+  EXPECT_EQ(hidden_beside(longest, "state"), hidden_beside("./" + longest, "state").filename());
+}
+
+TEST(OutputPath, LongNamesDoNotShareATemporaryFile) {
+  const TemporaryFolder folder;
+  const OutputPath one(folder / std::string(255, 'n'), false);
+  const OutputPath other(folder / (std::string(254, 'n') + "m"), false);
+  EXPECT_NE(one.temporary(), other.temporary());
+}
+
 /// ".a.h5.PLACE-" of this machine.
 std::string part_prefix(const TemporaryFolder& folder) {
   const std::string name = OutputPath(folder / "a.h5", false).temporary().filename().string();

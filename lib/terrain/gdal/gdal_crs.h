@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <ogr_spatialref.h>
+
+#include <string>
+
+#include "base/error.h"
+#include "terrain/gdal/gdal_errors.h"
+
+namespace landfall {
+
+/// The frame of a file that is exported. Throws FormatError unless the text is one; an empty text gives none.
+inline OGRSpatialReference crs_to_export(const std::string& wkt) {
+  OGRSpatialReference crs;
+  if (wkt.empty()) return crs;
+  GdalErrors errors;
+  if (crs.importFromWkt(wkt.c_str()) != OGRERR_NONE)
+    throw FormatError("/crs: its attribute crs_wkt is not a coordinate reference system" +
+                      (errors.any() ? ": " + errors.reason() : std::string()));
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return crs;
+}
+
+}  // namespace landfall
