@@ -215,7 +215,7 @@ def draw_zoom(ax, grid, layer, objects, options, relief):
 
 def draw(file, options):
     grid = files.read_grid(file)
-    if grid is None or "z" not in file or file["z"].shape != grid.shape:
+    if grid is None or "z" not in file or files.numbers(file, "z").shape != grid.shape:
         raise DataError(f"{options.terrain}: needs the layers x, y and z of a gridded terrain")
     relief = read_relief(files.numbers(file, "z"), grid, Sun(options.sun_azimuth_deg, options.sun_elevation_deg))
     objects = read_objects(file)

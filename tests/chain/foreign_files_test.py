@@ -79,7 +79,8 @@ class Trajectories(ToolTest):
         self.assertEqual([dem.pop("epoch_s") for dem in dems], [0, EPOCH])
         for name, values in dems[0].items():
             np.testing.assert_array_equal(dems[1][name], values, name)
-        self.assertGreater(np.nanmax(dems[0]["t_mean"]) - np.nanmin(dems[0]["t_mean"]), 0.4)
+        times = dems[0]["t_mean"]
+        self.assertGreater(len(np.unique(times[np.isfinite(times)])), 20)
         plans = []
         for table in ("t.csv", "gps.csv"):
             self.succeed("scan-sim", "-O", "--plan", "-o", self.path("plan.h5"), "-c", self.config(

@@ -337,7 +337,7 @@ class Refusals(InfoTest):
             for attribute in ("units", "long_name"):
                 file["z_est"].attrs[attribute] = hostile
             file["z_est" + hostile] = file["count"][()]
-            set_text(file["provenance"], "environment_json", json.dumps({hostile: hostile}))
+            file["provenance"]["environment_json"] = json.dumps({hostile: hostile})
             config = json.loads(file["provenance/config_json"][()])
             set_text(file["provenance"], "config_json", json.dumps({**config, hostile: hostile}))
         path = self.changed(self.chain.dem, spoil)

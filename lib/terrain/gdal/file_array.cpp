@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
+#include "terrain/gdal/lower_case.h"
 #include "terrain/gdal/raster_files.h"
 
 namespace landfall {
@@ -18,11 +19,6 @@ namespace {
 
 using Array = std::shared_ptr<GDALMDArray>;
 using Group = std::shared_ptr<GDALGroup>;
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 bool is_one_of(const std::string& text, std::initializer_list<const char*> words) {
   return std::ranges::any_of(words, [&](const char* word) { return text == word; });
@@ -48,8 +44,8 @@ Numbers number_attribute(const GDALMDArray& array, const char* name) {
 
 /// "z" of NETCDF:"f.nc":z and of HDF5:"f.h5"://z; empty where the name of the raster names no array.
 std::string named_array(const std::string& path) {
-  const bool is_netcdf = lower(path.substr(0, 7)) == "netcdf:";
-  if (!is_netcdf && lower(path.substr(0, 5)) != "hdf5:") return "";
+  const bool is_netcdf = lower_case(path.substr(0, 7)) == "netcdf:";
+  if (!is_netcdf && lower_case(path.substr(0, 5)) != "hdf5:") return "";
   const std::size_t quote = path.rfind("\":");
   const std::size_t begin = quote != std::string::npos ? quote + 2 : path.rfind(':') + 1;
   std::string name = path.substr(begin);
@@ -100,10 +96,10 @@ std::optional<double> packing_number(const GDALMDArray& array, const char* attri
 }
 
 void set_role(const GDALMDArray* variable, FileAxis& axis) {
-  const std::string name = lower(axis.name);
+  const std::string name = lower_case(axis.name);
   if (variable != nullptr) {
-    const std::string role = lower(text_attribute(*variable, "axis"));
-    const std::string standard = lower(text_attribute(*variable, "standard_name"));
+    const std::string role = lower_case(text_attribute(*variable, "axis"));
+    const std::string standard = lower_case(text_attribute(*variable, "standard_name"));
     axis.is_easting =
         role == "x" || is_one_of(standard, {"projection_x_coordinate", "longitude", "grid_longitude"});
     axis.is_northing =
@@ -168,8 +164,8 @@ std::optional<ValidRange> valid_range(const GDALMDArray& array) {
 }
 
 bool counts_downwards(const GDALMDArray& array) {
-  const std::string standard = lower(text_attribute(array, "standard_name"));
-  return lower(text_attribute(array, "positive")) == "down" || standard.starts_with("depth") ||
+  const std::string standard = lower_case(text_attribute(array, "standard_name"));
+  return lower_case(text_attribute(array, "positive")) == "down" || standard.starts_with("depth") ||
          standard.find("_depth") != std::string::npos;
 }
 

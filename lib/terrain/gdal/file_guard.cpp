@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "terrain/gdal/lower_case.h"
 #include "terrain/gdal/raster_files.h"
 #include "terrain/gdal/registry.h"
 
@@ -21,11 +22,6 @@ namespace landfall {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 /// Empty if the file does not exist.
 fs::path real_path(const fs::path& file) {
@@ -49,13 +45,13 @@ struct Product {
     std::error_code unreachable;
     if (fs::is_directory(file, unreachable)) folder = file;
     const bool whole_folder =
-        folder == file || lower(file.extension().string()) == ".adf";  // the grids of ArcInfo
-    if (!whole_folder) stem = lower(fs::path(name).stem().string());
+        folder == file || lower_case(file.extension().string()) == ".adf";  // the grids of ArcInfo
+    if (!whole_folder) stem = lower_case(fs::path(name).stem().string());
   }
   [[nodiscard]] bool holds(const std::string& name, const fs::path& real) const {
     if (real == file) return true;
     if (real.parent_path() != folder) return false;
-    const std::string part = lower(fs::path(name).filename().string());
+    const std::string part = lower_case(fs::path(name).filename().string());
     return stem.empty() || part == stem || part.starts_with(stem + ".");
   }
 };

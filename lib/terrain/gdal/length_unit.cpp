@@ -11,6 +11,8 @@
 #include <numbers>
 #include <string_view>
 
+#include "terrain/gdal/lower_case.h"
+
 namespace landfall {
 namespace {
 
@@ -42,16 +44,10 @@ constexpr Unit kOwnNames[] = {{"m", 1},
                               {"footussurvey", kUsSurveyFoot_m},
                               {"feetussurvey", kUsSurveyFoot_m}};
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(), [](unsigned char c) { return std::tolower(c); });
-  return result;
-}
-
 /// In lower case, without blanks, underscores, hyphens and points, and without the s of a plural.
-std::string normalised(std::string_view text) {
+std::string normalised(const std::string& text) {
   std::string name;
-  for (const char c : lower(text))
+  for (const char c : lower_case(text))
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;
   if (name.size() > 2 && name.back() == 's' && name != "ftus" && name != "footus") name.pop_back();
   return name;
@@ -69,7 +65,7 @@ std::string without_datum(const std::string& text) {
   constexpr std::array<const char*, 14> kBegins = {"(",         ",",      " above",  " over", " below",
                                                    " relative", " w.r.t", " wrt",    " from", " referred",
                                                    " height",   " elev",  " to the", " in "};
-  const std::string folded = lower(text);
+  const std::string folded = lower_case(text);
   std::size_t end = text.size();
   for (const char* const begin : kBegins) end = std::min(end, folded.find(begin));
   return trimmed(std::string_view(text).substr(0, end));
@@ -118,7 +114,7 @@ class Udunits {
 SpelledUnit plain_unit(const std::string& text) {
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c > 127; };
   if (std::ranges::none_of(text, is_letter)) return {};  // a number is an angle in radians to UDUNITS
-  if (lower(text) == "deg") return {0, std::numbers::pi / 180};
+  if (lower_case(text) == "deg") return {0, std::numbers::pi / 180};
   const auto own = std::ranges::find_if(kOwnNames, [&](const Unit& unit) { return text == unit.name; });
   if (own != std::end(kOwnNames)) return {own->metres};
   static const Udunits udunits;
@@ -127,8 +123,8 @@ SpelledUnit plain_unit(const std::string& text) {
   const std::string name = normalised(text);
   for (const Unit& known : kOwnNames)
     if (name == known.name) return {known.metres};
-  if (lower(text) == "mm") return {};  // "MM": millimetres or megametres
-  return udunits.read(lower(text));
+  if (lower_case(text) == "mm") return {};  // "MM": millimetres or megametres
+  return udunits.read(lower_case(text));
 }
 
 }  // namespace
@@ -141,7 +137,7 @@ SpelledUnit spelled_unit(const std::string& text) {
   if (length.empty() || length.size() == spelled.size()) return {};
   unit = plain_unit(length);
   if (!(unit.metres > 0)) return {};
-  const std::string datum = lower(spelled.substr(length.size()));
+  const std::string datum = lower_case(spelled.substr(length.size()));
   if (datum.find("survey") != std::string::npos) return {};  // another foot
   unit.downwards = datum.find("below") != std::string::npos || datum.find("downward") != std::string::npos;
   return unit;

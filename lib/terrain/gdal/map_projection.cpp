@@ -32,8 +32,8 @@ std::optional<MapProjection> MapProjection::of(const OGRSpatialReference& crs) {
   if (!geographic) return std::nullopt;
   geographic->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   Transformation forward(OGRCreateCoordinateTransformation(geographic.get(), &map));
-  Transformation inverse(OGRCreateCoordinateTransformation(&map, geographic.get()));
-  if (!forward || !inverse) return std::nullopt;
+  Transformation inverse(forward ? forward->GetInverse() : nullptr);
+  if (!inverse) return std::nullopt;
   const double inverse_flattening = map.GetInvFlattening();
   const Ellipsoid body{map.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
   return MapProjection(std::move(forward), std::move(inverse), geographic->GetAngularUnits(), body);

@@ -48,7 +48,7 @@ struct AxisUnits {
 };
 
 /// The size of the unit of a CRS: metres, or radians for a geographic one.
-double crs_unit(const OGRSpatialReference& crs) {
+double map_unit(const OGRSpatialReference& crs) {
   return crs.IsGeographic() != 0 ? crs.GetAngularUnits() : crs.GetLinearUnits();
 }
 
@@ -61,7 +61,7 @@ double factor_to_crs(const AxisUnits& axes, std::size_t i, const OGRSpatialRefer
   if (!(unit > 0))
     contradiction(dem, "coordinate variable '" + axes.names[i] + "' is in '" + abbreviated(axes.texts[i]) +
                            "', its CRS in " + (angles ? "angles" : "lengths"));
-  const double factor = unit / crs_unit(crs);
+  const double factor = unit / map_unit(crs);
   return std::abs(factor - 1) < 1e-9 ? 1 : factor;
 }
 
