@@ -35,24 +35,24 @@ APPENDIX_F = {
 NAMES_OF_A_CRS = {"reference_ellipsoid_name", "prime_meridian_name", "horizontal_datum_name", "geographic_crs_name"}
 # What the projections of these PROJ strings are in CF; None: CF has none, and the file makes no claim.
 PROJECTIONS = {
-    "+proj=utm +zone=31 +datum=WGS84": "transverse_mercator",
-    "+proj=tmerc +lat_0=10 +lon_0=-20 +k=0.9 +x_0=500 +y_0=-300 +R=1737400": "transverse_mercator",
-    "+proj=stere +lat_0=90 +lon_0=15 +k=0.994 +ellps=WGS84": "polar_stereographic",
-    "+proj=stere +lat_0=-90 +lat_ts=-70 +lon_0=40 +R=1737400": "polar_stereographic",
-    "+proj=ortho +lat_0=-32.5 +lon_0=-27.3 +R=1561500": "orthographic",
-    "+proj=lcc +lat_1=33 +lat_2=45 +lat_0=39 +lon_0=-96 +ellps=GRS80": "lambert_conformal_conic",
-    "+proj=lcc +lat_1=33 +lat_0=33 +lon_0=-96 +ellps=GRS80": "lambert_conformal_conic",
-    "+proj=lcc +lat_1=33 +lat_0=33 +lon_0=-96 +k_0=0.99 +ellps=GRS80": None,  # CF has no scale factor for a cone
-    "+proj=aea +lat_1=29.5 +lat_2=45.5 +lat_0=23 +lon_0=-96 +ellps=GRS80": "albers_conical_equal_area",
-    "+proj=laea +lat_0=52 +lon_0=10 +ellps=GRS80": "lambert_azimuthal_equal_area",
-    "+proj=laea +lat_0=52 +lon_0=10 +R=3396190": "lambert_azimuthal_equal_area",
-    "+proj=merc +lat_ts=20 +lon_0=5 +R=3396190": "mercator",
-    "+proj=merc +k=0.9 +lon_0=5 +R=3396190": "mercator",
-    "+proj=sinu +lon_0=20 +R=3396190": "sinusoidal",
-    "+proj=aeqd +lat_0=40 +lon_0=10 +R=3396190": "azimuthal_equidistant",
-    "+proj=stere +lat_0=40 +lon_0=10 +k=0.99 +R=3396190": "stereographic",
-    "+proj=eqc +lat_ts=10 +R=3396190": None,
-    "+proj=omerc +lat_0=4 +lonc=115 +alpha=53 +k=0.99984 +ellps=evrstSS": None,
+    "+proj=utm +zone=31 +datum=WGS84": ("transverse_mercator", 3, 20),
+    "+proj=tmerc +lat_0=10 +lon_0=-20 +k=0.9995 +x_0=500 +y_0=-300 +R=1737400": ("transverse_mercator", -20, 10),
+    "+proj=stere +lat_0=90 +lon_0=15 +k=0.994 +ellps=WGS84": ("polar_stereographic", 15, 81.11),
+    "+proj=stere +lat_0=-90 +lat_ts=-70 +lon_0=40 +R=1737400": ("polar_stereographic", 40, -70),
+    "+proj=ortho +lat_0=-32.5 +lon_0=-27.3 +R=1561500": ("orthographic", -27.3, -32.5),
+    "+proj=lcc +lat_1=33 +lat_2=45 +lat_0=39 +lon_0=-96 +ellps=GRS80": ("lambert_conformal_conic", -96, 33),
+    "+proj=lcc +lat_1=33 +lat_0=33 +lon_0=-96 +ellps=GRS80": ("lambert_conformal_conic", -96, 33),
+    "+proj=lcc +lat_1=33 +lat_0=33 +lon_0=-96 +k_0=0.9995 +ellps=GRS80": (None, -96, 33),  # CF has no scale factor for a cone
+    "+proj=aea +lat_1=29.5 +lat_2=45.5 +lat_0=23 +lon_0=-96 +ellps=GRS80": ("albers_conical_equal_area", -96, 29.5),
+    "+proj=laea +lat_0=52 +lon_0=10 +ellps=GRS80": ("lambert_azimuthal_equal_area", 10, 52),
+    "+proj=laea +lat_0=52 +lon_0=10 +R=3396190": ("lambert_azimuthal_equal_area", 10, 52),
+    "+proj=merc +lat_ts=20 +lon_0=5 +R=3396190": ("mercator", 5, 20),
+    "+proj=merc +k=0.9 +lon_0=5 +R=3396190": ("mercator", 5, 25.842),
+    "+proj=sinu +lon_0=20 +R=3396190": ("sinusoidal", 20, 5),
+    "+proj=aeqd +lat_0=40 +lon_0=10 +R=3396190": ("azimuthal_equidistant", 10, 40),
+    "+proj=stere +lat_0=40 +lon_0=10 +k=0.99 +R=3396190": ("stereographic", 10, 51.478),
+    "+proj=eqc +lat_ts=10 +R=3396190": (None, 0, 10),
+    "+proj=omerc +lat_0=4 +lonc=115 +alpha=53 +k=0.99984 +ellps=evrstSS": (None, 115, 4),
 }
 
 
@@ -280,10 +280,12 @@ class GridMappings(ChainTest):
             import pyproj
         except ImportError:
             self.skipTest("python3-pyproj is not installed")
-        for projection, expected in PROJECTIONS.items():
+        for projection, (expected, longitude, latitude) in PROJECTIONS.items():
             with self.subTest(projection):
                 raster, terrain = self.path("map.tif"), self.path("terrain.nc")
-                subprocess.run(["gdal_translate", "-q", "-a_srs", projection, "-a_ullr", "1000", "2060", "1060", "2000",
+                x, y = pyproj.Proj(projection)(longitude, latitude)
+                corners = [f"{value:.3f}" for value in (x - 30, y + 30, x + 30, y - 30)]
+                subprocess.run(["gdal_translate", "-q", "-a_srs", projection, "-a_ullr", *corners,
                                 os.path.join(RASTERS, "three_bands_minus_inf.tif"), raster, "-b", "2"], check=True, capture_output=True)
                 self.succeed("terrain-gen", "--from", raster, "-o", terrain, "-O", "--half-width", "4", "--resolution", "1")
                 with netCDF4.Dataset(terrain) as file:

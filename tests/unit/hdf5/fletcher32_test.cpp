@@ -42,8 +42,13 @@ std::uint32_t of_hdf5(const std::vector<std::byte>& bytes) {
   h5::initialise();
   const h5::Handle file = h5::create_file(folder / "a.h5");
   const hsize_t size = bytes.size();
-  const h5::Handle dataset =
-      h5::create_dataset(file.get(), "x", h5::Type::int8, {.size = {size}, .chunk = {size}});
+  const h5::Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const h5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(properties.get(), 1, &size);
+  H5Pset_fletcher32(properties.get());
+  const h5::Handle dataset(
+      H5Dcreate2(file.get(), "x", H5T_STD_I8LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
   H5Dwrite(dataset.get(), H5T_NATIVE_INT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data());
   H5Fflush(file.get(), H5F_SCOPE_LOCAL);
   std::vector<std::byte> stored(bytes.size() + kFletcher32Bytes);
