@@ -25,6 +25,7 @@ warnings.simplefilter("error")
 for category in (DeprecationWarning, PendingDeprecationWarning, FutureWarning, SyntaxWarning, ImportWarning):
     warnings.simplefilter("ignore", category)
 warnings.filterwarnings("error", module="__main__$")
+warnings.filterwarnings("ignore", "numpy.ndarray size changed")  # as numpy itself sets it when it is imported
 """
 RASTERS = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters")
 
