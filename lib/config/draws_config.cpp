@@ -228,7 +228,7 @@ std::vector<double> DrawsConfig::values(std::int64_t draw) const {
 
 std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::int64_t end) const {
   if (first >= end) return {};
-  std::set<std::int64_t> draws = {first};
+  std::set<std::int64_t> draws = {first, end - 1};  // one of them has another seed than the scan
   struct Deciding {
     double least, greatest;
     std::int64_t least_draw, greatest_draw;

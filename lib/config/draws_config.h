@@ -59,7 +59,7 @@ class DrawsConfig {
   [[nodiscard]] std::int64_t seed(std::int64_t draw) const { return seed_ + draw; }
   /// Draws of [first, end), in order, whose stages() decide whether those of all are accepted: a schema
   /// bounds each value alone, from above and below, and may ask for whole numbers. At most three for each
-  /// key, and the first one.
+  /// key, and the first and the last one, of which at least one has another seed than the scan.
   [[nodiscard]] std::vector<std::int64_t> deciding_draws(std::int64_t first, std::int64_t end) const;
   /// Throws UsageError, naming draw and key, for a value that the stage's schema refuses.
   [[nodiscard]] DrawStages stages(std::int64_t draw) const;
