@@ -248,13 +248,6 @@ std::string multidimensional_driver(const OpenRaster& raster) {
   return driver == "HDF5" || driver == "HDF5Image" ? "HDF5" : "";
 }
 
-GDALDatasetUniquePtr open_arrays(const std::string& file, const std::string& driver) {
-  const char* const drivers[] = {driver.c_str(), nullptr};
-  CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // what it lacks is not an error of the raster
-  return GDALDatasetUniquePtr(
-      GDALDataset::Open(file.c_str(), GDAL_OF_MULTIDIM_RASTER | GDAL_OF_READONLY, drivers));
-}
-
 FileArray description(const GDALMDArray& array) {
   FileArray result;
   result.name = array.GetName();
@@ -306,7 +299,8 @@ std::optional<FileArray> file_array(const OpenRaster& raster, const DemBase& dem
   const std::string driver = multidimensional_driver(raster);
   const std::vector<std::string> files = own_files(dem.path);
   if (driver.empty() || files.empty()) return std::nullopt;
-  const GDALDatasetUniquePtr arrays = open_arrays(files.front(), driver);
+  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);  // what arrays lack is not an error of the raster
+  const GDALDatasetUniquePtr arrays = raster.guard->open_arrays(files.front(), driver);
   const Group root = arrays ? arrays->GetRootGroup() : nullptr;
   const Array array = root ? array_of(raster, dem, root) : nullptr;
   if (!array || array->GetDimensionCount() < 2 || array->GetDataType().GetClass() != GEDTC_NUMERIC)

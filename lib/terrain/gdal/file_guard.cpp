@@ -185,6 +185,12 @@ GDALDatasetUniquePtr FileGuard::open(unsigned flags) const {
   return GDALDatasetUniquePtr(GDALDataset::Open(raster_.c_str(), flags, raster_drivers(), options));
 }
 
+GDALDatasetUniquePtr FileGuard::open_arrays(const std::string& file, const std::string& driver) const {
+  const char* const drivers[] = {driver.c_str(), nullptr};
+  return GDALDatasetUniquePtr(
+      GDALDataset::Open(file.c_str(), GDAL_OF_MULTIDIM_RASTER | GDAL_OF_READONLY, drivers));
+}
+
 FileGuard::~FileGuard() { Permits::of_process().remove(number_); }
 
 std::optional<std::string> FileGuard::refused() const { return Permits::of_process().refused(number_); }

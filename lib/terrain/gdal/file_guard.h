@@ -24,6 +24,8 @@ class FileGuard {
 
   /// Opens the raster; null if GDAL cannot open it.
   [[nodiscard]] GDALDatasetUniquePtr open(unsigned flags) const;
+  /// Opens a file of the raster by the multidimensional interface of a driver; null if it cannot.
+  [[nodiscard]] GDALDatasetUniquePtr open_arrays(const std::string& file, const std::string& driver) const;
   /// The first existing file that was refused.
   [[nodiscard]] std::optional<std::string> refused() const;
 
