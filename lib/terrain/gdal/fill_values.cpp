@@ -38,6 +38,11 @@ struct Range {
   [[nodiscard]] double distance(double value) const { return std::max(low - value, value - high); }
 };
 
+/// A value after scaling whose raw number is beyond any elevation.
+bool is_absurd(double value, const Scaling& elevation) {
+  return std::abs(value - elevation.offset) >= kAbsurd * std::abs(elevation.scale);
+}
+
 /// Samples, sorted into fills and the rest.
 class Sorted {
  public:
@@ -49,9 +54,6 @@ class Sorted {
   [[nodiscard]] const std::vector<Fill>& fills() const { return fills_; }
   [[nodiscard]] const Range& rest() const { return rest_; }
   [[nodiscard]] std::int64_t total() const { return total_; }
-  [[nodiscard]] bool is_absurd(double value) const {
-    return std::abs(value - elevation_.offset) >= kAbsurd * std::abs(elevation_.scale);
-  }
 
  private:
   void add(double value) {
@@ -59,7 +61,7 @@ class Sorted {
     const auto known = std::ranges::find(fills_, value, &Fill::value);
     if (known != fills_.end()) {
       ++known->count;
-    } else if (is_absurd(value)) {
+    } else if (is_absurd(value, elevation_)) {
       fills_.push_back({(value - elevation_.offset) / elevation_.scale, value, 1});
     } else {
       rest_.add(value);
@@ -82,15 +84,13 @@ bool may_hold_fills(const DemSamples& samples, const Scaling& elevation) {
     const double value = elevation.scale * raw + elevation.offset;
     return value == range.low || value == range.high;
   };
-  const auto is_absurd = [&](double value) {
-    return std::abs(value - elevation.offset) >= kAbsurd * std::abs(elevation.scale);
-  };
-  return is_absurd(range.low) || is_absurd(range.high) || std::ranges::any_of(kFills, is_end);
+  return is_absurd(range.low, elevation) || is_absurd(range.high, elevation) ||
+         std::ranges::any_of(kFills, is_end);
 }
 
 bool is_isolated(const Fill& fill, const Sorted& sorted, const Scaling& elevation, bool is_integer) {
   if (fill.count == 0) return false;
-  if (sorted.rest().empty() || sorted.is_absurd(fill.value)) return true;
+  if (sorted.rest().empty() || is_absurd(fill.value, elevation)) return true;
   const double distance = sorted.rest().distance(fill.value);
   if (is_integer && distance <= 2 * std::abs(elevation.scale)) return false;  // a step of the numbers
   const double relief = sorted.rest().relief();

@@ -23,6 +23,11 @@ MapPoint transformed(OGRCoordinateTransformation& transformation, double x, doub
 
 }  // namespace
 
+Ellipsoid body_of(const OGRSpatialReference& crs) {
+  const double inverse_flattening = crs.GetInvFlattening();
+  return {crs.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
+}
+
 std::optional<MapProjection> MapProjection::of(const OGRSpatialReference& crs) {
   if (crs.IsProjected() == 0) return std::nullopt;
   OGRSpatialReference map = crs;
@@ -34,9 +39,7 @@ std::optional<MapProjection> MapProjection::of(const OGRSpatialReference& crs) {
   Transformation forward(OGRCreateCoordinateTransformation(geographic.get(), &map));
   Transformation inverse(forward ? forward->GetInverse() : nullptr);
   if (!inverse) return std::nullopt;
-  const double inverse_flattening = map.GetInvFlattening();
-  const Ellipsoid body{map.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
-  return MapProjection(std::move(forward), std::move(inverse), geographic->GetAngularUnits(), body);
+  return MapProjection(std::move(forward), std::move(inverse), geographic->GetAngularUnits(), body_of(map));
 }
 
 MapPoint MapProjection::map_point(const LonLat& ground) const {

@@ -11,6 +11,9 @@ class OGRCoordinateTransformation;
 
 namespace landfall {
 
+/// The ellipsoid of a CRS.
+[[nodiscard]] Ellipsoid body_of(const OGRSpatialReference& crs);
+
 /// The map projection of a CRS: its coordinates from longitude and latitude on its own body and back, by
 /// PROJ.
 class MapProjection {

@@ -118,9 +118,9 @@ RasterCover cover_of(const GeoTransform& transform, const RasterSize& size, doub
   if (pixels(0, 1) != 0 || pixels(1, 0) != 0) return cover;
   const double period = 2 * std::numbers::pi * std::abs(pixels(0, 0));
   constexpr double kTolerance_px = 0.01;
-  const bool closes =
-      std::abs(period - std::round(period))<kTolerance_px&& static_cast<double>(size.cols)> period - 0.5;
-  if (!closes) return cover;
+  const bool is_whole = std::abs(period - std::round(period)) < kTolerance_px;
+  const bool is_covered = static_cast<double>(size.cols) >= std::round(period);
+  if (!is_whole || !is_covered) return cover;
   cover.period = std::llround(period);
   if (cover.period % 2 != 0) return cover;
   const auto row_of = [&](double lat_rad) { return transform.pixel({0, lat_rad / radians}).row; };
@@ -163,11 +163,6 @@ SiteFrame lon_lat_frame(const LonLatRaster& raster, const OGRSpatialReference& g
           posting_m,
           cover_of(raster.transform, raster.size, raster.radians),
           {}};
-}
-
-Ellipsoid body_of(const OGRSpatialReference& crs) {
-  const double inverse_flattening = crs.GetInvFlattening();
-  return {crs.GetSemiMajor(), inverse_flattening > 0 ? 1 / inverse_flattening : 0};
 }
 
 SiteFrame geographic_frame(const Georeference& georeference, const GeoTransform& transform,
