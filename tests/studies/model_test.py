@@ -187,7 +187,7 @@ class Failures(ModelTest):
         self.assertEqual(of.failures, {})
         of = self.of([HEIGHT], [LARGEST])
         self.assertTrue(np.isnan(of([-5])[0]))
-        self.assertRegex(of.failures[0], "scan-sim: .*pulse 0 aims")
+        self.assertRegex(of.failures[0], "scan-sim: .*pulse 0: the lidar .* below the terrain")
 
     def test_no_number(self):
         of = self.of([SIGMA], [LARGEST])
