@@ -19,7 +19,8 @@ namespace {
 constexpr std::array kLayerOrder = {
     // terrain and DEM
     "z_est", "z", "count", "weight_sum", "x_true", "y_true", "z_true", "x_est_mean", "y_est_mean", "t_mean",
-    "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel", "xy_sigma",
+    "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel",
+    "z_sigma_noise", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma",
     // evaluation and plan
     "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "frames", "first_seen",
     "in_region", "invalid", "hole_id", "distance_to_valid", "fail",

@@ -135,6 +135,7 @@ std::vector<Layer> all_layers(TruthAt truth_at) {
           sigma("z_sigma_abs", &BinSigmas::z_abs, "z_true_map - z_est", uncertainty_missing),
           sigma("z_sigma_rel", &BinSigmas::z_rel, "z_true_map - z_est without navigation errors",
                 uncertainty_missing),
+          sigma("z_sigma_noise", &BinSigmas::z_noise, "the range noise in z_est", uncertainty_missing),
           sigma("z_corrected_sigma_abs", &BinSigmas::z_corrected_abs, "z_true_map - z_corrected",
                 corrected_sigma_missing),
           sigma("z_corrected_sigma_rel", &BinSigmas::z_corrected_rel,

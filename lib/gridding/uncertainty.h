@@ -46,6 +46,7 @@ struct BinSigmas {
   /// footprint alike.
   double z_abs = kUnknown;
   double z_rel = kUnknown;
+  double z_noise = kUnknown;  ///< sqrt(range): what is independent of the other bins and of the ground
   /// The same for z_corrected: without quant.
   double z_corrected_abs = kUnknown;
   double z_corrected_rel = kUnknown;

@@ -14,7 +14,7 @@ SIGMAS = {"position_m": [0.1, 0.2, 0.05], "velocity_mps": [0.3, 0.1, 0.2], "rpy_
           "rpy_rate_radps": [1e-2, 5e-3, 2e-2]}
 NAVIGATION = [word for key, values in SIGMAS.items()
               for word in ("--navigation-sigma", f"{key}={','.join(map(str, values))}")]
-LAYERS = ["z_true_map", "z_sigma_abs", "z_sigma_rel", "xy_sigma"]
+LAYERS = ["z_true_map", "z_sigma_abs", "z_sigma_rel", "z_sigma_noise", "xy_sigma"]
 CORRECTED = ["z_corrected", "z_corrected_sigma_abs", "z_corrected_sigma_rel"]
 
 
@@ -125,7 +125,7 @@ class Bins:
             (self.navigation(b, np.eye(3)[0]) + self.navigation(b, np.eye(3)[1])) / 2
         quant = b["g"] @ b["g"] * k
         return {"z_corrected": b["mean"][2] - b["g"] @ b["mean"][:2], "z_sigma_abs": (local + quant + nav) ** 0.5,
-                "z_sigma_rel": (local + quant) ** 0.5, "z_corrected_sigma_abs": (local + nav) ** 0.5,
+                "z_sigma_rel": (local + quant) ** 0.5, "z_sigma_noise": (b["noise"] * b["w2"]) ** 0.5, "z_corrected_sigma_abs": (local + nav) ** 0.5,
                 "z_corrected_sigma_rel": local ** 0.5, "xy_sigma": horizontal ** 0.5}
 
 

@@ -165,7 +165,7 @@ def check_counts(ledger, status):
 
 DOUBLE = ["z_est", "weight_sum", "x_true", "y_true", "t_mean"]
 FLOATS = ["x_est_mean", "y_est_mean"]
-SIGMAS = ["z_sigma_abs", "z_sigma_rel", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma"]
+SIGMAS = ["z_sigma_abs", "z_sigma_rel", "z_sigma_noise", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma"]
 
 
 def returns(path):
@@ -205,7 +205,7 @@ def wanted_layers(case):
     options = case["options"]
     names = [*DOUBLE, *FLOATS, "z_spread", "count"] + (["z_true"] if options["truth"] else [])
     if options["uncertainty"]:
-        names += ["z_sigma_abs", "z_sigma_rel", "xy_sigma"] + (["z_true_map"] if options["truth"] else [])
+        names += ["z_sigma_abs", "z_sigma_rel", "z_sigma_noise", "xy_sigma"] + (["z_true_map"] if options["truth"] else [])
     if options["corrected"]:
         names += ["z_corrected"]
     if options["corrected"] and options["uncertainty"]:

@@ -216,5 +216,6 @@ class Uncertainty:
         shift = self.centroid[..., :2] - np.stack([bins.x, bins.y], -1)
         return {"z_corrected": self.layers["z_est"] - np.sum(self.slope * shift, -1),
                 "z_sigma_abs": np.sqrt(local + steep + nav), "z_sigma_rel": np.sqrt(local + steep),
+                "z_sigma_noise": np.sqrt(noise * w2),
                 "z_corrected_sigma_abs": np.sqrt(local + nav), "z_corrected_sigma_rel": np.sqrt(local),
                 "xy_sigma": np.sqrt(quantised + np.sum(self.n[..., :2]**2, -1) / 2 * sigma * w2 + sideways)}
