@@ -1,16 +1,27 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well p_safe of hazard-map is calibrated: the share of truly safe places in each tenth of p, pooled over sites and draws.
+"""How well p_safe of hazard-map is calibrated: the share of truly safe places in each tenth of p, over sites of several kinds of ground.
 
-  bench/bench_probability.py [--bin build/release/bin] [--folder DIR] [--sites 10] [--draws 20] [--seed 200] [--white]
+  bench/bench_probability.py --folder DIR [--bin build/release/bin] [--families rocks,..] [--cells base,..] [--sites 20] [--seed 9000]
+                             [--figure FILE.png]
 
-A site is 30 m of fractal ground with rocks, 5 cm nodes, the roughness and the rocks of which change from site to site. A
-draw is Example 2's range noise on the same rays (scan-sim --ranges-from), its DEM with a 1-sigma map (regrid --uncertainty),
-and hazard-map with slope limits of 10 deg (the default) and 30 deg, where roughness decides. --white adds independent noise
-to the true elevations instead, and gives its standard deviation as z_sigma_m.
+A site is 26 m of ground with nodes of 2.5 cm, judged within 12 m of its origin. A family is a kind of ground:
 
-Prints, for each limit, the number of places and share less mean p in each tenth, and the Brier score over that of the
-decision by the limits. Ten sites and twenty draws take 16 minutes of processor time.
+  rocks       fractal ground (H 0.7, 0.8; 0.2 .. 0.4 m at 10 m) with rocks, k = 0.05 .. 0.2
+  fractal     H 0.5 .. 0.8, 0.2 .. 0.8 m at 10 m, without rocks
+  craters     craters in equilibrium on fractal ground of 0.1 m
+  smooth      a raster of 2 m posting, interpolated bicubically
+  smoothfine  the same with fractal relief of 5 cm at 2 m
+  blocks      blocks of ice with vertical sides on a tenth of the area
+
+and a cell one setting of the chain: base (1.67 cm of range noise, bins of 5 cm, 3.1 returns per bin, a slope limit of 10 deg, the map
+moved by a random fraction of a bin), n5 (5 cm of noise), b10 (bins of 10 cm), v3 (0.3 m/s of velocity error), thin2 and thin15 (2 and 1.5
+returns per bin, 10 % dropouts), and limit30 (base with a slope limit of 30 deg).
+
+Each tenth shows the share less the mean of p, with its standard error over sites: SE^2 = S/(S-1) sum_s (Y_s - P_s - d n_s)^2 / (sum n)^2, Y_s
+the safe places, P_s the sum of p, n_s the places of site s. Tenths of fewer than 1,000 places or 8 sites are left out. The Brier scores are those
+of p, and of the decision by the limits. Results are kept in the folder, and the bench goes on where it was stopped: 20 sites of one family in
+all cells take about 6 minutes of two cores.
 """
 import argparse
 import json
@@ -22,90 +33,247 @@ import tempfile
 import h5py
 import numpy as np
 
-LIMITS_DEG = (10, 30)
-WHITE_SIGMA_M = 0.0093  # of a bin of Example 2 with 3.2 returns
-ROCKS, HURST, DEVIATION_M = (0.05, 0.08, 0.1, 0.15, 0.2), (0.8, 0.7), (0.2, 0.3, 0.4)
-# 79 x 52 images of Example 2's raster: its returns per bin.
-SCAN = ("-c", "preset:paper", "--set", "scanner.pattern.rows=79", "--set", "scanner.pattern.columns=52", "--set",
-        "scanner.pattern.half_width_m=16", "--set", "laser.scan_time_s=0.2054")
+HALF_M, NODE_M, RADIUS_M = 13.0, 0.025, 12
+PATTERN = (79, 52)  # images of Example 2's raster, for its returns per bin
+CELLS = {"base": {}, "n5": {"sigma": 0.05}, "b10": {"resolution": 0.1}, "v3": {"velocity": 0.3},
+         "thin2": {"returns": 2 / 3.2, "dropouts": 0.1}, "thin15": {"returns": 1.5 / 3.2, "dropouts": 0.1}}
+LIMITS_DEG = {"base": (10, 30)}
+FAMILIES = ("rocks", "fractal", "craters", "smooth", "smoothfine", "blocks")
 
 
-class Bench:
-    def __init__(self, options, folder):
-        self.options, self.folder = options, folder
-        self.counts = {limit: np.zeros((3, 10)) for limit in LIMITS_DEG}  # places, sum of p, truly safe
-        self.squares = {limit: np.zeros(2) for limit in LIMITS_DEG}  # of p, of the decision
+def fractal(hurst, deviation_m, length_m=10):
+    return {"type": "fractal", "hurst_exponent": hurst, "reference_length_m": length_m, "rms_deviation_m": deviation_m}
+
+
+def ground(family, seed, raster):
+    """The base and the patterns of a site."""
+    if family == "rocks":
+        return fractal((0.8, 0.7)[seed % 2], (0.2, 0.3, 0.4)[seed % 3]), \
+            [{"type": "golombek_rocks", "k": (0.05, 0.08, 0.1, 0.15, 0.2)[seed % 5], "min_diameter_m": 0.1}]
+    if family == "fractal":
+        return fractal((0.5, 0.6, 0.7, 0.8)[seed % 4], (0.2, 0.35, 0.5, 0.65, 0.8)[seed % 5]), []
+    if family == "craters":
+        return fractal(0.8, 0.1), [{"type": "craters", "model": "trask", "min_diameter_m": 1.0}]
+    if family == "blocks":
+        return fractal(0.7, 0.25), [{"type": "ice_blocks", "area_fraction": 0.1}]
+    make_raster(raster, seed)
+    dem = {"type": "dem", "path": raster}
+    return (dem if family == "smooth" else [dem, fractal(0.7, 0.05, 2)]), []
+
+
+def make_raster(path, seed):
+    """32 x 32 pixels of 2 m: a random field of a power spectrum that falls, scaled by its rms difference over 10 m."""
+    from osgeo import gdal, osr  # pylint: disable=import-outside-toplevel
+    rng, n = np.random.default_rng(seed), 32
+    frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(n), np.fft.fftfreq(n)))
+    frequency[0, 0] = 1
+    spectrum = np.fft.fft2(rng.normal(size=(n, n))) * frequency**-(1 + (0.6, 0.8, 0.9)[seed % 3])
+    spectrum[0, 0] = 0
+    z = np.fft.ifft2(spectrum).real
+    z *= (0.5, 0.8, 1.1, 1.4)[seed % 4] / np.sqrt(np.mean((z - np.roll(z, 5, 0))**2))
+    gdal.UseExceptions()
+    raster = gdal.GetDriverByName("GTiff").Create(path, n, n, 1, gdal.GDT_Float32)
+    raster.SetGeoTransform((0, 2, 0, 2 * n, 0, -2))
+    frame = osr.SpatialReference()
+    frame.SetLocalCS("site")
+    frame.SetLinearUnits("metre", 1.0)
+    raster.SetProjection(frame.ExportToWkt())
+    raster.GetRasterBand(1).WriteArray(z.astype("f4"))
+
+
+class Site:
+    """One ground, and its maps in a temporary folder."""
+
+    def __init__(self, binaries, folder, family, seed):
+        self.bin, self.folder, self.seed = binaries, folder, seed
+        base, patterns = ground(family, seed, self.path("raster.tif"))
+        config = {"grid": {"half_width_m": HALF_M + 2, "resolution_m": NODE_M}, "seed": seed, "base": base}
+        if patterns:
+            config["patterns"] = patterns
+        with open(self.path("terrain.json"), "w", encoding="utf-8") as file:
+            json.dump(config, file)
+        self.run("terrain-gen", "-c", self.path("terrain.json"), "-o", self.path("terrain.h5"))
 
     def path(self, name):
         return os.path.join(self.folder, name)
 
     def run(self, tool, *arguments):
-        command = [os.path.join(self.options.bin, tool), *map(str, arguments), "-O", "-q"]
+        command = [os.path.join(self.bin, tool), *map(str, arguments), "-O", "-q"]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             sys.exit(f"{' '.join(command)}\nexit {result.returncode}: {result.stderr}")
 
-    def make_site(self, number):
-        base = {"type": "fractal", "hurst_exponent": HURST[number % 2], "reference_length_m": 10, "rms_deviation_m": DEVIATION_M[number % 3]}
-        rocks = [{"type": "golombek_rocks", "k": ROCKS[number % 5], "min_diameter_m": 0.1}]
-        self.run("terrain-gen", "-o", self.path("terrain.h5"), "--seed", self.options.seed + number, "--set", "base=" + json.dumps(base), "--set",
-                 "patterns=" + json.dumps(rocks), "--set", 'grid={"half_width_m": 17, "resolution_m": 0.05}')
-        self.run("scan-sim", *SCAN, "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"))
-        self.regrid("scan.h5")
+    def map(self, cell):
+        """Scans and grids the ground; returns the bins' centres and where the lander believes them to be."""
+        setting, rng = CELLS[cell], np.random.default_rng(self.seed * 7 + len(cell))
+        resolution = setting.get("resolution", 0.05)
+        share = setting.get("returns", 1)**0.5
+        offset = rng.uniform(-0.5, 0.5, 2) * resolution
+        values = {"scanner.pattern.rows": round(PATTERN[0] * share), "scanner.pattern.columns": round(PATTERN[1] * share),
+                  "scanner.pattern.half_width_m": 16, "laser.scan_time_s": 0.2054 * share * share, "seed": self.seed,
+                  "navigation_error.position_m": [*offset, rng.normal() * 0.1], "noise.range_sigma_m": setting.get("sigma", 0.05 / 3),
+                  "noise.dropout_frac": setting.get("dropouts", 0)}
+        speed = setting.get("velocity", 0)
+        if speed:
+            angle = rng.uniform(0, 2 * np.pi)
+            values["navigation_error.velocity_mps"] = [speed * np.cos(angle), speed * np.sin(angle), speed * rng.normal() / 2]
+        self.run("scan-sim", "-c", "preset:paper", *(word for key, value in values.items() for word in ("--set", f"{key}={json.dumps(value)}")),
+                 "--terrain", self.path("terrain.h5"), "-o", self.path("scan.h5"))
+        sigmas = {"navigation_sigma": {"position_m": [0, 0, 0], "velocity_mps": [speed] * 3}}
+        self.run("regrid", self.path("scan.h5"), "-o", self.path("dem.h5"), "--uncertainty", "--set", f"half_width_m={HALF_M}",
+                 "--set", f"resolution_m={resolution}", "--set", "uncertainty=" + json.dumps(sigmas))
+        return resolution, not speed
 
-    def regrid(self, scan, *options):
-        self.run("regrid", self.path(scan), "--terrain", self.path("terrain.h5"), "-o", self.path("dem.h5"), "--set", "half_width_m=15.5", *options)
+    def truth(self, resolution, is_rigid):
+        """A terrain file with the ground under each bin's true place, also where no return fell."""
+        with h5py.File(self.path("dem.h5")) as file:
+            moved = [file[f"{axis}_true"][()] - file[f"{axis}_est_mean"][()] for axis in "xy"]
+        moved = [np.where(np.isnan(values) | is_rigid, np.nanmean(values), values) for values in moved]
+        with h5py.File(self.path("terrain.h5")) as file:
+            z, first = file["z"][()], file["x"][0]
+        n = round(HALF_M / resolution)
+        x, y = np.meshgrid(np.arange(-n, n + 1) * resolution, np.arange(-n, n + 1) * resolution)
+        column, row = (x + moved[0] - first) / NODE_M, (y + moved[1] - first) / NODE_M
+        i, j = np.floor(column).astype(int), np.floor(row).astype(int)
+        u, v = column - i, row - j
+        below, above = z[j, i] * (1 - u) + z[j, i + 1] * u, z[j + 1, i] * (1 - u) + z[j + 1, i + 1] * u
+        self.run("terrain-gen", "-o", self.path("truth.h5"), "--set", f'grid={{"half_width_m": {HALF_M}, "resolution_m": {resolution}}}')
+        with h5py.File(self.path("truth.h5"), "r+") as file:
+            file["z"][...] = below * (1 - v) + above * v
 
-    def draw(self, seed):
-        """Makes dem.h5; returns what hazard-map needs to know of its noise."""
-        if self.options.white:
-            with h5py.File(self.path("dem.h5"), "a") as file:
-                truth = file["z_true"][()]
-                file["z_est"][...] = truth + np.random.default_rng(seed).normal(0, WHITE_SIGMA_M, truth.shape)
-            return ["--set", f"z_sigma_m={WHITE_SIGMA_M}"]
-        self.run("scan-sim", *SCAN, "--ranges-from", self.path("scan.h5"), "--terrain", self.path("terrain.h5"), "--seed", seed, "-o", self.path("drawn.h5"))
-        self.regrid("drawn.h5", "--uncertainty")
-        return []
-
-    def judge(self, limit, options):
-        self.run("hazard-map", self.path("dem.h5"), "-o", self.path("hazards.h5"), "--set", f"limits.slope_deg={limit}", "--set", "region_radius_m=14",
-                 *options)
+    def judge(self, name, limit, *options):
+        self.run("hazard-map", self.path(name), "-o", self.path("hazards.h5"), "--no-truth", "--set", f"region_radius_m={RADIUS_M}",
+                 "--set", f"limits.slope_deg={limit}", *options)
         with h5py.File(self.path("hazards.h5")) as file:
-            p, safe, truth = (file[name][()] for name in ("p_safe", "safe", "safe_true"))
-        known = np.isfinite(p) & (truth != 2)
-        p, decided, truth = p[known].astype(float), safe[known] == 1, truth[known] == 1
-        tenth = np.minimum((10 * p).astype(int), 9)
-        self.counts[limit] += [np.bincount(tenth, weights, 10) for weights in (None, p, truth)]
-        self.squares[limit] += [np.sum((p - truth) ** 2), np.count_nonzero(decided != truth)]
+            return {layer: file[layer][()] for layer in ("safe", "p_safe") if layer in file}
 
-    def table(self):
-        print("| slope limit | |", *(f"{k / 10:.1f} |" for k in range(10)), "Brier score, ratio |")
-        print("|---" * 13 + "|")
-        for limit, (places, p, safe) in self.counts.items():
-            off = (safe - p) / np.maximum(places, 1)
-            print(f"| {limit} deg | places |", *(f"{int(n):,} |" for n in places), "|")
-            print("| | safe share less p |", *(f"{value:+.3f} |" for value in off), f"{self.squares[limit][0] / self.squares[limit][1]:.3f} |")
+    def results(self, cell):
+        """{name: layer} of a cell: p, decision and truth for each limit."""
+        resolution, is_rigid = self.map(cell)
+        self.truth(resolution, is_rigid)
+        found = {}
+        for limit in LIMITS_DEG.get(cell, (10,)):
+            judged = self.judge("dem.h5", limit, *(["--set", "hole_fill_bins=1000"] if CELLS[cell].get("dropouts") else []))
+            found.update({f"p{limit}": judged["p_safe"], f"s{limit}": judged["safe"], f"t{limit}": self.judge("truth.h5", limit)["safe"]})
+        return found
+
+
+def measure(options):
+    for seed in range(options.seed, options.seed + options.sites):
+        for family in options.families:
+            cells = [cell for cell in options.cells if not os.path.exists(kept(options, family, cell, seed))]
+            if not cells:
+                continue
+            with tempfile.TemporaryDirectory(dir=options.folder) as folder:
+                site = Site(options.bin, folder, family, seed)
+                for cell in cells:
+                    np.savez_compressed(kept(options, family, cell, seed), **site.results(cell))
+        print(f"{seed - options.seed + 1} of {options.sites} sites", file=sys.stderr)
+
+
+def kept(options, family, cell, seed):
+    return os.path.join(options.folder, f"new-{family}-{cell}-{seed}.npz")
+
+
+def pooled(options, family, cell, limit):
+    """p, truth, decision and number of the site of all places whose truth is known."""
+    parts = []
+    for number, seed in enumerate(range(options.seed, options.seed + options.sites)):
+        if not os.path.exists(kept(options, family, cell, seed)):
+            continue
+        with np.load(kept(options, family, cell, seed)) as found:
+            p, truth, decided = (found[f"{name}{limit}"] for name in "pts")
+        known = np.isfinite(p) & (truth != 2)
+        parts.append((p[known].astype(float), (truth[known] == 1).astype(float), decided[known], np.full(known.sum(), number)))
+    return [np.concatenate(column) for column in zip(*parts)] if parts else None
+
+
+def tenths(p, truth, site):
+    """[(share less mean p, its standard error)] of each tenth; None where it is too small."""
+    found = []
+    for k in range(10):
+        here = np.minimum((10 * p).astype(int), 9) == k
+        counts = np.bincount(site[here], minlength=site.max() + 1)
+        if here.sum() < 1000 or np.count_nonzero(counts) < 8:
+            found.append(None)
+            continue
+        off = np.mean(truth[here] - p[here])
+        sums = np.bincount(site[here], (truth - p)[here], len(counts))
+        used = len(counts)
+        found.append((off, np.sqrt(used / (used - 1) * np.sum((sums - off * counts)**2)) / here.sum()))
+    return found
+
+
+def rows(options):
+    for family in options.families:
+        for cell in options.cells:
+            for limit in LIMITS_DEG.get(cell, (10,)):
+                data = pooled(options, family, cell, limit)
+                if data is not None:
+                    yield family, cell if limit == 10 else f"limit{limit}", data
+
+
+def text(tenth):
+    if tenth is None:
+        return "| "
+    off, error = tenth
+    wanted = -0.08 - 2 * error <= off <= 0.1 + 2 * error
+    return f"| {off:+.2f}" + ("" if wanted else " !") + (" ?" if error > 0.03 else "")
+
+
+def table(options):
+    print("| family | cell | sites |", " | ".join(f"{k / 10:.1f}" for k in range(10)), "| Brier score | of `safe` | unknown |")
+    print("|---" * 16 + "|")
+    for family, cell, (p, truth, decided, site) in rows(options):
+        print(f"| {family} | {cell} | {len(np.unique(site))}", *map(text, tenths(p, truth, site)),
+              f"| {np.mean((p - truth)**2):.4f} | {np.mean((decided == 1) != truth):.4f} | {100 * np.mean(decided == 2):.0f} % |")
+
+
+def figure(options):
+    import matplotlib  # pylint: disable=import-outside-toplevel
+    matplotlib.use("Agg")
+    from matplotlib import pyplot  # pylint: disable=import-outside-toplevel
+    found = list(rows(options))
+    cells = list(dict.fromkeys(cell for _, cell, _ in found))
+    drawn, axes = pyplot.subplots(2, -(-len(cells) // 2), figsize=(3.1 * -(-len(cells) // 2), 6.6), sharex=True, sharey=True, squeeze=False)
+    for ax, cell in zip(axes.flat, cells):
+        ax.fill_between([0, 1], [-0.08, 0.92], [0.1, 1.1], color="0.92", label="wanted")
+        ax.plot([0, 1], [0, 1], color="0.5", lw=0.8)
+        for number, family in enumerate(options.families):
+            for _, _, (p, truth, _, site) in (row for row in found if row[:2] == (family, cell)):
+                points = [(np.mean(p[np.minimum((10 * p).astype(int), 9) == k]), *tenth) for k, tenth in enumerate(tenths(p, truth, site)) if tenth]
+                if points:
+                    mean, off, error = map(np.array, zip(*points))
+                    ax.errorbar(mean, mean + off, 2 * error, color=f"C{number}", marker="o", ms=3, lw=1, elinewidth=0.7, label=family)
+        ax.set(title=cell, xlim=(0, 1), ylim=(0, 1), aspect="equal")
+    for ax in axes.flat[len(cells):]:
+        ax.set_axis_off()
+    for ax in axes[-1]:
+        ax.set_xlabel("mean p_safe")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("share truly safe")
+    handles = {label: handle for ax in axes.flat for handle, label in zip(*ax.get_legend_handles_labels())}
+    drawn.legend(handles.values(), handles.keys(), loc="lower right", fontsize=8)
+    drawn.tight_layout()
+    drawn.savefig(options.figure, dpi=110, metadata={"Software": None})
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", default="build/release/bin", help="folder of the tools")
-    parser.add_argument("--folder", help="where the files are made; default: a temporary folder")
-    parser.add_argument("--sites", type=int, default=10)
-    parser.add_argument("--draws", type=int, default=20, help="draws of noise on each site")
-    parser.add_argument("--seed", type=int, default=200, help="seed of the first site")
-    parser.add_argument("--white", action="store_true", help="independent noise on the true elevations, and z_sigma_m")
+    parser.add_argument("--folder", required=True, help="where the results are kept")
+    parser.add_argument("--families", type=lambda names: names.split(","), default=list(FAMILIES))
+    parser.add_argument("--cells", type=lambda names: names.split(","), default=list(CELLS))
+    parser.add_argument("--sites", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=9000, help="seed of the first site")
+    parser.add_argument("--figure", help="reliability diagrams")
+    parser.add_argument("--table-only", action="store_true", help="of what is there")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory(dir=options.folder) as folder:
-        bench = Bench(options, folder)
-        for site in range(options.sites):
-            bench.make_site(site)
-            for draw in range(options.draws):
-                known = bench.draw(1000 * site + draw + 1)
-                for limit in LIMITS_DEG:
-                    bench.judge(limit, known)
-            print(f"{site + 1} of {options.sites} sites", file=sys.stderr)
-        bench.table()
+    if not options.table_only:
+        measure(options)
+    table(options)
+    if options.figure:
+        figure(options)
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ DrawHazards DrawRunner::judge_hazards(const DemLayers& dem, const HazardParamete
       z_true.at(at.bin) = scene_.terrain.elevation(at.x_m, at.y_m);
     return BinMask(z_true.spec());
   };
-  HazardInput input = fill_map(dem.z_est, dem.truth->z, std::nullopt, parameters, complete);
+  HazardInput input = fill_map({dem.z_est, dem.truth->z}, parameters, complete);
   const auto run = [](const std::string& /*name*/, const auto& part) { part({}); };
   const HazardMap map = map_hazards(input, parameters, run);
   if (maps != nullptr) maps->safety->add(map.truth->outcome);

@@ -38,7 +38,7 @@ void warn_of_missing_sigma(Session& session, const std::string& map, const Hazar
   session.warn(map + ": z_sigma_rel: " +
                (input.z_sigma
                     ? "bins with an elevation and without a 1-sigma: " + grouped(input.bins_without_sigma) +
-                          "; places that need one have no p_safe"
+                          "; p_safe does not use their elevations"
                     : "no bin with an elevation has a 1-sigma; there is no p_safe") +
                " (z_sigma_m gives such bins one)");
 }
@@ -49,7 +49,8 @@ HazardInput complete_hazard_input(Session& session, const HazardInputFiles& file
                                   const HazardParameters& parameters, Provenance& provenance) {
   if (!files.terrain.empty() && !source.z_true)
     session.warn("--terrain is ignored: " + files.map + " has no true elevations (z_true)");
-  HazardInput input = fill_map(std::move(source.z), std::move(source.z_true), std::move(source.z_sigma),
+  HazardInput input = fill_map({std::move(source.z), std::move(source.z_true), std::move(source.z_sigma),
+                                std::move(source.z_sigma_noise)},
                                parameters, [&](Grid<double>& z_true, const std::vector<FillableBin>& holes) {
                                  if (files.terrain.empty()) return fill_truth(z_true, holes);
                                  fill_from_terrain(session, files, source, holes, z_true, provenance);

@@ -28,13 +28,14 @@ std::string site_lines(const HazardMap& map) {
       std::string(map.truth ? "  truth\n" : "\n");
   int rank = 0;
   for (const LandingSite& site : map.sites) {
-    text += print("%4d %8.2f %8.2f %8.4f %12.4f %11.2f %13.3f", ++rank, site.x_m, site.y_m,
-                  static_cast<double>(site.cost), static_cast<double>(site.p_touchdown), site.slope_deg,
-                  site.roughness_m);
+    const std::string p = map.p_safe ? print("%.4f", static_cast<double>(site.p_touchdown)) : "-";
+    text += print("%4d %8.2f %8.2f %8.4f %12s %11.2f %13.3f", ++rank, site.x_m, site.y_m,
+                  static_cast<double>(site.cost), p.c_str(), site.slope_deg, site.roughness_m);
     text += site.distance_to_hazard_m ? print(" %13.2f", static_cast<double>(*site.distance_to_hazard_m))
                                       : print(" %13s", "-");
     text += map.truth ? print("  %s\n", truth_text(site.truth)) : "\n";
   }
+  if (!map.p_safe) text += std::string(kNoProbability) + "\n";
   return text;
 }
 
@@ -73,8 +74,9 @@ std::string hazard_summary(const HazardMap& map) {
                            percent_text(share(counts.unknown, counts.all())) + " unknown; ";
   if (map.sites.empty()) return text + "no safe place within the divert radius";
   const LandingSite& best = map.sites.front();
-  return text + "best site (" + short_number(best.x_m) + ", " + short_number(best.y_m) + ") m, p_touchdown " +
-         print("%.4f", static_cast<double>(best.p_touchdown));
+  return text + "best site (" + short_number(best.x_m) + ", " + short_number(best.y_m) + ") m, " +
+         (map.p_safe ? "p_touchdown " + print("%.4f", static_cast<double>(best.p_touchdown))
+                     : kNoProbability);
 }
 
 }  // namespace landfall::cli

@@ -131,6 +131,9 @@ ExitCode report_hazards(Session& session, const std::string& name, const HazardM
     session.warn(name +
                  ": no place is compared with the truth, because each is unknown in the map or on the "
                  "true ground");
+  if (min_p && !map.p_safe && !map.sites.empty())
+    session.warn(name + ": --require-safe: " + kNoProbability +
+                 "; p_touchdown counts safe places as certain");
   const auto is_enough = [&](const LandingSite& site) { return site.p_touchdown >= *min_p; };
   const bool refused = min_p && std::ranges::none_of(map.sites, is_enough);
   session.conclude(name + ": " +

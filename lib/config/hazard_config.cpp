@@ -41,6 +41,7 @@ HazardParameters hazard_config(const nlohmann::json& resolved) {
   if (!resolved.at("z_sigma_m").is_null()) parameters.z_sigma_m = resolved.at("z_sigma_m").get<double>();
   parameters.touchdown_sigma_m = resolved.at("touchdown_sigma_m");
   parameters.sites = sites_of(resolved.at("sites"));
+  parameters.seed = resolved.at("seed");
   return parameters;
 }
 

@@ -117,15 +117,15 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
   if (kind == "terrain" && !has_grid(file))
     file.fail("is a mesh terrain; hazard-map judges a DEM or a gridded terrain");
   const GridLayerReader layers(file);
-  HazardSource source{kind,
-                      layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite),
-                      std::nullopt,
-                      std::nullopt,
-                      layers.crs_wkt(),
-                      file.file_id(),
-                      file.chain()};
+  HazardSource source{
+      kind,           layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite),
+      std::nullopt,   std::nullopt,
+      std::nullopt,   layers.crs_wkt(),
+      file.file_id(), file.chain()};
   if (kind == "dem" && layers.has("z_sigma_rel"))
     source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
+  if (source.z_sigma && layers.has("z_sigma_noise"))
+    source.z_sigma_noise = layers.read_checked<double>("z_sigma_noise", LayerValues::not_negative);
   if (with_truth && kind == "dem" && layers.has("z_true"))
     source.z_true = layers.read_checked<double>("z_true", LayerValues::finite);
   return source;
@@ -143,7 +143,10 @@ void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::st
   write_measures(layers, map.measures, "", "");
   layers.write("safe", map.safe,
                {"1", "whether a lander can stand here within its limits", kSafetyValues, kSafetyMeanings});
-  if (map.p_safe) layers.write("p_safe", *map.p_safe, {"1", "probability that the place is safe"});
+  if (map.p_safe)
+    layers.write(
+        "p_safe", *map.p_safe,
+        {.units = "1", .long_name = "probability that the place is safe", .comment = map.p_safe_origin});
   layers.write("p_touchdown", map.p_touchdown, {"1", "probability that a touchdown aimed here is safe"});
   layers.write("cost", map.cost, {"1", "cost of landing here"});
   layers.write("distance_to_hazard", map.distance_to_hazard,
@@ -185,7 +188,10 @@ Json sites_json(const HazardMap& map) {
     ranked.update(site_json(site));
     sites.push_back(std::move(ranked));
   }
-  return {{"format", "landfall.sites"}, {"version", 1}, {"sites", std::move(sites)}};
+  return {{"format", "landfall.sites"},
+          {"version", 1},
+          {"probability", map.p_safe.has_value()},
+          {"sites", std::move(sites)}};
 }
 
 Json score_json(const HazardScore& score) {

@@ -15,8 +15,9 @@ namespace landfall {
 struct HazardSource {
   std::string kind;  ///< "dem" or "terrain"
   Grid<double> z;
-  std::optional<Grid<double>> z_true;   ///< of a DEM that has it
-  std::optional<Grid<double>> z_sigma;  ///< z_sigma_rel of a DEM that has it
+  std::optional<Grid<double>> z_true;         ///< of a DEM that has it
+  std::optional<Grid<double>> z_sigma;        ///< z_sigma_rel of a DEM that has it
+  std::optional<Grid<double>> z_sigma_noise;  ///< of a DEM that has both
   std::string crs_wkt;
   std::string file_id;
   nlohmann::json chain;

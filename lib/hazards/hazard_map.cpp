@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -130,44 +131,66 @@ class Judge {
                     "scan more, or fill larger holes (hole_fill_bins)");
 }
 
-/// 1 at safe places, 0 at others, unknown ones included.
-Grid<float> certainty(const Grid<std::int8_t>& safe) {
-  auto p = Grid<float>::unset(safe.spec());
-  std::ranges::transform(safe.values(), p.values().begin(), [](std::int8_t value) {
-    return value == static_cast<std::int8_t>(Safety::safe) ? 1.0F : 0.0F;
-  });
+/// What a touchdown counts of each place: its p_safe, without it 1 if it is safe; 0 of unknown places.
+Grid<float> counted_probability(const HazardMap& map) {
+  auto p = Grid<float>::unset(map.safe.spec());
+  for (std::size_t i = 0; i < p.spec().size(); ++i) {
+    const auto safety = static_cast<Safety>(map.safe.values()[i]);
+    p.values()[i] = safety == Safety::unknown ? 0.0F
+                    : map.p_safe              ? map.p_safe->values()[i]
+                    : safety == Safety::safe  ? 1.0F
+                                              : 0.0F;
+  }
   return p;
 }
 
-/// Gives bins of filled holes the sigma of their surroundings, and others without one z_sigma_m, if given.
-void complete_sigma(HazardInput& input, const std::vector<FillableBin>& holes,
+/// Leaves a sigma to measured bins only, and gives those without one z_sigma_m, if given.
+void complete_sigma(HazardInput& input, const Grid<std::int8_t>& is_measured,
                     std::optional<double> z_sigma_m) {
-  fill_holes(*input.z_sigma, holes);
   std::int64_t known = 0;
   for (std::size_t i = 0; i < input.z.spec().size(); ++i) {
-    if (std::isnan(input.z.values()[i])) continue;
     double& sigma = input.z_sigma->values()[i];
-    if (std::isnan(sigma) && z_sigma_m) sigma = *z_sigma_m;
+    if (is_measured.values()[i] == 0) {
+      sigma = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    if (std::isnan(sigma) && z_sigma_m) {
+      sigma = *z_sigma_m;
+      if (input.z_sigma_noise) input.z_sigma_noise->values()[i] = *z_sigma_m;
+    }
     ++(std::isnan(sigma) ? input.bins_without_sigma : known);
   }
   if (known == 0) input.z_sigma.reset();
 }
 
-/// safe_probability() of the map; NaN at places that need a bin without a sigma. Takes z_sigma out of the
-/// input.
-Grid<float> probability_of(HazardInput& input, const PlaceMeasures& measures, const BinMask& region,
-                           const Judge& judge, const HazardLimits& limits) {
+BinMask measured_bins(const Grid<double>& z) {
+  BinMask measured(z.spec());
+  std::ranges::transform(z.values(), measured.values().begin(),
+                         [](double value) { return static_cast<std::int8_t>(std::isnan(value) ? 0 : 1); });
+  return measured;
+}
+
+/// Takes the sigmas out of the input.
+SigmaParts take_sigma(HazardInput& input, const LanderStencil& lander) {
+  const Grid<double> sigma = std::move(*std::exchange(input.z_sigma, std::nullopt));
+  if (!input.z_sigma_noise) return split_sigma(sigma, Footprint::square(lander.body.half_bins()));
+  return split_sigma(sigma, *std::exchange(input.z_sigma_noise, std::nullopt));
+}
+
+void add_probability(HazardMap& map, HazardInput& input, const HazardParameters& parameters,
+                     const Judge& judge) {
+  const bool knows_noise = input.z_sigma_noise.has_value();
   const auto measure = [&](const Grid<double>& z, const BinMask& places) { return judge.measure(z, places); };
-  Grid<double> sigma = std::move(*std::exchange(input.z_sigma, std::nullopt));
-  const auto probability = [&](const Grid<double>& z, const PlaceMeasures& measured) {
-    return safe_probability(z, std::move(sigma), judge.lander(), limits, judge.slope_base_m(), measured,
-                            measure);
-  };
-  if (input.bins_without_sigma == 0) return probability(input.z, measures);
-  Grid<double> known = input.z;
-  for (std::size_t i = 0; i < known.spec().size(); ++i)
-    if (std::isnan(sigma.values()[i])) known.values()[i] = sigma.values()[i];
-  return probability(known, measure(known, region));
+  map.p_safe = safe_probability(
+      {input.z, take_sigma(input, judge.lander()), map.measures, map.region, parameters.seed}, judge.lander(),
+      parameters.limits, judge.slope_base_m(), measure);
+  const double reach_m =
+      static_cast<double>(safe_probability_reach(judge.lander())) * input.z.spec().resolution_m;
+  map.p_safe_origin =
+      "share of " + std::to_string(kSafeGrounds) + " grounds drawn from the map and its 1 sigma (" +
+      (knows_noise ? "noise and relief apart" : "noise taken from its least values about a place") +
+      "), seed " + std::to_string(parameters.seed) + "; a place depends on the bins within " +
+      short_number(reach_m) + " m";
 }
 
 std::vector<LandingSite> describe(const std::vector<BinIndex>& bins, const HazardMap& map,
@@ -223,16 +246,16 @@ BinMask fill_truth(Grid<double>& z_true, const std::vector<FillableBin>& holes) 
   return filled;
 }
 
-HazardInput fill_map(Grid<double> z, std::optional<Grid<double>> z_true, std::optional<Grid<double>> z_sigma,
-                     const HazardParameters& parameters, const TruthFill& fill) {
-  const std::vector<FillableBin> holes = small_holes(z, parameters.hole_fill_bins);
-  BinMask filled_truth = z_true ? fill(*z_true, holes) : BinMask(z.spec());
-  fill_holes(z, holes);
-  HazardInput input{std::move(z), std::move(z_true), std::move(filled_truth), std::move(z_sigma)};
-  if (input.z_sigma)
-    complete_sigma(input, holes, parameters.z_sigma_m);
-  else if (parameters.z_sigma_m)
-    input.z_sigma = Grid<double>(input.z.spec(), *parameters.z_sigma_m);
+HazardInput fill_map(MapLayers layers, const HazardParameters& parameters, const TruthFill& fill) {
+  const std::vector<FillableBin> holes = small_holes(layers.z, parameters.hole_fill_bins);
+  BinMask filled_truth = layers.z_true ? fill(*layers.z_true, holes) : BinMask(layers.z.spec());
+  if (!layers.z_sigma && parameters.z_sigma_m)
+    layers.z_sigma = Grid<double>(layers.z.spec(), *parameters.z_sigma_m);
+  const BinMask measured = layers.z_sigma ? measured_bins(layers.z) : BinMask();
+  fill_holes(layers.z, holes);
+  HazardInput input{std::move(layers.z), std::move(layers.z_true), std::move(filled_truth),
+                    std::move(layers.z_sigma), std::move(layers.z_sigma_noise)};
+  if (input.z_sigma) complete_sigma(input, measured, parameters.z_sigma_m);
   return input;
 }
 
@@ -259,9 +282,7 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
   const PlaceCounts counts = count_places(map.safe, map.region);
   if (counts.unknown == counts.all()) refuse_unknown(input.z, map.region, parameters);
   if (input.z_sigma)
-    phase("probability", [&](const ProgressCallback&) {
-      map.p_safe = probability_of(input, map.measures, map.region, judge, parameters.limits);
-    });
+    phase("probability", [&](const ProgressCallback&) { add_probability(map, input, parameters, judge); });
   if (input.z_true)
     phase("judge the truth", [&](const ProgressCallback& progress) {
       HazardMap::Truth& truth = map.truth.emplace();
@@ -274,8 +295,8 @@ HazardMap map_hazards(HazardInput& input, const HazardParameters& parameters, co
         truth.score.filled_truth_bins += map.region.values()[i] & input.filled_truth.values()[i];
     });
   phase("sites", [&](const ProgressCallback&) {
-    map.p_touchdown = touchdown_probability(map.p_safe ? *map.p_safe : certainty(map.safe),
-                                            parameters.touchdown_sigma_m, map.region);
+    map.p_touchdown =
+        touchdown_probability(counted_probability(map), parameters.touchdown_sigma_m, map.region);
     map.cost = landing_cost(map.p_touchdown, parameters.sites);
     map.distance_to_hazard = distance_to_hazard(map.safe, map.region);
     map.sites = describe(choose_sites(map.cost, map.safe, parameters.sites), map, input.z);

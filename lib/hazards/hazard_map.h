@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/progress.h"
@@ -26,6 +27,7 @@ struct HazardParameters {
   std::optional<double> z_sigma_m;   ///< of maps without a sigma of their own
   double touchdown_sigma_m = 1;      ///< >= 0
   SiteParameters sites;
+  std::uint64_t seed = 1;  ///< of the grounds that p_safe is computed from
 };
 
 /// A map with its small holes filled, and the true ground of its bins.
@@ -33,8 +35,11 @@ struct HazardInput {
   Grid<double> z;
   std::optional<Grid<double>> z_true;
   BinMask filled_truth;  ///< bins whose truth is a mean of their surroundings; only with z_true
-  std::optional<Grid<double>> z_sigma;  ///< 1 sigma of each bin of z; with it the map has p_safe
-  /// Bins with an elevation and without a sigma: places that need one of them have no p_safe.
+  /// 1 sigma of each measured bin, NaN elsewhere, also in filled holes; with it the map has p_safe.
+  std::optional<Grid<double>> z_sigma;
+  /// Its part that is noise, independent of other bins.
+  std::optional<Grid<double>> z_sigma_noise = std::nullopt;
+  /// Bins with a measured elevation and without a sigma: p_safe does not use their elevations.
   std::int64_t bins_without_sigma = 0;
 };
 
@@ -59,10 +64,17 @@ struct TruthPosition {
 /// surroundings.
 using TruthFill = std::function<BinMask(Grid<double>& z_true, const std::vector<FillableBin>& holes)>;
 
-/// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m for the bins that have
-/// no 1 sigma of their own. Without a sigma for any bin, the input has no z_sigma.
-[[nodiscard]] HazardInput fill_map(Grid<double> z, std::optional<Grid<double>> z_true,
-                                   std::optional<Grid<double>> z_sigma, const HazardParameters& parameters,
+/// The layers of a map; elevations may have holes.
+struct MapLayers {
+  Grid<double> z;
+  std::optional<Grid<double>> z_true = std::nullopt;
+  std::optional<Grid<double>> z_sigma = std::nullopt;
+  std::optional<Grid<double>> z_sigma_noise = std::nullopt;  ///< only with z_sigma
+};
+
+/// The map with its small holes filled, its truth completed by `fill`, and z_sigma_m for the measured bins
+/// that have no 1 sigma of their own. Without a sigma for any bin, the input has no z_sigma.
+[[nodiscard]] HazardInput fill_map(MapLayers layers, const HazardParameters& parameters,
                                    const TruthFill& fill);
 
 /// A place to land; SiteParameters tells how it is chosen.
@@ -77,11 +89,15 @@ struct LandingSite {
   Safety truth = Safety::unknown;
 };
 
+/// What is said in place of a probability where HazardMap::p_safe is not given.
+inline constexpr const char* kNoProbability = "no probability: the map has no 1-sigma layer";
+
 struct HazardMap {
   BinMask region;
   PlaceMeasures measures;
   Grid<std::int8_t> safe;
   std::optional<Grid<float>> p_safe;  ///< safe_probability(); none without z_sigma
+  std::string p_safe_origin;          ///< how it was made, in words
   Grid<float> p_touchdown;
   Grid<float> cost;
   Grid<float> distance_to_hazard;
@@ -103,8 +119,8 @@ struct PlaceCounts {
 };
 [[nodiscard]] PlaceCounts count_places(const Grid<std::int8_t>& safe, const BinMask& region);
 
-/// Judges every place of the map within region_radius_m of the origin (clipped_circle()). Takes z_sigma out
-/// of the input, since its memory is needed.
+/// Judges every place of the map within region_radius_m of the origin (clipped_circle()). Takes the sigmas
+/// out of the input, since their memory is needed.
 ///
 /// Throws UsageError "lander/KEY: ..." or "limits/roughness_m: ..." for what the map cannot hold or resolve,
 /// FormatError that says why if every place is unknown.

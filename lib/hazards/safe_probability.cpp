@@ -5,145 +5,37 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
-#include <vector>
 
-#include "base/parallel.h"
-#include "base/random.h"
-#include "hazards/denoise.h"
-#include "raster/window_mean.h"
+#include "hazards/by_rows.h"
+#include "hazards/ground_posterior.h"
+#include "hazards/reach.h"
+#include "raster/window_extremes.h"
 
 namespace landfall {
 namespace {
 
-constexpr std::size_t kRedrawnRows = 16;
 constexpr double kCertain = 8;  // sigma
-constexpr std::size_t kReplicates = 3;
-constexpr std::int64_t kSampledRows = 8;
-/// Of the variance of relief, the part by which the ground at the centre of a bin differs from its mean. The
-/// rest is that of the mean of a few returns, which denoise() averages, and a margin of regrid at smooth
-/// bends.
-constexpr double kGroundShare = 1.0 / 3;
-constexpr std::uint64_t kSeed = 1;
+constexpr float kDoubt = 5e-4F;
+/// Of a variance over the grounds, pooled over 3 x 3 places whose grounds are not independent.
+constexpr double kFreedomOfGrounds = 2.5 * (kSafeGrounds - 1);
+/// After so many grounds a place is clear where both t, of 5 degrees of freedom, are beyond kClear: one more
+/// ground would be on the other side of a limit with a probability of 0.00025.
+constexpr std::uint64_t kFirstGrounds = 3;
+constexpr double kClear = 8;
+constexpr double kLeastPooled = 1e-12;
 
-template <class Work>
-void by_rows(std::int64_t rows, const Work& work) {
-  parallel_for(static_cast<std::size_t>(rows), kRedrawnRows, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) work(static_cast<std::int64_t>(row));
-  });
-}
-
-/// The map with noise of its bins' sigma.
-Grid<double> redrawn(const Grid<double>& z, const Grid<double>& sigma, std::size_t replicate) {
-  const GridSpec& spec = z.spec();
-  const RandomField noise(kSeed, RandomStream::map_noise);
-  Grid<double> result = z;
-  by_rows(spec.rows, [&](std::int64_t row) {
-    std::vector<double> draws(static_cast<std::size_t>(spec.cols));
-    noise.normals(replicate, static_cast<std::uint64_t>(row * spec.cols), draws);
-    for (std::size_t c = 0; c < draws.size(); ++c) result.row(row)[c] += sigma.row(row)[c] * draws[c];
-  });
-  return result;
-}
-
-/// Each value becomes the mean over the places in the window about it that have one (not NaN); where there is
-/// none, the mean over all.
-void average(Grid<float>& map, const Footprint& window) {
-  Grid<double> values(map.spec());
-  double sum = 0;
-  std::int64_t count = 0;
-  for (std::size_t i = 0; i < map.spec().size(); ++i) {
-    const double value = map.values()[i];
-    values.values()[i] = value;
-    if (std::isnan(value)) continue;
-    sum += value;
-    ++count;
+/// The largest sigma of the bins about a place; infinite where one was not measured.
+Grid<double> largest_sigma(const SigmaParts& sigma, std::int64_t half_bins) {
+  const GridSpec& spec = sigma.noise_m.spec();
+  auto total = Grid<double>::unset(spec);
+  for (std::size_t i = 0; i < spec.size(); ++i) {
+    const double value = std::hypot(static_cast<double>(sigma.noise_m.values()[i]),
+                                    static_cast<double>(sigma.relief_m.values()[i]));
+    total.values()[i] = std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
   }
-  const double all = count > 0 ? sum / static_cast<double>(count) : 0;
-  values = window_means(values, window).mean;
-  for (std::size_t i = 0; i < map.spec().size(); ++i) {
-    const double value = values.values()[i];
-    map.values()[i] = static_cast<float>(std::isnan(value) ? all : value);
-  }
-}
-
-/// The mean error of a measure in the replicates.
-class ErrorMean {
- public:
-  explicit ErrorMean(const GridSpec& spec) : mean_(spec) {}
-
-  /// Call kReplicates times, then over().
-  void add(const Grid<float>& truth, const Grid<double>& measured) {
-    for (std::size_t i = 0; i < truth.spec().size(); ++i) {
-      const double error = measured.values()[i] - static_cast<double>(truth.values()[i]);
-      mean_.values()[i] += static_cast<float>(error / kReplicates);
-    }
-  }
-  [[nodiscard]] Grid<float> over(const Footprint& window) && {
-    average(mean_, window);
-    return std::move(mean_);
-  }
-
- private:
-  Grid<float> mean_;
-};
-
-/// The variance of the errors of a measure in the replicates.
-class ErrorVariance {
- public:
-  explicit ErrorVariance(const GridSpec& spec) : mean_(spec), mean_square_(spec) {}
-
-  /// As ErrorMean.
-  void add(const Grid<float>& truth, const Grid<double>& measured) {
-    mean_.add(truth, measured);
-    for (std::size_t i = 0; i < truth.spec().size(); ++i) {
-      const double error = measured.values()[i] - static_cast<double>(truth.values()[i]);
-      mean_square_.values()[i] += static_cast<float>(error * error / kReplicates);
-    }
-  }
-  [[nodiscard]] Grid<float> over(const Footprint& window) && {
-    const Grid<float> mean = std::move(mean_).over(window);
-    average(mean_square_, window);
-    for (std::size_t i = 0; i < mean.spec().size(); ++i) {
-      const double square = static_cast<double>(mean.values()[i]) * static_cast<double>(mean.values()[i]);
-      float& value = mean_square_.values()[i];
-      value = static_cast<float>(static_cast<double>(value) - square);
-    }
-    return std::move(mean_square_);
-  }
-
- private:
-  ErrorMean mean_;
-  Grid<float> mean_square_;
-};
-
-/// Phi(room / std).
-double probability(double room, double variance) {
-  if (!(variance > 0)) return room >= 0 ? 1 : 0;
-  return 0.5 * std::erfc(-room / std::sqrt(2 * variance));
-}
-
-/// The mean variance of the bins in the window about each.
-Grid<double> mean_variance(const Grid<double>& sigma, const Footprint& window) {
-  Grid<double> variance = sigma;
-  for (double& value : variance.values()) value *= value;
-  return window_means(variance, window).mean;
-}
-
-/// Places of every kSampledRows-th row that are near an open place: what is averaged over a window need not
-/// be measured everywhere. A small window holds all.
-BinMask sampled(const BinMask& open, const Footprint& window) {
-  if (window.half_bins() < kSampledRows / 2) return open;
-  const GridSpec& spec = open.spec();
-  BinMask places(spec);
-  by_rows(spec.rows, [&](std::int64_t row) {
-    if (row % kSampledRows != 0) return;
-    const std::int64_t first = std::max<std::int64_t>(row - kSampledRows / 2, 0);
-    const std::int64_t last = std::min(row + kSampledRows / 2, spec.rows - 1);
-    for (std::int64_t near = first; near <= last; ++near)
-      for (std::int64_t col = 0; col < spec.cols; ++col) places.at({row, col}) |= open.at({near, col});
-  });
-  return places;
+  return window_max(total, half_bins);
 }
 
 /// P where it is certain, and the places where it is not.
@@ -152,24 +44,22 @@ struct Sorted {
   BinMask open;
 };
 
-Sorted sort_places(const PlaceMeasures& measured, const Grid<double>& z_sigma, const Footprint& window,
-                   const HazardLimits& limits, double slope_base_m) {
+Sorted sort_places(const MapEvidence& map, const HazardLimits& limits, double slope_base_m,
+                   std::int64_t half_bins) {
   constexpr double kDegrees = 180 / std::numbers::pi;
-  const GridSpec& spec = z_sigma.spec();
-  const Grid<double> variance = mean_variance(z_sigma, window);
+  const GridSpec& spec = map.z.spec();
+  const Grid<double> sigma = largest_sigma(map.sigma, half_bins);
   Sorted sorted{Grid<float>(spec, std::numeric_limits<float>::quiet_NaN()), BinMask(spec)};
-  by_rows(spec.rows, [&](std::int64_t row) {
+  by_rows(spec, [&](std::int64_t row) {
     for (std::int64_t col = 0; col < spec.cols; ++col) {
       const BinIndex place{row, col};
-      const double roughness_m = measured.roughness_m.at(place);
-      if (std::isnan(roughness_m)) continue;
-      const double sigma = kCertain * std::sqrt(variance.at(place));
-      const double rough = (roughness_m - limits.roughness_m) / sigma;
-      const double steep =
-          (measured.slope_deg.at(place) - limits.slope_deg) / (sigma / slope_base_m * kDegrees);
-      if (rough > 1 || steep > 1)
+      if (map.region.at(place) == 0) continue;
+      const double doubt = kCertain * sigma.at(place);
+      const double rough = map.measured.roughness_m.at(place) - limits.roughness_m;
+      const double steep = (map.measured.slope_deg.at(place) - limits.slope_deg) / kDegrees * slope_base_m;
+      if (rough > doubt || steep > doubt)
         sorted.p.at(place) = 0;
-      else if (rough < -1 && steep < -1)
+      else if (rough < -doubt && steep < -doubt)
         sorted.p.at(place) = 1;
       else
         sorted.open.at(place) = 1;
@@ -178,85 +68,109 @@ Sorted sort_places(const PlaceMeasures& measured, const Grid<double>& z_sigma, c
   return sorted;
 }
 
-/// 2 z - denoise(z): what is smoothed away is given back (twicing, J. W. Tukey, Exploratory Data Analysis,
-/// 1977).
-Grid<double> restored(const Grid<double>& z, const Grid<double>& noise_m) {
-  Grid<double> result = denoise(z, noise_m);
-  for (std::size_t i = 0; i < z.spec().size(); ++i) {
-    double& value = result.values()[i];
-    value = 2 * z.values()[i] - value;
-  }
-  return result;
-}
+/// Mean and sum of squared departures of a measure over the grounds, one ground after the other (Welford).
+class Moments {
+ public:
+  explicit Moments(const GridSpec& spec) : mean_(spec), squares_(spec) {}
 
-/// A ground whose means over bins `means` may be: sharpened, and with relief that the map does not show.
-Grid<double> relief_ground(const Grid<double>& means, const Grid<double>& noise_m, Grid<double> relief_m) {
-  const Grid<double> sharp = sharpen(means, relief_m);
-  for (std::size_t i = 0; i < relief_m.spec().size(); ++i) {
-    double& relief = relief_m.values()[i];
-    relief = std::sqrt(kGroundShare * beyond_noise(relief * relief, noise_m.values()[i]));
+  /// The places' values on the ground of this number, from 1 on.
+  void add(const Grid<double>& values, const BinMask& places, double number) {
+    by_rows(mean_.spec(), [&](std::int64_t row) {
+      for (std::size_t c = 0; c < values.row(row).size(); ++c) {
+        if (places.row(row)[c] == 0) continue;
+        float& mean = mean_.row(row)[c];
+        const double before = values.row(row)[c] - static_cast<double>(mean);
+        mean += static_cast<float>(before / number);
+        squares_.row(row)[c] += static_cast<float>(before * (values.row(row)[c] - static_cast<double>(mean)));
+      }
+    });
   }
-  return redrawn(sharp, relief_m, kReplicates);
-}
+  /// Student's t of the distance of one more ground to the limit. `grounds` is how many each place was judged
+  /// on, 0 for none. NaN where a value was.
+  [[nodiscard]] double room(double limit, BinIndex place, const Grid<std::int8_t>& grounds) const {
+    const double distance = limit - static_cast<double>(mean_.at(place));
+    return distance / std::sqrt(pooled_variance(place, grounds) * (1 + 1.0 / grounds.at(place)));
+  }
 
-/// PlaceMeasures in half of the memory.
-struct FloatMeasures {
-  Grid<float> slope_deg, roughness_m;
+ private:
+  [[nodiscard]] double pooled_variance(BinIndex place, const Grid<std::int8_t>& grounds) const {
+    const GridSpec& spec = squares_.spec();
+    double sum = 0;
+    int freedom = 0;
+    for (std::int64_t row = std::max<std::int64_t>(place.row - 1, 0);
+         row <= std::min(place.row + 1, spec.rows - 1); ++row)
+      for (std::int64_t col = std::max<std::int64_t>(place.col - 1, 0);
+           col <= std::min(place.col + 1, spec.cols - 1); ++col) {
+        const auto square = static_cast<double>(squares_.at({row, col}));
+        const int count = grounds.at({row, col});
+        if (count < 2 || std::isnan(square)) continue;
+        sum += square;
+        freedom += count - 1;
+      }
+    return std::max(sum / std::max(freedom, 1), kLeastPooled);
+  }
+
+  Grid<float> mean_, squares_;
 };
 
-FloatMeasures narrowed(const PlaceMeasures& found) {
-  const GridSpec& spec = found.slope_deg.spec();
-  FloatMeasures result{Grid<float>::unset(spec), Grid<float>::unset(spec)};
-  const auto narrow = [](double value) { return static_cast<float>(value); };
-  std::ranges::transform(found.slope_deg.values(), result.slope_deg.values().begin(), narrow);
-  std::ranges::transform(found.roughness_m.values(), result.roughness_m.values().begin(), narrow);
-  return result;
+/// Student's distribution, within 0.0005 (Abramowitz and Stegun, 26.7.8).
+double student(double t, double freedom) {
+  const double z = t * (1 - 1 / (4 * freedom)) / std::sqrt(1 + t * t / (2 * freedom));
+  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
-/// The errors in replicates of a map whose bins hold `means`.
-template <class Error>
-FloatMeasures replicate_errors(const Grid<double>& means, const Grid<double>& noise_m, Grid<double> relief_m,
-                               const BinMask& places, const Footprint& window, const MeasurePlaces& measure) {
-  Error slope(means.spec());
-  Error roughness(means.spec());
-  const FloatMeasures truth = narrowed(measure(relief_ground(means, noise_m, std::move(relief_m)), places));
-  for (std::size_t k = 0; k < kReplicates; ++k) {
-    const Grid<double> replicate = denoise(redrawn(means, noise_m, k), noise_m);
-    const PlaceMeasures again = measure(replicate, places);
-    slope.add(truth.slope_deg, again.slope_deg);
-    roughness.add(truth.roughness_m, again.roughness_m);
-  }
-  return {std::move(slope).over(window), std::move(roughness).over(window)};
+std::int64_t lander_half_bins(const LanderStencil& lander) {
+  return std::max(Reach::of_contact(lander).bins(), lander.body.half_bins());
 }
 
 }  // namespace
 
-Grid<float> safe_probability(const Grid<double>& z, Grid<double> z_sigma, const LanderStencil& lander,
-                             const HazardLimits& limits, double slope_base_m, const PlaceMeasures& measured,
-                             const MeasurePlaces& measure) {
-  const Footprint square = Footprint::square(lander.body.half_bins());
-  Sorted sorted = sort_places(measured, z_sigma, square, limits, slope_base_m);
-  SigmaParts sigma = split_sigma(z_sigma, square);
-  z_sigma = Grid<double>();  // each map that is not needed any more makes room
-  const Grid<double> denoised = denoise(z, sigma.noise_m);
-  const BinMask places = sampled(sorted.open, square);
-  const FloatMeasures variance =
-      replicate_errors<ErrorVariance>(denoised, sigma.noise_m, sigma.relief_m, places, square, measure);
-  const FloatMeasures bias =
-      replicate_errors<ErrorMean>(restored(denoised, sigma.noise_m), sigma.noise_m,
-                                  std::exchange(sigma.relief_m, {}), places, square, measure);
-  const PlaceMeasures expected = measure(denoised, sorted.open);
-  by_rows(z.spec().rows, [&](std::int64_t row) {
-    for (std::int64_t col = 0; col < z.spec().cols; ++col) {
-      const BinIndex place{row, col};
-      if (sorted.open.at(place) == 0) continue;
-      const double rough = limits.roughness_m - expected.roughness_m.at(place) + bias.roughness_m.at(place);
-      const double steep = limits.slope_deg - expected.slope_deg.at(place) + bias.slope_deg.at(place);
-      sorted.p.at(place) = static_cast<float>(probability(rough, variance.roughness_m.at(place)) *
-                                              probability(steep, variance.slope_deg.at(place)));
-    }
+Grid<float> safe_probability(MapEvidence map, const LanderStencil& lander, const HazardLimits& limits,
+                             double slope_base_m, const MeasurePlaces& measure) {
+  const GridSpec& spec = map.z.spec();
+  Sorted sorted = sort_places(map, limits, slope_base_m, lander_half_bins(lander));
+  if (count_set(sorted.open) == 0) return std::move(sorted.p);
+  const GroundPosterior posterior(map.z, map.sigma, map.seed);
+  map.sigma = {};  // makes room
+  Moments slope(spec);
+  Moments roughness(spec);
+  Grid<std::int8_t> grounds(spec);
+  const auto each_open = [&](const auto& work) {
+    by_rows(spec, [&](std::int64_t row) {
+      for (std::int64_t col = 0; col < spec.cols; ++col)
+        if (sorted.open.at({row, col}) != 0) work(BinIndex{row, col});
+    });
+  };
+  const auto count = [&](std::uint64_t k) {
+    each_open([&](BinIndex place) { grounds.at(place) = static_cast<std::int8_t>(k); });
+  };
+  for (std::uint64_t k = 1; k <= kSafeGrounds; ++k) {
+    const PlaceMeasures found = measure(posterior.draw(k), sorted.open);
+    slope.add(found.slope_deg, sorted.open, static_cast<double>(k));
+    roughness.add(found.roughness_m, sorted.open, static_cast<double>(k));
+    count(k);
+    if (k != kFirstGrounds) continue;
+    BinMask clear(spec);
+    each_open([&](BinIndex place) {
+      const double steep = slope.room(limits.slope_deg, place, grounds);
+      const double rough = roughness.room(limits.roughness_m, place, grounds);
+      const bool is_safe = steep > kClear && rough > kClear;
+      clear.at(place) = is_safe || steep < -kClear || rough < -kClear ? 1 : 0;
+      if (clear.at(place) != 0) sorted.p.at(place) = is_safe ? 1 - kDoubt : kDoubt;
+    });
+    each_open([&](BinIndex place) { sorted.open.at(place) = clear.at(place) != 0 ? 0 : 1; });
+  }
+  each_open([&](BinIndex place) {
+    const double p = student(slope.room(limits.slope_deg, place, grounds), kFreedomOfGrounds) *
+                     student(roughness.room(limits.roughness_m, place, grounds), kFreedomOfGrounds);
+    sorted.p.at(place) = std::isnan(p) ? std::numeric_limits<float>::quiet_NaN()
+                                       : std::clamp(static_cast<float>(p), kDoubt, 1 - kDoubt);
   });
   return std::move(sorted.p);
+}
+
+std::int64_t safe_probability_reach(const LanderStencil& lander) {
+  return GroundPosterior::reach_bins(lander.resolution_m) + lander_half_bins(lander) + 1;
 }
 
 }  // namespace landfall

@@ -1,36 +1,47 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "hazards/measures.h"
 #include "hazards/safety.h"
+#include "hazards/sigma_parts.h"
 
 namespace landfall {
 
 /// Slope and roughness of some places of a map.
 using MeasurePlaces = std::function<PlaceMeasures(const Grid<double>& z, const BinMask& places)>;
 
-/// The probability that a place is safe, given the noise of the map. The largest of many noisy values is
-/// larger than the largest true one, and by how much depends on how many of them come close; and the mean
-/// over a bin hides what stands out of it. So slope and roughness m are those of the denoised map
-/// (denoise.h), and their error is measured (a parametric bootstrap): noise of the bins is added to a map of
-/// means over bins, which is denoised and measured again, three times. The errors d are the differences
-/// to the ground of that map: the means, sharpened, and for each bin a normal draw with a third of the
-/// variance that sigma has beyond noise, which is relief that the means of a few returns do not show. Over
-/// the places in the square about the body, mean and standard deviation give
-///   P = Phi((limit - m + mean d) / std d)
-/// for roughness and for slope, taken as independent. The means of bins are the denoised map z' for std d. It
-/// has lost fine relief, which mean d depends on: for mean d they are 2 z' - denoise(z'), which has it again
-/// (twicing), but more noise. d is taken in every eighth row. The draws have a fixed seed: equal maps have
-/// equal P.
+/// The number of grounds that p_safe is computed from.
+inline constexpr std::uint64_t kSafeGrounds = 8;
+
+/// A map, and what safe_probability() needs to know of it.
+struct MapEvidence {
+  const Grid<double>& z;  ///< counts where the parts of sigma are not NaN
+  SigmaParts sigma;
+  const PlaceMeasures& measured;  ///< of the map as it is; NaN where it does not tell
+  const BinMask& region;
+  std::uint64_t seed = 1;
+};
+
+/// The probability that the true ground of each place of the region is within the limits, given the map and
+/// its 1 sigma: of all grounds that may lie under the map (ground_posterior.h), the share on which the place
+/// is safe. Eight of them are measured. With the mean m of the distance to a limit and its standard deviation
+/// s, pooled over 3 x 3 places,
+///   P = T(m / (s sqrt(1 + 1/8))) for slope, times the same for roughness,
+/// T being Student's distribution with 17.5 degrees of freedom: the predictive distribution of one more
+/// ground. Places where three grounds leave no doubt are not measured on the others.
 ///
-/// Open are the places where `measured`, of the map as it is, is not more than 8 sigma (rms in the square
-/// about the body; sigma / slope_base_m of a slope) below both limits or above one of them; P is 1 or 0
-/// elsewhere. NaN where `measured` is. The form follows Ivanov, Huertas and Cohanim, AIAA 2013-5019.
-[[nodiscard]] Grid<float> safe_probability(const Grid<double>& z, Grid<double> z_sigma,
-                                           const LanderStencil& lander, const HazardLimits& limits,
-                                           double slope_base_m, const PlaceMeasures& measured,
+/// Open are the places where `measured` is not more than 8 times the largest sigma about the lander (over
+/// slope_base_m for the slope) below both limits or above one of them, or where a bin about the lander was
+/// not measured; P is in [0.0005, 0.9995] there, and 1 or 0 elsewhere. NaN where the lander reaches beyond
+/// the map, or bins far from any measured one.
+[[nodiscard]] Grid<float> safe_probability(MapEvidence map, const LanderStencil& lander,
+                                           const HazardLimits& limits, double slope_base_m,
                                            const MeasurePlaces& measure);
+
+/// The bins within which the probability of a place depends on the map.
+[[nodiscard]] std::int64_t safe_probability_reach(const LanderStencil& lander);
 
 }  // namespace landfall

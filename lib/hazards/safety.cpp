@@ -69,8 +69,9 @@ std::vector<HazardScore::RocPoint> roc_of(const PlaceMeasures& judged, const Gri
   return roc;
 }
 
-void compare_probabilities(const Grid<float>& p_safe, const Grid<std::int8_t>& truth, const BinMask& region,
-                           HazardScore& score) {
+/// Of the places that are known in the map and in the truth.
+void compare_probabilities(const Grid<float>& p_safe, const Grid<std::int8_t>& judged,
+                           const Grid<std::int8_t>& truth, const BinMask& region, HazardScore& score) {
   std::array<std::int64_t, kReliabilityBins> counts{};
   std::array<std::int64_t, kReliabilityBins> safe{};
   double square = 0;
@@ -78,7 +79,9 @@ void compare_probabilities(const Grid<float>& p_safe, const Grid<std::int8_t>& t
   for (std::size_t k = 0; k < region.spec().size(); ++k) {
     const double p = p_safe.values()[k];
     const auto is_true = static_cast<Safety>(truth.values()[k]);
-    if (region.values()[k] == 0 || std::isnan(p) || is_true == Safety::unknown) continue;
+    if (region.values()[k] == 0 || std::isnan(p) || is_true == Safety::unknown ||
+        static_cast<Safety>(judged.values()[k]) == Safety::unknown)
+      continue;
     const auto bin = std::min(static_cast<std::size_t>(p * kReliabilityBins), kReliabilityBins - 1);
     ++counts[bin];
     safe[bin] += is_true == Safety::safe ? 1 : 0;
@@ -122,7 +125,7 @@ HazardScore score_hazards(const PlaceMeasures& judged, const PlaceMeasures& trut
             outcome_of(static_cast<Safety>(safe.values()[k]), static_cast<Safety>(true_safe.values()[k])));
   score.rates = rates_of(score.counts);
   score.roc = roc_of(judged, true_safe, limits, region);
-  if (p_safe != nullptr) compare_probabilities(*p_safe, true_safe, region, score);
+  if (p_safe != nullptr) compare_probabilities(*p_safe, safe, true_safe, region, score);
   return score;
 }
 

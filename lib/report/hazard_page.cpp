@@ -70,19 +70,21 @@ std::string probability_text(double p) {
   return text.data();
 }
 
-std::string place_text(const LandingSite& site) {
-  return "(" + short_number(site.x_m) + ", " + short_number(site.y_m) + ") m has a p_touchdown of " +
-         probability_text(static_cast<double>(site.p_touchdown));
+std::string place_text(const LandingSite& site, bool has_probability) {
+  return "(" + short_number(site.x_m) + ", " + short_number(site.y_m) + ") m" +
+         (has_probability ? " has a p_touchdown of " + probability_text(static_cast<double>(site.p_touchdown))
+                          : std::string("; ") + kNoProbability);
 }
 
 /// Whether there is a site that --require-safe accepts.
-std::string banner_html(const std::vector<LandingSite>& sites, double min_p) {
+std::string banner_html(const HazardMap& map, double min_p) {
+  const std::vector<LandingSite>& sites = map.sites;
   const auto best = std::ranges::max_element(sites, {}, &LandingSite::p_touchdown);
   const bool accepted = best != sites.end() && best->p_touchdown >= min_p;
   std::string text = "no landing site: no safe place within the divert radius";
   if (!sites.empty())
     text = (accepted ? "" : "no site has a p_touchdown of " + number_text(min_p) + " or more: ") +
-           std::string("the best site ") + place_text(sites.front());
+           std::string("the best site ") + place_text(sites.front(), map.p_safe.has_value());
   return std::string("<div class=\"banner ") + (accepted ? "pass" : "fail") + "\" id=\"verdict\">" + text +
          "</div>";
 }
@@ -101,7 +103,7 @@ std::string hazard_page(const HazardReport& content, const Provenance& provenanc
                    {{"subject", "this hazard map"},
                     {"title", html_text(title.empty() ? title_of(steps, "Landing sites") : title)},
                     {"subtitle", subtitle_html(steps, "hazard map", kind == "dem" ? "DEM" : "terrain", kind)},
-                    {"banner", banner_html(map.sites, content.parameters.sites.min_p)},
+                    {"banner", banner_html(map, content.parameters.sites.min_p)},
                     {"places", tables},
                     {"lander", lander_text(content.parameters, text_of(provenance.config, "method"))},
                     {"provenance", provenance_html(steps)},

@@ -71,7 +71,7 @@ class Maps(ChainTest):
         np.testing.assert_allclose(layers["distance_to_hazard"], oracle.distances(region, safe, 0.1), **SINGLE)
 
     def check_sites(self, layers, listed, z, config):
-        self.assertEqual((listed["format"], listed["version"]), ("landfall.sites", 1))
+        self.assertEqual((listed["format"], listed["version"], listed["probability"]), ("landfall.sites", 1, False))
         chosen = oracle.sites(layers["cost"], layers["safe"], layers["x"], layers["y"], config["sites"])
         self.assertEqual([[site["rank"], site["x_m"], site["y_m"]] for site in listed["sites"]],
                          [[i + 1, layers["x"][c], layers["y"][r]] for i, (r, c) in enumerate(chosen)])
@@ -133,8 +133,8 @@ class Maps(ChainTest):
         self.assertEqual({"slope_true", "roughness_true", "safe_true", "outcome"} & set(layers), set())
 
     def test_probability(self):
-        """With a sigma p_safe exists where the place is known, by any method; touchdown, sites and score follow it. The DEM's own map is
-        preferred."""
+        """With a sigma p_safe exists where the lander is on the map, by any method; touchdown, sites and score follow it where the place is
+        known. The DEM's own map is preferred."""
         dem = self.path("sigmas.h5")
         self.succeed("regrid", self.chain.scan, "-c", self.config(REGRID), "--terrain", self.chain.terrain, "--uncertainty",
                      "--range-sigma", "0.01", "--navigation-sigma", "position_m=0", "-o", dem)
@@ -143,13 +143,13 @@ class Maps(ChainTest):
             config = with_values(CONFIG, limits__roughness_m=0.15, **values)
             layers, listed, score = self.hazards(source, config)
             p, safe = layers["p_safe"], layers["safe"]
-            np.testing.assert_array_equal(np.isnan(p), safe == oracle.UNKNOWN)
+            self.assertFalse(np.isnan(p[safe != oracle.UNKNOWN]).any())
             self.assertTrue((p[safe != oracle.UNKNOWN] >= 0).all() and (p[safe != oracle.UNKNOWN] <= 1).all())
             self.assertGreater(p[safe == 1].mean(), 0.8)
             self.assertLess(p[safe == 0].mean(), 0.2)
             self.assertGreater(((p > 0.01) & (p < 0.99)).sum(), 50)
             region = ~np.isnan(layers["p_touchdown"])
-            expected = oracle.touchdown(np.nan_to_num(p.astype(float)), config["touchdown_sigma_m"], 0.1)
+            expected = oracle.touchdown(np.where(safe != oracle.UNKNOWN, p.astype(float), 0), config["touchdown_sigma_m"], 0.1)
             np.testing.assert_allclose(layers["p_touchdown"][region], expected[region], rtol=1e-6, atol=1e-12)
             for site in listed["sites"]:
                 row, col = (np.searchsorted(layers[axis], site[axis + "_m"] - 1e-9) for axis in "yx")
@@ -230,7 +230,7 @@ class Interface(ChainTest):
     def test_no_safe_place(self):
         nowhere = ["--set", "limits.slope_deg=0.001", "--sites", self.path("sites.json")]
         self.succeed("hazard-map", *self.arguments(*nowhere))
-        self.assertEqual(json.loads(read_bytes(self.path("sites.json"))), {"format": "landfall.sites", "version": 1, "sites": []})
+        self.assertEqual(json.loads(read_bytes(self.path("sites.json"))), {"format": "landfall.sites", "version": 1, "probability": False, "sites": []})
         for least in (0.5, 0):
             result = run("hazard-map", *self.arguments(*nowhere, "-O", "--require-safe", "--set", f"sites.min_p={least}"))
             self.assertEqual((result.returncode, result.stdout), (3, ""))
@@ -385,23 +385,24 @@ class Calibration(ToolTest):
     """p_safe of DEMs with their own 1-sigma maps, from the scan's noise to the layer, on small rocky sites."""
 
     SITES = range(10)
-    LIMITS = {10: 0.1, 30: 0.16}  # of the slope: of the difference of a share
+    LIMITS = {10: 0.13, 30: 0.19}  # of the slope: of the difference of a share
 
     def dem(self, site):
         abundance, hurst, deviation = (0.05, 0.08, 0.1, 0.15, 0.2)[site % 5], (0.8, 0.7)[site % 2], (0.2, 0.3, 0.4)[site % 3]
-        self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", f"seed={100 + site}", "--set", 'grid={"half_width_m": 8, "resolution_m": 0.05}',
+        self.succeed("terrain-gen", "-o", self.path("t.h5"), "-O", "--set", f"seed={100 + site}", "--set", 'grid={"half_width_m": 8, "resolution_m": 0.025}',
                      "--set", f'base={{"type": "fractal", "hurst_exponent": {hurst}, "reference_length_m": 10, "rms_deviation_m": {deviation}}}',
                      "--set", f'patterns=[{{"type": "golombek_rocks", "k": {abundance}, "min_diameter_m": 0.1}}]')
-        # As Example 2, with the same returns per bin.
+        # As Example 2, with the same returns per bin, on ground finer than the bins; the map is moved by a fraction of one.
         self.succeed("scan-sim", "-c", "preset:paper", "--terrain", self.path("t.h5"), "-o", self.path("s.h5"), "-O", "--seed", site + 1,
                      "--set", "scanner.pattern.rows=35", "--set", "scanner.pattern.columns=23", "--set", "scanner.pattern.half_width_m=7.1",
-                     "--set", "laser.scan_time_s=0.04025")
-        self.succeed("regrid", self.path("s.h5"), "--terrain", self.path("t.h5"), "-o", self.path("d.h5"), "-O", "--uncertainty", "--set", "half_width_m=7")
+                     "--set", "laser.scan_time_s=0.04025",
+                     "--set", f"navigation_error.position_m=[{0.05 * ((0.37 * site) % 1 - 0.5)},{0.05 * ((0.61 * site) % 1 - 0.5)},0]")
+        self.succeed("regrid", self.path("s.h5"), "--terrain", self.path("t.h5"), "-o", self.path("d.h5"), "-O", "--uncertainty",
+                     "--navigation-sigma", "position_m=0", "--set", "half_width_m=7")
 
     def test_in_each_tenth_the_truly_safe_share_is_the_mean_probability(self):
-        """Places of one site are alike. Drawn anew from these ten sites (bootstrap), the difference of a tenth has a standard deviation of up to
-        0.026 with a slope limit of 10 deg and 0.055 with 30 deg: twice that is added to the 0.05 that holds on large sites. The differences are up to
-        0.059 and 0.056; the Brier score is 0.53 and 0.54 of that of the decision by the limits."""
+        """Places of one site are alike. Drawn again from these ten sites (bootstrap), the difference of a tenth has a standard deviation of up to
+        0.026 with a slope limit of 10 deg and 0.055 with 30 deg: twice that is added to the 0.08 that is wanted on large sites."""
         pooled = {limit: [] for limit in self.LIMITS}
         for site in self.SITES:
             self.dem(site)

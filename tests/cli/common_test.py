@@ -82,7 +82,7 @@ class Information(ToolTest):
         self.assertEqual(resolved("hazard-map"), {
             "lander": {"legs": 4, "leg_radius_m": 0.85, "pad_diameter_m": 0.2, "pad_height": "max", "body_radius_m": 0.85},
             "method": "contact", "region_radius_m": 50, "limits": {"slope_deg": 10, "roughness_m": 0.3},
-            "hole_fill_bins": 10, "z_sigma_m": None, "touchdown_sigma_m": 1,
+            "hole_fill_bins": 10, "z_sigma_m": None, "touchdown_sigma_m": 1, "seed": 1,
             "sites": {"count": 5, "separation_m": 5, "divert_radius_m": 40, "divert_weight": 0.1, "min_p": 0.99}})
         terrain = resolved("terrain-gen")
         self.assertEqual((terrain["grid"], terrain["features"], terrain["patterns"], terrain["seed"]),

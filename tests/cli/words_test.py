@@ -15,7 +15,7 @@ class Conclusion(ChainTest):
     LINE = {"terrain-gen": r"14,641 nodes, 3 features", "scan-sim": r"25,600 rays: [0-9,]+ returns, 0 % missed the terrain",
             "regrid": r"[0-9,]+ returns in the map, [0-9,]+ outside it; [0-9,]+ of 10,201 bins are empty",
             "dem-eval": r".*dem\.h5: FAIL: [a-z_, ]+",
-            "hazard-map": r".*dem\.h5: [0-9.]+ % safe, [0-9.]+ % hazard, [0-9.]+ % unknown; best site \([0-9.-]+, [0-9.-]+\) m, p_touchdown [01]\.\d+",
+            "hazard-map": r".*dem\.h5: [0-9.]+ % safe, [0-9.]+ % hazard, [0-9.]+ % unknown; best site \([0-9.-]+, [0-9.-]+\) m, no probability: the map has no 1-sigma layer",
             "monte-carlo": r"0 of 2 draws pass all requirements; passes with a probability of at least 0\.0000 \(95 %\)"}
 
     def test_each_tool_says_its_result(self):
@@ -88,7 +88,7 @@ class Warnings(ChainTest):
             self.assertRegex(text, r"^--uncertainty: the sigmas leave out errors of the scans: ")
             self.assertEqual(text.split(": ")[2].split(", "), left_out)
             self.assertEqual(self.comments(), dict.fromkeys(
-                ("z_sigma_abs", "z_sigma_rel", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma"),
+                ("z_sigma_abs", "z_sigma_rel", "z_sigma_noise", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma"),
                 "leaves out errors of the scans: " + ", ".join(left_out)))
 
     def test_sigmas_of_0_for_a_navigation_error_that_is_switched_on(self):

@@ -107,7 +107,8 @@ class Expected:
     def compare_places(self, ledger, found):
         """From the stored layers that each of them is made of."""
         sites = self.config["sites"]
-        p = np.nan_to_num(found["p_safe"].astype(float)) if "p_safe" in found else (found["safe"] == hazards.SAFE).astype(float)
+        known = found["safe"] != hazards.UNKNOWN
+        p = np.where(known, found["p_safe"].astype(float), 0) if "p_safe" in found else (found["safe"] == hazards.SAFE).astype(float)
         p = hazards.touchdown(p, self.config["touchdown_sigma_m"], self.s)
         ledger.close("hazards: p_touchdown", found["p_touchdown"], np.where(self.region, p, np.nan), 1e-9, SINGLE)
         distance = np.hypot(self.dem["x"][None, :], self.dem["y"][:, None])

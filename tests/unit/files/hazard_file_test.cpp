@@ -11,7 +11,7 @@ namespace {
 // The order of the keys is part of the format.
 TEST(SitesJson, AMemberForEachNumber) {
   HazardMap map;
-  EXPECT_EQ(sites_json(map).dump(), R"({"format":"landfall.sites","version":1,"sites":[]})");
+  EXPECT_EQ(sites_json(map).dump(), R"({"format":"landfall.sites","version":1,"probability":false,"sites":[]})");
   LandingSite site;
   site.x_m = 1.5;
   site.y_m = -2;

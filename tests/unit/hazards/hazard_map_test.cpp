@@ -340,16 +340,17 @@ TEST(FillMap, FillsTheSmallHolesOfEachLayer) {
   z.at({2, 2}) = z_true.at({2, 2}) = z_sigma.at({2, 2}) = kNan;
   HazardParameters parameters;
   parameters.z_sigma_m = 0.5;  // only of maps without their own
-  const HazardInput input = fill_map(z, z_true, z_sigma, parameters, fill_truth);
+  const HazardInput input = fill_map({z, z_true, z_sigma}, parameters, fill_truth);
   EXPECT_EQ(input.z.at({2, 2}), 2);
   EXPECT_EQ(input.z_true.value().at({2, 2}), 3);
-  EXPECT_EQ(input.z_sigma.value().at({2, 2}), 0.25);
+  EXPECT_TRUE(std::isnan(input.z_sigma.value().at({2, 2})));  // not measured
+  EXPECT_EQ(input.z_sigma.value().at({1, 1}), 0.25);
   EXPECT_EQ(count_set(input.filled_truth), 1);
   EXPECT_EQ(input.filled_truth.at({2, 2}), 1);
-  EXPECT_EQ(fill_map(z, {}, {}, parameters, fill_truth).z_sigma.value().at({2, 2}), 0.5);
+  EXPECT_EQ(fill_map({z}, parameters, fill_truth).z_sigma.value().at({1, 1}), 0.5);
   parameters.z_sigma_m.reset();
   parameters.hole_fill_bins = 0;
-  const HazardInput bare = fill_map(z, {}, {}, parameters, fill_truth);
+  const HazardInput bare = fill_map({z}, parameters, fill_truth);
   EXPECT_TRUE(std::isnan(bare.z.at({2, 2})));
   EXPECT_FALSE(bare.z_true || bare.z_sigma);
   EXPECT_EQ(count_set(bare.filled_truth), 0);
@@ -364,40 +365,52 @@ TEST(FillMap, CountsBinsWithoutSigma) {
   Grid<double> z_sigma(spec, 0.25);
   z_sigma.at({0, 3}) = z_sigma.at({2, 2}) = z_sigma.at({4, 4}) = kNan;
   HazardParameters parameters;
-  HazardInput input = fill_map(z, {}, z_sigma, parameters, fill_truth);
+  HazardInput input = fill_map({z, {}, z_sigma}, parameters, fill_truth);
   EXPECT_EQ(input.bins_without_sigma, 2);
   EXPECT_TRUE(std::isnan(input.z_sigma.value().at({2, 2})));
   parameters.z_sigma_m = 0.5;
-  input = fill_map(z, {}, z_sigma, parameters, fill_truth);
+  input = fill_map({z, {}, z_sigma}, parameters, fill_truth);
   EXPECT_EQ(input.bins_without_sigma, 0);
   EXPECT_EQ(input.z_sigma.value().at({4, 4}), 0.5);
   EXPECT_EQ(input.z_sigma.value().at({1, 1}), 0.25);
   parameters.z_sigma_m.reset();
-  input = fill_map(z, {}, Grid<double>(spec, kNan), parameters, fill_truth);
+  input = fill_map({z, {}, Grid<double>(spec, kNan)}, parameters, fill_truth);
   EXPECT_EQ(input.bins_without_sigma, 24);
   EXPECT_FALSE(input.z_sigma);
 }
 
-TEST(MapHazards, PlacesThatNeedABinWithoutSigmaHaveNoProbability) {
+// Its elevation does not count: the place is known, and its probability that of a map without the bin.
+TEST(MapHazards, ABinWithoutSigmaIsNotMeasured) {
   HazardInput input = level_ground(2, 0.1);
   input.z_sigma = Grid<double>(input.z.spec(), 0.001);
-  const BinIndex bare{15, 22};
+  const BinIndex bare{20, 22};
+  input.z.at(bare) = 1;
   input.z_sigma->at(bare) = kNan;
   input.bins_without_sigma = 1;
   const HazardMap map = map_hazards(input, small_lander(), kAtOnce);
-  int unknown = 0;
-  for (std::int64_t row = 0; row < 41; ++row)
-    for (std::int64_t col = 0; col < 41; ++col) {
-      const BinIndex place{row, col};
-      if (map.safe.at(place) == 2) continue;
-      const std::int64_t dx = std::abs(col - bare.col);
-      const std::int64_t dy = std::abs(row - bare.row);
-      const bool needs = dx * dx + dy * dy <= 9 || (dx * dx + dy * dy == 10 && dx != dy);  // body, pads
-      EXPECT_EQ(std::isnan(map.p_safe.value().at(place)), needs) << row << ", " << col;
-      EXPECT_EQ(map.p_touchdown.at(place), needs ? 0.0F : 1.0F);
-      unknown += needs ? 1 : 0;
-    }
-  EXPECT_EQ(unknown, 37);
+  EXPECT_EQ(map.safe.at({20, 20}), 0);
+  EXPECT_GT(map.p_safe.value().at({20, 20}), 0.99F);
+  EXPECT_LT(map.p_safe.value().at({20, 20}), 1);
+  EXPECT_EQ(map.p_safe.value().at({30, 30}), 1);
+  EXPECT_NE(map.p_safe_origin.find("seed 1; a place depends on the bins within"), std::string::npos);
+}
+
+// An unknown place has a probability, counts nothing for a touchdown, and is left out of the score.
+TEST(MapHazards, AnUnknownPlaceHasAProbability) {
+  HazardInput input = level_ground(2, 0.1);
+  input.z_true = input.z;
+  input.z_sigma = Grid<double>(input.z.spec(), 0.001);
+  input.z.at({20, 20}) = input.z_sigma->at({20, 20}) = kNan;
+  HazardParameters parameters = small_lander();
+  parameters.touchdown_sigma_m = 0;
+  const HazardMap map = map_hazards(input, parameters, kAtOnce);
+  EXPECT_EQ(map.safe.at({20, 21}), 2);
+  EXPECT_GT(map.p_safe.value().at({20, 21}), 0.99F);
+  EXPECT_EQ(map.p_touchdown.at({20, 21}), 0);
+  std::int64_t compared = 0;
+  for (const HazardScore::ReliabilityBin& bin : map.truth->score.reliability) compared += bin.count;
+  const PlaceCounts counts = count_places(map.safe, map.region);
+  EXPECT_EQ(compared, counts.all() - counts.unknown);
 }
 
 TEST(FillTruth, FillsOnlyWhatIsMissing) {
