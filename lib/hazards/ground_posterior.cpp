@@ -19,8 +19,8 @@ namespace {
 constexpr double kReachM = 4;
 constexpr std::int64_t kMostScales = 6;
 constexpr double kFillReachM = 3.2;
-/// What lies further from a measured bin than interpolation reaches is not told, but gets a value from
-/// windows so many times as wide, because it has neighbours that are.
+/// Bins further from a measured one than interpolation reaches are unknown. They get values from windows so
+/// many times as wide, because the filters also reach them from bins that are known.
 constexpr std::int64_t kFarther = 4;
 constexpr double kDepartureShare = 0.35;
 constexpr std::array<float, 2> kSharpening = {1.2F, 1.04F};

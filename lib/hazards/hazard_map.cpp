@@ -131,7 +131,8 @@ class Judge {
                     "scan more, or fill larger holes (hole_fill_bins)");
 }
 
-/// What a touchdown counts of each place: its p_safe, without it 1 if it is safe; 0 of unknown places.
+/// The probability of each place that a touchdown counts: p_safe, without it 1 if the place is safe; 0 of
+/// unknown places.
 Grid<float> counted_probability(const HazardMap& map) {
   auto p = Grid<float>::unset(map.safe.spec());
   for (std::size_t i = 0; i < p.spec().size(); ++i) {

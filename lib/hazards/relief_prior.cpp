@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kClasses = 11;
 /// Variance of the true detail over that of noise.
 constexpr std::array<double, kClasses> kRatios = {0, 1.0 / 64, 1.0 / 16, 0.25, 0.7, 2, 6, 20, 80, 400, 4000};
-/// Of the mean square of details about a bin: measured on white noise, 10.6 to 15.5 over five scales.
+/// Degrees of freedom of the mean square of the details about a bin: 10.6 to 15.5 at four scales of white
+/// noise.
 constexpr double kFreedom = 11.5;
 constexpr int kSteps = 2;
 /// Spread of the logarithm by which relief may exceed that of the next coarser scale.
@@ -56,7 +57,7 @@ class RatioTable {
   std::vector<Probabilities> rows_;
 };
 
-/// Of each class, given the mean square of details over V; the largest is 1, the least 1e-18.
+/// Likelihood of each class, given the mean square of details over V; the largest is 1, the least 1e-18.
 Probabilities likelihoods(double energy) {
   std::array<double, kClasses> logs{};
   for (std::size_t k = 0; k < kClasses; ++k)
@@ -68,7 +69,7 @@ Probabilities likelihoods(double energy) {
   return result;
 }
 
-/// Of each class, given the relief of the next coarser scale over V; 1 .. 1e-12.
+/// Weight of each class, given the relief of the next coarser scale over V; 1 .. 1e-12.
 Probabilities redness(double coarser) {
   Probabilities result{};
   for (std::size_t k = 0; k < kClasses; ++k) {
