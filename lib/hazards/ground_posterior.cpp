@@ -23,7 +23,7 @@ constexpr double kFillReachM = 3.2;
 /// many times as wide, because the filters also reach them from bins that are known.
 constexpr std::int64_t kFarther = 4;
 constexpr double kDepartureShare = 0.35;
-constexpr std::array<float, 2> kSharpening = {1.2F, 1.04F};
+constexpr std::array<float, 2> kSharpening = {1.3F, 1.04F};
 constexpr float kOvershootNoise = 0.3F, kOvershootRange = 0.05F, kDepartureNoise = 0.2F;
 /// A variance that no float loses: sigma may be 0.
 constexpr float kLeastVariance = 1e-18F;

@@ -19,7 +19,7 @@ namespace landfall {
 /// detail and the detail of a new white noise, scaled to its spread, plus for each bin a normal departure of
 /// the ground at the centre from the mean of the returns: 0.35 of the variance that sigma has beyond noise,
 /// at most the relief of the two finest scales. Means over bins are flatter than the ground: details of the
-/// two finest scales are multiplied by 1.2 and 1.04.
+/// two finest scales are multiplied by 1.3 and 1.04.
 ///
 /// Where a bin was measured, the draw stays within the 3 x 3 elevations about it, by 0.3 of the noise and a
 /// twentieth of their range, and its departure within the 3 x 3 values of the draw without it, by 0.2 of the
