@@ -172,7 +172,7 @@ def measure(options):
 
 
 def kept(options, family, cell, seed):
-    return os.path.join(options.folder, f"new-{family}-{cell}-{seed}.npz")
+    return os.path.join(options.folder, f"{family}-{cell}-{seed}.npz")
 
 
 def pooled(options, family, cell, limit):

@@ -117,11 +117,12 @@ HazardSource read_hazard_source(const std::filesystem::path& path, bool with_tru
   if (kind == "terrain" && !has_grid(file))
     file.fail("is a mesh terrain; hazard-map judges a DEM or a gridded terrain");
   const GridLayerReader layers(file);
-  HazardSource source{
-      kind,           layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite),
-      std::nullopt,   std::nullopt,
-      std::nullopt,   layers.crs_wkt(),
-      file.file_id(), file.chain()};
+  HazardSource source;
+  source.kind = kind;
+  source.z = layers.read_checked<double>(kind == "dem" ? "z_est" : "z", LayerValues::finite);
+  source.crs_wkt = layers.crs_wkt();
+  source.file_id = file.file_id();
+  source.chain = file.chain();
   if (kind == "dem" && layers.has("z_sigma_rel"))
     source.z_sigma = layers.read_checked<double>("z_sigma_rel", LayerValues::not_negative);
   if (source.z_sigma && layers.has("z_sigma_noise"))

@@ -21,10 +21,10 @@ namespace landfall {
 /// at most the relief of the two finest scales. Means over bins are flatter than the ground: details of the
 /// two finest scales are multiplied by 1.3 and 1.04.
 ///
-/// Where a bin was measured, the draw stays within the 3 x 3 elevations about it, by 0.3 of the noise and a
-/// twentieth of their range, and its departure within the 3 x 3 values of the draw without it, by 0.2 of the
-/// noise: a wall has no overshoot. What was not measured is interpolated, and has the relief of the measured
-/// ground around.
+/// The draw at a measured bin is bounded by the 3 x 3 elevations about it, plus 0.3 of the noise and a
+/// twentieth of their range; its departure by the 3 x 3 values of the draw without it, plus 0.2 of the noise.
+/// So a wall has no overshoot. Bins that were not measured are interpolated, and have the relief of the
+/// measured ground around them.
 class GroundPosterior {
  public:
   /// z counts where the parts of its sigma are not NaN. `seed` chooses the draws.

@@ -89,7 +89,7 @@ struct LandingSite {
   Safety truth = Safety::unknown;
 };
 
-/// What is said in place of a probability where HazardMap::p_safe is not given.
+/// Text in place of a probability if HazardMap::p_safe is not given.
 inline constexpr const char* kNoProbability = "no probability: the map has no 1-sigma layer";
 
 struct HazardMap {

@@ -15,7 +15,7 @@ struct ScaleDetails {
   std::int64_t step = 1;        ///< bins between the taps
 };
 
-/// What the true details are, given those of the map: normal about gain times the detail.
+/// The distribution of the true details, given those of the map: normal about gain times the detail.
 struct ScaleRelief {
   Grid<float> gain;       ///< 0 .. 1
   Grid<float> spread_m2;  ///< variance

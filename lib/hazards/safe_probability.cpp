@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kCertain = 8;  // sigma
 constexpr float kDoubt = 5e-4F;
-/// Of a variance over the grounds, pooled over 3 x 3 places whose grounds are not independent.
+/// Degrees of freedom of a variance over the grounds, pooled over 3 x 3 places, which are not independent.
 constexpr double kFreedomOfGrounds = 2.5 * (kSafeGrounds - 1);
 /// After so many grounds a place is clear where both t, of 5 degrees of freedom, are beyond kClear: one more
 /// ground would be on the other side of a limit with a probability of 0.00025.

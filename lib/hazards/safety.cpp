@@ -69,7 +69,7 @@ std::vector<HazardScore::RocPoint> roc_of(const PlaceMeasures& judged, const Gri
   return roc;
 }
 
-/// Of the places that are known in the map and in the truth.
+/// Compares the places that are known in the map and in the truth.
 void compare_probabilities(const Grid<float>& p_safe, const Grid<std::int8_t>& judged,
                            const Grid<std::int8_t>& truth, const BinMask& region, HazardScore& score) {
   std::array<std::int64_t, kReliabilityBins> counts{};
