@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The plugin: a heightfield in the memory of an OpenCL device, and the rays that walk over it there.
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 
 #include "ray/opencl/cl_device.h"
@@ -12,7 +13,8 @@ namespace {
 /// Rays travel as six doubles each.
 static_assert(sizeof(Ray) == 6 * sizeof(double));
 
-/// The most rays of one launch: 14 MiB of rays and ranges for each thread that traces.
+/// The most rays of one launch: 14 MiB of rays and ranges for each thread that traces, here and on the
+/// device.
 constexpr std::size_t kMostRays = std::size_t{1} << 18U;
 constexpr std::size_t kGroup = 64;  ///< work-items of a group
 
@@ -21,8 +23,13 @@ struct Stream {
   cl::CommandQueue queue;
   cl::Kernel kernel;  ///< its own, because the arguments of a kernel are not safe to set from two threads
   cl::Buffer rays, ranges;
+  cl::Buffer staging;  ///< mapped memory that the bus reads and writes without a copy by the driver
+  double* staged = nullptr;
   std::size_t capacity = 0;  ///< rays
 };
+
+/// A ray and its range take as many doubles in the staging memory.
+constexpr std::size_t kStagedDoubles = sizeof(Ray) / sizeof(double) + 1;
 
 class ClWalk final : public DeviceWalk {
  public:
@@ -70,7 +77,9 @@ class ClWalk final : public DeviceWalk {
         return stream;
       }
     }
-    Stream stream{cl::CommandQueue(context_, device_), cl::Kernel(program_, "walk"), {}, {}};
+    Stream stream;
+    stream.queue = cl::CommandQueue(context_, device_);
+    stream.kernel = cl::Kernel(program_, "walk");
     stream.kernel.setArg(0, ground_);
     stream.kernel.setArg(1, bounds_);
     stream.kernel.setArg(2, nodes_);
@@ -82,19 +91,30 @@ class ClWalk final : public DeviceWalk {
     free_.push_back(std::move(stream));
   }
 
+  void make_room(Stream& stream, std::size_t rays) const {
+    if (rays <= stream.capacity) return;
+    const std::size_t staged_bytes = kStagedDoubles * sizeof(double) * rays;
+    stream.rays = cl::Buffer(context_, CL_MEM_READ_ONLY, rays * sizeof(Ray));
+    stream.ranges = cl::Buffer(context_, CL_MEM_WRITE_ONLY, rays * sizeof(double));
+    stream.staging = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, staged_bytes);
+    stream.staged = static_cast<double*>(
+        stream.queue.enqueueMapBuffer(stream.staging, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, staged_bytes));
+    stream.capacity = rays;
+    stream.kernel.setArg(3, stream.rays);
+    stream.kernel.setArg(4, stream.ranges);
+  }
+
   void launch(Stream& stream, std::span<const Ray> rays, std::span<double> ranges) const {
-    if (stream.capacity < rays.size()) {
-      stream.rays = cl::Buffer(context_, CL_MEM_READ_ONLY, rays.size_bytes());
-      stream.ranges = cl::Buffer(context_, CL_MEM_WRITE_ONLY, ranges.size_bytes());
-      stream.capacity = rays.size();
-      stream.kernel.setArg(3, stream.rays);
-      stream.kernel.setArg(4, stream.ranges);
-    }
+    make_room(stream, rays.size());
+    double* const staged_ranges = stream.staged;
+    double* const staged_rays = staged_ranges + ranges.size();
+    std::memcpy(staged_rays, rays.data(), rays.size_bytes());
     stream.kernel.setArg(5, cl_ulong{rays.size()});
-    stream.queue.enqueueWriteBuffer(stream.rays, CL_FALSE, 0, rays.size_bytes(), rays.data());
+    stream.queue.enqueueWriteBuffer(stream.rays, CL_FALSE, 0, rays.size_bytes(), staged_rays);
     const std::size_t items = (rays.size() + kGroup - 1) / kGroup * kGroup;
     stream.queue.enqueueNDRangeKernel(stream.kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(kGroup));
-    stream.queue.enqueueReadBuffer(stream.ranges, CL_TRUE, 0, ranges.size_bytes(), ranges.data());
+    stream.queue.enqueueReadBuffer(stream.ranges, CL_TRUE, 0, ranges.size_bytes(), staged_ranges);
+    std::memcpy(ranges.data(), staged_ranges, ranges.size_bytes());
   }
 
   OpenClDevice description_;
