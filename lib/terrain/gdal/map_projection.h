@@ -7,7 +7,6 @@
 #include "terrain/relief/site_mapping.h"
 
 class OGRSpatialReference;
-class OGRCoordinateTransformation;
 
 namespace landfall {
 
@@ -18,8 +17,12 @@ namespace landfall {
 /// PROJ.
 class MapProjection {
  public:
+  class Transformation;
+
   /// None for a CRS without a projection (a local one), and where PROJ does not know it.
   [[nodiscard]] static std::optional<MapProjection> of(const OGRSpatialReference& crs);
+  /// The same through GDAL's transformation, which searches PROJ's database first.
+  [[nodiscard]] static std::optional<MapProjection> by_gdal(const OGRSpatialReference& crs);
 
   /// NaN outside the projection's domain. Not from several threads.
   [[nodiscard]] MapPoint map_point(const LonLat& ground) const;
@@ -27,14 +30,10 @@ class MapProjection {
   [[nodiscard]] const Ellipsoid& body() const { return body_; }
 
  private:
-  using Transformation = std::shared_ptr<OGRCoordinateTransformation>;
-  MapProjection(Transformation forward, Transformation inverse, double radians_per_unit,
-                const Ellipsoid& body)
-      : forward_(std::move(forward)), inverse_(std::move(inverse)), radians_(radians_per_unit), body_(body) {}
+  MapProjection(std::shared_ptr<const Transformation> transformation, const Ellipsoid& body)
+      : transformation_(std::move(transformation)), body_(body) {}
 
-  Transformation forward_;
-  Transformation inverse_;
-  double radians_;
+  std::shared_ptr<const Transformation> transformation_;
   Ellipsoid body_;
 };
 

@@ -61,30 +61,24 @@ std::string to_wkt(const OGRSpatialReference& crs) {
   return status == OGRERR_NONE ? wkt : "";
 }
 
-/// True where `site` has its origin at `center` of `crs`, both axes parallel and in metres.
-bool is_shift_of(OGRSpatialReference site, OGRSpatialReference crs, const MapPoint& center) {
-  site.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  const std::unique_ptr<OGRCoordinateTransformation> transformation(
-      OGRCreateCoordinateTransformation(&crs, &site));
-  if (!transformation) return false;
+/// True where `site` has its origin at `center` of `map`, both axes parallel and in metres.
+bool is_shift_of(const MapProjection& site, const MapProjection& map, const MapPoint& center,
+                 double metres_per_unit) {
   constexpr double kStep = 100;
   constexpr double kTolerance_m = 1e-3;  // the accuracy of inverse projections
-  double x[] = {center.x, center.x + kStep, center.x};
-  double y[] = {center.y, center.y, center.y + kStep};
-  if (!transformation->Transform(3, x, y)) return false;
-  const double step_m = kStep * crs.GetLinearUnits();
-  const double expected_x[] = {0, step_m, 0};
-  const double expected_y[] = {0, 0, step_m};
-  for (int i = 0; i < 3; ++i)
-    if (!(std::hypot(x[i] - expected_x[i], y[i] - expected_y[i]) < kTolerance_m)) return false;
+  const double step_m = kStep * metres_per_unit;
+  for (const auto& [steps_x, steps_y] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1)}) {
+    const MapPoint at = site.map_point(map.ground({center.x + steps_x * kStep, center.y + steps_y * kStep}));
+    if (!(std::hypot(at.x - steps_x * step_m, at.y - steps_y * step_m) < kTolerance_m)) return false;
+  }
   return true;
 }
 
 /// The same projection in metres with its false origin moved to the site centre; the local CRS where the
 /// projection has no false origin or PROJ refuses.
-std::string shifted_wkt(const OGRSpatialReference& crs, const MapPoint& center) {
-  if (!crs.IsProjected()) return kLocalSiteCrsWkt;
+std::string shifted_wkt(const OGRSpatialReference& crs, const std::optional<MapProjection>& projection,
+                        const MapPoint& center) {
+  if (!projection) return kLocalSiteCrsWkt;
   const double metres_per_unit = crs.GetLinearUnits();
   OGRSpatialReference site = crs;
   site.StripVertical();
@@ -97,9 +91,15 @@ std::string shifted_wkt(const OGRSpatialReference& crs, const MapPoint& center) 
   const std::string wkt = to_wkt(site);
   OGRSpatialReference read_back;
   if (wkt.empty() || read_back.importFromWkt(wkt.c_str()) != OGRERR_NONE) return kLocalSiteCrsWkt;
-  OGRSpatialReference horizontal = crs;
-  horizontal.StripVertical();
-  return is_shift_of(read_back, horizontal, center) ? wkt : kLocalSiteCrsWkt;
+  const std::optional<MapProjection> shifted = MapProjection::of(read_back);
+  const bool is_shifted = shifted && is_shift_of(*shifted, *projection, center, metres_per_unit);
+  return is_shifted ? wkt : kLocalSiteCrsWkt;
+}
+
+/// Longitude and latitude in the units of `geographic`, the longitude within half a turn.
+MapPoint lon_lat_of(const OGRSpatialReference& geographic, const LonLat& ground) {
+  const double radians = geographic.GetAngularUnits();
+  return {std::remainder(ground.lon_rad, 2 * std::numbers::pi) / radians, ground.lat_rad / radians};
 }
 
 std::string orthographic_wkt(const OGRSpatialReference& geographic, const MapPoint& center) {
@@ -117,8 +117,8 @@ RasterCover cover_of(const GeoTransform& transform, const RasterSize& size, doub
   const Eigen::Matrix2d pixels = transform.pixels_per_unit() / radians;
   if (pixels(0, 1) != 0 || pixels(1, 0) != 0) return cover;
   const double period = 2 * std::numbers::pi * std::abs(pixels(0, 0));
-  constexpr double kTolerance_px = 0.01;
-  const bool is_whole = std::abs(period - std::round(period)) < kTolerance_px;
+  constexpr double kWholePixel_px = 0.01;
+  const bool is_whole = std::abs(period - std::round(period)) < kWholePixel_px;
   const bool is_covered = static_cast<double>(size.cols) >= std::round(period);
   if (!is_whole || !is_covered) return cover;
   cover.period = std::llround(period);
@@ -127,7 +127,7 @@ RasterCover cover_of(const GeoTransform& transform, const RasterSize& size, doub
   const double pole = std::numbers::pi / 2;
   const double first = row_of(pixels(1, 1) < 0 ? pole : -pole);
   const double last = row_of(pixels(1, 1) < 0 ? -pole : pole);
-  const auto is_at = [](double row, double edge) { return std::abs(row - edge) < kTolerance_px; };
+  const auto is_at = [](double row, double edge) { return std::abs(row - edge) < kWholePixel_px; };
   const auto rows = static_cast<double>(size.rows);
   for (const double edge : {-0.5, 0.0})
     if (is_at(first, edge)) cover.first_pole = edge;
@@ -153,13 +153,10 @@ SiteFrame lon_lat_frame(const LonLatRaster& raster, const OGRSpatialReference& g
     throw FormatError(dem.path + ": the site centre's latitude " +
                       number_text(ground.lat_rad * 180 / std::numbers::pi) + " lies beyond a pole");
   const OrthographicFrame frame(raster.body, ground);
-  const double units = geographic.GetAngularUnits();
-  const MapPoint wrapped{std::remainder(ground.lon_rad, 2 * std::numbers::pi) / units,
-                         ground.lat_rad / units};
   const double posting_m =
       std::ranges::max(raster.transform.edges()) * raster.radians * raster.body.semi_major_m;
   return {SiteMapping(raster.transform, center, frame, raster.radians),
-          orthographic_wkt(geographic, wrapped),
+          orthographic_wkt(geographic, lon_lat_of(geographic, ground)),
           posting_m,
           cover_of(raster.transform, raster.size, raster.radians),
           {}};
@@ -221,9 +218,7 @@ class ProjectedSite {
       if (around > 0) point.x = middle.x + std::remainder(point.x - middle.x, around);  // across the seam
       return transform.pixel(point);
     };
-    const double units = geographic_->GetAngularUnits();
-    const MapPoint center{std::remainder(ground_.lon_rad, 2 * std::numbers::pi) / units,
-                          ground_.lat_rad / units};
+    const MapPoint center = lon_lat_of(*geographic_, ground_);
     SiteFrame site{SiteMapping(center_, frame, pixel_of), orthographic_wkt(*geographic_, center), 0, {}, {}};
     site.posting_m = site.mapping.posting_m();
     if (!(std::isfinite(site.posting_m) && site.posting_m > 0))
@@ -250,14 +245,15 @@ SiteFrame projected_frame(const Georeference& georeference, const GeoTransform& 
   if (!(std::isfinite(metres_per_unit) && metres_per_unit > 0))
     throw FormatError(dem.path + ": its CRS has no linear unit");
   std::vector<std::string> assumed;
-  if (auto projection = MapProjection::of(crs)) {
-    if (auto site = ProjectedSite(georeference, transform, dem, center, std::move(*projection)).frame())
+  const std::optional<MapProjection> projection = MapProjection::of(crs);
+  if (projection) {
+    if (auto site = ProjectedSite(georeference, transform, dem, center, *projection).frame())
       return std::move(*site);
   } else if (crs.IsProjected() != 0) {
     assumed.emplace_back("its map projection is not known: a scale of 1 is assumed at the site");
   }
   return {SiteMapping(transform, center, metres_per_unit),
-          shifted_wkt(crs, transform.map_point(center)),
+          shifted_wkt(crs, projection, transform.map_point(center)),
           std::ranges::min(transform.edges()) * metres_per_unit,
           {},
           std::move(assumed)};
