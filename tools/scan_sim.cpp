@@ -65,8 +65,9 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "Write a row per pixel and pulse, not only per return");
-  app.add_flag("--keep-echoes", o.keep_echoes,
-               "Write the echo of every pixel, from which --ranges-from draws the errors of a receiver anew");
+  app.add_flag(
+      "--keep-echoes", o.keep_echoes,
+      "Write the echoes of every pixel, from which --ranges-from draws the errors of a receiver anew");
   app.add_flag("--float32", o.float32, "Write coordinates and ranges in single precision");
   cli::bind_plan(app, o.plan);
 }
@@ -104,12 +105,12 @@ Scene scanned_scene(cli::Session& session, const Options& o, const RangeFile* ra
   return scene;
 }
 
-void require_one_echo(const Receiver& receiver) {
+void require_echoes_to_keep(const Receiver& receiver) {
   if (!receiver.sees_waveforms()) throw UsageError("--keep-echoes needs a receiver (/receiver/type)");
-  if (!receiver.needs_one_echo())
+  if (!receiver.hears_kept_echoes())
     throw UsageError(
-        "--keep-echoes keeps one echo for each pixel; /receiver/type geiger and /receiver/returns all need "
-        "more");
+        "--keep-echoes keeps the echoes of first, last and strongest; /receiver/type geiger and "
+        "/receiver/returns all need whole waveforms");
 }
 
 ExitCode run(cli::Session& session, const Options& o) {
@@ -125,7 +126,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   ScanModel model = scan_model(session.config(), session.config_name(), recording_table_loader(provenance));
   std::unique_ptr<RangeFile> ranges;
   if (!o.ranges_from.empty()) ranges = std::make_unique<RangeFile>(o.ranges_from);
-  if (o.keep_echoes) require_one_echo(model.lidar.receiver);
+  if (o.keep_echoes) require_echoes_to_keep(model.lidar.receiver);
   const Scene scene = scanned_scene(session, o, ranges.get(), model.lidar.range_errors.needs_incidence());
   session.count("engine", scene.engine_name);
   provenance.add_input("terrain", scene.file_id, scene.chain);

@@ -16,12 +16,12 @@ namespace {
 
 constexpr const char* kRange = name_of(&PointColumns::range_true);
 constexpr const char* kPixel = name_of(&PointColumns::pixel);
-constexpr std::array kEchoColumns = {&PointColumns::echo_signal, &PointColumns::echo_peak,
-                                     &PointColumns::echo_edge, &PointColumns::echo_width,
-                                     &PointColumns::echo_range};
+constexpr std::array kFirstEcho = {&PointColumns::echo_signal, &PointColumns::echo_peak,
+                                   &PointColumns::echo_edge, &PointColumns::echo_width,
+                                   &PointColumns::echo_range};
 constexpr std::array kEchoMembers = {&Echo::signal_pe, &Echo::peak, &Echo::edge_m, &Echo::width_m,
                                      &Echo::range_m};
-static_assert(kEchoColumns.size() == kEchoMembers.size());
+static_assert(kFirstEcho.size() == kEchoMembers.size());
 
 // What --ranges-from must find unchanged.
 constexpr std::array kRays = {"/detector", "/laser", "/scanner", "/mount", "/trajectory"};
@@ -147,7 +147,8 @@ RangeFile::RangeFile(const std::filesystem::path& path)
       range_and_pixel_(points_, {kRange, kPixel}),
       begin_and_count_(pulses_, {kBegin, kCount}),
       pulse_count_(pulses_.row_count(kBegin)) {
-  if (points_.has(name_of(&PointColumns::echo_range))) echoes_.emplace(points_, names_of(kEchoColumns));
+  if (points_.has(name_of(&PointColumns::echo_range))) echoes_.emplace(points_, names_of(kFirstEcho));
+  if (h5::exists(file_.root(), kEchoGroup)) later_echoes_.emplace(file_);
   if (pulse_count_ != pulses_.row_count(kCount))
     file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
   if (points_.row_count(kRange) != points_.row_count(kPixel))
@@ -190,7 +191,8 @@ void RangeFile::require_same_receiver(const nlohmann::json& config, const std::s
   require_same(config, kSignal, option);
   if (config["receiver"]["type"] == "geiger")
     refuse(option, "a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
-  if (!keeps_echoes())
+  const bool lacks_later = config["receiver"].value("returns", "first") == "first" && !later_echoes_;
+  if (!keeps_echoes() || lacks_later)
     refuse(option, "does not hold the echoes that its receiver saw; make it with --keep-echoes");
 }
 
@@ -252,7 +254,7 @@ bool RangeFile::PulseRows::hold_every_pixel(std::span<const std::int32_t> pixel,
 }
 
 std::vector<Echo> RangeFile::read_echoes(std::size_t first_row, std::size_t count) {
-  std::vector<std::vector<double>> columns(kEchoColumns.size(), std::vector<double>(count));
+  std::vector<std::vector<double>> columns(kFirstEcho.size(), std::vector<double>(count));
   std::vector<ColumnTarget> targets;
   for (std::vector<double>& column : columns) targets.emplace_back(std::span(column));
   echoes_->read(first_row, targets);
@@ -275,6 +277,7 @@ RecordedRanges RangeFile::read(PulseSpan pulses, std::size_t pixel_count) {
       file_.fail("/points/range_true[" + std::to_string(rows.begin.front() + static_cast<std::int64_t>(i)) +
                  "] is not a finite range >= 0");
   if (keeps_echoes()) found.echoes = read_echoes(static_cast<std::size_t>(rows.begin.front()), range.size());
+  if (later_echoes_) found.later = later_echoes_->read(pulses, pixel_count);
   if (rows.hold_every_pixel(pixel, pixel_count)) return found;
   return by_pixel(rows, found, pixel, pixel_count);
 }
@@ -285,6 +288,7 @@ RecordedRanges RangeFile::by_pixel(const PulseRows& rows, const RecordedRanges& 
   RecordedRanges result{
       std::vector<double>(rows.count.size() * pixel_count, std::numeric_limits<double>::quiet_NaN())};
   if (!found.echoes.empty()) result.echoes.resize(result.ranges_m.size());
+  result.later = found.later;
   for (std::size_t pulse = 0; pulse < rows.count.size(); ++pulse)
     for (std::int64_t i = 0; i < rows.count[pulse]; ++i) {
       const std::int64_t row = rows.begin[pulse] + i - first_row;

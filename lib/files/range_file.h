@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "files/landfall_file.h"
+#include "files/later_echo_reader.h"
 #include "files/provenance.h"
 #include "files/terrain_file.h"
 #include "hdf5/column_reader.h"
@@ -79,6 +80,7 @@ class RangeFile {
   ColumnReader range_and_pixel_;
   ColumnReader begin_and_count_;
   std::optional<ColumnReader> echoes_;
+  std::optional<LaterEchoReader> later_echoes_;
   std::size_t pulse_count_;
 };
 

@@ -115,6 +115,8 @@ ScanWriter::ScanWriter(LandfallFileWriter& file, const ScanFileOptions& options,
       options_(options),
       points_(file.root(), "points", specs_of(kPointColumns, options), file.compression()),
       pulses_(file.root(), "pulses", specs_of(kPulseColumns, {}), file.compression()) {
+  if (options.columns.later_echoes)
+    later_echoes_.emplace(file.root(), kEchoGroup, specs_of(kEchoColumns, {}), file.compression());
   write_crs(file.root(), crs_wkt);
 }
 
@@ -139,14 +141,18 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
   }
   const Chunks pulses = pulses_.take(rows_of(kPulseColumns, batch.pulses, {}));
   const Chunks points = points_.take(rows_of(kPointColumns, batch.points, options_.columns));
-  if (pulses.empty() && points.empty()) return {};
-  return {[this, pulses, points] {
+  Chunks echoes;
+  if (later_echoes_) echoes = later_echoes_->take(rows_of(kEchoColumns, batch.later_echoes, {}));
+  if (pulses.empty() && points.empty() && echoes.empty()) return {};
+  return {[this, pulses, points, echoes] {
             for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.encode(*chunk);
             for (const TableWriter::ChunkPtr& chunk : points) points_.encode(*chunk);
+            for (const TableWriter::ChunkPtr& chunk : echoes) later_echoes_->encode(*chunk);
           },
-          [this, pulses, points] {
+          [this, pulses, points, echoes] {
             for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.write(chunk);
             for (const TableWriter::ChunkPtr& chunk : points) points_.write(chunk);
+            for (const TableWriter::ChunkPtr& chunk : echoes) later_echoes_->write(chunk);
           }};
 }
 
@@ -163,6 +169,7 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   if (count(PointStatus::returned) + count(PointStatus::false_return) == 0) refuse_without_return();
   points_.finish();
   pulses_.finish();
+  if (later_echoes_) later_echoes_->finish();
   h5::write_attribute(points_.group(), "misses_kept", std::int64_t{options_.keep_misses ? 1 : 0});
   for (const PointStatusInfo& info : kPointStatuses)
     if (info.is_counted(options_.columns.intensity))
@@ -171,6 +178,7 @@ void ScanWriter::commit(const Detector& detector, std::span<const std::int8_t> d
   name_rows(file_.root(), "points", "point");
   name_rows(file_.root(), "pulses", "pulse");
   name_rows(file_.root(), "detector", "pixel");
+  if (later_echoes_ && later_echoes_->row_count() > 0) name_rows(file_.root(), kEchoGroup, "echo");
   file_.commit();
 }
 

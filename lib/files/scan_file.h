@@ -52,6 +52,7 @@ class ScanWriter {
   ScanFileOptions options_;
   TableWriter points_;
   TableWriter pulses_;
+  std::optional<TableWriter> later_echoes_;
   std::array<std::int64_t, kPointStatusCount> counts_{};
 };
 

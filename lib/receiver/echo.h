@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "returns/pulse_pixel.h"
+
 namespace landfall {
 
 /// One echo of a pixel: what a receiver must know of its waveform
@@ -24,6 +26,13 @@ struct Echo {
   /// of the maximum (leading_edge, peak), the crossing (constant_fraction) or the mean (centroid)
   double range_m = 0;
   friend bool operator==(const Echo&, const Echo&) = default;
+};
+
+/// An echo of a pixel behind its first one.
+struct LaterEcho {
+  PulsePixel where;  ///< number >= 1
+  Echo echo;
+  friend bool operator==(const LaterEcho&, const LaterEcho&) = default;
 };
 
 /// The sub-rays of the echoes of a pulse, in blocks of kBlock echoes side by side, as the timing's SIMD lanes

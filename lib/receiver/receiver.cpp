@@ -78,22 +78,29 @@ void Receiver::time(Waveforms& waveforms) const {
   time_echoes(waveforms.rays, timing_of(parameters_, sigma_m_), waveforms.echoes);
 }
 
-void Receiver::choose(const Waveforms& waveforms, std::span<Echo> chosen) const {
-  assert(needs_one_echo() && chosen.size() + 1 == waveforms.first_echo.size());
-  const auto is_detectable = [&](const Echo& echo) { return peak_pe(echo) >= parameters_.threshold_pe; };
-  for (std::size_t pixel = 0; pixel < chosen.size(); ++pixel) {
+const Echo& Receiver::chosen(std::span<const Echo> echoes) const {
+  const Echo* best = nullptr;
+  for (const Echo& echo : echoes) {
+    if (peak_pe(echo) < parameters_.threshold_pe) continue;
+    const bool better =
+        best == nullptr || parameters_.returns == ReportedReturns::last || echo.signal_pe > best->signal_pe;
+    if (better) best = &echo;
+  }
+  return best != nullptr ? *best : *std::ranges::max_element(echoes, {}, peak_pe);
+}
+
+void Receiver::keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::span<Echo> kept,
+                           std::vector<LaterEcho>& later) const {
+  assert(hears_kept_echoes() && kept.size() + 1 == waveforms.first_echo.size());
+  for (std::size_t pixel = 0; pixel < kept.size(); ++pixel) {
     const std::span<const Echo> echoes = waveforms.of(pixel);
-    chosen[pixel] = {};
+    kept[pixel] = {};
     if (echoes.empty()) continue;
-    const Echo* best = nullptr;
-    for (const Echo& echo : echoes) {
-      if (!is_detectable(echo)) continue;
-      const bool better =
-          best == nullptr || parameters_.returns == ReportedReturns::last ||
-          (parameters_.returns == ReportedReturns::strongest && echo.signal_pe > best->signal_pe);
-      if (better) best = &echo;
-    }
-    chosen[pixel] = best != nullptr ? *best : *std::ranges::max_element(echoes, {}, peak_pe);
+    kept[pixel] = hears_later_echoes() ? echoes.front() : chosen(echoes);
+    if (!hears_later_echoes()) continue;
+    for (std::size_t number = 1; number < echoes.size(); ++number)
+      later.push_back(
+          {{pulse, static_cast<std::int64_t>(pixel), static_cast<std::int64_t>(number)}, echoes[number]});
   }
 }
 
@@ -128,24 +135,33 @@ Reception Receiver::receive_echo(const Echo& echo, const PulsePixel& where) cons
   return receive_echo(echo, where, {count_.normal(where.i(), where.j()), time_.normal(where.i(), where.j())});
 }
 
-void Receiver::receive(std::int64_t pulse, std::span<const Echo> chosen, std::span<Reception> out) const {
-  assert(needs_one_echo() && chosen.size() == out.size());
+void Receiver::receive(std::int64_t pulse, std::span<const Echo> kept, std::span<const LaterEcho> later,
+                       std::span<Reception> out) const {
+  assert(hears_kept_echoes() && kept.size() == out.size());
+  receive_kept(pulse, kept, out);
+  for (const LaterEcho& echo : later) {
+    Reception& reception = out[static_cast<std::size_t>(echo.where.pixel)];
+    if (std::isnan(reception.range_m)) reception = receive_echo(echo.echo, echo.where);
+  }
+}
+
+void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std::span<Reception> out) const {
   if (!parameters_.photon_noise) {
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-      out[i] = receive_echo(chosen[i], {pulse, static_cast<std::int64_t>(i)}, {});
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      out[i] = receive_echo(kept[i], {pulse, static_cast<std::int64_t>(i)}, {});
     return;
   }
   constexpr std::size_t kAtOnce = 256;
   std::array<double, kAtOnce> counts;
   std::array<double, kAtOnce> times;
   const auto i = static_cast<std::uint64_t>(pulse);
-  for (std::size_t begin = 0; begin < chosen.size(); begin += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, chosen.size() - begin);
+  for (std::size_t begin = 0; begin < kept.size(); begin += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, kept.size() - begin);
     count_.normals(i, begin, std::span(counts).first(count));
     time_.normals(i, begin, std::span(times).first(count));
     for (std::size_t k = 0; k < count; ++k)
-      out[begin + k] = receive_echo(chosen[begin + k], {pulse, static_cast<std::int64_t>(begin + k)},
-                                    {counts[k], times[k]});
+      out[begin + k] =
+          receive_echo(kept[begin + k], {pulse, static_cast<std::int64_t>(begin + k)}, {counts[k], times[k]});
   }
 }
 

@@ -78,18 +78,19 @@ struct Waveforms {
 /// - peak, centroid: the maximum, the mean;
 ///
 /// and to each a normal error of the echo's width s times sqrt(n + 3.01 b s/sigma)/n: the Cramer-Rao bound of
-/// the time of a Gaussian signal without background, and of a weak one; between them up to 9 % below it. Of
-/// several echoes with N p >= threshold_pe a receiver that reports one reports the first, the last, or that
-/// of the largest N; without any such echo, that of the largest N p.
+/// the time of a Gaussian signal without background, and of a weak one; between them up to 9 % below it.
+/// `first` reports the first echo that is detected, as the first row of `all`. `last` and `strongest` choose
+/// one of the echoes with N p >= threshold_pe, the last or that of the largest N, before it is detected;
+/// without any such echo, that of the largest N p.
 ///
 /// geiger. Sub-ray j emits photoelectrons as an independent Poisson process of the mean e_j and the pulse's
 /// shape, the background one of constant rate over the gate, which does not limit the signal. The first
 /// photoelectron is timed; then the pixel is blind for dead_time_s, and of an echo that begins meanwhile
 /// nothing is seen. Of each echo only the first photoelectron counts. Its intensity is 1.
 ///
-/// Every draw is a function of (seed, cause, pulse, pixel, number of the echo); the number is 0 where one
-/// echo is chosen. The draws of geiger follow the sub-rays in the order of add_pixel() if all lie within one
-/// FWHM, else in the order of range.
+/// Every draw is a function of (seed, cause, pulse, pixel, number of the echo); the number is 0 for an echo
+/// that `last` or `strongest` chose. The draws of geiger follow the sub-rays in the order of add_pixel() if
+/// all lie within one FWHM, else in the order of range.
 class Receiver {
  public:
   Receiver() : Receiver({}, 0) {}
@@ -99,9 +100,13 @@ class Receiver {
   [[nodiscard]] ReceiverType type() const { return parameters_.type; }
   /// False: pixels report the ranges of their detector.
   [[nodiscard]] bool sees_waveforms() const { return parameters_.type != ReceiverType::none; }
-  /// False: the reception needs whole waveforms, not one echo for each pixel.
-  [[nodiscard]] bool needs_one_echo() const {
+  /// True: the reception follows from the echoes that keep_echoes() keeps. False: it needs whole waveforms.
+  [[nodiscard]] bool hears_kept_echoes() const {
     return parameters_.type != ReceiverType::geiger && parameters_.returns != ReportedReturns::all;
+  }
+  /// True: also from echoes behind a pixel's first one.
+  [[nodiscard]] bool hears_later_echoes() const {
+    return hears_kept_echoes() && sees_waveforms() && parameters_.returns == ReportedReturns::first;
   }
   [[nodiscard]] std::size_t most_returns() const {
     return parameters_.returns == ReportedReturns::all ? static_cast<std::size_t>(parameters_.most_returns)
@@ -113,11 +118,16 @@ class Receiver {
   void add_pixel(std::span<double> ranges_m, std::span<double> signals_pe, Waveforms& waveforms) const;
   /// Times the echoes of all pixels; call after the last add_pixel().
   void time(Waveforms& waveforms) const;
-  /// The echo that each pixel reports, without signal where it has none; needs_one_echo() must hold.
-  void choose(const Waveforms& waveforms, std::span<Echo> chosen) const;
+  /// What the pulse's reception must know; hears_kept_echoes() must hold. `kept`: of each pixel the first
+  /// echo, or that which `last` or `strongest` chooses, without signal where there is none. The echoes behind
+  /// the first ones are appended to `later`, in the order of pixel and number, where the receiver hears them.
+  void keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::span<Echo> kept,
+                   std::vector<LaterEcho>& later) const;
 
-  /// The reception of one echo for each pixel; needs_one_echo() must hold.
-  void receive(std::int64_t pulse, std::span<const Echo> chosen, std::span<Reception> out) const;
+  /// The reception of kept echoes, one for each pixel; hears_kept_echoes() must hold. `later`: those of this
+  /// pulse.
+  void receive(std::int64_t pulse, std::span<const Echo> kept, std::span<const LaterEcho> later,
+               std::span<Reception> out) const;
   /// The reception of whole waveforms: most_returns() for each pixel, those detected first.
   void receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const;
 
@@ -129,6 +139,8 @@ class Receiver {
   [[nodiscard]] Reception receive_echo(const Echo& echo, const PulsePixel& where,
                                        const PhotonDraw& draw) const;
   [[nodiscard]] Reception receive_echo(const Echo& echo, const PulsePixel& where) const;
+  [[nodiscard]] const Echo& chosen(std::span<const Echo> echoes) const;
+  void receive_kept(std::int64_t pulse, std::span<const Echo> kept, std::span<Reception> out) const;
   /// One sigma of the time of an echo in which so many photoelectrons of signal were counted.
   [[nodiscard]] double timing_sigma_m(const Echo& echo, double signal_pe) const;
   void receive_linear(PulsePixel where, std::span<const Echo> echoes, std::span<Reception> out) const;

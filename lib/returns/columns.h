@@ -10,8 +10,8 @@
 
 #include "returns/point_status.h"
 
-// The tables /points and /pulses of a scan. A new column needs only a member and its line in the declaration
-// below: simulation resizes and packs it, files write it, exports and landfall-info show it.
+// The tables /points, /pulses and /echoes of a scan. A new column needs only a member and its line in the
+// declaration below: simulation resizes and packs it, files write it, exports and landfall-info show it.
 
 namespace landfall {
 
@@ -30,6 +30,7 @@ struct OptionalColumns {
   bool intensity = false;
   bool return_number = false;
   bool echo = false;
+  bool later_echoes = false;  ///< the table EchoColumns
 
   [[nodiscard]] constexpr bool has(ColumnGroup group) const {
     return group == ColumnGroup::always || (group == ColumnGroup::intensity && intensity) ||
@@ -124,6 +125,28 @@ inline constexpr std::tuple kPointColumns = {
     Column{"echo_range", &PointColumns::echo_range, "m", "range of the echo's timing point",
            ErrorEffect::unchanged, ColumnGroup::echo}};
 
+/// One row per echo behind a pixel's first one, ordered by pulse, pixel, number; the members of Echo.
+struct EchoColumns {
+  std::vector<std::int32_t> pulse;
+  std::vector<std::int32_t> pixel;
+  std::vector<std::int32_t> number;
+  std::vector<double> signal, peak, edge, width, range;
+
+  [[nodiscard]] std::size_t size() const { return pulse.size(); }
+  friend bool operator==(const EchoColumns&, const EchoColumns&) = default;
+};
+
+inline constexpr const char* kEchoGroup = "echoes";
+inline constexpr std::tuple kEchoColumns = {
+    Column{"pulse", &EchoColumns::pulse, "1", "row in /pulses"},
+    Column{"pixel", &EchoColumns::pixel, "1", "row * columns + column on the detector"},
+    Column{"number", &EchoColumns::number, "1", "number of the pixel's echo, 1 for the second"},
+    Column{"signal", &EchoColumns::signal, "1", "mean photoelectrons of the echo"},
+    Column{"peak", &EchoColumns::peak, "1", "maximum of the echo's waveform over that of an unstretched one"},
+    Column{"edge", &EchoColumns::edge, "m", "standard deviation of the echo's leading edge"},
+    Column{"width", &EchoColumns::width, "m", "standard deviation of the echo's waveform"},
+    Column{"range", &EchoColumns::range, "m", "range of the echo's timing point"}};
+
 /// The estimated position of a return, then its true position: x, y, z each. Finite in every return.
 inline constexpr std::array kCoordinates = {&PointColumns::x_est,  &PointColumns::y_est,
                                             &PointColumns::z_est,  &PointColumns::x_true,
@@ -174,6 +197,8 @@ template <class Table, class T>
   };
   if constexpr (std::is_same_v<Table, PointColumns>) {
     for_each_column(kPointColumns, compare);
+  } else if constexpr (std::is_same_v<Table, EchoColumns>) {
+    for_each_column(kEchoColumns, compare);
   } else {
     for_each_column(kPulseColumns, compare);
   }
@@ -182,6 +207,7 @@ template <class Table, class T>
 
 // Fails if a member has no line in its declaration.
 static_assert(sizeof(PointColumns) == std::tuple_size_v<decltype(kPointColumns)> * sizeof(std::vector<int>));
+static_assert(sizeof(EchoColumns) == std::tuple_size_v<decltype(kEchoColumns)> * sizeof(std::vector<int>));
 static_assert(sizeof(PulseColumns) == std::tuple_size_v<decltype(kPulseColumns)> * sizeof(std::vector<int>));
 
 }  // namespace landfall

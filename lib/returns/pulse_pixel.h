@@ -12,6 +12,8 @@ struct PulsePixel {
   std::int64_t pixel = 0;
   std::int64_t number = 0;
 
+  friend bool operator==(const PulsePixel&, const PulsePixel&) = default;
+
   /// Indices of the measurement's draws in a RandomField: i, j. The first returns of a pulse's pixels have
   /// consecutive j.
   [[nodiscard]] std::uint64_t i() const { return static_cast<std::uint64_t>(pulse); }

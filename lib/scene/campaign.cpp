@@ -53,6 +53,7 @@ CampaignTruth read_truth(const RangeFile& scan, const ProgressCallback& progress
     const auto row = first * static_cast<std::int64_t>(pixels);
     std::ranges::copy(piece.ranges_m, truth.ranges_m.begin() + row);
     std::ranges::copy(piece.echoes, truth.echoes.begin() + row);
+    truth.later.insert(truth.later.end(), piece.later.begin(), piece.later.end());
     report(progress, static_cast<double>(first) / static_cast<double>(pulses));
   }
   return truth;
@@ -91,8 +92,8 @@ Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const Draw
   at_path(config.name() + ": /eval/",
           [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
   runner_ = std::make_unique<DrawRunner>(
-      CampaignScene{{truth_.ranges_m, truth_.echoes}, *scene_.surface, grid, region_}, config.has_layers(),
-      device);
+      CampaignScene{{truth_.ranges_m, truth_.echoes, truth_.later}, *scene_.surface, grid, region_},
+      config.has_layers(), device);
   if (device && device->on_failure == DeviceFailure::throws) require_device(span);
   if (config.predicted())
     z_sigma_abs_ = predicted_sigma(runner_->scene(), setup_of(config.stages(), 0).scan, *config.predicted());

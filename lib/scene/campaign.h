@@ -21,6 +21,7 @@ namespace landfall {
 struct CampaignTruth {
   std::vector<double, LargeAllocator<double>> ranges_m;
   std::vector<Echo, LargeAllocator<Echo>> echoes;  ///< empty unless the scan keeps them
+  std::vector<LaterEcho> later;                    ///< those behind the first of a pixel, ordered
 };
 
 /// The draws first .. end - 1.

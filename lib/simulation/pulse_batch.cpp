@@ -13,6 +13,8 @@ void PulseBatch::resize(std::size_t pulse_count, std::size_t rows_per_pulse, Poi
     (points.*column.rows).resize(wanted ? pulse_count * rows_per_pulse : 0);
   });
   for_each_column(kPulseColumns, [&](const auto& column) { (pulses.*column.rows).resize(pulse_count); });
+  for_each_column(kEchoColumns, [&](const auto& column) { (later_echoes.*column.rows).clear(); });
+  keeps_later_echoes = optional.later_echoes;
 }
 
 std::array<std::int64_t, kPointStatusCount> PulseBatch::status_counts() const {

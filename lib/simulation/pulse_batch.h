@@ -22,6 +22,8 @@ struct PulseBatch {
 
   PointColumns points;
   PulseColumns pulses;
+  EchoColumns later_echoes;  ///< those of the pulses filled so far, if they are kept
+  bool keeps_later_echoes = false;
 
   /// Makes room for every pixel of every pulse. Values are not initialised: the caller fills all rows.
   /// `rows_per_pulse`: pixels times the most returns of one.

@@ -92,7 +92,7 @@ void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBa
   steer_to_trace(pulse, workspace);
   make_rays(pulse, workspace);
   trace(workspace.rays, workspace.hits_m);
-  take_hits(workspace);
+  take_hits(pulse.time.pulse, workspace);
   record(pulse, slot, batch, workspace);
 }
 
@@ -117,7 +117,7 @@ void PulseSimulator::simulate_together(std::span<const PulseInput> pulses, std::
     const auto end = next + static_cast<std::ptrdiff_t>(w.rays.size());
     w.hits_m.assign(next, end);
     next = end;
-    take_hits(w);
+    take_hits(pulses[i].time.pulse, w);
     record(pulses[i], first_slot + i, batch, w);
   }
 }
@@ -138,6 +138,9 @@ void PulseSimulator::take_truth(const PulseInput& pulse, const TrueRanges& truth
   steer(pulse, workspace);
   workspace.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
   workspace.echoes.assign(truth.echoes.begin(), truth.echoes.end());
+  const auto later = std::ranges::equal_range(truth.later, pulse.time.pulse, {},
+                                              [](const LaterEcho& echo) { return echo.where.pulse; });
+  workspace.later_echoes.assign(later.begin(), later.end());
 }
 
 Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
@@ -220,15 +223,16 @@ void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_
   if (!rays.empty()) engine_->first_hits(rays, hits_m);
 }
 
-void PulseSimulator::take_hits(PulseWorkspace& workspace) const {
+void PulseSimulator::take_hits(std::int64_t pulse, PulseWorkspace& workspace) const {
   PulseWorkspace& w = workspace;
   const bool sees_waveforms = lidar_.receiver.sees_waveforms();
   w.ranges_m.assign(w.beams.size(), kNan);
-  w.echoes.assign(sees_waveforms && lidar_.receiver.needs_one_echo() ? w.beams.size() : 0, {});
+  w.echoes.assign(sees_waveforms && lidar_.receiver.hears_kept_echoes() ? w.beams.size() : 0, {});
+  w.later_echoes.clear();
   if (w.state.blanked) return;
   const std::span<const Beam> beams = traced_beams(w);
   if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
-  if (sees_waveforms) return see(w, beams);
+  if (sees_waveforms) return see(pulse, w, beams);
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
   for (std::size_t i = 0; i < w.beams.size(); ++i)
     if (!w.beams[i].lost)
@@ -237,7 +241,7 @@ void PulseSimulator::take_hits(PulseWorkspace& workspace) const {
 }
 
 /// The pixels' own rays follow those of all samples, unless a pixel has a single sample.
-void PulseSimulator::see(PulseWorkspace& workspace, std::span<const Beam> beams) const {
+void PulseSimulator::see(std::int64_t pulse, PulseWorkspace& workspace, std::span<const Beam> beams) const {
   PulseWorkspace& w = workspace;
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
   const std::size_t first_own = beams.size() - w.beams.size();
@@ -251,7 +255,8 @@ void PulseSimulator::see(PulseWorkspace& workspace, std::span<const Beam> beams)
                               std::span(w.signals_pe).subspan(i * per_pixel, seen), w.waveforms);
   }
   lidar_.receiver.time(w.waveforms);
-  if (lidar_.receiver.needs_one_echo()) lidar_.receiver.choose(w.waveforms, w.echoes);
+  if (lidar_.receiver.hears_kept_echoes())
+    lidar_.receiver.keep_echoes(pulse, w.waveforms, w.echoes, w.later_echoes);
 }
 
 void PulseSimulator::find_signals(PulseWorkspace& workspace, std::span<const Beam> samples) const {
@@ -379,8 +384,8 @@ void PulseSimulator::receive(const PulseInput& pulse, PulseWorkspace& workspace)
   w.receptions.resize(rows_per_pulse());
   w.reported_m.resize(w.beams.size());
   if (w.state.blanked) return;
-  if (receiver.needs_one_echo()) {
-    receiver.receive(pulse.time.pulse, w.echoes, w.receptions);
+  if (receiver.hears_kept_echoes()) {
+    receiver.receive(pulse.time.pulse, w.echoes, w.later_echoes, w.receptions);
   } else {
     receiver.receive(pulse.time.pulse, w.waveforms, w.receptions);
   }
@@ -394,6 +399,7 @@ void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatc
   measure(pulse, workspace);
   const std::size_t first_row = slot * rows;
   record_estimate(pulse, first_row, batch.points, workspace);
+  if (batch.keeps_later_echoes) record_later_echoes(batch.later_echoes, workspace);
   if (!batch.points.holds_truth()) return;
   record_truth(pulse, first_row, batch.points, workspace);
   if (batch.points.holds_echoes()) record_echoes(first_row, batch.points, workspace);
@@ -409,6 +415,19 @@ void PulseSimulator::record_echoes(std::size_t first_row, PointColumns& out,
     out.echo_edge[row] = echo.edge_m;
     out.echo_width[row] = echo.width_m;
     out.echo_range[row] = echo.range_m;
+  }
+}
+
+void PulseSimulator::record_later_echoes(EchoColumns& out, const PulseWorkspace& workspace) {
+  for (const auto& [where, echo] : workspace.later_echoes) {
+    out.pulse.push_back(static_cast<std::int32_t>(where.pulse));
+    out.pixel.push_back(static_cast<std::int32_t>(where.pixel));
+    out.number.push_back(static_cast<std::int32_t>(where.number));
+    out.signal.push_back(echo.signal_pe);
+    out.peak.push_back(echo.peak);
+    out.edge.push_back(echo.edge_m);
+    out.width.push_back(echo.width_m);
+    out.range.push_back(echo.range_m);
   }
 }
 

@@ -50,13 +50,14 @@ struct PulseInput {
   Pose nominal{};   ///< the pose that the pattern aims from
 };
 
-/// What an earlier run saw: one for each pixel.
+/// What an earlier run saw: one range and echo for each pixel.
 struct TrueRanges {
-  std::span<const double> ranges_m;  ///< NaN for a miss
-  std::span<const Echo> echoes{};    ///< empty unless the receiver sees waveforms
+  std::span<const double> ranges_m;    ///< NaN for a miss
+  std::span<const Echo> echoes{};      ///< empty unless the receiver sees waveforms
+  std::span<const LaterEcho> later{};  ///< ordered by pulse, pixel, number; also those of other pulses
 
   [[nodiscard]] TrueRanges part(std::size_t first, std::size_t count) const {
-    return {ranges_m.subspan(first, count), echoes.empty() ? echoes : echoes.subspan(first, count)};
+    return {ranges_m.subspan(first, count), echoes.empty() ? echoes : echoes.subspan(first, count), later};
   }
 };
 
@@ -75,7 +76,8 @@ struct PulseWorkspace {
   std::vector<Eigen::Vector3d> hit_directions;
   std::vector<double> cosines;  ///< of their incidence angles; NaN on the edge of a hole
   Waveforms waveforms;
-  std::vector<Echo> echoes;           ///< one for each pixel; empty unless the receiver needs one echo
+  std::vector<Echo> echoes;  ///< one for each pixel; empty unless the receiver hears kept echoes
+  std::vector<LaterEcho> later_echoes;
   std::vector<Reception> receptions;  ///< by pixel, then return; empty without a receiver
   std::vector<double> reported_m;     ///< the ranges of one return of each pixel, before range errors
   std::vector<double> measured_m;     ///< by return, then pixel
@@ -122,7 +124,8 @@ class PulseSimulator {
   [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
     return {.intensity = lidar_.receiver.sees_waveforms(),
             .return_number = lidar_.receiver.most_returns() > 1,
-            .echo = keep_echoes};
+            .echo = keep_echoes,
+            .later_echoes = keep_echoes && lidar_.receiver.hears_later_echoes()};
   }
 
   /// Fills pulse `slot` of `batch`, which has been resized to rows_per_pulse(); the truth only where
@@ -140,7 +143,7 @@ class PulseSimulator {
                          std::span<PulseWorkspace> workspaces) const;
 
   /// simulate() without tracing: the true ranges come from an earlier run, one per pixel, NaN for a miss, and
-  /// so do the echoes if the receiver sees waveforms; it must then need one echo.
+  /// so do the echoes if the receiver sees waveforms; it must then hear kept echoes.
   void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
               PulseWorkspace& workspace) const;
   /// The part of replay() before any error is drawn: fills state, beams, ranges and echoes of the workspace,
@@ -160,8 +163,8 @@ class PulseSimulator {
   void make_rays(const PulseInput& pulse, PulseWorkspace& workspace) const;
   void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
   /// Takes what the rays hit.
-  void take_hits(PulseWorkspace& workspace) const;
-  void see(PulseWorkspace& workspace, std::span<const Beam> beams) const;
+  void take_hits(std::int64_t pulse, PulseWorkspace& workspace) const;
+  void see(std::int64_t pulse, PulseWorkspace& workspace, std::span<const Beam> beams) const;
   void find_signals(PulseWorkspace& workspace, std::span<const Beam> beams) const;
   /// As steer(). From below the ground a scanner cannot aim at it: then that is the reason of the refusal.
   void steer_to_trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
@@ -175,6 +178,7 @@ class PulseSimulator {
   void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                     const PulseWorkspace& workspace) const;
   static void record_echoes(std::size_t first_row, PointColumns& out, const PulseWorkspace& workspace);
+  static void record_later_echoes(EchoColumns& out, const PulseWorkspace& workspace);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
   /// What the receiver reports for a pixel.
   struct Report {

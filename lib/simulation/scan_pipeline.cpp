@@ -73,8 +73,9 @@ class ScanPipeline {
     passage.batch = pool_.take();
     try {
       if (replay_.ranges) {
-        simulation_.replay(passage.pulses, {passage.truth.ranges_m, passage.truth.echoes}, *passage.batch,
-                           replay_.content, replay_.keep_echoes);
+        simulation_.replay(passage.pulses,
+                           {passage.truth.ranges_m, passage.truth.echoes, passage.truth.later},
+                           *passage.batch, replay_.content, replay_.keep_echoes);
       } else {
         simulation_.simulate(passage.pulses, *passage.batch, replay_.keep_echoes);
       }

@@ -15,6 +15,7 @@ namespace landfall {
 struct RecordedRanges {
   std::vector<double> ranges_m;
   std::vector<Echo> echoes{};
+  std::vector<LaterEcho> later{};
 };
 using RangeSource = std::function<RecordedRanges(PulseSpan pulses)>;
 

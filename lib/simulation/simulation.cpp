@@ -130,7 +130,7 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
   const std::size_t pixels = pixel_count();
   const auto count = static_cast<std::size_t>(pulses.count);
   const Receiver& receiver = simulator_.lidar().receiver;
-  if (!receiver.needs_one_echo())
+  if (!receiver.hears_kept_echoes())
     throw UsageError(
         "receiver: " + std::string(receiver.type() == ReceiverType::geiger ? "type geiger" : "returns all") +
         " needs the whole waveforms, which no scan keeps; trace the rays");

@@ -288,6 +288,42 @@ class Draws(ReceiverTest):
         self.succeed(*self.replay(lossless, "--seed", 8, "--keep-misses"))
         self.assertEqual(read_bytes(self.path("replayed.h5")), read_bytes(self.path("traced.h5")))
 
+    def test_the_first_return_is_the_first_row_of_all(self):
+        for kind in LINEAR:
+            config = self.rich(kind, threshold_pe=25)
+            first = self.scan(config, self.chain.terrain, "--keep-misses", "--keep-echoes")
+            with h5py.File(self.path("scan.h5")) as file:
+                echoes = {name: file["echoes"][name][()] for name in file["echoes"]}
+            key = echoes["pulse"].astype(np.int64) * first["pixel"].max() * 2 + echoes["pixel"]
+            self.assertGreater(len(key), 50)
+            self.assertTrue((np.diff(key) >= 0).all())
+            self.assertTrue((echoes["number"][np.diff(key, prepend=-1) > 0] == 1).all())
+            every = self.scan({**config, "receiver": {**config["receiver"], "returns": "all"}}, self.chain.terrain, "--keep-misses")
+            begins = np.flatnonzero(every["return_number"] <= 1)
+            self.assertEqual(len(begins), len(first["pixel"]))
+            for name in ("status", "intensity", "range_measured", "x_est", "pulse", "pixel"):
+                np.testing.assert_array_equal(first[name], every[name][begins], name)
+            far = (first["status"] == RETURN) & (first["range_measured"] > first["echo_range"] + 0.1)
+            self.assertGreater(np.count_nonzero(far), 3, "some first echo was too weak, and the next one was reported")
+
+    def test_a_replay_refuses_echoes_out_of_order(self):
+        config = self.rich("peak")
+        for change in ("order", "pixel", "number", "table"):
+            self.scan(config, self.chain.terrain, "--keep-misses", "--keep-echoes", output="source.h5")
+            with h5py.File(self.path("source.h5"), "r+") as file:
+                echoes = file["echoes"]
+                if change == "order":
+                    echoes["pulse"][:] = echoes["pulse"][()][::-1]
+                elif change == "table":
+                    del file["echoes"]
+                else:
+                    echoes[change][0] = -1 if change == "pixel" else 0
+            if change == "table":
+                self.refuse(2, *self.replay(config), words=["--keep-echoes"], output=self.path("replayed.h5"))
+            else:
+                self.refuse(1, *self.replay(config), words=["/echoes row 0" if change != "order" else "/echoes row"],
+                            output=self.path("replayed.h5"))
+
     def test_kept_echoes_change_no_other_column(self):
         config = self.rich("leading_edge")
         plain = self.scan(config, self.chain.terrain, "--keep-misses")

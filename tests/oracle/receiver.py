@@ -115,7 +115,7 @@ class Receiver:
         doubtful = echoes.doubtful | (abs(echoes.height / c["threshold_pe"] - 1) < 2e-6)
         for where, begin, end in pixels:
             owner[begin:end] = where
-            if c["returns"] == "all":
+            if c["returns"] in ("first", "all"):  # the first detected of all is the first
                 number[begin:end] = np.arange(end - begin)
                 chosen += range(begin, end)
             elif end > begin:
@@ -146,12 +146,12 @@ class Receiver:
         return chord
 
     def choice(self, begin, seen, echoes, end):
-        """The echo that a receiver reports which reports one."""
+        """The echo that `last` or `strongest` reports, if it is detected."""
         if not len(seen):
             return begin + int(np.argmax(echoes.height[begin:end]))
         if self.c["returns"] == "strongest":
             return int(seen[np.argmax(echoes.signal[seen])])
-        return int(seen[-1 if self.c["returns"] == "last" else 0])
+        return int(seen[-1])
 
     def received(self, echoes, at, edge, owner, number, rows):
         """Ranges and counts of the chosen echoes; NaN for those that are not detected."""

@@ -38,10 +38,11 @@ std::vector<Reception> received(const ReceiverParameters& parameters, const Pixe
   const Receiver receiver(parameters, seed);
   const Waveforms waveforms = seen(receiver, count, pixel);
   std::vector<Reception> receptions(count * receiver.most_returns());
-  if (receiver.needs_one_echo()) {
-    std::vector<Echo> chosen(count);
-    receiver.choose(waveforms, chosen);
-    receiver.receive(0, chosen, receptions);
+  if (receiver.hears_kept_echoes()) {
+    std::vector<Echo> kept(count);
+    std::vector<LaterEcho> later;
+    receiver.keep_echoes(0, waveforms, kept, later);
+    receiver.receive(0, kept, later, receptions);
   } else {
     receiver.receive(0, waveforms, receptions);
   }
@@ -181,6 +182,27 @@ TEST(Receiver, TimesAreAsGoodAsTheCramerRaoBoundWithAnyBackground) {
       EXPECT_GT(deviation, 0.9 * bound) << background << ' ' << apart;
       EXPECT_LT(deviation, 1.02 * bound) << background << ' ' << apart;
     }
+  }
+}
+
+/// Whatever the photoelectrons of the echoes before it: here each is near the threshold.
+TEST(Receiver, TheFirstReturnIsTheFirstRowOfAll) {
+  const Pixel weak{{500, 503, 506, 509}, {17, 23, 12, 40}};
+  for (const ReceiverType type : {ReceiverType::leading_edge, ReceiverType::constant_fraction,
+                                  ReceiverType::peak, ReceiverType::centroid}) {
+    ReceiverParameters parameters{.type = type, .background_pe = 100};
+    const std::vector<Reception> first = received(parameters, weak, 500);
+    parameters.returns = ReportedReturns::all;
+    const std::vector<Reception> all = received(parameters, weak, 500);
+    const std::size_t most = all.size() / first.size();
+    std::vector<std::size_t> from_echo(4);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      ASSERT_FALSE(std::isnan(first[i].range_m)) << i;
+      EXPECT_EQ(first[i].range_m, all[most * i].range_m) << i;
+      EXPECT_EQ(first[i].intensity_pe, all[most * i].intensity_pe) << i;
+      ++from_echo.at(static_cast<std::size_t>(std::lround((first[i].range_m - 500) / 3)));
+    }
+    for (const std::size_t count : from_echo) EXPECT_GT(count, 0U);
   }
 }
 

@@ -218,27 +218,53 @@ TEST(ReceiverScan, TheTimerComesLast) {
   EXPECT_NEAR(range_m / step_m, std::round(range_m / step_m), 1e-6);
 }
 
+/// What a file keeps: the echoes of pixels in order, those behind the first ones as LaterEcho.
+std::vector<LaterEcho> later_echoes(const EchoColumns& rows) {
+  std::vector<LaterEcho> echoes;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    echoes.push_back({{rows.pulse[i], rows.pixel[i], rows.number[i]},
+                      {rows.signal[i], rows.peak[i], rows.edge[i], rows.width[i], rows.range[i]}});
+  return echoes;
+}
+
+/// Steps within an echo, and of two echoes that are both near the threshold.
 TEST(ReceiverScan, ReplayOfEchoesEqualsTheTrace) {
-  const Step ground(0.1);
-  Instrument instrument{.receiver = {.type = ReceiverType::leading_edge},
-                        .pixels = 5,
-                        .subpixels = 3,
-                        .errors = {.range_sigma_m = 0.01},
-                        .timer = {.jitter_sigma_s = 1e-11}};
-  const PulseSimulator simulator(lidar_of(instrument), &ground, &ground);
-  OptionalColumns columns = simulator.columns();
-  columns.echo = true;
-  PulseBatch traced;
-  traced.resize(1, 5, PointContent::all, columns);
-  PulseWorkspace workspace;
-  const PulseInput pulse{.time = {4, 0}, .truth = kAt500m, .estimate = kAt500m, .nominal = kAt500m};
-  simulator.simulate(pulse, 0, traced, workspace);
-  const std::vector<Echo> echoes = workspace.echoes;
-  PulseBatch replayed;
-  replayed.resize(1, 5, PointContent::all, columns);
-  PulseWorkspace fresh;
-  simulator.replay(pulse, {traced.points.range_true, echoes}, 0, replayed, fresh);
-  EXPECT_EQ(replayed.points, traced.points);
+  for (const double height_m : {0.1, 1.0}) {
+    const Step ground(height_m);
+    Instrument instrument{.receiver = {.type = ReceiverType::leading_edge, .threshold_pe = 200},
+                          .pixels = 5,
+                          .subpixels = 4,
+                          .errors = {.range_sigma_m = 0.01},
+                          .timer = {.jitter_sigma_s = 1e-11}};
+    const PulseSimulator simulator(lidar_of(instrument), &ground, &ground);
+    const OptionalColumns columns = simulator.columns(true);
+    PulseBatch traced;
+    traced.resize(20, 5, PointContent::all, columns);
+    PulseWorkspace workspace;
+    const auto pulse_at = [](std::int64_t pulse) {
+      return PulseInput{.time = {pulse, 0}, .truth = kAt500m, .estimate = kAt500m, .nominal = kAt500m};
+    };
+    std::vector<Echo> echoes;
+    for (std::size_t slot = 0; slot < 20; ++slot) {
+      simulator.simulate(pulse_at(static_cast<std::int64_t>(slot)), slot, traced, workspace);
+      echoes.insert(echoes.end(), workspace.echoes.begin(), workspace.echoes.end());
+    }
+    const std::vector<LaterEcho> later = later_echoes(traced.later_echoes);
+    EXPECT_EQ(later.size(), height_m > 0.5 ? 20U : 0U);
+    PulseBatch replayed;
+    replayed.resize(20, 5, PointContent::all, columns);
+    PulseWorkspace fresh;
+    const TrueRanges truth{traced.points.range_true, echoes, later};
+    for (std::size_t slot = 0; slot < 20; ++slot)
+      simulator.replay(pulse_at(static_cast<std::int64_t>(slot)), truth.part(5 * slot, 5), slot, replayed,
+                       fresh);
+    EXPECT_EQ(replayed.points.status, traced.points.status);
+    EXPECT_EQ(replayed.points.range_true, traced.points.range_true);
+    for (const auto column : {&PointColumns::range_measured, &PointColumns::x_est, &PointColumns::z_est})
+      EXPECT_THAT(replayed.points.*column,
+                  testing::Pointwise(testing::NanSensitiveDoubleEq(), traced.points.*column));
+    EXPECT_EQ(replayed.later_echoes, traced.later_echoes);
+  }
 }
 
 TEST(ReceiverScan, PulsesTracedTogetherAreThoseTracedAlone) {
