@@ -77,6 +77,8 @@ double quantisation_factor(double count) {
 
 double misfit_factor(double count) { return 0.41 + 0.175 / count; }
 
+double crowding_factor(double relative_count) { return std::pow(std::max(0.6, relative_count), 1.2); }
+
 double largest_chance_ratio(double freedom) {
   constexpr double kQuantile = 2.3263478740408408;  // of the standard normal distribution
   const double variance = 2 / (9 * freedom);
@@ -112,6 +114,7 @@ UncertaintyMap::UncertaintyMap(const WeightedMeanAccumulator& bins, const Moment
     const double returns = window_sum(freedom, bin);
     roughness_.at(bin) =
         returns > 0 ? static_cast<float>(std::max(0.0, window_sum(scatter, bin) / returns)) : 0.0F;
+    if (misfit_.at(bin) > 0) misfit_.at(bin) *= static_cast<float>(crowding_factor(relative_count(bin)));
   };
   for_each_filled_bin(bins_, pool, [&](double done) { report(progress, 0.5 + done / 2); });
 }
@@ -177,6 +180,17 @@ double UncertaintyMap::scatter_about_slope(BinIndex bin) const {
   const double plane = gx * gx * (m.w_dx_dx / w - dx * dx) + 2 * gx * gy * (m.w_dx_dy / w - dx * dy) +
                        gy * gy * (m.w_dy_dy / w - dy * dy);
   return zz - 2 * along + plane;
+}
+
+double UncertaintyMap::relative_count(BinIndex bin) const {
+  double count = 0;
+  double filled = 0;
+  for_each_in_window(bins_.spec(), bin, kRoughnessRadius, [&](BinIndex other) {
+    const auto returns = static_cast<double>(bins_.bins()[bins_.spec().index(other)].count);
+    count += returns;
+    filled += returns > 0 ? 1 : 0;
+  });
+  return static_cast<double>(bins_.bins()[bins_.spec().index(bin)].count) * filled / count;
 }
 
 /// The returns of one bin scatter by (1 - sum w_k^2) of the variance of a single return, including noise. The

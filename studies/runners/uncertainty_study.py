@@ -42,6 +42,8 @@ SCENES = {
 }
 COUNTS = range(1, 8)
 SLOPES = {"below 0.1": (0, 0.1), "0.1-0.7": (0.1, 0.7), "above 0.7": (0.7, math.inf)}  # of the true terrain
+FLANK = "above 0.7"
+FLANK_COUNTS = {"1": (1, 1), "2-3": (2, 3), "4-6": (4, 6), "7+": (7, math.inf)}
 # The elevation and its sigma.
 PRODUCTS = {"noise": [("z_est", "z_sigma_rel"), ("z_corrected", "z_corrected_sigma_rel")],
             "navigation": [("z_est", "z_sigma_abs"), ("z_corrected", "z_corrected_sigma_abs")]}
@@ -93,8 +95,8 @@ class Tally:
 
     def __init__(self):
         # {(count, slope): (n, z, z^2, |z| <= 1, |z| <= 2)}
-        self.sums = {key: np.zeros(5) for key in [*((count, "all") for count in [*COUNTS, "all"]),
-                                                  *(("all", slope) for slope in SLOPES)]}
+        self.sums = {key: np.zeros(5) for key in [*((count, "all") for count in [*COUNTS, "all"]), *(("all", slope) for slope in SLOPES),
+                                                  *((count, FLANK) for count in FLANK_COUNTS)]}
 
     def add(self, z, count, slope):
         finite = np.isfinite(z)
@@ -105,6 +107,8 @@ class Tally:
             self.sums[number, "all"] += terms[:, count == number].sum(1)
         for name, (low, high) in SLOPES.items():
             self.sums["all", name] += terms[:, (slope >= low) & (slope < high)].sum(1)
+        for name, (low, high) in FLANK_COUNTS.items():
+            self.sums[name, FLANK] += terms[:, (slope >= SLOPES[FLANK][0]) & (count >= low) & (count <= high)].sum(1)
 
     def merge(self, other):
         for key, sums in other.sums.items():
@@ -242,7 +246,7 @@ def draw_shares(axis, rows, sigmas):
     low, high = LIMITS[sigmas]
     axis.axhspan(100 * low, 100 * high, color="0.87", lw=0, label="limits")
     for elevation, style in STYLES.items():
-        chosen = [row for row in rows if row["elevation"] == elevation and row["count"] != "all"]
+        chosen = [row for row in rows if row["elevation"] == elevation and row["count"] != "all" and row["slope"] == "all"]
         axis.plot([int(row["count"]) for row in chosen], [100 * float(row[f"within_{sigmas}"]) for row in chosen],
                   lw=1, label=elevation, **style)
     axis.set_ylim(*SHOWN[sigmas])

@@ -88,7 +88,8 @@ class Bins:
         allowed = noise * ((1 - unit + NormalDist().inv_cdf(0.99) * unit ** 0.5) ** 3 - 1)
         if abs(excess - allowed) < 1e-6 * allowed:
             return None
-        return excess * (0.41 + 0.175 / len(b["w"])) if excess > allowed else 0
+        crowded = len(b["w"]) / np.mean([len(other["w"]) for other, _, _ in self.window(cell, 3)])
+        return excess * (0.41 + 0.175 / len(b["w"])) * max(0.6, crowded)**1.2 if excess > allowed else 0
 
     def add_pose_and_noise(self, cell, b):
         """Adds the pose at the mean time, and the range noise and excess variance of this bin alone."""

@@ -166,9 +166,13 @@ class Uncertainty:
         excess = np.where(self.bins_of_plane > 3, self.misfit * self.bins_of_plane / freedom - by_chance, 0)
         unit = 2 / (9 * freedom)
         allowed = by_chance * ((1 - unit + NormalDist().inv_cdf(0.99) * np.sqrt(unit))**3 - 1)
+        count = self.layers["count"].astype(float)
+        around = windows(np.where(count > 0, count, np.nan), 3)
+        filled = np.isfinite(around).sum(-1)
         with np.errstate(invalid="ignore", divide="ignore"):
             self.near_limit[abs(excess / allowed - 1) < 1e-6] = 1
-            return np.where(excess > allowed, excess, 0) * (0.41 + 0.175 / self.layers["count"])
+            crowding = np.maximum(0.6, count * filled / np.nan_to_num(around).sum(-1))**1.2
+            return np.where(excess > allowed, excess, 0) * (0.41 + 0.175 / count) * crowding
 
     def doubtful(self):
         """Bins that use a window for which rounding decides whether its scatter suffices for a plane, or near one in which it

@@ -172,6 +172,17 @@ class UncertaintyOracle : public testing::Test {
     return excess > noise * (largest_chance_ratio(freedom) - 1) ? excess : 0;
   }
 
+  [[nodiscard]] double relative_count(BinIndex middle) const {
+    double returns = 0;
+    double filled = 0;
+    for (const auto& [at, bin] : oracle_) {
+      if (std::abs(at.first - middle.row) > 3 || std::abs(at.second - middle.col) > 3) continue;
+      returns += bin.count;
+      ++filled;
+    }
+    return oracle_.at({middle.row, middle.col}).count / (returns / filled);
+  }
+
   WeightedMeanAccumulator bins_ = accumulated(kSpec, returns());
   MomentAccumulator moments_{kSpec};
   Grid<Slope> slopes_ = slopes();
@@ -198,7 +209,8 @@ TEST_F(UncertaintyOracle, EveryBinAsItIsDefined) {
     const double quant =
         expected.J.head<2>().squaredNorm() * 0.01 * quantisation_factor(expected.count) / expected.count;
     const double roughness_here = roughness(bin) * expected.w_w;
-    const double misfit_here = misfit(bin) * misfit_factor(expected.count);
+    const double misfit_here =
+        misfit(bin) * misfit_factor(expected.count) * std::pow(std::max(0.6, relative_count(bin)), 1.2);
     const double navigation = expected.navigation(expected.J);
     uneven += misfit_here > 0 ? 1U : 0U;
     rough += roughness_here > 1e-5 ? 1U : 0U;
