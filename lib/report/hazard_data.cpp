@@ -100,8 +100,10 @@ class Layers {
       layer.quantity = "p_safe";
       add(std::move(layer), *map.p_safe);
     }
-    ReportLayer touchdown{"p_touchdown", "Probability of a safe touchdown", "", Style::probability,
-                          Rule::least};
+    ReportLayer touchdown{"p_touchdown",
+                          map.p_safe ? "Probability of a safe touchdown"
+                                     : "Share of touchdowns that meet places judged safe, no probability",
+                          "", Style::probability, Rule::least};
     touchdown.quantity = "p_touchdown";
     add(std::move(touchdown), map.p_touchdown);
     ReportLayer cost{"cost", "Cost", "", Style::magnitude, Rule::largest};

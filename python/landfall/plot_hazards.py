@@ -135,8 +135,8 @@ def draw_probability(ax, hazards):
     values = hazards.layers[name]
     shown = maps.reduced(ax, values, reduction.shrink_least)
     scale = scales.Scale("magnitude", 0.0, 1.0, scales.extremes(values), scales.extremes(shown), "", base="")
-    what = "the place is safe" if name == "p_safe" else "a touchdown aimed here is safe"
-    frame(ax, hazards, f"probability that {what}, and landing sites")
+    what = "probability that the place is safe" if name == "p_safe" else "share of touchdowns that meet places judged safe"
+    frame(ax, hazards, f"{what}, and landing sites")
     maps.draw_values(ax, hazards.grid, values, scale, name, reduction.shrink_least)
     maps.draw_scale_marks(ax)
     maps.note(ax, scale.range_text(), maps.blocks_note(ax, values.shape, "smallest"))
@@ -160,7 +160,8 @@ def draw_sites(ax, hazards):
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
         if row < MOST_LISTED:
-            text = f"cost {sites['cost'][row]:.4f}, p_touchdown {sites['p_touchdown'][row]:.4f}" + (", true hazard" if wrong else "")
+            known = "" if hazards.layers["p_safe"] is None else f", p_touchdown {sites['p_touchdown'][row]:.4f}"
+            text = f"cost {sites['cost'][row]:.4f}{known}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
     if count > MOST_LISTED:
         handles.append(Line2D([], [], linestyle="none", label=f"and {count - MOST_LISTED} more sites"))

@@ -244,7 +244,7 @@ class HazardReportTest(PageTest):
         self.assertEqual(self.shown_maps(), ["safe", "p_touchdown", "cost", "distance_to_hazard", "slope", "roughness", "z_est"])
         self.assertIsNone(self.text("#score"))
         self.assertIsNone(self.text("#outcomes"))
-        self.assertEqual([len(row) for row in self.cells("#landing-sites")], [8] * len(sites))
+        self.assertEqual([len(row) for row in self.cells("#landing-sites")], [7] * len(sites))
         self.check_page()
 
     def test_truth_without_p_safe(self):

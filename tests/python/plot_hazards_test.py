@@ -168,8 +168,9 @@ class LimitTest(HazardsTest):
 
 class SitesTest(HazardsTest):
     def test_numbers_and_costs_of_the_sites_and_the_divert_circle(self):
-        ax = self.draw()["probability"]
-        sites = harness.columns(self.chain.hazards, "sites")
+        path = self.made("--set", "z_sigma_m=0.02")
+        ax = self.draw(path)["probability"]
+        sites = harness.columns(path, "sites")
         self.assertGreater(sites["rank"].size, 1)
         places = [(line.get_xdata()[0], line.get_ydata()[0]) for line in ax.lines if line.get_gid() == "site"]
         self.assertEqual(places, list(zip(sites["x"], sites["y"])))
@@ -177,6 +178,8 @@ class SitesTest(HazardsTest):
         listed = [f"{rank}: cost {cost:.4f}, p_touchdown {p:.4f}" + ("" if true else ", true hazard") for rank, cost, p, true
                   in zip(*(sites[name] for name in ("rank", "cost", "p_touchdown", "true_safe")))]
         self.assertEqual(self.legend(ax), [*listed, "divert radius 3 m"])
+        without = self.legend(self.draw()["probability"])
+        self.assertFalse([text for text in without if "p_touchdown" in text], "without a 1-sigma there is no probability")
         circle = next(patch for patch in ax.patches if patch.get_gid() == "divert")
         self.assertEqual((circle.center, circle.radius), ((0, 0), 3))
 

@@ -83,8 +83,8 @@ function probability(value) {
 function siteTable(sites) {
   const hasTruth = report.score !== null, hasP = layerNamed("p_safe") !== null;
   const columns = [["no.", ({rank}) => [String(rank), rank]], ["x (m)", ({x_m}) => [formatNumber(x_m, 0.01), x_m]],
-                   ["y (m)", ({y_m}) => [formatNumber(y_m, 0.01), y_m]], ["cost", ({cost}) => probability(cost)], ["p_touchdown", ({p_touchdown}) => probability(p_touchdown)],
-                   ...(hasP ? [["p_safe", ({p_safe}) => probability(p_safe)]] : []),
+                   ["y (m)", ({y_m}) => [formatNumber(y_m, 0.01), y_m]], ["cost", ({cost}) => probability(cost)],
+                   ...(hasP ? [["p_touchdown", ({p_touchdown}) => probability(p_touchdown)], ["p_safe", ({p_safe}) => probability(p_safe)]] : []),
                    ["slope (deg)", ({slope_deg}) => [formatNumber(slope_deg, 0.01), slope_deg]],
                    ["roughness (cm)", ({roughness_m}) => centimetresOf(roughness_m)],
                    ["hazard at (m)", ({distance_to_hazard_m: d}) => [formatNumber(d, 0.01), d ?? 1e300]]];
