@@ -12,6 +12,7 @@
 #include "files/number_table.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
+#include "scene/redraw.h"
 #include "scene/scene.h"
 #include "simulation/scan_pipeline.h"
 
@@ -130,7 +131,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   const Scene scene = scanned_scene(session, o, ranges.get(), model.lidar.range_errors.needs_incidence());
   session.count("engine", scene.engine_name);
   provenance.add_input("terrain", scene.file_id, scene.chain);
-  if (ranges) ranges->require_match(provenance);
+  if (ranges) require_redraw(*ranges, provenance);
   LandfallFileWriter file(output, "scan", provenance);
   std::unique_ptr<const AlbedoMap> albedo;
   if (uses_albedo_map(session.config()) && !ranges) albedo = open_albedo(o.terrain);
@@ -139,7 +140,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   if (ranges)
     replay.ranges = [&](PulseSpan pulses) { return ranges->read(pulses, simulation.pixel_count()); };
   ScanWriter writer(file, {o.keep_misses, o.float32, simulation.columns(o.keep_echoes)}, scene.crs_wkt);
-  const bool same_rows = ranges && ranges->has_rows_of(session.config(), o.keep_misses);
+  const bool same_rows = ranges && has_rows_of(*ranges, session.config(), o.keep_misses);
   if (same_rows && writer.copy_truth(ranges->points())) replay.content = PointContent::estimate;
   const double scan_s = session.phase(ranges ? "replay" : "trace", [&](const ProgressCallback& progress) {
     run_scan(

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "config/config_path.h"
 #include "config/hazard_config.h"
+#include "config/key_effects.h"
 #include "config/scan_config.h"
 #include "config/schema.h"
 #include "config/uncertainty_config.h"
@@ -75,29 +76,15 @@ KeyPath split_key(const std::string& key) {
 
 /// Why a key cannot vary on the same rays, grid and region; empty if it can.
 std::string fixed_because(const std::string& key) {
-  static constexpr std::array kRays = {"scan.detector.",
-                                       "scan.laser.",
-                                       "scan.scanner.",
-                                       "scan.mount.",
-                                       "scan.trajectory.",
-                                       "scan.pointing_error.misalignment_rpy_rad",
-                                       "scan.pointing_error.jitter_",
-                                       "scan.pointing_error.mirror_time_"};
-  for (const char* const prefix : kRays)
-    if (key.starts_with(prefix))
+  if (key == "scan.seed") return "is set by the number of the draw";
+  if (const auto& [stage, pointer] = split_key(key); stage == "scan") {
+    const std::optional<KeyEffect> effect = effect_of(pointer.to_string());
+    if (effect == KeyEffect::beam)
       return "changes the rays, and only errors are drawn anew; trace a scan for each value "
              "(docs/user/studies)";
-  static constexpr std::array kEchoes = {"scan.beam.",
-                                         "scan.surface.",
-                                         "scan.link.",
-                                         "scan.receiver.pulse_fwhm_s",
-                                         "scan.receiver.threshold_pe",
-                                         "scan.receiver.fraction",
-                                         "scan.receiver.max_returns"};
-  for (const char* const prefix : kEchoes)
-    if (key.starts_with(prefix))
+    if (effect == KeyEffect::echo)
       return "changes the echoes that the scan keeps; trace a scan for each value (docs/user/studies)";
-  if (key == "scan.seed") return "is set by the number of the draw";
+  }
   static constexpr std::array kGrid = {"regrid.half_width_m", "regrid.resolution_m", "eval.region"};
   for (const char* const prefix : kGrid)
     if (key.starts_with(prefix)) return "changes the bins that are judged, and all draws share them";

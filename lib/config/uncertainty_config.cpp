@@ -16,6 +16,7 @@
 #include "base/number_text.h"
 #include "config/config_path.h"
 #include "config/json_values.h"
+#include "config/key_effects.h"
 
 namespace landfall {
 namespace {
@@ -63,6 +64,14 @@ bool is_on(const Json& config, const std::string& where, const std::vector<Json>
          std::ranges::find(off, config.at(pointer)) == off.end();
 }
 
+/// The keys of a scan's configuration that are on and whose error this sigma covers.
+std::vector<std::string> errors_of(const Json& config, CoveringSigma sigma) {
+  std::vector<std::string> errors;
+  for (const EffectiveKey& key : keys_in_effect(config))
+    if (key.sigma == sigma) errors.push_back(key.pointer);
+  return errors;
+}
+
 /// The white errors of the timer beside the range noise: jitter, and rounding to steps, uniform over one.
 double with_timer(double range_sigma_m, const Json& config) {
   const double jitter_m =
@@ -80,10 +89,9 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   for (const ScanOrigin& scan : scans) {
     std::optional<double> sigma = number_at(scan.config, kWhere);
     if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not state its range noise" + remedy);
-    for (const char* const where : {"/noise/range_sigma_per_m", "/noise/incidence_sigma_rad"})
-      if (is_on(scan.config, where, {0}))
-        throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" + where +
-                         ")" + remedy);
+    for (const std::string& where : errors_of(scan.config, CoveringSigma::given))
+      throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" + where +
+                       ")" + remedy);
     if (is_on(scan.config, "/receiver/type", {"none"}))
       throw UsageError("--uncertainty: " + scan.name +
                        " has range noise that follows the signal (/receiver/type)" + remedy);
@@ -96,25 +104,13 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   return common.value_or(0);
 }
 
-/// The parts of a scan's configuration that give it a navigation or pointing error, beside the keys of
-/// kNavigationKeys.
+/// The navigation and pointing errors beside the keys of kNavigationKeys.
 std::vector<std::string> other_navigation_errors(const Json& config) {
-  const Json none = {0, 0, 0};
-  std::vector<std::string> errors;
-  for (const auto& [where, off] : std::initializer_list<std::pair<const char*, std::vector<Json>>>{
-           {"/navigation_error/random_walk/position_m_per_sqrt_s", {none}},
-           {"/navigation_error/random_walk/velocity_mps_per_sqrt_s", {none}},
-           {"/navigation_error/random_walk/rpy_rad_per_sqrt_s", {none}},
-           {"/navigation_error/gauss_markov/position_sigma_m", {none}},
-           {"/navigation_error/gauss_markov/velocity_sigma_mps", {none}},
-           {"/navigation_error/gauss_markov/rpy_sigma_rad", {none}},
-           {"/navigation_error/table", {}},
-           {"/pointing_error/misalignment_rpy_rad", {none}},
-           {"/pointing_error/jitter_sigma_rad", {0, {0, 0}}},
-           {"/pointing_error/time_stamp_bias_s", {0}},
-           {"/pointing_error/time_stamp_sigma_s", {0}},
-           {"/scanner/encoder_sigma_rad", {0}}})
-    if (is_on(config, where, off)) errors.emplace_back(where);
+  std::vector<std::string> errors = errors_of(config, CoveringSigma::navigation);
+  std::erase_if(errors, [](const std::string& where) {
+    return std::ranges::any_of(
+        kNavigationKeys, [&](const char* key) { return where == std::string("/navigation_error/") + key; });
+  });
   return errors;
 }
 
@@ -153,31 +149,24 @@ std::vector<std::string> navigation_left_out(const NavigationSigma& sigma, const
   return errors;
 }
 
+/// Whether a key that is on makes an error, beside the other keys.
+bool matters(const std::string& where, const Json& config) {
+  const auto is = [&](const char* other, const Json& value) {
+    const Json::json_pointer pointer(other);
+    return config.contains(pointer) && config.at(pointer) == value;
+  };
+  if (where == "/pointing_error/jitter_time_s")
+    return is_on(config, "/pointing_error/jitter_sigma_rad", {0, {0, 0}});
+  if (where == "/detector/estimator")
+    return is_on(config, "/detector/subpixels", {1}) && is("/detector/estimator", "first");
+  if (where.starts_with("/scanner/facet_tilt_")) return !is("/scanner/facet_tilt_known", true);
+  return true;
+}
+
 /// Errors that are not random, or follow no normal distribution.
 std::vector<std::string> never_covered(const Json& config) {
-  std::vector<std::string> errors;
-  for (const char* const where :
-       {"/noise/range_bias_m", "/noise/false_return_frac", "/pointing_error/mirror_time_bias_s",
-        "/pointing_error/mirror_time_sigma_s", "/receiver/pixel_offset_sigma_m", "/receiver/clock_scale_ppm"})
-    if (is_on(config, where, {0})) errors.emplace_back(where);
-  if (is_on(config, "/pointing_error/jitter_time_s", {0}) &&
-      is_on(config, "/pointing_error/jitter_sigma_rad", {0, {0, 0}}))
-    errors.emplace_back("/pointing_error/jitter_time_s");
-  if (is_on(config, "/receiver/pixel_offset_table", {})) errors.emplace_back("/receiver/pixel_offset_table");
-  if (is_on(config, "/receiver/type", {"none"})) errors.emplace_back("/receiver/type");
-  static const Json::json_pointer kEstimator("/detector/estimator");
-  if (is_on(config, "/detector/subpixels", {1}) && config.contains(kEstimator) &&
-      config.at(kEstimator) == "first")
-    errors.emplace_back("/detector/estimator");
-  if (is_on(config, "/scanner/tof_lag", {false})) errors.emplace_back("/scanner/tof_lag");
-  if (is_on(config, "/scanner/encoder_harmonics", {Json::array()}))
-    errors.emplace_back("/scanner/encoder_harmonics");
-  if (!is_on(config, "/scanner/facet_tilt_known", {false})) {
-    if (is_on(config, "/scanner/facet_tilt_rad", {Json::array()}))
-      errors.emplace_back("/scanner/facet_tilt_rad");
-    if (is_on(config, "/scanner/facet_tilt_sigma_rad", {0}))
-      errors.emplace_back("/scanner/facet_tilt_sigma_rad");
-  }
+  std::vector<std::string> errors = errors_of(config, CoveringSigma::never);
+  std::erase_if(errors, [&](const std::string& where) { return !matters(where, config); });
   return errors;
 }
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "base/abbreviated.h"
 #include "base/error.h"
 #include "files/crs.h"
 #include "returns/columns.h"
@@ -23,17 +22,6 @@ constexpr std::array kEchoMembers = {&Echo::signal_pe, &Echo::peak, &Echo::edge_
                                      &Echo::range_m};
 static_assert(kFirstEcho.size() == kEchoMembers.size());
 
-// What --ranges-from must find unchanged.
-constexpr std::array kRays = {"/detector", "/laser", "/scanner", "/mount", "/trajectory"};
-constexpr std::array kTruePointing = {"/pointing_error/misalignment_rpy_rad",
-                                      "/pointing_error/jitter_sigma_rad", "/pointing_error/jitter_time_s",
-                                      "/pointing_error/mirror_time_bias_s",
-                                      "/pointing_error/mirror_time_sigma_s"};
-/// Shape the echoes or choose the one that is reported.
-constexpr std::array kEcho = {"/receiver/type",     "/receiver/pulse_fwhm_s", "/receiver/threshold_pe",
-                              "/receiver/fraction", "/receiver/returns",      "/receiver/max_returns"};
-constexpr std::array kSignal = {"/beam", "/surface", "/link"};
-
 constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
 constexpr const char* kCount = name_of(&PulseColumns::point_count);
 
@@ -41,101 +29,6 @@ std::vector<std::string> names_of(const auto& members) {
   std::vector<std::string> names;
   for (const auto member : members) names.emplace_back(name_of(member));
   return names;
-}
-
-/// The value at a path such as /noise/dropout_frac, null if it does not exist: a foreign file's configuration
-/// may have any structure.
-nlohmann::json value_at(const nlohmann::json& config, const std::string& path) {
-  const nlohmann::json::json_pointer where(path);
-  return config.contains(where) ? config.at(where) : nlohmann::json();
-}
-
-/// A key whose values differ; a value is null where there is none.
-struct Difference {
-  std::string where;  ///< "/detector/rows"
-  nlohmann::json theirs;
-  nlohmann::json ours;
-
-  [[nodiscard]] std::string text() const {
-    const auto shown = [](const nlohmann::json& value) {
-      return value.is_null() ? std::string("none") : abbreviated(value.dump());
-    };
-    return where + " differs: " + shown(theirs) + " in the scan, " + shown(ours) + " in this configuration";
-  }
-};
-
-std::optional<Difference> first_difference(const nlohmann::json& theirs, const nlohmann::json& ours,
-                                           const std::string& where) {
-  if (theirs == ours) return std::nullopt;
-  if (!theirs.is_object() || !ours.is_object()) return Difference{where, theirs, ours};
-  for (const auto& [key, value] : theirs.items())
-    if (auto inner = first_difference(value, ours.value(key, nlohmann::json()), where + "/" + key))
-      return inner;
-  for (const auto& [key, value] : ours.items())
-    if (!theirs.contains(key)) return Difference{where + "/" + key, nullptr, value};
-  return std::nullopt;
-}
-
-/// What differs first below these paths; empty if nothing does.
-std::string difference_text(const nlohmann::json& theirs, const nlohmann::json& ours,
-                            std::span<const char* const> paths) {
-  for (const char* const where : paths)
-    if (const auto found = first_difference(value_at(theirs, where), value_at(ours, where), where))
-      return found->text();
-  return {};
-}
-
-bool has_receiver(const nlohmann::json& config) {
-  const nlohmann::json type = value_at(config, "/receiver/type");
-  return !type.is_null() && type != "none";
-}
-
-/// True if the configuration drops no pixel that hit.
-bool loses_nothing(const nlohmann::json& config) {
-  const nlohmann::json noise = config.value("noise", nlohmann::json::object());
-  const auto is_zero = [&](const char* key) {
-    return noise.is_object() && noise.contains(key) && noise[key] == 0;
-  };
-  return is_zero("dropout_frac") && is_zero("dead_pixel_frac") && !has_receiver(config);
-}
-
-bool has_false_returns(const nlohmann::json& config) {
-  const nlohmann::json share = value_at(config, "/noise/false_return_frac");
-  return !share.is_null() && share != 0;
-}
-
-/// The key with a nonzero value that makes the true beams depend on the seed; empty if there is none.
-std::string seed_moves_beams_by(const nlohmann::json& config) {
-  const nlohmann::json::json_pointer jitter("/pointing_error/jitter_sigma_rad");
-  const nlohmann::json sigma = config.value(jitter, nlohmann::json(0));
-  if (sigma != 0 && sigma != nlohmann::json({0, 0})) return jitter.to_string();
-  for (const char* const where : {"/pointing_error/mirror_time_sigma_s", "/scanner/facet_tilt_sigma_rad"})
-    if (config.value(nlohmann::json::json_pointer(where), 0.0) != 0) return where;
-  // The encoder error of an fsm affects only the estimate, but that of prisms affects the true beam.
-  const nlohmann::json::json_pointer encoder("/scanner/encoder_sigma_rad");
-  if (config.value(nlohmann::json::json_pointer("/scanner/type"), "") == "risley" &&
-      config.value(encoder, 0.0) != 0)
-    return encoder.to_string();
-  return {};
-}
-
-/// The reason why the lidars' true pointing differs; empty if it does not.
-std::string turned_beams_differ(const nlohmann::json& theirs, const nlohmann::json& ours) {
-  if (std::string text = difference_text(theirs, ours, kTruePointing); !text.empty()) return text;
-  const std::string key = seed_moves_beams_by(ours);
-  if (key.empty()) return {};
-  const std::string text = difference_text(theirs, ours, std::array{"/seed"});
-  return text.empty() ? "" : text + "; the true beams follow it by " + key;
-}
-
-/// The input files that determine the true ranges.
-nlohmann::json inputs_of_truth(const nlohmann::json& inputs) {
-  nlohmann::json kept = nlohmann::json::array();
-  for (const nlohmann::json& input : inputs) {
-    const std::string role = input.value("role", "");
-    if (role != "navigation" && role != "offsets") kept.push_back(input);
-  }
-  return kept;
 }
 
 }  // namespace
@@ -155,65 +48,13 @@ RangeFile::RangeFile(const std::filesystem::path& path)
     file_.fail("/points/range_true and /points/pixel differ in length");
 }
 
-void RangeFile::refuse(const std::string& option, const std::string& why) const {
-  throw UsageError(option + file_.name() + ": " + why);
-}
-
-void RangeFile::require_match(const Provenance& provenance, const std::string& option) const {
-  const nlohmann::json& theirs = file_.config();
-  if (!theirs.is_object() || file_.chain().empty()) refuse(option, "does not say how it was made");
-  const nlohmann::json& step = file_.chain().back();
-  if (step.value("version", "") != program_version())
-    refuse(option, "made by version " + step.value("version", "?") + ", this is " + program_version());
-  require_same(provenance.config, kRays, option);
-  const std::string turned = turned_beams_differ(theirs, provenance.config);
-  if (!turned.empty()) refuse(option, turned);
-  require_same_receiver(provenance.config, option);
-  if (inputs_of_truth(step.value("inputs", nlohmann::json())) !=
-      inputs_of_truth(provenance.as_step().at("inputs")))
-    refuse(option, "its terrain or a table (trajectory, pixels, ...) differs from this run's");
-  require_complete_ranges(option);
-}
-
-void RangeFile::require_same(const nlohmann::json& config, std::span<const char* const> paths,
-                             const std::string& option) const {
-  const std::string text = difference_text(file_.config(), config, paths);
-  if (!text.empty()) refuse(option, text);
-}
-
-void RangeFile::require_same_receiver(const nlohmann::json& config, const std::string& option) const {
-  if (points_.has(name_of(&PointColumns::return_number)))
-    refuse(option,
-           "has several returns per pixel (/receiver/returns all), of which no single echo can be drawn "
-           "anew");
-  require_same(config, kEcho, option);
-  if (!has_receiver(config)) return;
-  require_same(config, kSignal, option);
-  if (config["receiver"]["type"] == "geiger")
-    refuse(option, "a Geiger-mode receiver needs the whole waveforms, which no scan keeps; trace the rays");
-  const bool lacks_later = config["receiver"].value("returns", "first") == "first" && !later_echoes_;
-  if (!keeps_echoes() || lacks_later)
-    refuse(option, "does not hold the echoes that its receiver saw; make it with --keep-echoes");
-}
-
-void RangeFile::require_complete_ranges(const std::string& option) const {
-  if (!loses_nothing(file_.config()) && !misses_kept())
-    refuse(option,
-           "the ranges of its dropped, dead and undetected pixels are missing; make it with "
-           "--keep-misses, or with /noise/dropout_frac and /noise/dead_pixel_frac 0 and no receiver");
-  if (points_.element_size(kRange) != sizeof(double))
-    refuse(option, "its ranges are in single precision (--float32)");
-}
-
-bool RangeFile::misses_kept() const {
+bool RangeFile::keeps_misses() const {
   return h5::read_number_attribute(points_.group(), "misses_kept").value_or(0) == 1;
 }
 
-bool RangeFile::has_rows_of(const nlohmann::json& config, bool keep_misses) const {
-  if (keep_misses != misses_kept()) return false;
-  if (has_false_returns(config) || has_false_returns(file_.config())) return false;
-  return keep_misses || (loses_nothing(config) && loses_nothing(file_.config()));
-}
+bool RangeFile::has_several_returns() const { return points_.has(name_of(&PointColumns::return_number)); }
+
+bool RangeFile::has_exact_ranges() const { return points_.element_size(kRange) == sizeof(double); }
 
 TerrainIdentity RangeFile::terrain() const {
   TerrainIdentity terrain{read_crs(file_.root())};

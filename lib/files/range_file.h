@@ -11,7 +11,6 @@
 
 #include "files/landfall_file.h"
 #include "files/later_echo_reader.h"
-#include "files/provenance.h"
 #include "files/terrain_file.h"
 #include "hdf5/column_reader.h"
 #include "hdf5/table.h"
@@ -25,17 +24,6 @@ class RangeFile {
   /// Throws FormatError unless it is a complete scan.
   explicit RangeFile(const std::filesystem::path& path);
 
-  /// Throws UsageError, naming the key and both values, unless the scan was made by this version with the
-  /// same detector, laser, scanner, mount, trajectory (including the bytes of its table), rotation of the
-  /// true beams and terrain as in `provenance`, and holds the true range of every pixel that hit, in double
-  /// precision: made with --keep-misses, or with neither dropouts, dead pixels nor a receiver. With a
-  /// receiver also the beam, the surface, the link and what shapes and chooses the echoes must be the same,
-  /// and the echoes kept. `option` begins the message.
-  void require_match(const Provenance& provenance, const std::string& option = "--ranges-from ") const;
-
-  /// True if a scan with these errors has rows for the same pixels and pulses, with the same truth: both
-  /// scans keep their misses, or neither loses a pixel that hit; and neither has false returns.
-  [[nodiscard]] bool has_rows_of(const nlohmann::json& config, bool keep_misses) const;
   [[nodiscard]] const TableReader& points() const { return points_; }
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
   [[nodiscard]] std::size_t pulse_count() const { return pulse_count_; }
@@ -45,6 +33,14 @@ class RangeFile {
 
   /// True if the scan was made with --keep-echoes.
   [[nodiscard]] bool keeps_echoes() const { return echoes_.has_value(); }
+  /// True if it keeps also those behind the first ones.
+  [[nodiscard]] bool keeps_later_echoes() const { return later_echoes_.has_value(); }
+  /// True if it has a row for every pixel and pulse (--keep-misses).
+  [[nodiscard]] bool keeps_misses() const;
+  /// True if a pixel has a row for each return (/receiver/returns all).
+  [[nodiscard]] bool has_several_returns() const;
+  /// False if its ranges are in single precision (--float32).
+  [[nodiscard]] bool has_exact_ranges() const;
   /// The true ranges, one per pixel and pulse, NaN for a miss, and the echoes if the scan keeps them; fastest
   /// if read in order. Throws FormatError if the file's rows are inconsistent, or a range is infinite or
   /// negative.
@@ -61,18 +57,11 @@ class RangeFile {
     [[nodiscard]] bool hold_every_pixel(std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   };
 
-  [[noreturn]] void refuse(const std::string& option, const std::string& why) const;
-  /// Refuses a configuration with other values below these paths.
-  void require_same(const nlohmann::json& config, std::span<const char* const> paths,
-                    const std::string& option) const;
-  void require_same_receiver(const nlohmann::json& config, const std::string& option) const;
-  void require_complete_ranges(const std::string& option) const;
   [[nodiscard]] PulseRows rows_of(PulseSpan pulses, std::int64_t most);
   /// Sorts from row order to pixel order.
   [[nodiscard]] RecordedRanges by_pixel(const PulseRows& rows, const RecordedRanges& found,
                                         std::span<const std::int32_t> pixel, std::size_t pixel_count) const;
   [[nodiscard]] std::vector<Echo> read_echoes(std::size_t first_row, std::size_t count);
-  [[nodiscard]] bool misses_kept() const;
 
   LandfallFileReader file_;
   TableReader points_;

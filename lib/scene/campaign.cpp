@@ -11,6 +11,7 @@
 #include "evaluation/evaluate.h"
 #include "files/evaluation_file.h"
 #include "files/number_table.h"
+#include "scene/redraw.h"
 
 namespace landfall {
 namespace {
@@ -29,7 +30,7 @@ void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsCon
   Provenance provenance = scan_provenance(config.stages().scan, scene);
   const auto check = [&](std::int64_t draw) {
     provenance.config = config.stages(draw).scan;
-    scan.require_match(provenance, "");
+    require_redraw(scan, provenance, "");
   };
   try {
     for (const std::int64_t draw : config.deciding_draws(span.first, span.end)) check(draw);

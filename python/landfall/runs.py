@@ -16,16 +16,13 @@ import tempfile
 import threading
 import weakref
 
-from landfall import command, files, schema, tools
+from landfall import command, files, scan_keys, schema, tools
 from landfall.errors import DataError, ToolError, UsageError
 from landfall.study import results, stages
 from landfall.study.model import read_config
 
 STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
 TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
-# Of a scan with a receiver: what its stored echoes depend on (docs/user/scan-sim.md).
-ECHO_SECTIONS = ("beam", "surface", "link", "receiver")
-ECHO_KEYS = ("type", "pulse_fwhm_s", "threshold_pe", "fraction", "returns", "max_returns")
 REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; others, as of a killed tool, tell nothing about the input
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
@@ -48,25 +45,20 @@ def resolved(stage, config):
 
 def is_redrawn(key):
     """Whether a key of a scan changes errors alone, so that monte-carlo draws it anew over the traced rays."""
-    stage, section, *rest = key.split(".")
-    if stage != "scan" or not rest:
-        return False
-    return (section in ("noise", "navigation_error") or (section == "pointing_error" and rest[0] not in stages.TRUE_POINTING)
-            or (section == "receiver" and rest[0] not in ECHO_KEYS))
+    stage, *path = key.split(".")
+    return stage == "scan" and path != ["seed"] and bool(path) and scan_keys.effect_of(*path) == "estimate"
 
 
 def needs_chain(scan):
     """Whether a scan's errors cannot be drawn anew: the seed moves the beams, or the receiver needs whole waveforms."""
     receiver = scan.get("receiver", {})
-    return stages.seed_moves_beams(scan) or receiver.get("type") == "geiger" or receiver.get("returns") == "all"
+    return scan_keys.is_beam_drawn(scan) or receiver.get("type") == "geiger" or receiver.get("returns") == "all"
 
 
 def truth_of(scan):
     """The scan that is traced for a campaign."""
-    truth = stages.truth_config(scan)
-    if stages.has_receiver(scan):
-        truth |= {section: scan[section] for section in ECHO_SECTIONS if section in scan}
-    return truth
+    echoes = scan_keys.part(scan, ("echo",)) if stages.has_receiver(scan) else {}
+    return {**stages.truth_config(scan), **echoes}
 
 
 def _lock(folder):

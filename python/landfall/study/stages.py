@@ -12,13 +12,11 @@ import hashlib
 import json
 from dataclasses import dataclass, field
 
+from landfall import scan_keys
 from landfall.errors import UsageError
 from landfall.schema import shown
 from landfall.study import model
 
-# Keys of a scan that true ranges depend on; beside them, the seed where it moves the beams.
-TRUTH_KEYS = ("detector", "laser", "scanner", "mount", "trajectory")
-TRUE_POINTING = ("misalignment_rpy_rad", "jitter_sigma_rad", "jitter_time_s", "mirror_time_bias_s", "mirror_time_sigma_s")
 UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid", "draws": "scan"}
 # Stages whose files are a case's results, in the order of its files.
 RESULTS = ("eval", "hazard", "draws")
@@ -84,11 +82,8 @@ def short_hash(*texts):
 
 def truth_config(scan):
     """The scan without what --ranges-from draws anew (docs/user/scan-sim.md)."""
-    truth = {key: scan[key] for key in TRUTH_KEYS if key in scan}
-    pointing = {key: value for key, value in _object(scan, "pointing_error").items() if key in TRUE_POINTING}
-    if pointing:
-        truth["pointing_error"] = pointing
-    if seed_moves_beams(scan) and "seed" in scan:
+    truth = scan_keys.part(scan, ("beam",))
+    if scan_keys.is_beam_drawn(scan) and "seed" in scan:
         truth["seed"] = scan["seed"]
     return truth
 
@@ -98,11 +93,8 @@ def has_receiver(scan):
 
 
 def errors_config(scan):
-    """The rest of the scan: what --ranges-from draws anew."""
-    errors = {key: value for key, value in scan.items() if key not in TRUTH_KEYS}
-    if isinstance(errors.get("pointing_error"), dict):
-        errors["pointing_error"] = {key: value for key, value in errors["pointing_error"].items() if key not in TRUE_POINTING}
-    return errors
+    """The rest of the scan: what --ranges-from draws anew, and what a receiver's echoes depend on."""
+    return scan_keys.part(scan, ("echo", "estimate"))
 
 
 def configuration(study, name, indices):
@@ -120,15 +112,6 @@ def configuration(study, name, indices):
 def _object(config, key):
     value = config.get(key, {})
     return value if isinstance(value, dict) else {}
-
-
-def seed_moves_beams(scan):
-    pointing = _object(scan, "pointing_error")
-    scanner = _object(scan, "scanner")
-    noisy_prisms = scanner.get("type") == "risley" and scanner.get("encoder_sigma_rad", 0) != 0
-    noisy_mirror = pointing.get("mirror_time_sigma_s", 0) != 0
-    noisy_mirror = noisy_mirror or scanner.get("facet_tilt_sigma_rad", 0) != 0
-    return pointing.get("jitter_sigma_rad", 0) not in (0, [0, 0]) or noisy_mirror or noisy_prisms
 
 
 def data_files(value):

@@ -21,6 +21,7 @@
 #include "files/terrain_file.h"
 #include "landfall_files.h"
 #include "scene/campaign_parts.h"
+#include "scene/redraw.h"
 #include "trajectory/trajectory_columns.h"
 
 namespace landfall::fuzz {
@@ -69,8 +70,8 @@ void read_scan(const Path& path) {
 void read_ranges(const Path& path) {
   RangeFile ranges(path);
   static_cast<void>(ranges.terrain());
-  ranges.require_match(scan_provenance());
-  static_cast<void>(ranges.has_rows_of(scan_provenance().config, false));
+  require_redraw(ranges, scan_provenance());
+  static_cast<void>(has_rows_of(ranges, scan_provenance().config, false));
   static_cast<void>(ranges.read({0, 3}, 4));
 }
 

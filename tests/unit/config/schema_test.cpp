@@ -131,7 +131,10 @@ void expect_known_keywords(const Json& schema) {
                                                "exclusiveMaximum",
                                                "required",
                                                "definitions",
-                                               "minLength"};
+                                               "minLength",
+                                               "effect",
+                                               "drawn",
+                                               "sigma"};
   for (const auto& [key, value] : schema.items()) {
     EXPECT_TRUE(kKnown.count(key) == 1) << key;
     if (key == "properties" || key == "definitions")

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the keys of a scan's configuration move, as schemas/scan.schema.json says (lib/config/key_effects.h has the words)."""
+import functools
+import os
+
+from landfall import schema, tools
+
+EFFECTS = ("beam", "echo", "estimate")
+SHARED = ("$schema", "$comment", "seed")  # no key of these moves anything by itself
+
+
+@functools.cache
+def scan_schema():
+    return schema.read_json(os.path.join(tools.SHARE, "schemas", "scan.schema.json"))
+
+
+def _resolved(node):
+    return scan_schema()["definitions"][node["$ref"].rsplit("/", 1)[1]] if "$ref" in node else node
+
+
+def _alternatives(node):
+    owner = _resolved(node)
+    return [found for option in owner["oneOf"] for found in _alternatives(option)] if "oneOf" in owner else [owner]
+
+
+def effect_of(*path):
+    """The effect of a key: ("noise", "range_bias_m"). Of one that several scanners have the first of EFFECTS; of an unknown one that
+    of the nearest known key above it."""
+    return "estimate" if path[0] in SHARED else _effect(scan_schema(), "beam", path)
+
+
+def _effect(node, inherited, path):
+    here = node.get("effect", inherited)
+    found = [_effect(option["properties"][path[0]], here, path[1:]) for option in _alternatives(node) if path and path[0] in option.get("properties", {})]
+    return min(found, key=EFFECTS.index, default=here)
+
+
+def part(scan, effects, path=()):
+    """The keys of a configuration that have one of these effects."""
+    kept = {}
+    for key, value in scan.items():
+        if isinstance(value, dict) and value:
+            inner = part(value, effects, (*path, key))
+            if inner:
+                kept[key] = inner
+        elif effect_of(*path, key) in effects:
+            kept[key] = value
+    return kept
+
+
+def is_beam_drawn(scan):
+    """Whether the seed moves the true beams: a key that draws such an error is on."""
+    return _draws_beams(scan_schema(), scan, "beam")
+
+
+def _draws_beams(node, value, inherited):
+    effect = node.get("effect", inherited)
+    if node.get("drawn") and effect == "beam" and value not in (0, [0, 0]):
+        return True
+    if not isinstance(value, dict):
+        return False
+    return any(_draws_beams(inner, value[key], effect) for option in _alternatives(node) if _is_chosen(option, value)
+               for key, inner in option.get("properties", {}).items() if key in value)
+
+
+def _is_chosen(option, value):
+    kind = option.get("properties", {}).get("type", {})
+    return "const" not in kind or value.get("type") == kind["const"]
