@@ -20,7 +20,9 @@ returns per bin, 10 % dropouts), and limit30 (base with a slope limit of 30 deg)
 
 Each tenth shows the share less the mean of p, with its standard error over sites: SE^2 = S/(S-1) sum_s (Y_s - P_s - d n_s)^2 / (sum n)^2, Y_s
 the safe places, P_s the sum of p, n_s the places of site s. Tenths of fewer than 1,000 places or 8 sites are left out. The Brier scores are those
-of p, and of the decision by the limits at the places that are known. Results are kept in the folder, and the bench goes on where it was stopped: 20 sites of one family in
+of p, and of the decision by the limits at the places that are known. A second table does the same for p_touchdown, whose truth is the
+share of touchdowns that meet a truly safe place; its last column has the sites that hazard-map ranked: their number, mean p_safe and the share
+truly safe. Results are kept in the folder, and the bench goes on where it was stopped: 20 sites of one family in
 all cells take about 6 minutes of two cores.
 """
 import argparse
@@ -145,7 +147,10 @@ class Site:
         self.run("hazard-map", self.path(name), "-o", self.path("hazards.h5"), "--no-truth", "--set", f"region_radius_m={RADIUS_M}",
                  "--set", f"limits.slope_deg={limit}", *options)
         with h5py.File(self.path("hazards.h5")) as file:
-            return {layer: file[layer][()] for layer in ("safe", "p_safe") if layer in file}
+            found = {layer: file[layer][()] for layer in ("safe", "p_safe", "p_touchdown") if layer in file}
+            if "sites" in file:
+                found["places"] = np.stack([file[f"sites/{axis}"][()] for axis in "xy"], -1)
+            return found
 
     def results(self, cell):
         """{name: layer} of a cell: p, decision and truth for each limit."""
@@ -154,8 +159,16 @@ class Site:
         found = {}
         for limit in LIMITS_DEG.get(cell, (10,)):
             judged = self.judge("dem.h5", limit, *(["--set", "hole_fill_bins=1000"] if CELLS[cell].get("dropouts") else []))
-            found.update({f"p{limit}": judged["p_safe"], f"s{limit}": judged["safe"], f"t{limit}": self.judge("truth.h5", limit)["safe"]})
+            true = self.judge("truth.h5", limit)
+            found.update({f"p{limit}": judged["p_safe"], f"s{limit}": judged["safe"], f"t{limit}": true["safe"],
+                          f"q{limit}": judged["p_touchdown"], f"u{limit}": true["p_touchdown"], f"r{limit}": ranked(judged, true, resolution)})
         return found
+
+
+def ranked(judged, true, resolution):
+    """p_safe and truth of the places that hazard-map ranked."""
+    column, row = (np.round(judged.get("places", np.empty((0, 2))) / resolution).astype(int) + judged["safe"].shape[0] // 2).T
+    return np.stack([judged["p_safe"][row, column], true["safe"][row, column] == 1])
 
 
 def measure(options):
@@ -186,6 +199,22 @@ def pooled(options, family, cell, limit):
         known = np.isfinite(p) & (truth != 2)
         parts.append((p[known].astype(float), (truth[known] == 1).astype(float), decided[known], np.full(known.sum(), number)))
     return [np.concatenate(column) for column in zip(*parts)] if parts else None
+
+
+def touchdowns(options, family, cell, limit):
+    """p_touchdown, the true share and number of the site of all places; then p_safe and truth of the ranked ones."""
+    parts, sites = [], []
+    for number, seed in enumerate(range(options.seed, options.seed + options.sites)):
+        if not os.path.exists(kept(options, family, cell, seed)):
+            continue
+        with np.load(kept(options, family, cell, seed)) as found:
+            if f"q{limit}" not in found:
+                continue
+            p, truth = found[f"q{limit}"], found[f"u{limit}"]
+            sites.append(found[f"r{limit}"])
+        known = np.isfinite(p) & np.isfinite(truth)
+        parts.append((p[known].astype(float), truth[known].astype(float), np.full(known.sum(), number)))
+    return ([np.concatenate(column) for column in zip(*parts)], np.concatenate(sites, 1)) if parts else None
 
 
 def tenths(p, truth, site):
@@ -227,6 +256,20 @@ def table(options):
     for family, cell, (p, truth, decided, site) in rows(options):
         print(f"| {family} | {cell} | {len(np.unique(site))}", *map(text, tenths(p, truth, site)),
               f"| {np.mean((p - truth)**2):.4f} | {np.mean(((decided == 1) != truth)[decided != 2]):.4f} | {100 * np.mean(decided == 2):.0f} % |")
+
+
+def touchdown_table(options):
+    print("\n| family | cell | sites |", " | ".join(f"{k / 10:.1f}" for k in range(10)), "| ranked sites: number, mean p_safe, share safe |")
+    print("|---" * 14 + "|")
+    for family in options.families:
+        for cell in options.cells:
+            for limit in LIMITS_DEG.get(cell, (10,)):
+                data = touchdowns(options, family, cell, limit)
+                if data is None:
+                    continue
+                (p, truth, site), sites = data
+                print(f"| {family} | {cell if limit == 10 else f'limit{limit}'} | {len(np.unique(site))}", *map(text, tenths(p, truth, site)),
+                      f"| {sites.shape[1]}, {sites[0].mean():.3f}, {sites[1].mean():.3f} |" if sites.size else "| 0 |")
 
 
 def figure(options):
@@ -272,6 +315,7 @@ def main():
     if not options.table_only:
         measure(options)
     table(options)
+    touchdown_table(options)
     if options.figure:
         figure(options)
 
