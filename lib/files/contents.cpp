@@ -18,9 +18,9 @@ namespace {
 /// The order in which layers are listed: that in which the tools write them. HDF5 itself sorts them by name.
 constexpr std::array kLayerOrder = {
     // terrain and DEM
-    "z_est", "z", "count", "weight_sum", "x_true", "y_true", "z_true", "x_est_mean", "y_est_mean", "t_mean",
-    "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel",
-    "z_sigma_noise", "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma",
+    "z_est", "z", "albedo", "count", "weight_sum", "x_true", "y_true", "z_true", "x_est_mean", "y_est_mean",
+    "t_mean", "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel", "z_sigma_noise",
+    "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma",
     // evaluation and plan
     "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "frames", "first_seen",
     "in_region", "invalid", "hole_id", "distance_to_valid", "fail",
@@ -28,8 +28,8 @@ constexpr std::array kLayerOrder = {
     "slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope_true",
     "roughness_true", "safe_true", "outcome",
     // campaign
-    "p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std",
-    "e_map_std", "count_mean"};
+    "p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "p_judged_safe",
+    "p_missed_hazard", "e_z_mean", "e_z_std", "e_map_std", "e_map_std_over_sigma", "count_mean"};
 
 constexpr std::array kSiteOrder = {"rank",        "x",      "y",     "z",         "cost",
                                    "p_touchdown", "p_safe", "slope", "roughness", "distance_to_hazard",

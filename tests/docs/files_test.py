@@ -121,6 +121,16 @@ class Files(unittest.TestCase):
                 there = set().union(*(datasets(self.path(name)) for name, (of, _) in RUNS.items() if of == page))
                 self.assertEqual(sorted(set(described(page)) - there), [])
 
+    def test_every_layer_has_a_place_in_the_list(self):
+        """landfall-info lists layers in the order of contents.cpp, and behind them those that it does not know."""
+        with open(os.path.join(os.environ["LANDFALL_ROOT"], "lib", "files", "contents.cpp"), encoding="utf-8") as file:
+            known = set(re.findall(r'"(\w+)"', re.search(r"kLayerOrder = \{(.*?)\};", file.read(), re.DOTALL)[1]))
+        for name in RUNS:
+            if name.endswith(".h5"):
+                with h5py.File(self.path(name)) as file:
+                    layers = {key for key, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2}
+                self.assertEqual(layers - known, set(), name)
+
     def test_root_attributes(self):
         text = "\n".join(pages.Page("docs/user/files/README.md").prose.values())
         for name, (page, _) in RUNS.items():
