@@ -83,7 +83,7 @@ class Warnings(ChainTest):
         for errors, left_out in (
                 ({"noise__range_bias_m": 0.05}, ["/noise/range_bias_m"]),
                 ({"noise__false_return_frac": 0.01, "detector__subpixels": 2, "detector__estimator": "first",
-                  "scanner__tof_lag": True}, ["/noise/false_return_frac", "/detector/estimator", "/scanner/tof_lag"])):
+                  "scanner__tof_lag": True}, ["/detector/estimator", "/noise/false_return_frac", "/scanner/tof_lag"])):
             text = self.warning(*self.sigmas(self.scan(**errors)))
             self.assertRegex(text, r"^--uncertainty: the sigmas leave out errors of the scans: ")
             self.assertEqual(text.split(": ")[2].split(", "), left_out)
