@@ -188,14 +188,18 @@ def kept(options, family, cell, seed):
     return os.path.join(options.folder, f"{family}-{cell}-{seed}.npz")
 
 
+def kept_layers(options, family, cell, limit, names):
+    """Number and layers of each site that was measured."""
+    for number, seed in enumerate(range(options.seed, options.seed + options.sites)):
+        if os.path.exists(kept(options, family, cell, seed)):
+            with np.load(kept(options, family, cell, seed)) as found:
+                yield number, [found[f"{name}{limit}"] for name in names]
+
+
 def pooled(options, family, cell, limit):
     """p, truth, decision and number of the site of all places whose truth is known."""
     parts = []
-    for number, seed in enumerate(range(options.seed, options.seed + options.sites)):
-        if not os.path.exists(kept(options, family, cell, seed)):
-            continue
-        with np.load(kept(options, family, cell, seed)) as found:
-            p, truth, decided = (found[f"{name}{limit}"] for name in "pts")
+    for number, (p, truth, decided) in kept_layers(options, family, cell, limit, "pts"):
         known = np.isfinite(p) & (truth != 2)
         parts.append((p[known].astype(float), (truth[known] == 1).astype(float), decided[known], np.full(known.sum(), number)))
     return [np.concatenate(column) for column in zip(*parts)] if parts else None
@@ -204,14 +208,8 @@ def pooled(options, family, cell, limit):
 def touchdowns(options, family, cell, limit):
     """p_touchdown, the true share and number of the site of all places; then p_safe and truth of the ranked ones."""
     parts, sites = [], []
-    for number, seed in enumerate(range(options.seed, options.seed + options.sites)):
-        if not os.path.exists(kept(options, family, cell, seed)):
-            continue
-        with np.load(kept(options, family, cell, seed)) as found:
-            if f"q{limit}" not in found:
-                continue
-            p, truth = found[f"q{limit}"], found[f"u{limit}"]
-            sites.append(found[f"r{limit}"])
+    for number, (p, truth, chosen) in kept_layers(options, family, cell, limit, "qur"):
+        sites.append(chosen)
         known = np.isfinite(p) & np.isfinite(truth)
         parts.append((p[known].astype(float), truth[known].astype(float), np.full(known.sum(), number)))
     return ([np.concatenate(column) for column in zip(*parts)], np.concatenate(sites, 1)) if parts else None
@@ -233,11 +231,11 @@ def tenths(p, truth, site):
     return found
 
 
-def rows(options):
+def rows(options, collected):
     for family in options.families:
         for cell in options.cells:
             for limit in LIMITS_DEG.get(cell, (10,)):
-                data = pooled(options, family, cell, limit)
+                data = collected(options, family, cell, limit)
                 if data is not None:
                     yield family, cell if limit == 10 else f"limit{limit}", data
 
@@ -253,7 +251,7 @@ def text(tenth):
 def table(options):
     print("| family | cell | sites |", " | ".join(f"{k / 10:.1f}" for k in range(10)), "| Brier score | of `safe` | unknown |")
     print("|---" * 16 + "|")
-    for family, cell, (p, truth, decided, site) in rows(options):
+    for family, cell, (p, truth, decided, site) in rows(options, pooled):
         print(f"| {family} | {cell} | {len(np.unique(site))}", *map(text, tenths(p, truth, site)),
               f"| {np.mean((p - truth)**2):.4f} | {np.mean(((decided == 1) != truth)[decided != 2]):.4f} | {100 * np.mean(decided == 2):.0f} % |")
 
@@ -261,22 +259,16 @@ def table(options):
 def touchdown_table(options):
     print("\n| family | cell | sites |", " | ".join(f"{k / 10:.1f}" for k in range(10)), "| ranked sites: number, mean p_safe, share safe |")
     print("|---" * 14 + "|")
-    for family in options.families:
-        for cell in options.cells:
-            for limit in LIMITS_DEG.get(cell, (10,)):
-                data = touchdowns(options, family, cell, limit)
-                if data is None:
-                    continue
-                (p, truth, site), sites = data
-                print(f"| {family} | {cell if limit == 10 else f'limit{limit}'} | {len(np.unique(site))}", *map(text, tenths(p, truth, site)),
-                      f"| {sites.shape[1]}, {sites[0].mean():.3f}, {sites[1].mean():.3f} |" if sites.size else "| 0 |")
+    for family, cell, ((p, truth, site), sites) in rows(options, touchdowns):
+        print(f"| {family} | {cell} | {len(np.unique(site))}", *map(text, tenths(p, truth, site)),
+              f"| {sites.shape[1]}, {sites[0].mean():.3f}, {sites[1].mean():.3f} |" if sites.size else "| 0 |")
 
 
 def figure(options):
     import matplotlib  # pylint: disable=import-outside-toplevel
     matplotlib.use("Agg")
     from matplotlib import pyplot  # pylint: disable=import-outside-toplevel
-    found = list(rows(options))
+    found = list(rows(options, pooled))
     cells = list(dict.fromkeys(cell for _, cell, _ in found))
     drawn, axes = pyplot.subplots(2, -(-len(cells) // 2), figsize=(3.1 * -(-len(cells) // 2), 6.6), sharex=True, sharey=True, squeeze=False)
     for ax, cell in zip(axes.flat, cells):

@@ -15,11 +15,6 @@ using Json = nlohmann::json;
 
 const Json& schema() { return embedded_schema("scan"); }
 
-const Json& dereferenced(const Json& node) {
-  if (!node.contains("$ref")) return node;
-  return dereferenced(schema().at(Json::json_pointer(node["$ref"].get<std::string>().substr(1))));
-}
-
 template <class Value, std::size_t N>
 Value named(const std::array<std::pair<const char*, Value>, N>& names, const std::string& word) {
   return std::ranges::find(names, word, [](const auto& entry) { return entry.first; })->second;
@@ -41,7 +36,7 @@ CoveringSigma sigma_at(const Json& node) {
 
 /// The alternatives of a value; the value's own definition if there is none.
 std::vector<const Json*> alternatives(const Json& node) {
-  const Json& owner = dereferenced(node);
+  const Json& owner = dereferenced(schema(), node);
   if (!owner.contains("oneOf")) return {&owner};
   std::vector<const Json*> all;
   for (const Json& option : owner["oneOf"])

@@ -11,7 +11,7 @@ namespace landfall {
 // What the keys of a scan's configuration do to a scan, as schemas/scan.schema.json says beside each key:
 // "effect", which the keys below inherit, "drawn" and "sigma".
 
-/// What a key moves.
+/// The part of a scan that a key changes.
 enum class KeyEffect {
   beam,      ///< the true beams or what they hit: another value needs another trace
   echo,      ///< the echoes that a receiver sees, or which of them it reports

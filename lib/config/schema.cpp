@@ -90,10 +90,7 @@ class Resolver {
     throw UsageError(name_ + ": " + (pointer.empty() ? "/" : pointer) + ": " + what);
   }
 
-  const Json& dereferenced(const Json& schema) const {
-    if (!schema.contains("$ref")) return schema;
-    return root_.at(Json::json_pointer(schema.at("$ref").get<std::string>().substr(1)));
-  }
+  const Json& dereferenced(const Json& node) const { return landfall::dereferenced(root_, node); }
 
   /// The alternative selected by the value's "type", or by its JSON type.
   const Json& alternative(const Json& schema, const Json& value, const std::string& pointer) const {
@@ -308,6 +305,12 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
       if (candidate.find(word) != std::string::npos && (best.empty() || candidate.size() < best.size()))
         best = candidate;
   return best;
+}
+
+const Json& dereferenced(const Json& schema, const Json& node) {
+  if (!node.contains("$ref")) return node;
+  const Json::json_pointer where(node["$ref"].get<std::string>().substr(1));
+  return dereferenced(schema, schema.at(where));
 }
 
 const Json& embedded_schema(const std::string& name) {

@@ -22,6 +22,9 @@ namespace landfall {
 /// removed. Throws UsageError.
 [[nodiscard]] nlohmann::json resolve_config(const JsonSource& source, const nlohmann::json& schema);
 
+/// The definition that a node of a schema refers to by "$ref"; the node itself where it does not.
+[[nodiscard]] const nlohmann::json& dereferenced(const nlohmann::json& schema, const nlohmann::json& node);
+
 /// The value at a JSON pointer of the resolved configuration, defaults included; null if there is none, or if
 /// the configuration is not valid.
 [[nodiscard]] nlohmann::json default_at(const nlohmann::json& config, const nlohmann::json& schema,

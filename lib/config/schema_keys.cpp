@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/key_unit.h"
+#include "config/schema.h"
 
 namespace landfall {
 namespace {
@@ -40,10 +41,7 @@ class Walk {
   }
 
  private:
-  const Json& dereferenced(const Json& schema) const {
-    if (!schema.contains("$ref")) return schema;
-    return dereferenced(root_.at(Json::json_pointer(schema["$ref"].get<std::string>().substr(1))));
-  }
+  const Json& dereferenced(const Json& node) const { return landfall::dereferenced(root_, node); }
 
   /// The "type" that selects an alternative; empty if it has none.
   std::string choice_of(const Json& schema) const {

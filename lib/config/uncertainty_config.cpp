@@ -89,9 +89,9 @@ double range_sigma_m(const std::vector<ScanOrigin>& scans) {
   for (const ScanOrigin& scan : scans) {
     std::optional<double> sigma = number_at(scan.config, kWhere);
     if (!sigma) throw UsageError("--uncertainty: " + scan.name + " does not state its range noise" + remedy);
-    for (const std::string& where : errors_of(scan.config, CoveringSigma::given))
-      throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" + where +
-                       ")" + remedy);
+    if (const auto errors = errors_of(scan.config, CoveringSigma::given); !errors.empty())
+      throw UsageError("--uncertainty: " + scan.name + " has range noise that is not uniform (" +
+                       errors.front() + ")" + remedy);
     if (is_on(scan.config, "/receiver/type", {"none"}))
       throw UsageError("--uncertainty: " + scan.name +
                        " has range noise that follows the signal (/receiver/type)" + remedy);

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "files/landfall_file.h"
@@ -34,7 +33,8 @@ class LaterEchoReader {
   std::size_t row_count_;
   std::size_t next_row_ = 0;
   std::optional<PulsePixel> last_;  ///< of the rows read so far
-  std::vector<LaterEcho> held_;     ///< read, and not given out
+  std::vector<LaterEcho> held_;     ///< the last rows that were read
+  std::ptrdiff_t given_ = 0;        ///< of the held ones that have been given out
   std::int64_t given_pulses_ = 0;   ///< those of the pulses before have been given out
 };
 

@@ -9,25 +9,19 @@
 #include "base/error.h"
 #include "files/crs.h"
 #include "returns/columns.h"
+#include "simulation/echo_columns.h"
 
 namespace landfall {
 namespace {
 
 constexpr const char* kRange = name_of(&PointColumns::range_true);
 constexpr const char* kPixel = name_of(&PointColumns::pixel);
-constexpr std::array kFirstEcho = {&PointColumns::echo_signal, &PointColumns::echo_peak,
-                                   &PointColumns::echo_edge, &PointColumns::echo_width,
-                                   &PointColumns::echo_range};
-constexpr std::array kEchoMembers = {&Echo::signal_pe, &Echo::peak, &Echo::edge_m, &Echo::width_m,
-                                     &Echo::range_m};
-static_assert(kFirstEcho.size() == kEchoMembers.size());
-
 constexpr const char* kBegin = name_of(&PulseColumns::point_begin);
 constexpr const char* kCount = name_of(&PulseColumns::point_count);
 
-std::vector<std::string> names_of(const auto& members) {
+std::vector<std::string> echo_columns() {
   std::vector<std::string> names;
-  for (const auto member : members) names.emplace_back(name_of(member));
+  for (const EchoMember& part : kEchoMembers) names.emplace_back(name_of(part.first));
   return names;
 }
 
@@ -40,7 +34,7 @@ RangeFile::RangeFile(const std::filesystem::path& path)
       range_and_pixel_(points_, {kRange, kPixel}),
       begin_and_count_(pulses_, {kBegin, kCount}),
       pulse_count_(pulses_.row_count(kBegin)) {
-  if (points_.has(name_of(&PointColumns::echo_range))) echoes_.emplace(points_, names_of(kFirstEcho));
+  if (points_.has(name_of(&PointColumns::echo_range))) echoes_.emplace(points_, echo_columns());
   if (h5::exists(file_.root(), kEchoGroup)) later_echoes_.emplace(file_);
   if (pulse_count_ != pulses_.row_count(kCount))
     file_.fail("/pulses/point_begin and /pulses/point_count differ in length");
@@ -95,13 +89,13 @@ bool RangeFile::PulseRows::hold_every_pixel(std::span<const std::int32_t> pixel,
 }
 
 std::vector<Echo> RangeFile::read_echoes(std::size_t first_row, std::size_t count) {
-  std::vector<std::vector<double>> columns(kFirstEcho.size(), std::vector<double>(count));
+  std::vector<std::vector<double>> columns(kEchoMembers.size(), std::vector<double>(count));
   std::vector<ColumnTarget> targets;
   for (std::vector<double>& column : columns) targets.emplace_back(std::span(column));
   echoes_->read(first_row, targets);
   std::vector<Echo> echoes(count);
   for (std::size_t c = 0; c < columns.size(); ++c)
-    for (std::size_t i = 0; i < count; ++i) echoes[i].*kEchoMembers[c] = columns[c][i];
+    for (std::size_t i = 0; i < count; ++i) echoes[i].*kEchoMembers[c].member = columns[c][i];
   return echoes;
 }
 

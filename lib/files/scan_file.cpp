@@ -133,26 +133,25 @@ SinkWork ScanWriter::take(PulseBatch& batch) {
   const auto counts = batch.status_counts();
   for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] += counts[i];
   if (!options_.keep_misses) batch.keep_returns();
-  // Both tables are written in the order of the batches, because the file's layout depends on it.
+  // The tables are written in the order of the batches, because the file's layout depends on it.
   auto next = static_cast<std::int64_t>(points_.row_count());
   for (std::size_t i = 0; i < batch.pulses.size(); ++i) {
     batch.pulses.point_begin[i] = next;
     next += batch.pulses.point_count[i];
   }
-  const Chunks pulses = pulses_.take(rows_of(kPulseColumns, batch.pulses, {}));
-  const Chunks points = points_.take(rows_of(kPointColumns, batch.points, options_.columns));
-  Chunks echoes;
-  if (later_echoes_) echoes = later_echoes_->take(rows_of(kEchoColumns, batch.later_echoes, {}));
-  if (pulses.empty() && points.empty() && echoes.empty()) return {};
-  return {[this, pulses, points, echoes] {
-            for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.encode(*chunk);
-            for (const TableWriter::ChunkPtr& chunk : points) points_.encode(*chunk);
-            for (const TableWriter::ChunkPtr& chunk : echoes) later_echoes_->encode(*chunk);
+  std::vector<Taken> all = {{&pulses_, pulses_.take(rows_of(kPulseColumns, batch.pulses, {}))},
+                            {&points_, points_.take(rows_of(kPointColumns, batch.points, options_.columns))}};
+  if (later_echoes_)
+    all.push_back({&*later_echoes_, later_echoes_->take(rows_of(kEchoColumns, batch.later_echoes, {}))});
+  std::erase_if(all, [](const Taken& taken) { return taken.chunks.empty(); });
+  if (all.empty()) return {};
+  return {[all] {
+            for (const Taken& taken : all)
+              for (const TableWriter::ChunkPtr& chunk : taken.chunks) taken.table->encode(*chunk);
           },
-          [this, pulses, points, echoes] {
-            for (const TableWriter::ChunkPtr& chunk : pulses) pulses_.write(chunk);
-            for (const TableWriter::ChunkPtr& chunk : points) points_.write(chunk);
-            for (const TableWriter::ChunkPtr& chunk : echoes) later_echoes_->write(chunk);
+          [all] {
+            for (const Taken& taken : all)
+              for (const TableWriter::ChunkPtr& chunk : taken.chunks) taken.table->write(chunk);
           }};
 }
 

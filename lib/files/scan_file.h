@@ -46,7 +46,11 @@ class ScanWriter {
 
  private:
   [[noreturn]] void refuse_without_return() const;
-  using Chunks = std::vector<TableWriter::ChunkPtr>;
+  /// The chunks that a batch filled in a table.
+  struct Taken {
+    TableWriter* table;
+    std::vector<TableWriter::ChunkPtr> chunks;
+  };
 
   LandfallFileWriter& file_;
   ScanFileOptions options_;

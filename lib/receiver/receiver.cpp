@@ -96,8 +96,11 @@ void Receiver::keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::
     const std::span<const Echo> echoes = waveforms.of(pixel);
     kept[pixel] = {};
     if (echoes.empty()) continue;
-    kept[pixel] = hears_later_echoes() ? echoes.front() : chosen(echoes);
-    if (!hears_later_echoes()) continue;
+    if (!hears_later_echoes()) {
+      kept[pixel] = chosen(echoes);
+      continue;
+    }
+    kept[pixel] = echoes.front();
     for (std::size_t number = 1; number < echoes.size(); ++number)
       later.push_back(
           {{pulse, static_cast<std::int64_t>(pixel), static_cast<std::int64_t>(number)}, echoes[number]});

@@ -118,9 +118,10 @@ class Receiver {
   void add_pixel(std::span<double> ranges_m, std::span<double> signals_pe, Waveforms& waveforms) const;
   /// Times the echoes of all pixels; call after the last add_pixel().
   void time(Waveforms& waveforms) const;
-  /// What the pulse's reception must know; hears_kept_echoes() must hold. `kept`: of each pixel the first
-  /// echo, or that which `last` or `strongest` chooses, without signal where there is none. The echoes behind
-  /// the first ones are appended to `later`, in the order of pixel and number, where the receiver hears them.
+  /// The echoes from which receive() follows; hears_kept_echoes() must hold. `kept`: of each pixel the first
+  /// one, or that which `last` or `strongest` chooses, without signal where a pixel has none. The echoes
+  /// behind the first ones are appended to `later`, in the order of pixel and number, if the receiver hears
+  /// them.
   void keep_echoes(std::int64_t pulse, const Waveforms& waveforms, std::span<Echo> kept,
                    std::vector<LaterEcho>& later) const;
 

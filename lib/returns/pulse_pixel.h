@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <compare>
 #include <cstdint>
 
 namespace landfall {
@@ -12,7 +13,8 @@ struct PulsePixel {
   std::int64_t pixel = 0;
   std::int64_t number = 0;
 
-  friend bool operator==(const PulsePixel&, const PulsePixel&) = default;
+  /// In the order of pulse, pixel, number.
+  friend auto operator<=>(const PulsePixel&, const PulsePixel&) = default;
 
   /// Indices of the measurement's draws in a RandomField: i, j. The first returns of a pulse's pixels have
   /// consecutive j.

@@ -21,7 +21,7 @@ Json value_at(const Json& config, const std::string& path) {
   return config.contains(where) ? config.at(where) : Json();
 }
 
-/// A key whose values differ; a value is null where there is none.
+/// A key with different values; null stands for a missing one.
 struct Difference {
   std::string where;  ///< "/detector/rows"
   Json theirs;
@@ -70,7 +70,7 @@ bool has_false_returns(const Json& config) {
   return !share.is_null() && share != 0;
 }
 
-/// The key with a value that makes the true beams depend on the seed; empty if there is none.
+/// A key by which the seed moves the true beams; empty if no such key is on.
 std::string seed_moves_beams_by(const Json& config) {
   for (const EffectiveKey& key : keys_in_effect(config))
     if (key.is_drawn && key.effect == KeyEffect::beam) return key.pointer;

@@ -9,11 +9,11 @@
 
 namespace landfall {
 
-/// Throws UsageError, naming the key and both values, unless errors of this configuration may be drawn anew
-/// over what the scan saw: it was made by this version on the same terrain and tables, no key differs that
-/// moves the true beams or, with a receiver, shapes the echoes (KeyEffect), the seed is the same if it moves
-/// the beams, and the scan holds the true range of every pixel that hit in double precision and the echoes
-/// that the receiver hears. `option` begins the message.
+/// Refuses to draw the errors of this configuration over what an earlier scan saw, unless a traced scan would
+/// see the same: the earlier one was made by this version on the same terrain and tables; no key differs that
+/// moves the true beams or, with a receiver, shapes the echoes (KeyEffect); the seed is the same if it moves
+/// the beams; and the scan holds the true range of every pixel that hit, in double precision, and the echoes
+/// that the receiver hears. Throws UsageError, naming the key and both values; `option` begins the message.
 void require_redraw(const RangeFile& scan, const Provenance& provenance,
                     const std::string& option = "--ranges-from ");
 

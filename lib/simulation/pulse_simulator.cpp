@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/light.h"
+#include "simulation/echo_columns.h"
 #include "simulation/incidence.h"
 #include "simulation/pattern_aim.h"
 
@@ -408,13 +409,8 @@ void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatc
 void PulseSimulator::record_echoes(std::size_t first_row, PointColumns& out,
                                    const PulseWorkspace& workspace) {
   for (std::size_t i = 0; i < workspace.echoes.size(); ++i) {
-    const Echo& echo = workspace.echoes[i];
-    const std::size_t row = first_row + i;
-    out.echo_signal[row] = echo.signal_pe;
-    out.echo_peak[row] = echo.peak;
-    out.echo_edge[row] = echo.edge_m;
-    out.echo_width[row] = echo.width_m;
-    out.echo_range[row] = echo.range_m;
+    for (const EchoMember& part : kEchoMembers)
+      (out.*part.first)[first_row + i] = workspace.echoes[i].*part.member;
   }
 }
 
@@ -423,11 +419,7 @@ void PulseSimulator::record_later_echoes(EchoColumns& out, const PulseWorkspace&
     out.pulse.push_back(static_cast<std::int32_t>(where.pulse));
     out.pixel.push_back(static_cast<std::int32_t>(where.pixel));
     out.number.push_back(static_cast<std::int32_t>(where.number));
-    out.signal.push_back(echo.signal_pe);
-    out.peak.push_back(echo.peak);
-    out.edge.push_back(echo.edge_m);
-    out.width.push_back(echo.width_m);
-    out.range.push_back(echo.range_m);
+    for (const EchoMember& part : kEchoMembers) (out.*part.later).push_back(echo.*part.member);
   }
 }
 

@@ -160,8 +160,8 @@ def draw_sites(ax, hazards):
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
         if row < MOST_LISTED:
-            known = "" if hazards.layers["p_safe"] is None else f", p_touchdown {sites['p_touchdown'][row]:.4f}"
-            text = f"cost {sites['cost'][row]:.4f}{known}" + (", true hazard" if wrong else "")
+            touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {sites['p_touchdown'][row]:.4f}"
+            text = f"cost {sites['cost'][row]:.4f}{touchdown}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
     if count > MOST_LISTED:
         handles.append(Line2D([], [], linestyle="none", label=f"and {count - MOST_LISTED} more sites"))

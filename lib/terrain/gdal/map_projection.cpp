@@ -100,7 +100,7 @@ class ByProj final : public MapProjection::Transformation {
   std::unique_ptr<PJ, Destroys> projection_;
 };
 
-/// By GDAL, whatever the CRS is made of.
+/// By GDAL, for any CRS.
 class ByGdal final : public MapProjection::Transformation {
  public:
   ByGdal(const OGRSpatialReference& geographic, const OGRSpatialReference& map)
