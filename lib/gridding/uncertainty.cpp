@@ -244,7 +244,7 @@ BinSigmas UncertaintyMap::sigmas(BinIndex bin) const {
   const double local = v.range + v.rough + v.misfit;
   return {.z_abs = std::sqrt(local + v.quant + v.navigation),
           .z_rel = std::sqrt(local + v.quant),
-          .z_noise = std::sqrt(v.range),
+          .z_noise = std::sqrt(v.range + (v.misfit > 0 ? 0 : v.quant)),
           .z_corrected_abs = std::sqrt(local + v.navigation),
           .z_corrected_rel = std::sqrt(local),
           .xy = std::sqrt(horizontal_variance(bin, seen))};

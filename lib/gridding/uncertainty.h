@@ -46,7 +46,9 @@ struct BinSigmas {
   /// footprint alike.
   double z_abs = kUnknown;
   double z_rel = kUnknown;
-  double z_noise = kUnknown;  ///< sqrt(range): what is independent of the other bins and of the ground
+  /// What is independent from bin to bin: sqrt(range + quant), and sqrt(range) where misfit > 0, because
+  /// there quant measures the relief.
+  double z_noise = kUnknown;
   /// The same for z_corrected: without quant.
   double z_corrected_abs = kUnknown;
   double z_corrected_rel = kUnknown;

@@ -126,7 +126,7 @@ class Bins:
             (self.navigation(b, np.eye(3)[0]) + self.navigation(b, np.eye(3)[1])) / 2
         quant = b["g"] @ b["g"] * k
         return {"z_corrected": b["mean"][2] - b["g"] @ b["mean"][:2], "z_sigma_abs": (local + quant + nav) ** 0.5,
-                "z_sigma_rel": (local + quant) ** 0.5, "z_sigma_noise": (b["noise"] * b["w2"]) ** 0.5, "z_corrected_sigma_abs": (local + nav) ** 0.5,
+                "z_sigma_rel": (local + quant) ** 0.5, "z_sigma_noise": (b["noise"] * b["w2"] + (0 if misfit > 0 else quant)) ** 0.5, "z_corrected_sigma_abs": (local + nav) ** 0.5,
                 "z_corrected_sigma_rel": local ** 0.5, "xy_sigma": horizontal ** 0.5}
 
 

@@ -214,12 +214,13 @@ class Uncertainty:
             excess, freedom = (scatter - noise * (1 - w2)) / w2, np.where(np.isnan(self.slope[..., 0]), np.nan, 1 / w2 - 1)
             shares = np.nansum(windows(excess, 3), -1), np.nansum(windows(freedom, 3), -1)
             rough = np.where(shares[1] > 1e-12, np.maximum(0, shares[0] / shares[1]), 0)
-        local = (noise + rough) * w2 + self.uneven(noise)
+        uneven = self.uneven(noise)
+        local = (noise + rough) * w2 + uneven
         steep, nav = np.sum(self.slope**2, -1) * quantised, self.navigation(self.J)
         sideways = (self.navigation(np.eye(3)[0]) + self.navigation(np.eye(3)[1])) / 2
         shift = self.centroid[..., :2] - np.stack([bins.x, bins.y], -1)
         return {"z_corrected": self.layers["z_est"] - np.sum(self.slope * shift, -1),
                 "z_sigma_abs": np.sqrt(local + steep + nav), "z_sigma_rel": np.sqrt(local + steep),
-                "z_sigma_noise": np.sqrt(noise * w2),
+                "z_sigma_noise": np.sqrt(noise * w2 + np.where(uneven > 0, 0, steep)),
                 "z_corrected_sigma_abs": np.sqrt(local + nav), "z_corrected_sigma_rel": np.sqrt(local),
                 "xy_sigma": np.sqrt(quantised + np.sum(self.n[..., :2]**2, -1) / 2 * sigma * w2 + sideways)}
