@@ -86,7 +86,7 @@ CoverageMetrics coverage_metrics(const std::vector<Hole>& holes, std::int64_t re
 std::int8_t coverage_flags(const Hole& hole, double bin_distance, const EvaluationLimits& limits) {
   std::int8_t flags = 0;
   if (hole.size_bins > limits.hole_bins) set_flag(flags, fail_hole_size);
-  if (bin_distance > limits.distance_bins) set_flag(flags, fail_distance);
+  if (bin_distance > limits.distance_bins) set_flag(flags, fail_hole_distance);
   return flags;
 }
 

@@ -1,19 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <string_view>
+
+#include "dictionary/tables/requirements.h"
 
 namespace landfall {
 
-/// Bits of the layer `fail`: why a bin or the footprint centred on it misses a requirement.
+/// The bit of a flag of schemas/dictionary/requirements.json.
+[[nodiscard]] constexpr std::int8_t fail_bit(std::string_view name) {
+  const auto& flags = dictionary::kFailFlags;
+  return static_cast<std::int8_t>(std::ranges::find(flags, name, &dictionary::FailFlag::name)->bit);
+}
+
+/// Bits of the layer `fail`: why a bin or the footprint centred on it misses a requirement: fail_relative_x,
+/// ...
 enum FailFlag : std::int8_t {
-  fail_relative_x = 1,
-  fail_relative_y = 2,
-  fail_relative_z = 4,
-  fail_absolute_horizontal = 8,
-  fail_hole_size = 16,  ///< every bin of a hole over the limit
-  fail_distance = 32,
+#define LANDFALL_FLAG(name) fail_##name = fail_bit(#name),
+  LANDFALL_FAIL_FLAGS(LANDFALL_FLAG)
+#undef LANDFALL_FLAG
 };
+
+/// All flags, ascending by bit.
+[[nodiscard]] constexpr auto fail_flags_by_bit() {
+  auto flags = dictionary::kFailFlags;
+  std::ranges::sort(flags, {}, &dictionary::FailFlag::bit);
+  return flags;
+}
 
 inline void set_flag(std::int8_t& flags, FailFlag flag) { flags = static_cast<std::int8_t>(flags | flag); }
 

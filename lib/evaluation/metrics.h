@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/fields.h"
+#include "dictionary/tables/requirements.h"
 #include "evaluation/parameters.h"
 
 namespace landfall {
@@ -121,13 +124,13 @@ struct Requirement {
   LANDFALL_FIELDS(value, limit, pass)
 };
 
+/// The requirements of schemas/dictionary/requirements.json: coverage, hole_size, hole_distance,
+/// relative_elevation, relative_horizontal, absolute_horizontal. A violation of a relative one has the limit
+/// 0.
 struct RequirementMetrics {
-  Requirement coverage;             ///< invalid_frac
-  Requirement hole_size;            ///< largest_hole_bins
-  Requirement hole_distance;        ///< max_distance_bins
-  Requirement relative_elevation;   ///< violation count of z; the limit is 0
-  Requirement relative_horizontal;  ///< violation counts of x and y added; the limit is 0
-  Requirement absolute_horizontal;  ///< within_limit_frac; passes at or above the limit
+#define LANDFALL_REQUIREMENT(name) Requirement name;
+  LANDFALL_REQUIREMENTS(LANDFALL_REQUIREMENT)
+#undef LANDFALL_REQUIREMENT
   static void fields(auto& walk, auto& m);
   friend bool operator==(const RequirementMetrics&, const RequirementMetrics&) = default;
 };
@@ -144,19 +147,24 @@ struct RequirementInfo {
   Requirement RequirementMetrics::*requirement;
 };
 
+[[nodiscard]] constexpr RequirementUnit requirement_unit(std::string_view name) {
+  if (name == "fraction") return RequirementUnit::fraction;
+  return name == "bins" ? RequirementUnit::bins : RequirementUnit::footprints;
+}
+
+[[nodiscard]] constexpr RequirementInfo requirement_info(std::string_view name,
+                                                         Requirement RequirementMetrics::*requirement) {
+  const dictionary::Requirement& words =
+      *std::ranges::find(dictionary::kRequirements, name, &dictionary::Requirement::name);
+  return {words.name, words.measured, requirement_unit(words.unit), words.at_least, requirement};
+}
+
 /// All requirements, in the order of metrics.json.
-inline constexpr std::array<RequirementInfo, 6> kRequirementInfo = {
-    {{"coverage", "invalid bins of the region", RequirementUnit::fraction, false,
-      &RequirementMetrics::coverage},
-     {"hole_size", "largest hole", RequirementUnit::bins, false, &RequirementMetrics::hole_size},
-     {"hole_distance", "largest distance to a valid bin", RequirementUnit::bins, false,
-      &RequirementMetrics::hole_distance},
-     {"relative_elevation", "footprints over the limit, z", RequirementUnit::footprints, false,
-      &RequirementMetrics::relative_elevation},
-     {"relative_horizontal", "footprints over the limit, x and y", RequirementUnit::footprints, false,
-      &RequirementMetrics::relative_horizontal},
-     {"absolute_horizontal", "footprints within the limit", RequirementUnit::fraction, true,
-      &RequirementMetrics::absolute_horizontal}}};
+inline constexpr std::array kRequirementInfo = {
+#define LANDFALL_REQUIREMENT(name) requirement_info(#name, &RequirementMetrics::name),
+    LANDFALL_REQUIREMENTS(LANDFALL_REQUIREMENT)
+#undef LANDFALL_REQUIREMENT
+};
 
 void RequirementMetrics::fields(auto& walk, auto& m) {
   for (const RequirementInfo& info : kRequirementInfo) walk(info.name, m.*info.requirement);

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "dictionary/layers.h"
 #include "exports/grid_layers.h"
 #include "exports/point_reader.h"
 #include "files/evaluation_file.h"
 #include "files/terrain_file.h"
-#include "hazards/place_classes.h"
 #include "returns/columns.h"
 
 namespace landfall {
@@ -25,10 +24,6 @@ constexpr const char* kYEst = name_of(&PointColumns::y_est);
 constexpr std::int64_t kMaxPixels = 1100;
 constexpr std::int64_t kMeshPixels = 500;  ///< each needs a search in the mesh
 
-bool is_among(std::string_view name, std::initializer_list<std::string_view> names) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 bool keeps_greatest(const ContentInfo& content) {
   return content.type == h5::Type::int8 || content.name == "hole_id";
 }
@@ -38,20 +33,13 @@ struct PlaceValue {
   MapClass drawn;
 };
 
-template <class Classes>
-std::vector<PlaceValue> from_the_best(const Classes& worst_first) {
-  std::vector<PlaceValue> found;
-  for (const auto& c : worst_first)
-    found.insert(found.begin(), {static_cast<std::int8_t>(c.value), {c.name, c.color}});
-  return found;
-}
-
 /// The classes of a layer of a hazard map, from the best to the worst; other layers have none.
 std::vector<PlaceValue> classes_of(const GridSource& grid, const ContentInfo& layer) {
   if (grid.kind() != "hazards" || layer.type != h5::Type::int8) return {};
-  if (is_among(layer.name, {"safe", "safe_true"})) return from_the_best(kSafetyClasses);
-  if (layer.name == "outcome") return from_the_best(kOutcomeClasses);
-  return {};
+  std::vector<PlaceValue> found;
+  for (const auto& c : dictionary::place_classes(layer.name == "safe_true" ? "safe" : layer.name))
+    found.insert(found.begin(), {static_cast<std::int8_t>(c.value), {c.name, c.color}});
+  return found;
 }
 
 RgbImage class_picture(const GridSource& grid, const ContentInfo& layer,
@@ -82,7 +70,7 @@ RgbImage grid_picture(const GridSource& grid, const ContentInfo& layer, const Pr
         std::visit([&reducer](const auto& rows) { reducer.add(rows); }, strip);
       },
       progress);
-  MapStyle style = style_of(layer);
+  MapStyle style = style_of(grid.kind(), layer);
   if (grid.kind() == "evaluation") style.limit = stored_limit(grid.file(), layer.name);
   return map_picture(reducer.map(), style);
 }
@@ -136,7 +124,7 @@ RgbImage scan_picture(const PointReader& points, const std::string& layer, const
       },
       [&](double f) { report(progress, (1 + 2 * f) / 3); });
   if (counts) return map_picture(map.count(), {"returns per pixel", "1", Colors::count});
-  MapStyle style = style_of(points.column(layer));
+  MapStyle style = style_of("dem", points.column(layer));  // whose layers have the same names
   style.title += flags ? ", the greatest of the returns" : ", mean of the returns";
   style.cut = !flags;  // false returns lie far from the ground
   return map_picture(map.values(), style);
@@ -169,7 +157,7 @@ RgbImage mesh_picture(const TriangleMesh& mesh, const ProgressCallback& progress
         }
       },
       progress);
-  return map_picture(map, style_of({"z", h5::Type::float64, "m", ""}));
+  return map_picture(map, style_of("terrain", {"z", h5::Type::float64, "m", ""}));
 }
 
 RgbImage mesh_file_picture(const std::filesystem::path& input, const std::string& layer,
@@ -182,17 +170,18 @@ RgbImage mesh_file_picture(const std::filesystem::path& input, const std::string
 
 }  // namespace
 
-MapStyle style_of(const ContentInfo& content) {
+MapStyle style_of(const std::string& kind, const ContentInfo& content) {
   MapStyle style{content.name, content.units};
-  style.relief = is_among(content.name, {"z", "z_est", "z_true", "z_true_map", "z_corrected"});
+  const dictionary::Layer* const words = dictionary::find_layer(kind, content.name);
+  const std::string_view drawn_as = words == nullptr ? "" : words->style;
+  style.relief = drawn_as == "elevation";
   if (style.relief) style.colors = Colors::elevation;
-  if (is_among(content.name, {"count", "frames"})) style.colors = Colors::count;
-  const bool is_mean = is_among(content.name, {"abs_x", "abs_y", "abs_z"});
-  if (is_mean || is_among(content.name, {"e_x", "e_y", "e_z"})) {
+  if (drawn_as == "count") style.colors = Colors::count;
+  if (drawn_as == "signed") {
     style.colors = Colors::error;
-    style.title += is_mean ? ", mean of true - estimated" : " = true - estimated";
+    style.title += std::string(", ") + words->long_name;
   }
-  style.from_zero = is_among(content.name, {"rel_x", "rel_y", "rel_z"});
+  style.from_zero = drawn_as == "magnitude";
   style.cut = !style.relief && !keeps_greatest(content);
   return style;
 }

@@ -10,9 +10,9 @@
 
 namespace landfall {
 
-/// The style for a layer or column of this name: elevations are shaded; the title of a signed error says its
-/// sign. Flags and hole numbers keep the greatest value of a pixel's bins, other layers the mean.
-[[nodiscard]] MapStyle style_of(const ContentInfo& content);
+/// The style of a layer of a file of this kind (schemas/dictionary/layers.json); the title of a signed error
+/// says its sign. Flags and hole numbers keep the greatest value of a pixel's bins, other layers the mean.
+[[nodiscard]] MapStyle style_of(const std::string& kind, const ContentInfo& content);
 
 /// An image of any landfall file, seen from above, north up, at most 1100 pixels a side plus its labels.
 /// - A grid: the layer `layer`; if empty, the main layer (GridSource::main_layer). `safe`, `safe_true` and

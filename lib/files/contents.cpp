@@ -10,26 +10,11 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "dictionary/layers.h"
 #include "returns/columns.h"
 
 namespace landfall {
 namespace {
-
-/// The order in which layers are listed: that in which the tools write them. HDF5 itself sorts them by name.
-constexpr std::array kLayerOrder = {
-    // terrain and DEM
-    "z_est", "z", "albedo", "count", "weight_sum", "x_true", "y_true", "z_true", "x_est_mean", "y_est_mean",
-    "t_mean", "z_spread", "z_corrected", "z_true_map", "z_sigma_abs", "z_sigma_rel", "z_sigma_noise",
-    "z_corrected_sigma_abs", "z_corrected_sigma_rel", "xy_sigma",
-    // evaluation and plan
-    "e_x", "e_y", "e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "frames", "first_seen",
-    "in_region", "invalid", "hole_id", "distance_to_valid", "fail",
-    // hazard map
-    "slope", "roughness", "safe", "p_safe", "p_touchdown", "cost", "distance_to_hazard", "slope_true",
-    "roughness_true", "safe_true", "outcome",
-    // campaign
-    "p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "p_judged_safe",
-    "p_missed_hazard", "e_z_mean", "e_z_std", "e_map_std", "e_map_std_over_sigma", "count_mean"};
 
 constexpr std::array kSiteOrder = {"rank",        "x",      "y",     "z",         "cost",
                                    "p_touchdown", "p_safe", "slope", "roughness", "distance_to_hazard",
@@ -153,10 +138,11 @@ bool has_grid(const LandfallFileReader& file) {
 }
 
 std::vector<ContentInfo> layers_of(const LandfallFileReader& file, const GridSpec& spec) {
-  return datasets({file.root(), file.name() + ": /"}, kLayerOrder, [&spec](std::span<const hsize_t> size) {
-    return size.size() == 2 && size[0] == static_cast<hsize_t>(spec.rows) &&
-           size[1] == static_cast<hsize_t>(spec.cols);
-  });
+  return datasets({file.root(), file.name() + ": /"}, dictionary::layer_names(),
+                  [&spec](std::span<const hsize_t> size) {
+                    return size.size() == 2 && size[0] == static_cast<hsize_t>(spec.rows) &&
+                           size[1] == static_cast<hsize_t>(spec.cols);
+                  });
 }
 
 std::vector<ContentInfo> columns_of(const TableReader& points) { return columns(points, kColumnOrder); }

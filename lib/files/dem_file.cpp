@@ -61,11 +61,8 @@ void put(const Strip& strip, GridLayerWriter::TileValues& tile, Value value) {
 }
 
 template <class T, class Member>
-Layer simple(const std::string& name, Member BinValues::*member, const char* units, const char* long_name) {
-  return {name,
-          h5::TypeOf<T>::value,
-          {units, long_name},
-          [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
+Layer simple(const std::string& name, Member BinValues::*member) {
+  return {name, h5::TypeOf<T>::value, {}, [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
             put<T>(strip, tile, [&](std::size_t i) { return strip.bins[i].*member; });
           }};
 }
@@ -81,22 +78,22 @@ void put_z_true(const Strip& strip, GridLayerWriter::TileValues& tile) {
 Layer z_true(TruthAt truth_at) {
   return {"z_true",
           h5::Type::float64,
-          {"m", truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true position"
-                                                : "true elevation at the mean true position"},
+          {.long_name =
+               truth_at == TruthAt::bin_center ? "true elevation under the bin centre's true position" : ""},
           put_z_true,
           terrain_missing};
 }
 
 /// value(bin) for each bin that holds a return, NaN for the others.
 template <class Value>
-Layer of_filled_bins(const std::string& name, const std::string& long_name, Missing missing, Value value) {
+Layer of_filled_bins(const std::string& name, Missing missing, Value value) {
   const auto put_values = [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
     put<float>(strip, tile, [&](std::size_t i) {
       return strip.bins[i].count > 0 ? static_cast<double>(value(strip, i))
                                      : std::numeric_limits<double>::quiet_NaN();
     });
   };
-  return {name, h5::Type::float32, {"m", long_name}, put_values, missing};
+  return {name, h5::Type::float32, {}, put_values, missing};
 }
 
 double true_elevation_of_map(const Strip& strip, std::size_t i) {
@@ -109,39 +106,32 @@ double corrected(const Strip& strip, std::size_t i) {
   return corrected_elevation(strip.bins[i], strip.spec, bin, strip.scans.slopes.at(bin));
 }
 
-Layer sigma(const std::string& name, double BinSigmas::*member, const std::string& of, Missing missing) {
+Layer sigma(const std::string& name, double BinSigmas::*member, Missing missing) {
   const auto put_values = [=](const Strip& strip, GridLayerWriter::TileValues& tile) {
     put<float>(strip, tile, [&](std::size_t i) { return strip.sigmas[i].*member; });
   };
-  return {name, h5::Type::float32, {"m", "one sigma of " + of}, put_values, missing, true};
+  return {name, h5::Type::float32, {}, put_values, missing, true};
 }
 
 std::vector<Layer> all_layers(TruthAt truth_at) {
-  return {simple<double>("z_est", &BinValues::z_est, "m", "estimated elevation"),
-          simple<std::int32_t>("count", &BinValues::count, "1", "returns in the bin"),
-          simple<double>("weight_sum", &BinValues::weight_sum, "1", "sum of the returns' weights"),
-          simple<double>("x_true", &BinValues::x_true, "m", "mean true x of the bin's returns"),
-          simple<double>("y_true", &BinValues::y_true, "m", "mean true y of the bin's returns"),
+  return {simple<double>("z_est", &BinValues::z_est),
+          simple<std::int32_t>("count", &BinValues::count),
+          simple<double>("weight_sum", &BinValues::weight_sum),
+          simple<double>("x_true", &BinValues::x_true),
+          simple<double>("y_true", &BinValues::y_true),
           z_true(truth_at),
-          simple<float>("x_est_mean", &BinValues::x_est, "m", "mean estimated x of the bin's returns"),
-          simple<float>("y_est_mean", &BinValues::y_est, "m", "mean estimated y of the bin's returns"),
-          simple<double>(kTime, &BinValues::t, "s", "mean time of the bin's returns since the first pulse"),
-          simple<float>("z_spread", &BinValues::z_spread, "m",
-                        "weighted standard deviation of the estimated elevations"),
-          of_filled_bins("z_corrected", "estimated elevation, carried along the slope to the bin centre",
-                         correction_missing, corrected),
-          of_filled_bins("z_true_map", "true elevation under the bin centre", map_truth_missing,
-                         true_elevation_of_map),
-          sigma("z_sigma_abs", &BinSigmas::z_abs, "z_true_map - z_est", uncertainty_missing),
-          sigma("z_sigma_rel", &BinSigmas::z_rel, "z_true_map - z_est without navigation errors",
-                uncertainty_missing),
-          sigma("z_sigma_noise", &BinSigmas::z_noise,
-                "the noise of z_est that is independent from bin to bin", uncertainty_missing),
-          sigma("z_corrected_sigma_abs", &BinSigmas::z_corrected_abs, "z_true_map - z_corrected",
-                corrected_sigma_missing),
-          sigma("z_corrected_sigma_rel", &BinSigmas::z_corrected_rel,
-                "z_true_map - z_corrected without navigation errors", corrected_sigma_missing),
-          sigma("xy_sigma", &BinSigmas::xy, "the horizontal error along one axis", uncertainty_missing)};
+          simple<float>("x_est_mean", &BinValues::x_est),
+          simple<float>("y_est_mean", &BinValues::y_est),
+          simple<double>(kTime, &BinValues::t),
+          simple<float>("z_spread", &BinValues::z_spread),
+          of_filled_bins("z_corrected", correction_missing, corrected),
+          of_filled_bins("z_true_map", map_truth_missing, true_elevation_of_map),
+          sigma("z_sigma_abs", &BinSigmas::z_abs, uncertainty_missing),
+          sigma("z_sigma_rel", &BinSigmas::z_rel, uncertainty_missing),
+          sigma("z_sigma_noise", &BinSigmas::z_noise, uncertainty_missing),
+          sigma("z_corrected_sigma_abs", &BinSigmas::z_corrected_abs, corrected_sigma_missing),
+          sigma("z_corrected_sigma_rel", &BinSigmas::z_corrected_rel, corrected_sigma_missing),
+          sigma("xy_sigma", &BinSigmas::xy, uncertainty_missing)};
 }
 
 /// The layers that qualify a layer's values: how many returns, how they scatter, how uncertain the result is.

@@ -33,34 +33,28 @@ constexpr const char* kFirstDraw = "first_draw";
 void write_layers(LandfallFileWriter& file, const Draws& draws, const std::string& crs_wkt) {
   const DrawMaps& maps = *draws.maps;
   GridLayerWriter layers(file, maps.spec(), crs_wkt);
-  layers.write("p_invalid", share_of_draws(maps, maps.invalid, nullptr),
-               {"1", "share of the draws in which the bin has no elevation"});
+  layers.write("p_invalid", share_of_draws(maps, maps.invalid, nullptr));
   const auto share = [&](const Grid<std::int32_t>& count) {
     return share_of_draws(maps, count, &*draws.region);
   };
-  const std::string footprint = "share of the draws in which the footprint exceeds the limit of the ";
-  layers.write("p_fail_rel_x", share(maps.fail_rel_x), {"1", footprint + "relative error of x"});
-  layers.write("p_fail_rel_y", share(maps.fail_rel_y), {"1", footprint + "relative error of y"});
-  layers.write("p_fail_rel_z", share(maps.fail_rel_z), {"1", footprint + "relative error of z"});
-  layers.write("p_fail_absolute", share(maps.fail_absolute), {"1", footprint + "absolute horizontal error"});
+  layers.write("p_fail_rel_x", share(maps.fail_rel_x));
+  layers.write("p_fail_rel_y", share(maps.fail_rel_y));
+  layers.write("p_fail_rel_z", share(maps.fail_rel_z));
+  layers.write("p_fail_absolute", share(maps.fail_absolute));
   if (maps.safety) {
-    layers.write("p_judged_safe", share_of_known(*maps.safety, maps.safety->judged_safe),
-                 {"1", "share of the draws in which the map says that the place is safe"});
-    layers.write("p_missed_hazard", share_of_known(*maps.safety, maps.safety->missed),
-                 {"1", "share of the draws in which the map says safe and the place is a hazard in truth"});
+    layers.write("p_judged_safe", share_of_known(*maps.safety, maps.safety->judged_safe));
+    layers.write("p_missed_hazard", share_of_known(*maps.safety, maps.safety->missed));
   }
-  layers.write("e_z_mean", mean_of(maps.e_z), {"m", "mean of z_true - z_est over the draws"});
-  layers.write("e_z_std", std_of(maps.e_z), {"m", "standard deviation of z_true - z_est over the draws"});
-  layers.write("e_map_std", std_of(maps.e_map),
-               {"m", "standard deviation over the draws of the true elevation at the bin centre less z_est"});
+  layers.write("e_z_mean", mean_of(maps.e_z));
+  layers.write("e_z_std", std_of(maps.e_z));
+  layers.write("e_map_std", std_of(maps.e_map));
   if (draws.z_sigma_abs) {
-    layers.write("z_sigma_abs", *draws.z_sigma_abs, {"m", "predicted standard deviation of the same"});
-    layers.write("e_map_std_over_sigma", std_over_sigma(maps.e_map, *draws.z_sigma_abs),
-                 {"1", "e_map_std / z_sigma_abs"});
+    layers.write("z_sigma_abs", *draws.z_sigma_abs);
+    layers.write("e_map_std_over_sigma", std_over_sigma(maps.e_map, *draws.z_sigma_abs));
   }
-  layers.write("z_true_map", *draws.z_true_map, {"m", "true elevation at the bin centre"});
-  layers.write("count_mean", mean_count(maps), {"1", "mean number of returns in the bin"});
-  layers.write("in_region", *draws.region, {"1", "whether the bin is judged", {0, 1}, "no yes"});
+  layers.write("z_true_map", *draws.z_true_map);
+  layers.write("count_mean", mean_count(maps));
+  layers.write("in_region", *draws.region);
 }
 
 /// One column of the state, and its rows piece by piece.

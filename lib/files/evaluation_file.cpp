@@ -188,37 +188,33 @@ GridLayerWriter& EvaluationWriter::grid() {
 }
 
 void EvaluationWriter::take(const CoverageLayers& layers) {
-  grid().write("in_region", layers.in_region,
-               {"1", "bin lies in the judged region", {0, 1}, "outside inside"});
-  grid().write("invalid", layers.invalid,
-               {"1", "bin of the region without an elevation", {0, 1}, "valid invalid"});
-  grid().write("hole_id", layers.hole_id, {"1", "number of the 8-connected hole, 0 for none"});
-  const GridLayerWriter::LayerText distance{"1", "distance to the nearest valid bin, in bins"};
+  grid().write("in_region", layers.in_region);
+  grid().write("invalid", layers.invalid);
+  grid().write("hole_id", layers.hole_id);
   if (std::ranges::none_of(layers.distance_to_valid.values(), is_infinite<float>)) {
-    grid().write("distance_to_valid", layers.distance_to_valid, distance);
+    grid().write("distance_to_valid", layers.distance_to_valid);
     return;
   }
   Grid<float> none = layers.distance_to_valid;  // the DEM has no valid bin
   std::ranges::fill(none.values(), std::numeric_limits<float>::quiet_NaN());
-  grid().write("distance_to_valid", none, distance);
+  grid().write("distance_to_valid", none);
 }
 
 void EvaluationWriter::take(Axis axis, const AxisLayers& layers) {
   const std::string name = name_of(axis);
-  grid().write("e_" + name, layers.error, {"m", "true minus estimated " + name});
-  GridLayerWriter::LayerText absolute{"m", "mean of e_" + name + " over the footprint"};
-  GridLayerWriter::LayerText relative{
-      "m", "quantile of the deviation of e_" + name + " from its mean over the footprint"};
-  absolute.ancillary_variables = relative.ancillary_variables = "fail";  // always follows, as the last layer
-  grid().write("abs_" + name, layers.absolute, absolute);
-  grid().write("rel_" + name, layers.relative, relative);
+  const GridLayerWriter::LayerText judged{.ancillary_variables =
+                                              "fail"};  // always follows, as the last layer
+  grid().write("e_" + name, layers.error);
+  grid().write("abs_" + name, layers.absolute, judged);
+  grid().write("rel_" + name, layers.relative, judged);
 }
 
 void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
-  GridLayerWriter::LayerText text{"1", "missed requirements of the bin or of the footprint centred on it"};
-  text.flag_masks = {fail_relative_x,          fail_relative_y, fail_relative_z,
-                     fail_absolute_horizontal, fail_hole_size,  fail_distance};
-  text.flag_meanings = "relative_x relative_y relative_z absolute_horizontal hole_size hole_distance";
+  GridLayerWriter::LayerText text;
+  for (const dictionary::FailFlag& flag : fail_flags_by_bit()) {
+    text.flag_masks.push_back(static_cast<std::int8_t>(flag.bit));
+    text.flag_meanings += (text.flag_meanings.empty() ? "" : " ") + std::string(flag.name);
+  }
   grid().write("fail", fail, text);
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/number_text.h"
 #include "base/parallel.h"
+#include "dictionary/layers.h"
 #include "hdf5/chunk_codec.h"
 #include "hdf5/grid_tiles.h"
 #include "hdf5/infinite_values.h"
@@ -129,11 +130,28 @@ GridSpec read_spec(const LandfallFileReader& file) {
   return spec;
 }
 
+void complete(std::string& text, const char* words) {
+  if (text.empty()) text = words;
+}
+
+GridLayerWriter::LayerText completed(const std::string& kind, const std::string& name,
+                                     GridLayerWriter::LayerText text) {
+  const dictionary::Layer* const layer = dictionary::find_layer(kind, name);
+  if (layer == nullptr) return text;
+  complete(text.units, layer->unit);
+  complete(text.long_name, layer->long_name);
+  complete(text.flag_meanings, layer->flag_meanings);
+  if (text.flag_meanings.empty() || !text.flag_values.empty() || !text.flag_masks.empty()) return text;
+  const auto spaces = std::ranges::count(text.flag_meanings, ' ');
+  for (std::int8_t value = 0; value <= spaces; ++value) text.flag_values.push_back(value);
+  return text;
+}
+
 }  // namespace
 
 GridLayerWriter::GridLayerWriter(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
                                  const std::string& located_at)
-    : root_(file.root()), compression_(file.compression()), spec_(spec) {
+    : root_(file.root()), kind_(file.kind()), compression_(file.compression()), spec_(spec) {
   std::vector<double> x(static_cast<std::size_t>(spec.cols));
   std::vector<double> y(static_cast<std::size_t>(spec.rows));
   for (std::int64_t c = 0; c < spec.cols; ++c) x[static_cast<std::size_t>(c)] = spec.x(c);
@@ -150,7 +168,8 @@ void GridLayerWriter::attach_scales(hid_t dataset) const {
     throw IoError("attaching the coordinates failed: " + h5::failure_reason());
 }
 
-h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const LayerText& text) const {
+h5::Handle GridLayerWriter::create(const std::string& name, h5::Type type, const LayerText& given) const {
+  const LayerText text = completed(kind_, name, given);
   const BinIndex tile = tile_of(spec_);
   const bool is_real = type == h5::Type::float64 || type == h5::Type::float32;
   h5::Handle dataset =

@@ -28,9 +28,11 @@ class GridLayerWriter {
   GridLayerWriter(LandfallFileWriter& file, const GridSpec& spec, const std::string& crs_wkt,
                   const std::string& located_at = "bin centre");
 
+  /// The attributes of a layer. Units, long name and flags that are empty are those of the dictionary
+  /// (schemas/dictionary/layers.json).
   struct LayerText {
-    std::string units;
-    std::string long_name;
+    std::string units = {};
+    std::string long_name = {};
     std::vector<std::int8_t> flag_values = {};
     std::string flag_meanings = {};
     std::vector<std::int8_t> flag_masks = {};  ///< bits that may be set together
@@ -40,11 +42,11 @@ class GridLayerWriter {
   };
   /// T: double, float, std::int32_t or std::int8_t. Tiles are compressed in parallel. Throws IoError.
   template <class T>
-  void write(const std::string& name, const Grid<T>& layer, const LayerText& text);
+  void write(const std::string& name, const Grid<T>& layer, const LayerText& text = {});
 
   /// A layer of T to be written in strips of rows, so that only part of it is in memory at a time.
   template <class T>
-  [[nodiscard]] h5::Handle begin(const std::string& name, const LayerText& text) const;
+  [[nodiscard]] h5::Handle begin(const std::string& name, const LayerText& text = {}) const;
   /// Writes whole rows of the grid. The first row must be a multiple of 256 from the grid's first, and so
   /// must the end unless it is the grid's. Throws IoError.
   template <class T>
@@ -58,7 +60,7 @@ class GridLayerWriter {
   struct TiledLayer {
     std::string name;
     h5::Type type;  ///< float64, float32 or int32
-    LayerText text;
+    LayerText text = {};
   };
   /// The part of the grid that a tile covers, with fewer rows and columns at the grid's border; its rows of
   /// values begin `stride` apart.
@@ -77,13 +79,14 @@ class GridLayerWriter {
                    const ProgressCallback& progress = {});
 
  private:
-  [[nodiscard]] h5::Handle create(const std::string& name, h5::Type type, const LayerText& text) const;
+  [[nodiscard]] h5::Handle create(const std::string& name, h5::Type type, const LayerText& given) const;
   [[nodiscard]] std::vector<Tile> tiles() const;
   void write_tile(hid_t dataset, const std::string& name, BinIndex first,
                   std::span<const std::byte> bytes) const;
   void attach_scales(hid_t dataset) const;
 
   hid_t root_;
+  std::string kind_;
   int compression_;
   GridSpec spec_;
   h5::Handle x_;

@@ -29,24 +29,15 @@ Json true_safe(Safety truth) {
   return truth == Safety::unknown ? Json(nullptr) : Json(truth == Safety::safe);
 }
 
-void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, const std::string& suffix,
-                    const std::string& ground) {
-  const auto write = [&](const std::string& name, const Grid<double>& values,
-                         const GridLayerWriter::LayerText& text) {
+void write_measures(GridLayerWriter& layers, const PlaceMeasures& measures, const std::string& suffix) {
+  const auto write = [&](const std::string& name, const Grid<double>& values) {
     auto rounded = Grid<float>::unset(values.spec());
     for (std::size_t i = 0; i < values.spec().size(); ++i)
       rounded.values()[i] = static_cast<float>(values.values()[i]);
-    layers.write(name + suffix, rounded, text);
+    layers.write(name + suffix, rounded, {.ancillary_variables = "safe" + suffix});
   };
-  write("slope", measures.slope_deg,
-        {"degree", "largest slope of a lander that stands here" + ground, {}, {}, {}, "safe" + suffix});
-  write("roughness", measures.roughness_m,
-        {"m",
-         "largest height of the ground above the plane of the lander" + ground,
-         {},
-         {},
-         {},
-         "safe" + suffix});
+  write("slope", measures.slope_deg);
+  write("roughness", measures.roughness_m);
 }
 
 /// The value of(site) for each site; NaN for none.
@@ -141,27 +132,16 @@ TruthCentroids read_truth_centroids(const std::filesystem::path& path) {
 
 void write_hazards(LandfallFileWriter& file, const HazardMap& map, const std::string& crs_wkt) {
   GridLayerWriter layers(file, map.safe.spec(), crs_wkt);
-  write_measures(layers, map.measures, "", "");
-  layers.write("safe", map.safe,
-               {"1", "whether a lander can stand here within its limits", kSafetyValues, kSafetyMeanings});
-  if (map.p_safe)
-    layers.write(
-        "p_safe", *map.p_safe,
-        {.units = "1", .long_name = "probability that the place is safe", .comment = map.p_safe_origin});
-  layers.write("p_touchdown", map.p_touchdown, {"1", "probability that a touchdown aimed here is safe"});
-  layers.write("cost", map.cost, {"1", "cost of landing here"});
-  layers.write("distance_to_hazard", map.distance_to_hazard,
-               {"m", "distance to the nearest place of the region that is not safe"});
+  write_measures(layers, map.measures, "");
+  layers.write("safe", map.safe);
+  if (map.p_safe) layers.write("p_safe", *map.p_safe, {.comment = map.p_safe_origin});
+  layers.write("p_touchdown", map.p_touchdown);
+  layers.write("cost", map.cost);
+  layers.write("distance_to_hazard", map.distance_to_hazard);
   if (map.truth) {
-    write_measures(layers, map.truth->measures, "_true", ", on the true ground");
-    layers.write("safe_true", map.truth->safe,
-                 {"1", "whether a lander can stand here within its limits, on the true ground", kSafetyValues,
-                  kSafetyMeanings});
-    layers.write("outcome", map.truth->outcome,
-                 {"1",
-                  "the judgement compared with the true ground",
-                  {0, 1, 2, 3, 4},
-                  "hazard_found safe_found missed_hazard false_alarm unknown"});
+    write_measures(layers, map.truth->measures, "_true");
+    layers.write("safe_true", map.truth->safe);
+    layers.write("outcome", map.truth->outcome);
     h5::write_text(file.root(), {"score_json", "the comparison with the true ground in numbers"},
                    score_json(map.truth->score).dump(2));
   }

@@ -89,6 +89,7 @@ bool is_history(const nlohmann::json& chain) {
 LandfallFileWriter::LandfallFileWriter(const OutputOptions& options, const std::string& kind,
                                        const Provenance& provenance)
     : output_(options.path, options.overwrite),
+      kind_(kind),
       compression_(options.compression),
       file_(create_quietly(output_.temporary())) {
   h5::write_attribute(root(), "title", title_of(kind));

@@ -26,6 +26,7 @@ class LandfallFileWriter {
 
   [[nodiscard]] hid_t root() const { return file_.get(); }
   [[nodiscard]] int compression() const { return compression_; }
+  [[nodiscard]] const std::string& kind() const { return kind_; }
   /// The file will not have the attribute Conventions, because CF cannot express something in it.
   void withdraw_cf_claim() { follows_cf_ = false; }
   /// Marks the file complete, flushes and renames it. Throws IoError when writing fails.
@@ -34,6 +35,7 @@ class LandfallFileWriter {
  private:
   // The file is declared last: it closes before the temporary name is removed.
   OutputPath output_;
+  std::string kind_;
   int compression_;
   bool follows_cf_ = true;
   h5::Handle file_;

@@ -47,11 +47,11 @@ PlanSummary summarize_plan(const ScanPlan& plan, double radius_m, double pulse_r
 
 void write_plan(LandfallFileWriter& file, const ScanPlan& plan, const PlanSummary& summary) {
   GridLayerWriter layers(file, plan.region().spec(), "");
-  layers.write("count", plan.count(), {"1", "returns in the bin"});
-  layers.write("frames", plan.frames(), {"1", "pulses with a return in the bin"});
-  layers.write("first_seen", plan.first_seen_s(), {"s", "time of the first return since the first pulse"});
-  layers.write("in_region", plan.region(), {"1", "bins that the scan is for", {0, 1}, "outside inside"});
-  layers.write("hole_id", summary.hole_id, {"1", "hole of uncovered bins in the region, 0 outside holes"});
+  layers.write("count", plan.count());
+  layers.write("frames", plan.frames());
+  layers.write("first_seen", plan.first_seen_s());
+  layers.write("in_region", plan.region());
+  layers.write("hole_id", summary.hole_id);
   h5::write_text(file.root(), {"plan_json", "the plan in numbers"}, fields_json(summary.metrics).dump(2));
   file.commit();
 }

@@ -23,18 +23,12 @@ TerrainIdentity identity_of(const LandfallFileReader& file) {
   return {read_crs(file.root()), file.file_id(), file.chain()};
 }
 
-GridLayerWriter::LayerText elevation_text() { return {"m", "true elevation at the grid node"}; }
-
-GridLayerWriter::LayerText albedo_text() {
-  return {"1", "fraction of the light that the surface reflects at the grid node"};
-}
-
 }  // namespace
 
 void write_terrain(LandfallFileWriter& file, const GeneratedTerrain& terrain) {
   GridLayerWriter layers(file, terrain.nodes.spec(), terrain.crs_wkt, "grid node");
-  layers.write("z", terrain.nodes, elevation_text());
-  if (terrain.albedo) layers.write("albedo", *terrain.albedo, albedo_text());
+  layers.write("z", terrain.nodes);
+  if (terrain.albedo) layers.write("albedo", *terrain.albedo);
   write_features(file, terrain.features);
   file.commit();
 }
@@ -47,9 +41,9 @@ NodeCounts count_nodes(const Grid<double>& grid) {
 
 NodeCounts write_terrain(LandfallFileWriter& file, TerrainStrips& strips, const ProgressCallback& progress) {
   const GridLayerWriter layers(file, strips.spec(), strips.crs_wkt(), "grid node");
-  const h5::Handle z_layer = layers.begin<double>("z", elevation_text());
+  const h5::Handle z_layer = layers.begin<double>("z");
   std::optional<h5::Handle> albedo_layer;
-  if (strips.has_albedo()) albedo_layer = layers.begin<float>("albedo", albedo_text());
+  if (strips.has_albedo()) albedo_layer = layers.begin<float>("albedo");
   ValueRange range;
   ValueRange albedo_range;
   NodeCounts written;

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
+#include "dictionary/tables/maps.h"
 #include "raster/rgb_image.h"
 
 namespace landfall {
 
-/// The quantities that maps show. Each has one colour map, the same in pictures, reports and figures (D240).
+/// The quantities that maps show. Each has one colour map, the same in pictures, reports and figures (D240),
+/// in schemas/dictionary/maps.json: elevation (shaded), error (symmetric: zero is white), count (returns,
+/// frames) and magnitude (relative errors, sigmas, and everything else).
 enum class Colors {
-  elevation,  ///< cividis (Nunez, Anderton, Renslow, PLOS ONE 2018), shaded
-  error,      ///< blue, white, red (ColorBrewer RdBu), symmetric: zero is white
-  count,      ///< ColorBrewer YlOrBr: returns, frames
-  magnitude,  ///< viridis (van der Walt, Smith 2015): relative errors, sigmas, and everything else
+#define LANDFALL_COLORS_OF(name) name,
+  LANDFALL_COLOR_MAPS(LANDFALL_COLORS_OF)
+#undef LANDFALL_COLORS_OF
 };
-inline constexpr std::size_t kColorMaps = 4;
+inline constexpr std::size_t kColorMaps = dictionary::kColorMaps.size();
 
 /// "elevation", "error", "count", "magnitude".
 [[nodiscard]] const char* name_of(Colors colors);
@@ -26,13 +30,12 @@ inline constexpr std::size_t kColorMaps = 4;
 /// The colour of a fraction in [0, 1]; a fraction outside gets the colour of the nearer end.
 [[nodiscard]] Rgb color_of(double fraction, Colors colors);
 
-inline constexpr std::uint32_t kNoValueColor = 0xc8c8c8;  ///< unlike any colour of the maps
-inline constexpr std::uint32_t kMarkColor = 0xff00ff;     ///< bins that stand out from every map
+/// A colour of schemas/dictionary/maps.json by its name.
+[[nodiscard]] constexpr std::uint32_t color_named(std::string_view name) {
+  return std::ranges::find(dictionary::kColors, name, &dictionary::Color::name)->color;
+}
 
-/// The classes of places to land on; missed hazards have kMarkColor.
-inline constexpr std::uint32_t kSafeColor = 0xcfe4f2;
-inline constexpr std::uint32_t kHazardColor = 0xe69f00;
-inline constexpr std::uint32_t kFalseAlarmColor = 0x0072b2;
-inline constexpr std::uint32_t kUnknownColor = 0x8c8c8c;
+inline constexpr std::uint32_t kNoValueColor = color_named("no_value");  ///< unlike any colour of the maps
+inline constexpr std::uint32_t kMarkColor = color_named("mark");  ///< bins that stand out from every map
 
 }  // namespace landfall

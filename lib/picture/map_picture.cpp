@@ -15,9 +15,7 @@ constexpr Rgb kPaper = {255, 255, 255};
 constexpr Rgb kInk = {30, 30, 30};
 constexpr std::int64_t kEnlargeTo = 600;
 constexpr std::int64_t kMinSide = 240;  ///< of the frame, so that labels have room
-constexpr double kOutliers = 0.005;     ///< on either side
 constexpr double kMinRange = 1e-9;      ///< smaller ranges are rounding errors
-constexpr double kLimitInside = 1.1;    ///< the scale reaches at least this times the limit
 constexpr std::int64_t kTick = 6;
 constexpr std::int64_t kGap = 8;
 constexpr std::int64_t kBarWidth = 22;
@@ -44,8 +42,8 @@ double quantile(std::vector<double>& values, double q) {
 /// The upper end of a scale that begins at zero or is symmetric about it.
 double magnitude_bound(std::vector<double> values, const MapStyle& style) {
   for (double& value : values) value = std::abs(value);
-  const double bound = quantile(values, style.cut ? 1 - kOutliers : 1);
-  const double least = std::max(kMinRange, style.limit ? kLimitInside * *style.limit : 0);
+  const double bound = quantile(values, style.cut ? 1 - dictionary::kOutliers : 1);
+  const double least = std::max(kMinRange, style.limit ? dictionary::kLimitInside * *style.limit : 0);
   return std::max(bound, least);
 }
 
@@ -250,8 +248,8 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
   }
   double low = quantile(values, 0);
   double high = quantile(values, 1);
-  const double most_low = quantile(values, kOutliers);
-  const double most_high = quantile(values, 1 - kOutliers);
+  const double most_low = quantile(values, dictionary::kOutliers);
+  const double most_high = quantile(values, 1 - dictionary::kOutliers);
   if (style.cut && most_high > most_low && high - low > 2 * (most_high - most_low)) {
     low = most_low;
     high = most_high;

@@ -18,58 +18,38 @@ class CampaignLayers {
       : draws_(draws), maps_(*draws.maps), factor_(factor), packer_(packer) {}
 
   [[nodiscard]] Json all() {
-    add({"z_true_map", "True elevation", "m"}, *draws_.z_true_map);
-    add({"in_region", "Judged region", "", Style::mask, Rule::largest}, *draws_.region);
-    add_probability("p_invalid", "Empty bin", share_of_draws(maps_, maps_.invalid, nullptr));
-    const std::string footprint = "Footprint fails: ";
+    add("z_true_map", *draws_.z_true_map);
+    add("in_region", *draws_.region);
+    add("p_invalid", share_of_draws(maps_, maps_.invalid, nullptr));
     const auto in_region = [&](const Grid<std::int32_t>& count) {
       return share_of_draws(maps_, count, &*draws_.region);
     };
-    add_probability("p_fail_rel_z", footprint + "relative z", in_region(maps_.fail_rel_z));
-    add_probability("p_fail_rel_x", footprint + "relative x", in_region(maps_.fail_rel_x));
-    add_probability("p_fail_rel_y", footprint + "relative y", in_region(maps_.fail_rel_y));
-    add_probability("p_fail_absolute", footprint + "absolute", in_region(maps_.fail_absolute));
+    add("p_fail_rel_z", in_region(maps_.fail_rel_z));
+    add("p_fail_rel_x", in_region(maps_.fail_rel_x));
+    add("p_fail_rel_y", in_region(maps_.fail_rel_y));
+    add("p_fail_absolute", in_region(maps_.fail_absolute));
     if (maps_.safety) add_safety(*maps_.safety);
-    add_error("e_z_mean", "Mean error in z", Style::signed_error, Rule::extreme, "mean of e_z",
-              mean_of(maps_.e_z));
-    add_error("e_z_std", "Spread of the error in z", Style::magnitude, Rule::largest,
-              "standard deviation of e_z", std_of(maps_.e_z));
-    add_error("e_map_std", "Spread of the error of the map", Style::magnitude, Rule::mean,
-              "standard deviation", std_of(maps_.e_map));
+    add("e_z_mean", mean_of(maps_.e_z));
+    add("e_z_std", std_of(maps_.e_z));
+    add("e_map_std", std_of(maps_.e_map));
     if (draws_.z_sigma_abs) add_predicted(*draws_.z_sigma_abs);
     return std::move(list_);
   }
 
  private:
   template <class T>
-  void add(ReportLayer layer, const Grid<T>& values) {
-    const std::string id = layer.name;
-    list_.push_back(packer_.keep(reduced_layer(std::move(layer), values, factor_), id));
-  }
-
-  void add_probability(const std::string& name, const std::string& title, const Grid<float>& share) {
-    ReportLayer layer{name, title, "", Style::chance, Rule::largest};
-    layer.quantity = "share of the draws";
-    add(std::move(layer), share);
-  }
-
-  void add_error(const std::string& name, const std::string& title, Style style, Rule rule,
-                 const std::string& quantity, const Grid<float>& values) {
-    ReportLayer layer{name, title, "m", style, rule};
-    layer.quantity = quantity;
-    add(std::move(layer), values);
+  void add(const std::string& name, const Grid<T>& values) {
+    list_.push_back(packer_.keep(reduced_layer(described("draws", name), values, factor_), name));
   }
 
   void add_safety(const SafetyCounts& safety) {
-    add_probability("p_missed_hazard", "Missed hazard", share_of_known(safety, safety.missed));
-    add_probability("p_judged_safe", "Judged safe", share_of_known(safety, safety.judged_safe));
+    add("p_missed_hazard", share_of_known(safety, safety.missed));
+    add("p_judged_safe", share_of_known(safety, safety.judged_safe));
   }
 
   void add_predicted(const Grid<float>& sigma_m) {
-    add_error("z_sigma_abs", "Predicted spread", Style::magnitude, Rule::mean, "standard deviation", sigma_m);
-    ReportLayer ratio{"e_map_std_over_sigma", "Observed over predicted", "", Style::magnitude, Rule::mean};
-    ratio.quantity = "e_map_std / z_sigma_abs";
-    add(std::move(ratio), std_over_sigma(maps_.e_map, sigma_m));
+    add("z_sigma_abs", sigma_m);
+    add("e_map_std_over_sigma", std_over_sigma(maps_.e_map, sigma_m));
   }
 
   const Draws& draws_;

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "dictionary/layers.h"
 #include "files/hazard_file.h"
-#include "hazards/place_classes.h"
 
 namespace landfall::html_report {
 namespace {
@@ -28,12 +28,12 @@ Grid<std::int8_t> bits_of(const Grid<std::int8_t>& values, const BinMask& region
   return bits;
 }
 
+std::int64_t bit_of(HazardOutcome outcome) { return std::int64_t{1} << static_cast<int>(outcome); }
+
 /// With the number of places of each value.
-template <class Value, std::size_t n>
-std::vector<LayerClass> with_counts(const std::array<PlaceClass<Value>, n>& classes,
-                                    const std::array<std::int64_t, n>& counts) {
+std::vector<LayerClass> with_counts(const char* layer, const std::vector<std::int64_t>& counts) {
   std::vector<LayerClass> result;
-  for (const PlaceClass<Value>& c : classes) {
+  for (const dictionary::PlaceClass& c : dictionary::place_classes(layer)) {
     const auto value = static_cast<std::size_t>(c.value);
     result.push_back({std::int64_t{1} << value, c.name, c.color, counts.at(value)});
   }
@@ -41,17 +41,15 @@ std::vector<LayerClass> with_counts(const std::array<PlaceClass<Value>, n>& clas
 }
 
 std::vector<LayerClass> safety_classes(const PlaceCounts& counts) {
-  return with_counts(kSafetyClasses, {counts.hazard, counts.safe, counts.unknown});
+  return with_counts("safe", {counts.hazard, counts.safe, counts.unknown});
 }
 
 std::vector<LayerClass> outcome_classes(const HazardScore::Counts& counts) {
   std::vector<LayerClass> classes = with_counts(
-      kOutcomeClasses,
+      "outcome",
       {counts.hazard_hazard, counts.safe_safe, counts.safe_hazard, counts.hazard_safe, counts.unknown});
-  for (std::size_t i = 0; i < classes.size(); ++i) {
-    const HazardOutcome outcome = kOutcomeClasses.at(i).value;
-    classes[i].is_mark = outcome == HazardOutcome::missed_hazard || outcome == HazardOutcome::false_alarm;
-  }
+  for (LayerClass& c : classes)
+    c.is_mark = c.bit == bit_of(HazardOutcome::missed_hazard) || c.bit == bit_of(HazardOutcome::false_alarm);
   return classes;
 }
 
@@ -64,13 +62,11 @@ class Layers {
   [[nodiscard]] Json all(const std::string& elevation) {
     const HazardMap& map = content_.map;
     add_elevations(elevation);
-    add_classes("safe", "Safe places", map.safe, safety_classes(count_places(map.safe, map.region)));
-    if (map.truth)
-      add_classes("outcome", "Compared with the truth", map.truth->outcome,
-                  outcome_classes(map.truth->score.counts));
+    add_classes("safe", map.safe, safety_classes(count_places(map.safe, map.region)));
+    if (map.truth) add_classes("outcome", map.truth->outcome, outcome_classes(map.truth->score.counts));
     add_probabilities();
-    add_measures(map.measures, "Slope", "Roughness", "");
-    if (map.truth) add_measures(map.truth->measures, "True slope", "True roughness", "_true");
+    add_measures(map.measures, "");
+    if (map.truth) add_measures(map.truth->measures, "_true");
     return std::move(list_);
   }
 
@@ -82,51 +78,45 @@ class Layers {
   }
 
   void add_elevations(const std::string& elevation) {
-    add({elevation, "Elevation, small holes filled", "m"}, content_.input.z);
-    if (content_.input.z_true) add({"z_true", "True elevation", "m"}, *content_.input.z_true);
+    ReportLayer layer = described(elevation == "z" ? "terrain" : "dem", elevation);
+    layer.title = "Elevation, small holes filled";
+    layer.group = described("hazards", "slope").group;
+    add(layer, content_.input.z);
+    if (!content_.input.z_true) return;
+    ReportLayer truth = described("dem", "z_true");
+    truth.group = described("hazards", "slope_true").group;
+    add(truth, *content_.input.z_true);
   }
 
-  void add_classes(const std::string& name, const std::string& title, const Grid<std::int8_t>& values,
+  void add_classes(const std::string& name, const Grid<std::int8_t>& values,
                    std::vector<LayerClass> classes) {
-    ReportLayer layer{name, title, "", Style::classes, Rule::any_bit};
+    ReportLayer layer = described("hazards", name);
     layer.classes = std::move(classes);
     add(std::move(layer), bits_of(values, content_.map.region));
   }
 
   void add_probabilities() {
     const HazardMap& map = content_.map;
-    if (map.p_safe) {
-      ReportLayer layer{"p_safe", "Probability of a safe place", "", Style::probability, Rule::least};
-      layer.quantity = "p_safe";
-      add(std::move(layer), *map.p_safe);
-    }
-    ReportLayer touchdown{"p_touchdown",
-                          map.p_safe ? "Probability of a safe touchdown"
-                                     : "Share of touchdowns that meet places judged safe, no probability",
-                          "", Style::probability, Rule::least};
-    touchdown.quantity = "p_touchdown";
+    if (map.p_safe) add(described("hazards", "p_safe"), *map.p_safe);
+    ReportLayer touchdown = described("hazards", "p_touchdown");
+    if (!map.p_safe) touchdown.title = "Share of touchdowns that meet places judged safe, no probability";
     add(std::move(touchdown), map.p_touchdown);
-    ReportLayer cost{"cost", "Cost", "", Style::magnitude, Rule::largest};
-    cost.quantity = "cost";
+    ReportLayer cost = described("hazards", "cost");
     cost.steps = kCostSteps;
     add(std::move(cost), map.cost);
-    ReportLayer distance{"distance_to_hazard", "Distance to a hazard", "m", Style::magnitude, Rule::least};
-    distance.quantity = "distance";
-    add(std::move(distance), map.distance_to_hazard);
+    add(described("hazards", "distance_to_hazard"), map.distance_to_hazard);
   }
 
-  void add_measures(const PlaceMeasures& measures, const std::string& slope_title,
-                    const std::string& roughness_title, const std::string& suffix) {
-    ReportLayer slope{"slope" + suffix, slope_title, "deg", Style::magnitude, Rule::largest};
-    slope.quantity = "slope";
-    slope.limit = content_.parameters.limits.slope_deg;
-    slope.steps = kMeasureSteps;
-    add(std::move(slope), measures.slope_deg);
-    ReportLayer roughness{"roughness" + suffix, roughness_title, "m", Style::magnitude, Rule::largest};
-    roughness.quantity = "roughness";
-    roughness.limit = content_.parameters.limits.roughness_m;
-    roughness.steps = kMeasureSteps;
-    add(std::move(roughness), measures.roughness_m);
+  void add_measure(const std::string& name, double limit, const Grid<double>& values) {
+    ReportLayer layer = described("hazards", name);
+    layer.limit = limit;
+    layer.steps = kMeasureSteps;
+    add(std::move(layer), values);
+  }
+
+  void add_measures(const PlaceMeasures& measures, const std::string& suffix) {
+    add_measure("slope" + suffix, content_.parameters.limits.slope_deg, measures.slope_deg);
+    add_measure("roughness" + suffix, content_.parameters.limits.roughness_m, measures.roughness_m);
   }
 
   const HazardReport& content_;

@@ -46,7 +46,11 @@ Json colors_json() {
     for (const std::uint32_t rrggbb : color_anchors(colors)) anchors.push_back(rrggbb);
     maps[name_of(colors)] = std::move(anchors);
   }
-  return {{"maps", std::move(maps)}, {"no_value", kNoValueColor}, {"mark", kMarkColor}};
+  return {{"maps", std::move(maps)},
+          {"no_value", kNoValueColor},
+          {"mark", kMarkColor},
+          {"outliers", dictionary::kOutliers},
+          {"limit_inside", dictionary::kLimitInside}};
 }
 
 GridSpec window_about(BinIndex bin, std::int64_t half, const GridSpec& map) {

@@ -72,6 +72,17 @@ Json worst_json(const ReportContent& content, Packer& packer) {
   return list;
 }
 
+/// A bin has the colour of the first of its flags.
+Json fail_flags_json() {
+  Json list = Json::array();
+  for (const dictionary::FailFlag& flag : dictionary::kFailFlags)
+    list.push_back({{"bits", flag.bit},
+                    {"text", flag.text},
+                    {"requirement", flag.requirement},
+                    {"color", css_color(flag.color)}});
+  return list;
+}
+
 Json histograms_json(const ReportLayers& layers) {
   Json result = Json::object();
   const std::pair<const char*, Axis> axes[] = {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
@@ -98,6 +109,7 @@ ReportData report_data(const ReportContent& content) {
                  {"region", metrics["region"]},
                  {"metrics", std::move(metrics)},
                  {"layers", std::move(list)},
+                 {"fail_flags", fail_flags_json()},
                  {"fail_count", layers.fail_counts()},
                  {"histograms", histograms_json(layers)},
                  {"holes", holes_json(content.evaluation.holes, layers.spec())},

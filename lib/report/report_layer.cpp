@@ -5,8 +5,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
+#include <string_view>
 #include <utility>
 
+#include "dictionary/layers.h"
 #include "picture/color_map.h"
 
 namespace landfall::html_report {
@@ -49,28 +52,27 @@ Quantised quantise_shares(const std::vector<double>& cells) {
   return result;
 }
 
-const char* name_of(Style style) {
-  switch (style) {
-    case Style::elevation:
-      return "elevation";
-    case Style::signed_error:
-      return "signed";
-    case Style::magnitude:
-      return "magnitude";
-    case Style::probability:
-      return "probability";
-    case Style::chance:
-      return "chance";
-    case Style::count:
-      return "count";
-    case Style::mask:
-      return "mask";
-    case Style::flags:
-      return "flags";
-    case Style::classes:
-      return "classes";
-  }
-  return "";
+/// In the order of the enumerators, as the dictionary names them.
+constexpr std::array kStyles = {"elevation", "signed", "magnitude", "probability", "chance",
+                                "count",     "mask",   "flags",     "classes"};
+constexpr std::array kRules = {"mean", "extreme", "largest", "least", "any_bit"};
+
+template <class Enum, std::size_t n>
+const char* name_in(const std::array<const char*, n>& names, Enum value) {
+  return names.at(static_cast<std::size_t>(value));
+}
+
+/// Throws std::logic_error for a name that is not there.
+template <class Enum, std::size_t n>
+Enum value_in(const std::array<const char*, n>& names, std::string_view name) {
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) throw std::logic_error("schemas/dictionary/layers.json: " + std::string(name));
+  return static_cast<Enum>(found - names.begin());
+}
+
+/// "1" is the unit of what has none.
+std::string shown_unit(std::string_view unit) {
+  return unit == "1" ? "" : unit == "degree" ? "deg" : std::string(unit);
 }
 
 /// Empty for styles whose marks have their own colours.
@@ -94,28 +96,6 @@ std::string colors_of(Style style) {
   return "";
 }
 
-const char* name_of(Rule rule) {
-  switch (rule) {
-    case Rule::mean:
-      return "mean";
-    case Rule::extreme:
-      return "extreme";
-    case Rule::largest:
-      return "largest";
-    case Rule::least:
-      return "least";
-    case Rule::any_bit:
-      return "any_bit";
-  }
-  return "";
-}
-
-std::string css_color(std::uint32_t color) {
-  std::array<char, 8> text{};
-  std::snprintf(text.data(), text.size(), "#%06x", static_cast<unsigned>(color));
-  return text.data();
-}
-
 Json classes_json(const std::vector<LayerClass>& classes) {
   Json list = Json::array();
   for (const LayerClass& c : classes)
@@ -128,6 +108,21 @@ Json classes_json(const std::vector<LayerClass>& classes) {
 }
 
 }  // namespace
+
+std::string css_color(std::uint32_t rrggbb) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%06x", static_cast<unsigned>(rrggbb));
+  return text.data();
+}
+
+ReportLayer described(const char* file, const std::string& name) {
+  const dictionary::Layer& words = dictionary::layer(file, name);
+  ReportLayer layer{name, words.title, shown_unit(words.unit), value_in<Style>(kStyles, words.style),
+                    value_in<Rule>(kRules, words.rule)};
+  layer.quantity = words.quantity;
+  layer.group = words.group;
+  return layer;
+}
 
 template <class T>
 ReportLayer reduced_layer(ReportLayer layer, const Grid<T>& grid, std::int64_t factor) {
@@ -149,14 +144,15 @@ Json layer_json(const ReportLayer& layer, const std::string& id) {
                {"name", layer.name},
                {"title", layer.title},
                {"unit", layer.unit},
-               {"style", name_of(layer.style)},
+               {"style", name_in(kStyles, layer.style)},
                {"colors", colors_of(layer.style)},
                {"limit", layer.limit ? Json(*layer.limit) : Json(nullptr)},
-               {"rule", name_of(layer.rule)},
+               {"rule", name_in(kRules, layer.rule)},
                {"offset", layer.values.offset},
                {"step", layer.values.step},
                {"low", layer.values.low},
                {"high", layer.values.high}};
+  if (!layer.group.empty()) json["group"] = layer.group;
   if (!layer.quantity.empty()) json["quantity"] = layer.quantity;
   if (!layer.classes.empty()) json["flags"] = classes_json(layer.classes);
   return json;

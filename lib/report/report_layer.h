@@ -46,14 +46,21 @@ struct ReportLayer {
   std::string quantity = {};                   ///< what the colours show; if empty, the page's scripts know
   int steps = 0;                               ///< most steps of the values; 0: as many as the style needs
   std::vector<LayerClass> classes = {};        ///< a cell has the colour of the first of which it has the bit
+  std::string group = {};                      ///< the heading under which the page shows it
 };
+
+/// "#rrggbb".
+[[nodiscard]] std::string css_color(std::uint32_t rrggbb);
+
+/// A layer without values: title, unit, style, rule, quantity and group of schemas/dictionary/layers.json.
+[[nodiscard]] ReportLayer described(const char* file, const std::string& name);
 
 /// The layer with the values of `grid`, reduced by its rule to blocks of factor x factor bins, in the number
 /// of steps that its style needs. T: double, float, std::int32_t or std::int8_t.
 template <class T>
 [[nodiscard]] ReportLayer reduced_layer(ReportLayer layer, const Grid<T>& grid, std::int64_t factor);
 
-/// What the page's scripts know of a layer besides its values, which are packed() as `id`.
+/// The description of a layer for the page's scripts; its values are packed() apart, as `id`.
 [[nodiscard]] nlohmann::ordered_json layer_json(const ReportLayer& layer, const std::string& id);
 
 }  // namespace landfall::html_report

@@ -32,25 +32,23 @@ void ReportLayers::add(ReportLayer layer, const Grid<T>& values) {
 }
 
 void ReportLayers::take(const DemLayers& dem) {
-  add({"z_est", "Estimated elevation", "m", Style::elevation, Rule::mean}, dem.z_est);
-  if (dem.truth) add({"z_true", "True elevation", "m", Style::elevation, Rule::mean}, dem.truth->z);
+  add(described("dem", "z_est"), dem.z_est);
+  if (dem.truth) add(described("dem", "z_true"), dem.truth->z);
 }
 
-void ReportLayers::take(const Grid<std::int32_t>& count) {
-  add({"count", "Returns in the bin", "", Style::count, Rule::least}, count);
-}
+void ReportLayers::take(const Grid<std::int32_t>& count) { add(described("dem", "count"), count); }
 
 void ReportLayers::take(const CoverageLayers& layers) {
   region_ = layers.in_region;
-  add({"in_region", "Judged region", "", Style::mask, Rule::largest}, layers.in_region);
-  add({"invalid", "Invalid bins", "", Style::mask, Rule::mean}, layers.invalid);
+  add(described("evaluation", "in_region"), layers.in_region);
+  add(described("evaluation", "invalid"), layers.invalid);
 }
 
 void ReportLayers::take(Axis axis, const AxisLayers& layers) {
   const std::string name = axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z";
-  add({"e_" + name, "Error in " + name, "m", Style::signed_error, Rule::extreme}, layers.error);
-  add({"abs_" + name, "Absolute error in " + name, "m", Style::signed_error, Rule::extreme}, layers.absolute);
-  add({"rel_" + name, "Relative error in " + name, "m", Style::magnitude, Rule::largest}, layers.relative);
+  add(described("evaluation", "e_" + name), layers.error);
+  add(described("evaluation", "abs_" + name), layers.absolute);
+  add(described("evaluation", "rel_" + name), layers.relative);
   histograms_[static_cast<std::size_t>(axis)] = {histogram(layers.error, region_, kHistogramClasses),
                                                  histogram(layers.relative, region_, kHistogramClasses)};
   add_shares(axis, layers);
@@ -73,8 +71,8 @@ void ReportLayers::add_shares(Axis axis, const AxisLayers& layers) {
 }
 
 void ReportLayers::take(const Grid<std::int8_t>& fail) {
-  add({"fail", "Missed requirements", "", Style::flags, Rule::any_bit}, fail);
-  using Counts = std::array<std::int64_t, 6>;
+  add(described("evaluation", "fail"), fail);
+  using Counts = FailCounts;
   const auto of_piece = [&](std::size_t begin, std::size_t end) {
     Counts counts{};
     for (std::size_t i = begin; i < end; ++i)

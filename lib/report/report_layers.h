@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluation/evaluate.h"
+#include "evaluation/fail_flag.h"
 #include "report/histogram.h"
 #include "report/page_data.h"
 
@@ -17,6 +18,9 @@ struct AxisHistograms {
   Histogram error;
   Histogram relative;
 };
+
+/// The number of bins of the region with each FailFlag, from the lowest bit up.
+using FailCounts = std::array<std::int64_t, dictionary::kFailFlags.size()>;
 
 /// Reduces an evaluation's layers as it receives them. Keeps the reduced maps to the end and, for every bin
 /// of the DEM, 5 bytes (for a while 9): whether the bin is judged, and how close the footprint centred on it
@@ -43,8 +47,7 @@ class ReportLayers : public LayerSink {
   [[nodiscard]] const AxisHistograms& histograms(Axis axis) const {
     return histograms_[static_cast<std::size_t>(axis)];
   }
-  /// The number of bins of the region with each FailFlag, from the lowest bit up.
-  [[nodiscard]] const std::array<std::int64_t, 6>& fail_counts() const { return fail_counts_; }
+  [[nodiscard]] const FailCounts& fail_counts() const { return fail_counts_; }
   /// For every footprint, the largest ratio of its values to their limits; NaN if there is no footprint.
   /// Empty without truth.
   [[nodiscard]] const Grid<float>& shares() const { return shares_; }
@@ -59,7 +62,7 @@ class ReportLayers : public LayerSink {
   std::int64_t factor_;
   std::vector<ReportLayer> layers_;
   std::array<AxisHistograms, 3> histograms_;
-  std::array<std::int64_t, 6> fail_counts_{};
+  FailCounts fail_counts_{};
   BinMask region_;
   Grid<float> shares_;
   Grid<float> absolute_x_;  ///< kept until the y axis is received

@@ -11,22 +11,13 @@ import math
 import os
 import statistics
 
-from landfall import command, model, progress, runs, schema
+from landfall import command, dictionary, model, progress, runs, schema
 from landfall.errors import Error, ToolError, UsageError, printable_lines
 
 SIX = "all six"
 PLACE = "chosen place safe"
 ACCEPTED = "accepted place safe"
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
-# Of a requirement: a number of a draw, and its limit in the configuration of the evaluation.
-MARGINS = {
-    "coverage": (("coverage.invalid_frac",), "invalid_frac"),
-    "hole size": (("coverage.largest_hole_bins",), "hole_bins"),
-    "hole distance": (("coverage.max_distance_bins",), "distance_bins"),
-    "relative elevation": (("accuracy.relative.z.max_m",), "relative_elevation_m"),
-    "relative horizontal": (("accuracy.relative.x.max_m", "accuracy.relative.y.max_m"), "relative_horizontal_m"),
-    "absolute horizontal": (("accuracy.absolute.horizontal.p95_m",), "absolute_horizontal_m"),
-}
 # Methods that put a return into the one bin whose centre is nearest.
 NEAREST = ("bilinear_nearest", "mean", "min", "max", "median")
 NO_NUMBER = math.log(1000)  # margin where a DEM lacks a number
@@ -135,9 +126,10 @@ class Problem:
             return {self.requirement: model.margin(risk, 1 - self.base["hazard"]["sites"]["min_p"])}
         limits = self.base["eval"]["limits"]
         found = {}
-        for name, (numbers, limit) in MARGINS.items():
-            values = [row[number] for number in numbers]
-            found[name] = NO_NUMBER if None in values else max(model.margin(value, limits[limit]) for value in values)
+        for requirement in dictionary.requirements().values():
+            values = [row[number] for number in requirement.worst]
+            limit = limits[requirement.worst_limit]
+            found[requirement.words] = NO_NUMBER if None in values else max(model.margin(value, limit) for value in values)
         return found
 
 

@@ -10,15 +10,9 @@ import os
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from landfall import colors, command, files, maps, plots, reduction, relief, scales
+from landfall import colors, command, dictionary, files, maps, plots, reduction, relief, scales
 from landfall.errors import DataError
 
-# Requirement: (what is measured, factor, whether a value must be at least its limit).
-REQUIREMENTS = {"coverage": ("invalid bins of the region (%)", 100, False), "hole_size": ("largest hole (bins)", 1, False),
-                "hole_distance": ("largest distance to a valid bin (bins)", 1, False),
-                "relative_elevation": ("footprints over the limit, z", 1, False),
-                "relative_horizontal": ("footprints over the limit, x and y", 1, False),
-                "absolute_horizontal": ("footprints within the limit (%)", 100, True)}
 LAYERS = ["p_invalid", "p_missed_hazard", "p_judged_safe", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "z_sigma_abs",
           "e_map_std_over_sigma", "z_true_map", "in_region"]
 GROUND = "#f4f1ea"  # where a probability is 0
@@ -159,10 +153,11 @@ def edges_of(values, limit, is_whole):
 
 
 def draw_distribution(ax, draws, name):
-    text, factor, at_least = REQUIREMENTS[name]
+    requirement = dictionary.requirements()[name]
+    factor = requirement.factor
     value, limit, passed = (draws.columns[f"requirements.{name}.{key}"] for key in ("value", "limit", "pass"))
     known = ~np.isnan(value)
-    ax.set(title=name, xlabel=text, ylabel="draws")
+    ax.set(title=name, xlabel=requirement.measured_in, ylabel="draws")
     if not known.any():
         maps.notice(ax, "not judged: the draws have no truth")
         return
@@ -172,7 +167,7 @@ def draw_distribution(ax, draws, name):
     if len(edges) == 2:  # equal values, whose only bar would fill the axes
         width = edges[1] - edges[0]
         ax.set_xlim(min(edges[0], limit) - width, max(edges[1], limit) + width)
-    ax.axvline(limit, color="black", linestyle="--", label=f"limit: at {'least' if at_least else 'most'} {limit:g}", gid="limit")
+    ax.axvline(limit, color="black", linestyle="--", label=f"limit: {requirement.bound} {limit:g}", gid="limit")
     ax.yaxis.get_major_locator().set_params(integer=True)
     maps.note(ax, rate_text(draws, name))
     ax.legend(fontsize=maps.NOTE_PT)
@@ -210,7 +205,7 @@ def draw(draws):
             draw_chance(axes[2, 0], draws, layers["p_missed_hazard"], "missed hazard", share)
             draw_chance(axes[2, 1], draws, layers["p_judged_safe"], "judged safe", share)
             draw_chosen(axes[2, 2], draws)
-    for name, ax in zip(REQUIREMENTS, axes[rows - 2:].flat):
+    for name, ax in zip(dictionary.requirements(), axes[rows - 2:].flat):
         draw_distribution(ax, draws, name)
     return figure
 

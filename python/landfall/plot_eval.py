@@ -9,10 +9,9 @@ import os
 
 import numpy as np
 
-from landfall import command, files, maps, plot_dem, plots, reduction, scales, scores
+from landfall import command, dictionary, files, maps, plot_dem, plots, reduction, scales, scores
 
 LAYERS = ["e_z", "abs_x", "abs_y", "abs_z", "rel_x", "rel_y", "rel_z", "invalid", "in_region", "fail"]
-FAIL_BIT = {"rel_x": 1, "rel_y": 2, "rel_z": 4, "hole_size": 16, "distance": 32}
 ZOOM_WIDTH_M = 6.0
 
 
@@ -64,7 +63,7 @@ class Evaluation:
     def failing(self, kind):
         """The bins in which the bit of the requirement is set; none in a file without the layer."""
         flags = self.layers["fail"]
-        return np.zeros(self.grid.shape, bool) if flags is None else (flags & FAIL_BIT[kind]) != 0
+        return np.zeros(self.grid.shape, bool) if flags is None else (flags & dictionary.fail_bit(kind.replace("rel_", "relative_"))) != 0
 
 
 def read_limits(file):
@@ -207,7 +206,7 @@ def draw_hole_map(ax, evaluation):
     far = evaluation.metrics.get("coverage/distance_over_limit_count")
     title = f"over the limits: {plots.counted(holes, 'hole')}, {plots.counted(far, 'distance')}"
     draw_mask(ax, evaluation, title, {"hole too large": (evaluation.failing("hole_size"), maps.SKY_BLUE),
-                                      "too far from a valid bin": (evaluation.failing("distance"), maps.VERMILION)})
+                                      "too far from a valid bin": (evaluation.failing("hole_distance"), maps.VERMILION)})
 
 
 def draw_hole_histogram(ax, metrics):
@@ -289,24 +288,19 @@ def violations_text(value):
     return "none" if value == 0 else plots.number(value)
 
 
-REQUIREMENTS = [("coverage", "Coverage: invalid bins", "at most", plots.percent),
-                ("hole_size", "Largest hole", "at most", plots.bins),
-                ("hole_distance", "Distance to a valid bin", "at most", plots.bins),
-                ("relative_elevation", "Relative elevation: violations", "at most", violations_text),
-                ("relative_horizontal", "Relative horizontal: violations", "at most", violations_text),
-                ("absolute_horizontal", "Absolute horizontal: within the limit", "at least", plots.percent)]
+TEXT = {"fraction": plots.percent, "bins": plots.bins, "footprints": violations_text}
 VERDICT = {True: "pass", False: "FAIL", None: "not judged"}
 VERDICT_COLOR = {True: "#cfe4f2", False: "#f6c9a8", None: "#e8e8e8"}
 
 
 def requirement_row(metrics, requirement):
     """([name, value, limit, verdict], passed) of one requirement."""
-    key, name, sense, text = requirement
+    key, text = requirement.name, TEXT[requirement.unit]
     value, limit = metrics.get(f"requirements/{key}/value"), metrics.get(f"requirements/{key}/limit")
     passed = metrics.get(f"requirements/{key}/pass")
     value_text = "–" if value is None else text(value)
-    limit_text = "–" if limit is None or value is None else f"{sense} {text(limit)}".replace("at most none", "none")
-    return [name, value_text, limit_text, VERDICT[passed]], passed
+    limit_text = "–" if limit is None or value is None else f"{requirement.bound} {text(limit)}".replace("at most none", "none")
+    return [f"{requirement.words.capitalize()}: {requirement.measured}", value_text, limit_text, VERDICT[passed]], passed
 
 
 def draw_verdict(evaluation):
@@ -315,7 +309,7 @@ def draw_verdict(evaluation):
     figure, axes = maps.new_figure((1, 1), (11, 3.4), f"{evaluation.name}: {text}")
     ax = axes[0, 0]
     ax.axis("off")
-    rows = [requirement_row(evaluation.metrics, requirement) for requirement in REQUIREMENTS]
+    rows = [requirement_row(evaluation.metrics, requirement) for requirement in dictionary.requirements().values()]
     table = ax.table([cells for cells, _ in rows], colLabels=["requirement", "value", "limit", "verdict"],
                      colWidths=[0.4, 0.22, 0.24, 0.14], cellLoc="left", loc="center")
     style_table(table, [row_passed for _, row_passed in rows])

@@ -9,16 +9,14 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from landfall import colors, command, files, maps, plots, reduction, relief, scales
+from landfall import command, dictionary, files, maps, plots, reduction, relief, scales
 from landfall.errors import DataError
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "outcome"]
 MOST_LISTED = 6  # sites in the legend
-SAFE_COLOR, HAZARD_COLOR, UNKNOWN_COLOR = map(colors.css, (colors.SAFE, colors.HAZARD, colors.UNKNOWN))
 # {value: (name, colour)} of each layer. Marked values are few if the DEM is good, and are drawn on top of the judgement.
-CLASSES = {"safe": {0: ("hazard", HAZARD_COLOR), 1: ("safe", SAFE_COLOR), 2: ("unknown", UNKNOWN_COLOR)},
-           "outcome": {0: ("hazard found", HAZARD_COLOR), 1: ("safe found", SAFE_COLOR), 2: ("missed hazard", maps.MARK),
-                       3: ("false alarm", colors.css(colors.FALSE_ALARM)), 4: ("unknown", UNKNOWN_COLOR)}}
+CLASSES = {layer: dict(sorted(dictionary.place_classes(layer).items())) for layer in ("safe", "outcome")}
+HAZARD_COLOR, SAFE_COLOR = (CLASSES["safe"][value][1] for value in (0, 1))
 JUDGED = {2: SAFE_COLOR, 3: HAZARD_COLOR}  # what the map said where it was wrong
 MARKED = (3, 2)
 

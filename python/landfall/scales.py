@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from landfall import plots
+from landfall import dictionary, plots
 
-OUTLIERS = 0.005     # on either side
-LIMIT_INSIDE = 1.1   # a scale reaches at least this times the limit
+OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
+LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit
 LEAST_M = 1e-3       # of a scale of lengths, so that rounding errors do not appear in colour
 
 

@@ -7,12 +7,16 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
 import h5py
 import page as pages
 from harness import attributes
+
+sys.path.insert(0, os.path.join(os.environ["LANDFALL_ROOT"], "python"))
+from landfall import dictionary
 
 BIN = os.environ["LANDFALL_BIN"]
 SCAN = ["--set", "laser.scan_time_s=0.02", "--set", "noise.range_sigma_m=0.01",
@@ -122,14 +126,20 @@ class Files(unittest.TestCase):
                 self.assertEqual(sorted(set(described(page)) - there), [])
 
     def test_every_layer_has_a_place_in_the_list(self):
-        """landfall-info lists layers in the order of contents.cpp, and behind them those that it does not know."""
-        with open(os.path.join(os.environ["LANDFALL_ROOT"], "lib", "files", "contents.cpp"), encoding="utf-8") as file:
-            known = set(re.findall(r'"(\w+)"', re.search(r"kLayerOrder = \{(.*?)\};", file.read(), re.DOTALL)[1]))
+        """Each layer of each file has its words in schemas/dictionary/layers.json."""
+        words = {(layer["file"], layer["name"]): layer for layer in dictionary.table("layers")["layers"]}
+        found = set()
         for name in RUNS:
             if name.endswith(".h5"):
                 with h5py.File(self.path(name)) as file:
-                    layers = {key for key, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2}
-                self.assertEqual(layers - known, set(), name)
+                    kind = attributes(file)["format_name"].removeprefix("landfall.")
+                    layers = {key: attributes(item) for key, item in file.items() if isinstance(item, h5py.Dataset) and item.ndim == 2}
+                for key, shown in layers.items():
+                    self.assertEqual(shown["units"], words[kind, key]["unit"], (name, key))
+                    if key != "fail":
+                        self.assertEqual(shown.get("flag_meanings"), words[kind, key].get("flag_meanings"), (name, key))
+                    found.add((kind, key))
+        self.assertEqual(set(words) - found, set(), "words of layers that no file has")
 
     def test_root_attributes(self):
         text = "\n".join(pages.Page("docs/user/files/README.md").prose.values())

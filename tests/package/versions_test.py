@@ -59,7 +59,7 @@ class Versions(unittest.TestCase):
 
 class Schemas(unittest.TestCase):
     def test_each_has_an_id_with_its_version(self):
-        files = sorted(name for name in os.listdir(os.path.join(ROOT, "schemas")))
+        files = sorted(name for name in os.listdir(os.path.join(ROOT, "schemas")) if name != "dictionary")
         self.assertEqual(files, [f"{name}.schema.json" for name in SCHEMAS])
         for name in SCHEMAS:
             schema = json.loads(text("schemas", f"{name}.schema.json"))

@@ -17,7 +17,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import plot_draws
+from landfall import dictionary, plot_draws
 from landfall.errors import DataError
 import matplotlib.pyplot as plt
 
@@ -90,14 +90,14 @@ class DrawsTest(harness.ChainTest):
 
     def test_distributions_have_all_draws_and_the_limit(self):
         panels = self.panels(self.draws)
-        for name, (_, factor, _) in plot_draws.REQUIREMENTS.items():
+        for name, requirement in dictionary.requirements().items():
             ax = panels[name]
             heights = [bar.get_height() for bars in ax.containers for bar in bars]
             passed = self.values(f"draws/requirements.{name}.pass")
             self.assertEqual([sum(bar.get_height() for bar in bars) for bars in ax.containers], [np.sum(passed == 1), np.sum(passed == 0)], name)
             self.assertEqual(sum(heights), 6)
             limit = next(line for line in ax.lines if line.get_gid() == "limit").get_xdata()[0]
-            self.assertEqual(limit, factor * self.values(f"draws/requirements.{name}.limit")[0])
+            self.assertEqual(limit, requirement.factor * self.values(f"draws/requirements.{name}.limit")[0])
         notes = [text.get_text() for text in panels["coverage"].texts if text.get_gid() == "note"]
         self.assertIn(f"{int(np.sum(self.values('draws/requirements.coverage.pass')))} of 6 pass", notes[0])
 
@@ -121,7 +121,7 @@ class DrawsTest(harness.ChainTest):
         self.assertIn("mean of e_z", panels)
         self.assertNotIn("spread of the map's error: observed against predicted", panels)
         layers = [*(name for name in plot_draws.LAYERS if name not in ("p_missed_hazard", "p_judged_safe")), "count_mean", "x", "y"]
-        self.assertEqual(list(self.panels(self.changed(remove(layers)))), list(plot_draws.REQUIREMENTS))
+        self.assertEqual(list(self.panels(self.changed(remove(layers)))), list(dictionary.requirements()))
         with self.assertRaisesRegex(DataError, "needs the layer z_true_map"):
             plot_draws.Draws(self.changed(remove(["z_true_map"])))
 

@@ -16,7 +16,7 @@ PYTHON = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "p
 sys.path.insert(0, PYTHON)
 sys.dont_write_bytecode = True
 
-from landfall import colors, files, maps, plot_dem, plot_eval, plot_plan, scales
+from landfall import colors, dictionary, files, maps, plot_dem, plot_eval, plot_plan, scales
 import matplotlib.pyplot as plt
 
 BINS = 41
@@ -395,7 +395,7 @@ class FigureTest(ScriptTest):
 
     def test_violations_are_outlined_or_coloured(self):
         def draw(evaluation):
-            evaluation.layers["fail"] = np.where(failing, plot_eval.FAIL_BIT["rel_z"], 0).astype(np.int8)
+            evaluation.layers["fail"] = np.where(failing, dictionary.fail_bit("relative_z"), 0).astype(np.int8)
             return plot_eval.draw_accuracy(evaluation)
 
         failing = np.zeros((BINS, BINS), bool)

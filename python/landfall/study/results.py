@@ -8,13 +8,11 @@ import os
 import h5py
 import numpy as np
 
-from landfall import command
+from landfall import command, dictionary
 from landfall.errors import DataError, UsageError
 from landfall.schema import read_json
 from landfall.study import model, session
 
-REQUIREMENT_UNITS = {"coverage": "1", "hole_size": "bins", "hole_distance": "bins", "relative_elevation": "1",
-                     "relative_horizontal": "1", "absolute_horizontal": "1"}
 # Per cent of the roughness limit.
 MARGINS = (10, 20)
 # Of a rate of a campaign.
@@ -125,7 +123,8 @@ def rows_of(folder, cases, partial):
 def unit_of_metric(name):
     parts = name.split(".")
     if parts[0] == "requirements":
-        return "1" if parts[-1] == "pass" else REQUIREMENT_UNITS.get(parts[1], "")
+        known = dictionary.requirements().get(parts[1])
+        return "1" if parts[-1] == "pass" else "" if known is None else "bins" if known.unit == "bins" else "1"
     return model.unit_of("_" + parts[-1]) or "1"
 
 

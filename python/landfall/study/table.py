@@ -6,21 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from landfall import dictionary
 from landfall.errors import DataError
 from landfall.study import model
 
-REQUIREMENTS = ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal", "absolute_horizontal"]
+REQUIREMENTS = dictionary.requirements()
 # Metrics that a limit of dem-eval bounds; the others' limits are in the results.
-LENGTH_LIMITS = {"accuracy.relative.z": "relative_elevation_m", "accuracy.relative.x": "relative_horizontal_m",
-                 "accuracy.relative.y": "relative_horizontal_m", "accuracy.absolute.horizontal": "absolute_horizontal_m"}
-VALUES_OF = {"coverage.invalid_frac": "coverage", "coverage.largest_hole_bins": "hole_size",
-             "coverage.max_distance_bins": "hole_distance", "accuracy.relative.z.violation_count": "relative_elevation",
-             "accuracy.absolute.horizontal.within_limit_frac": "absolute_horizontal"}
-# What uses up the limit of each requirement: the largest of these metrics.
-USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.largest_hole_bins"],
-           "hole_distance": ["coverage.max_distance_bins"], "relative_elevation": ["accuracy.relative.z.max_m"],
-           "relative_horizontal": ["accuracy.relative.x.max_m", "accuracy.relative.y.max_m"],
-           "absolute_horizontal": ["accuracy.absolute.horizontal.p95_m"]}
+LENGTH_LIMITS = {metric.rpartition(".")[0]: r.worst_limit for r in REQUIREMENTS.values() for metric in r.worst if metric.startswith("accuracy.")}
+VALUES_OF = {r.value: name for name, r in REQUIREMENTS.items() if r.value}
 
 # Ends the metrics that are a campaign's estimate of a probability: draws.REQUIREMENT.passed_frac.
 PASSED = ".passed_frac"
@@ -55,7 +48,7 @@ METRIC_NAMES = {
     "score.true_hazard_frac": "true hazards, share of the places",
     "score.judged_hazard_frac": "hazards on the map, share of the places",
     "score.unknown_frac": "unknown places, share of the region",
-    **{f"draws.{name}.passed_frac": f"probability of meeting the requirement on {name.replace('_', ' ')}" for name in REQUIREMENTS},
+    **{f"draws.{name}.passed_frac": f"probability of meeting the requirement on {r.words}" for name, r in REQUIREMENTS.items()},
     "draws.all.passed_frac": "probability of meeting all requirements",
     "draws.hazard.chosen_place_safe.passed_frac": "probability that the chosen place is safe",
     "site.p_touchdown": "probability of a safe touchdown at the best site",
@@ -179,7 +172,7 @@ class Results:
         A quantile over the repeats of the largest metric that the requirement bounds. Where absolute_horizontal_frac is 0.95, a
         requirement is met by a case whose share is at most 1.
         """
-        metrics = [metric for metric in USED_BY[requirement] if metric in self.columns]
+        metrics = [metric for metric in REQUIREMENTS[requirement].worst if metric in self.columns]
         limits = [self.limit(metric) for metric in metrics]
         if not metrics or not all(limits):
             return math.nan
@@ -205,7 +198,7 @@ class Results:
         if requirement is None:
             return math.nan
         is_length = metric.endswith("_m") and metric.rpartition(".")[0] in LENGTH_LIMITS
-        shares = [self._largest(name) / limit for name in ([metric] if is_length else USED_BY[requirement])
+        shares = [self._largest(name) / limit for name in ([metric] if is_length else REQUIREMENTS[requirement].worst)
                   if name in self.columns and (limit := self.limit(name))]
         return max(shares, default=math.nan)
 
@@ -231,7 +224,7 @@ def requirement_of(metric):
     if parent in LENGTH_LIMITS and last in ("p95_m", "max_m"):
         return LENGTH_LIMITS[parent].removesuffix("_m")
     found = metric.split(".")[1] if metric.startswith("requirements.") and last == "value" else VALUES_OF.get(metric)
-    return found if found in USED_BY else None
+    return found if found in REQUIREMENTS else None
 
 
 def _column(dataset):

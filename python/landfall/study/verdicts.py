@@ -11,9 +11,7 @@ from landfall.study.names import number
 from landfall.study.table import PASSED, REQUIREMENTS
 
 MOST_ROWS = 60
-REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_distance": "hole\ndistance",
-                     "relative_elevation": "relative\nelevation", "relative_horizontal": "relative\nhorizontal",
-                     "absolute_horizontal": "absolute\nhorizontal", "all": "all"}
+REQUIREMENT_NAMES = {**{name: "\n".join(name.split("_")) for name in REQUIREMENTS}, "all": "all"}
 HAZARD_NAMES = {"score.missed_hazard_frac": "missed\nhazards", "score.false_alarm_frac": "false\nalarms", "score.true_hazard_frac": "true\nhazards",
                 "score.judged_hazard_frac": "hazards\non the map", "score.unknown_frac": "unknown\nplaces",
                 "site.p_touchdown": "touchdown\non site 1"}

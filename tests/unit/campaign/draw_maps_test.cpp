@@ -146,7 +146,7 @@ DrawMaps some_maps(int first, int end) {
     const auto flags = [&](int value) { return static_cast<std::int8_t>(value); };
     maps.add_verdicts(grid_of<std::int8_t>({flags(fail_relative_x), flags(fail_relative_y),
                                             flags(draw == 2 ? fail_relative_z | fail_absolute_horizontal : 0),
-                                            flags(draw == 0 ? 15 : fail_distance)}));
+                                            flags(draw == 0 ? 15 : fail_hole_distance)}));
     maps.safety->add(Grid<std::int8_t>(kSpec, static_cast<std::int8_t>(HazardOutcome::missed_hazard)));
   }
   return maps;

@@ -167,7 +167,7 @@ TEST(Evaluate, HolesAndDistancesAreFlagged) {
   const Collected evaluation = collected(dem, parameters);
   const Layers& layers = evaluation.layers;
   EXPECT_EQ(layers.fail.at({4, 4}), fail_hole_size);
-  EXPECT_EQ(layers.fail.at({5, 5}), fail_hole_size | fail_distance);
+  EXPECT_EQ(layers.fail.at({5, 5}), fail_hole_size | fail_hole_distance);
   EXPECT_EQ(layers.coverage.hole_id.at({5, 5}), 1);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({5, 5}), 2);
   EXPECT_EQ(layers.coverage.distance_to_valid.at({3, 5}), 0);

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The words of requirements, layers and maps that all tools share (schemas/dictionary)."""
+import functools
+import os
+from dataclasses import dataclass
+
+from landfall import schema, tools
+
+UNITS = {"fraction": ("%", 100), "bins": ("bins", 1), "footprints": ("footprints", 1)}
+
+
+@functools.cache
+def table(name):
+    return schema.read_json(os.path.join(tools.SHARE, "schemas", "dictionary", f"{name}.json"))
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """`value`: its metric, empty for a sum of two; `worst`: the metrics of which the largest uses up eval.limits.`worst_limit`."""
+
+    name: str
+    measured: str
+    unit: str
+    at_least: bool
+    value: str
+    worst: list
+    worst_limit: str
+
+    @property
+    def words(self):
+        return self.name.replace("_", " ")
+
+    @property
+    def bound(self):
+        return "at least" if self.at_least else "at most"
+
+    @property
+    def measured_in(self):
+        """What is measured, in its unit; footprints say it themselves."""
+        name = UNITS[self.unit][0]
+        return self.measured if name in self.measured else f"{self.measured} ({name})"
+
+    @property
+    def factor(self):
+        return UNITS[self.unit][1]
+
+
+@functools.cache
+def requirements():
+    """{name: Requirement} in the order of metrics.json."""
+    return {entry["name"]: Requirement(**entry) for entry in table("requirements")["requirements"]}
+
+
+def fail_bit(name):
+    """The bit of a flag of the layer `fail`."""
+    return next(flag["bit"] for flag in table("requirements")["fail_flags"] if flag["name"] == name)
+
+
+def place_classes(layer):
+    """{value: (name, colour)} of `safe` or `outcome`, from the worst to the best."""
+    return {entry["value"]: (entry["name"], entry["color"]) for entry in table("maps")["place_classes"] if entry["layer"] == layer}
