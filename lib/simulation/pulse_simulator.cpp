@@ -59,6 +59,7 @@ void record_pulse(const PulseInput& pulse, const ScannerState& state, std::size_
 
 /// Expands the engine's ranges, which omit the lost beams, to all beams.
 void spread_over(std::span<const Beam> beams, std::vector<double>& hits_m) {
+  if (hits_m.size() == beams.size()) return;
   std::size_t from = hits_m.size();
   hits_m.resize(beams.size());
   for (std::size_t i = beams.size(); i-- > 0;) hits_m[i] = beams[i].lost ? kNan : hits_m[--from];
@@ -90,11 +91,19 @@ PulseSimulator::PulseSimulator(Lidar lidar, const RayEngine* engine, const Terra
 
 void PulseSimulator::simulate(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                               PulseWorkspace& workspace) const {
-  steer_to_trace(pulse, workspace);
-  make_rays(pulse, workspace);
-  trace(workspace.rays, workspace.hits_m);
-  take_hits(pulse.time.pulse, workspace);
-  record(pulse, slot, batch, workspace);
+  steer_to_trace(pulse, workspace.aimed);
+  make_rays(pulse, workspace.aimed, workspace.traced);
+  trace(workspace.traced.rays, workspace.traced.hits_m);
+  finish(pulse, slot, batch, workspace);
+}
+
+/// From the ranges of the engine to the rows of the batch.
+void PulseSimulator::finish(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
+                            PulseWorkspace& workspace) const {
+  PulseWorkspace& w = workspace;
+  if (!w.aimed.state.blanked) spread_over(traced_beams(w.aimed, w.traced), w.traced.hits_m);
+  combine_samples(pulse.time.pulse, w.aimed, w.traced, w.received);
+  record(pulse, slot, batch, w);
 }
 
 std::size_t PulseSimulator::pulses_per_call() const {
@@ -106,42 +115,44 @@ void PulseSimulator::simulate_together(std::span<const PulseInput> pulses, std::
   assert(pulses.size() == workspaces.size());
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < pulses.size(); ++i) {
-    steer_to_trace(pulses[i], workspaces[i]);
-    make_rays(pulses[i], workspaces[i]);
-    rays.insert(rays.end(), workspaces[i].rays.begin(), workspaces[i].rays.end());
+    TracedPulse& traced = workspaces[i].traced;
+    steer_to_trace(pulses[i], workspaces[i].aimed);
+    make_rays(pulses[i], workspaces[i].aimed, traced);
+    rays.insert(rays.end(), traced.rays.begin(), traced.rays.end());
   }
   std::vector<double> hits_m;
   trace(rays, hits_m);
   auto next = hits_m.cbegin();
   for (std::size_t i = 0; i < pulses.size(); ++i) {
-    PulseWorkspace& w = workspaces[i];
-    const auto end = next + static_cast<std::ptrdiff_t>(w.rays.size());
-    w.hits_m.assign(next, end);
+    TracedPulse& traced = workspaces[i].traced;
+    const auto end = next + static_cast<std::ptrdiff_t>(traced.rays.size());
+    traced.hits_m.assign(next, end);
     next = end;
-    take_hits(pulses[i].time.pulse, w);
-    record(pulses[i], first_slot + i, batch, w);
+    finish(pulses[i], first_slot + i, batch, workspaces[i]);
   }
 }
 
 void PulseSimulator::replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot,
                             PulseBatch& batch, PulseWorkspace& workspace) const {
-  take_truth(pulse, truth, workspace);
+  load_true_ranges(pulse, truth, workspace);
   record(pulse, slot, batch, workspace);
 }
 
-void PulseSimulator::look(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const {
-  take_truth(pulse, truth, workspace);
-  find_incidences(workspace);
+void PulseSimulator::prepare_replay(const PulseInput& pulse, const TrueRanges& truth,
+                                    PulseWorkspace& workspace) const {
+  load_true_ranges(pulse, truth, workspace);
+  find_incidences(workspace.aimed, workspace.received, workspace.measured);
 }
 
-void PulseSimulator::take_truth(const PulseInput& pulse, const TrueRanges& truth,
-                                PulseWorkspace& workspace) const {
-  steer(pulse, workspace);
-  workspace.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
-  workspace.echoes.assign(truth.echoes.begin(), truth.echoes.end());
+void PulseSimulator::load_true_ranges(const PulseInput& pulse, const TrueRanges& truth,
+                                      PulseWorkspace& workspace) const {
+  steer(pulse, workspace.aimed);
+  ReceivedPulse& received = workspace.received;
+  received.ranges_m.assign(truth.ranges_m.begin(), truth.ranges_m.end());
+  received.echoes.assign(truth.echoes.begin(), truth.echoes.end());
   const auto later = std::ranges::equal_range(truth.later, pulse.time.pulse, {},
                                               [](const LaterEcho& echo) { return echo.where.pulse; });
-  workspace.later_echoes.assign(later.begin(), later.end());
+  received.later_echoes.assign(later.begin(), later.end());
 }
 
 Transform<BodyFrame, LidarFrame> PulseSimulator::true_mount(std::int64_t pulse) const {
@@ -176,46 +187,47 @@ PulseContext PulseSimulator::context_of(const PulseInput& pulse, double mirror_t
   return context;
 }
 
-void PulseSimulator::steer(const PulseInput& pulse, PulseWorkspace& workspace) const {
+void PulseSimulator::steer(const PulseInput& pulse, AimedPulse& aimed) const {
   const Scanner& scanner = *lidar_.scanner;
   const PulseContext context = context_of(pulse, 0);
   const ScannerState on_time = scanner.state(context);
   const double mirror_time_error_s = lidar_.pointing_error.mirror_time_error_s(pulse.time.pulse);
-  workspace.state = on_time;
+  aimed.state = on_time;
   if (mirror_time_error_s != 0) {
-    workspace.state = scanner.state(context_of(pulse, mirror_time_error_s));
-    workspace.state.blanked = on_time.blanked;  // the laser keeps the lander's time
+    aimed.state = scanner.state(context_of(pulse, mirror_time_error_s));
+    aimed.state.blanked = on_time.blanked;  // the laser keeps the lander's time
   }
-  workspace.T_dem_lidar = pulse.truth * true_mount(pulse.time.pulse);
-  if (lidar_.pattern && !context.aim) workspace.state.blanked = true;
+  aimed.T_dem_lidar = pulse.truth * true_mount(pulse.time.pulse);
+  if (lidar_.pattern && !context.aim) aimed.state.blanked = true;
   const auto pixels = lidar_.detector.pixels();
-  workspace.beams.resize(pixels.size());
-  scanner.steer(workspace.state, pixels, workspace.beams);
-  workspace.believed_beams.clear();
+  aimed.beams.resize(pixels.size());
+  scanner.steer(aimed.state, pixels, aimed.beams);
+  aimed.believed_beams.clear();
   if (scanner.is_known() && mirror_time_error_s == 0) return;
-  workspace.believed_beams.resize(pixels.size());
-  scanner.steer(scanner.believed_state(context, on_time), pixels, workspace.believed_beams);
+  aimed.believed_beams.resize(pixels.size());
+  scanner.steer(scanner.believed_state(context, on_time), pixels, aimed.believed_beams);
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (workspace.believed_beams[i].lost) workspace.beams[i].lost = true;  // such a point has no estimate
+    if (aimed.believed_beams[i].lost) aimed.beams[i].lost = true;  // such a point has no estimate
 }
 
-std::span<const Beam> PulseSimulator::traced_beams(const PulseWorkspace& workspace) const {
-  return lidar_.detector.samples_per_pixel() > 1 ? workspace.sample_beams : workspace.beams;
+std::span<const Beam> PulseSimulator::traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const {
+  return lidar_.detector.samples_per_pixel() > 1 ? traced.sample_beams : aimed.beams;
 }
 
-void PulseSimulator::make_rays(const PulseInput& pulse, PulseWorkspace& workspace) const {
-  PulseWorkspace& w = workspace;
-  w.rays.clear();
-  if (w.state.blanked) return;
+void PulseSimulator::make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const {
+  traced.rays.clear();
+  if (aimed.state.blanked) return;
   if (lidar_.detector.samples_per_pixel() > 1) {
-    w.sample_beams.resize(lidar_.detector.samples().size());
-    lidar_.scanner->steer(w.state, lidar_.detector.samples(), w.sample_beams);
+    std::vector<Beam>& samples = traced.sample_beams;
+    samples.resize(lidar_.detector.samples().size());
+    lidar_.scanner->steer(aimed.state, lidar_.detector.samples(), samples);
     if (lidar_.receiver.sees_waveforms())
-      w.sample_beams.insert(w.sample_beams.end(), w.beams.begin(), w.beams.end());
+      samples.insert(samples.end(), aimed.beams.begin(), aimed.beams.end());
   }
-  for (const Beam& beam : traced_beams(w))
-    if (!beam.lost) w.rays.push_back({w.T_dem_lidar * beam.exit, w.T_dem_lidar.rotation * beam.direction});
-  require_above_ground(pulse, w.rays);
+  for (const Beam& beam : traced_beams(aimed, traced))
+    if (!beam.lost)
+      traced.rays.push_back({aimed.T_dem_lidar * beam.exit, aimed.T_dem_lidar.rotation * beam.direction});
+  require_above_ground(pulse, traced.rays);
 }
 
 void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_m) const {
@@ -224,70 +236,72 @@ void PulseSimulator::trace(std::span<const Ray> rays, std::vector<double>& hits_
   if (!rays.empty()) engine_->first_hits(rays, hits_m);
 }
 
-void PulseSimulator::take_hits(std::int64_t pulse, PulseWorkspace& workspace) const {
-  PulseWorkspace& w = workspace;
+void PulseSimulator::combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
+                                     ReceivedPulse& received) const {
   const bool sees_waveforms = lidar_.receiver.sees_waveforms();
-  w.ranges_m.assign(w.beams.size(), kNan);
-  w.echoes.assign(sees_waveforms && lidar_.receiver.hears_kept_echoes() ? w.beams.size() : 0, {});
-  w.later_echoes.clear();
-  if (w.state.blanked) return;
-  const std::span<const Beam> beams = traced_beams(w);
-  if (w.rays.size() < beams.size()) spread_over(beams, w.hits_m);
-  if (sees_waveforms) return see(pulse, w, beams);
+  const std::size_t pixels = aimed.beams.size();
+  received.ranges_m.assign(pixels, kNan);
+  received.echoes.assign(sees_waveforms && lidar_.receiver.hears_kept_echoes() ? pixels : 0, {});
+  received.later_echoes.clear();
+  if (aimed.state.blanked) return;
+  if (sees_waveforms) return build_waveforms(pulse, aimed, traced, received);
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
-  for (std::size_t i = 0; i < w.beams.size(); ++i)
-    if (!w.beams[i].lost)
-      w.ranges_m[i] =
-          lidar_.detector.estimator().range_m(std::span(w.hits_m).subspan(i * per_pixel, per_pixel));
+  for (std::size_t i = 0; i < pixels; ++i)
+    if (!aimed.beams[i].lost)
+      received.ranges_m[i] =
+          lidar_.detector.estimator().range_m(std::span(traced.hits_m).subspan(i * per_pixel, per_pixel));
 }
 
 /// The pixels' own rays follow those of all samples, unless a pixel has a single sample.
-void PulseSimulator::see(std::int64_t pulse, PulseWorkspace& workspace, std::span<const Beam> beams) const {
-  PulseWorkspace& w = workspace;
+void PulseSimulator::build_waveforms(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
+                                     ReceivedPulse& received) const {
   const std::size_t per_pixel = lidar_.detector.samples_per_pixel();
-  const std::size_t first_own = beams.size() - w.beams.size();
-  for (std::size_t i = 0; i < w.beams.size(); ++i)
-    if (!w.beams[i].lost) w.ranges_m[i] = w.hits_m[first_own + i];
-  find_signals(w, beams.first(lidar_.detector.samples().size()));
-  w.waveforms.clear(per_pixel);
-  for (std::size_t i = 0; i < w.beams.size(); ++i) {
-    const std::size_t seen = std::isnan(w.ranges_m[i]) ? 0 : per_pixel;
-    lidar_.receiver.add_pixel(std::span(w.hits_m).subspan(i * per_pixel, seen),
-                              std::span(w.signals_pe).subspan(i * per_pixel, seen), w.waveforms);
+  const std::span<const Beam> beams = traced_beams(aimed, traced);
+  const std::size_t first_own = beams.size() - aimed.beams.size();
+  for (std::size_t i = 0; i < aimed.beams.size(); ++i)
+    if (!aimed.beams[i].lost) received.ranges_m[i] = traced.hits_m[first_own + i];
+  find_signals(traced, beams.first(lidar_.detector.samples().size()), received);
+  received.waveforms.clear(per_pixel);
+  for (std::size_t i = 0; i < aimed.beams.size(); ++i) {
+    const std::size_t seen = std::isnan(received.ranges_m[i]) ? 0 : per_pixel;
+    lidar_.receiver.add_pixel(std::span(traced.hits_m).subspan(i * per_pixel, seen),
+                              std::span(received.signals_pe).subspan(i * per_pixel, seen),
+                              received.waveforms);
   }
-  lidar_.receiver.time(w.waveforms);
+  lidar_.receiver.time(received.waveforms);
   if (lidar_.receiver.hears_kept_echoes())
-    lidar_.receiver.keep_echoes(pulse, w.waveforms, w.echoes, w.later_echoes);
+    lidar_.receiver.keep_echoes(pulse, received.waveforms, received.echoes, received.later_echoes);
 }
 
-void PulseSimulator::find_signals(PulseWorkspace& workspace, std::span<const Beam> samples) const {
-  PulseWorkspace& w = workspace;
-  w.hits.clear();
-  w.hit_directions.clear();
+void PulseSimulator::find_signals(const TracedPulse& traced, std::span<const Beam> samples,
+                                  ReceivedPulse& received) const {
+  ReceivedPulse& r = received;
+  r.hits.clear();
+  r.hit_directions.clear();
   for (std::size_t i = 0, ray = 0; i < samples.size(); ++i) {
     if (samples[i].lost) continue;
-    const Ray& traced = w.rays[ray++];
-    if (std::isnan(w.hits_m[i])) continue;
-    w.hits.push_back(traced.origin.v + w.hits_m[i] * traced.direction.v);
-    w.hit_directions.push_back(traced.direction.v);
+    const Ray& sent = traced.rays[ray++];
+    if (std::isnan(traced.hits_m[i])) continue;
+    r.hits.push_back(sent.origin.v + traced.hits_m[i] * sent.direction.v);
+    r.hit_directions.push_back(sent.direction.v);
   }
-  w.cosines.resize(w.hits.size());
-  ground_->cosines(w.hits, w.hit_directions, w.cosines);
-  w.signals_pe.assign(samples.size(), kNan);
+  r.cosines.resize(r.hits.size());
+  ground_->cosines(r.hits, r.hit_directions, r.cosines);
+  r.signals_pe.assign(samples.size(), kNan);
   for (std::size_t i = 0, hit = 0; i < samples.size(); ++i) {
-    const double range_m = w.hits_m[i];
+    const double range_m = traced.hits_m[i];
     if (std::isnan(range_m)) continue;
     double signal_pe = lidar_.link_constants_pe_m2[i] / (range_m * range_m);
-    if (!std::isnan(w.cosines[hit])) signal_pe *= w.cosines[hit];  // NaN on the edge of a hole
-    if (albedo_ != nullptr) signal_pe *= albedo_->at(w.hits[hit].x(), w.hits[hit].y());
-    w.signals_pe[i] = signal_pe;
+    if (!std::isnan(r.cosines[hit])) signal_pe *= r.cosines[hit];  // NaN on the edge of a hole
+    if (albedo_ != nullptr) signal_pe *= albedo_->at(r.hits[hit].x(), r.hits[hit].y());
+    r.signals_pe[i] = signal_pe;
     ++hit;
   }
 }
 
-void PulseSimulator::steer_to_trace(const PulseInput& pulse, PulseWorkspace& workspace) const {
+void PulseSimulator::steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) const {
   try {
-    steer(pulse, workspace);
+    steer(pulse, aimed);
   } catch (const FormatError&) {
     const std::array boresight = {Ray{(pulse.truth * true_mount(pulse.time.pulse)).position, {}}};
     require_above_ground(pulse, boresight);
@@ -311,11 +325,11 @@ void PulseSimulator::require_above_ground(const PulseInput& pulse, std::span<con
 PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& workspace) const {
   const auto i = static_cast<std::size_t>(where.pixel);
   if (dead_map_[i] != 0) return PointStatus::dead;
-  if (workspace.state.blanked) return PointStatus::blanked;
-  if (workspace.beams[i].lost) return PointStatus::lost_in_optics;
-  if (std::isnan(workspace.ranges_m[i])) return PointStatus::miss;
-  if (!workspace.receptions.empty() &&
-      std::isnan(workspace.receptions[i * lidar_.receiver.most_returns()].range_m))
+  if (workspace.aimed.state.blanked) return PointStatus::blanked;
+  if (workspace.aimed.beams[i].lost) return PointStatus::lost_in_optics;
+  if (std::isnan(workspace.received.ranges_m[i])) return PointStatus::miss;
+  if (!workspace.measured.receptions.empty() &&
+      std::isnan(workspace.measured.receptions[i * lidar_.receiver.most_returns()].range_m))
     return PointStatus::undetected;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
@@ -330,92 +344,93 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
   if (number == 0 && may_be_false && lidar_.range_errors.has_false_returns()) {
     // The first detection is reported. The true range decides, so that other errors do not change the choice.
     const std::optional<double> false_m = lidar_.range_errors.false_range_m(where);
-    if (false_m && !(has_echo && *false_m >= workspace.ranges_m[i]))
+    if (false_m && !(has_echo && *false_m >= workspace.received.ranges_m[i]))
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
-  if (workspace.receptions.empty()) return {what, has_echo ? workspace.measured_m[i] : kNan, kNoIntensity};
-  const Reception& reception = workspace.receptions[i * lidar_.receiver.most_returns() + number];
+  if (workspace.measured.receptions.empty())
+    return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
+  const Reception& reception = workspace.measured.receptions[i * lidar_.receiver.most_returns() + number];
   const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
   if (!is_background && (!has_echo || std::isnan(reception.range_m)))
     return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
   return {is_background ? PointStatus::false_return : what,
-          workspace.measured_m[number * workspace.beams.size() + i], reception.intensity_pe,
+          workspace.measured.measured_m[number * workspace.aimed.beams.size() + i], reception.intensity_pe,
           static_cast<std::int8_t>(number + 1)};
 }
 
-void PulseSimulator::find_incidences(PulseWorkspace& workspace) const {
-  PulseWorkspace& w = workspace;
-  w.tan_incidences.clear();
+void PulseSimulator::find_incidences(const AimedPulse& aimed, const ReceivedPulse& received,
+                                     MeasuredPulse& measured) const {
+  measured.tan_incidences.clear();
   if (!lidar_.range_errors.needs_incidence()) return;
-  for (std::size_t i = 0; i < w.beams.size(); ++i) {
-    const Beam& beam = w.beams[i];
+  for (std::size_t i = 0; i < aimed.beams.size(); ++i) {
+    const Beam& beam = aimed.beams[i];
     const double tangent =
-        tan_incidence(*ground_, w.T_dem_lidar * (beam.exit + w.ranges_m[i] * beam.direction),
-                      w.T_dem_lidar.rotation * beam.direction);
+        tan_incidence(*ground_, aimed.T_dem_lidar * (beam.exit + received.ranges_m[i] * beam.direction),
+                      aimed.T_dem_lidar.rotation * beam.direction);
     // a miss, where the receiver may still report background
-    w.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
+    measured.tan_incidences.push_back(std::isnan(tangent) ? 0 : tangent);
   }
 }
 
-void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace) const {
-  PulseWorkspace& w = workspace;
-  find_incidences(w);
-  const std::size_t pixels = w.beams.size();
+void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+                             MeasuredPulse& measured) const {
+  MeasuredPulse& m = measured;
+  find_incidences(aimed, received, m);
+  const std::size_t pixels = aimed.beams.size();
   const std::size_t most = lidar_.receiver.most_returns();
-  receive(pulse, w);
-  w.measured_m.resize(pixels * most);
+  receive(pulse, aimed, received, m);
+  m.measured_m.resize(pixels * most);
   for (std::size_t number = 0; number < most; ++number) {
-    const std::span<double> measured_m = std::span(w.measured_m).subspan(number * pixels, pixels);
+    const std::span<double> measured_m = std::span(m.measured_m).subspan(number * pixels, pixels);
     const auto n = static_cast<std::int64_t>(number);
-    std::span<const double> reported_m = w.ranges_m;
-    if (!w.receptions.empty()) {
-      for (std::size_t i = 0; i < pixels; ++i) w.reported_m[i] = w.receptions[i * most + number].range_m;
-      reported_m = w.reported_m;
+    std::span<const double> reported_m = received.ranges_m;
+    if (!m.receptions.empty()) {
+      for (std::size_t i = 0; i < pixels; ++i) m.reported_m[i] = m.receptions[i * most + number].range_m;
+      reported_m = m.reported_m;
     }
-    lidar_.range_errors.measure(pulse.time.pulse, reported_m, w.tan_incidences, measured_m, n);
-    lidar_.range_timer.apply(pulse.time.pulse, n, measured_m);
+    lidar_.range_errors.measure(pulse, reported_m, m.tan_incidences, measured_m, n);
+    lidar_.range_timer.apply(pulse, n, measured_m);
   }
 }
 
-void PulseSimulator::receive(const PulseInput& pulse, PulseWorkspace& workspace) const {
-  PulseWorkspace& w = workspace;
+void PulseSimulator::receive(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+                             MeasuredPulse& measured) const {
   const Receiver& receiver = lidar_.receiver;
-  w.receptions.clear();
+  measured.receptions.clear();
   if (!receiver.sees_waveforms()) return;
-  w.receptions.resize(rows_per_pulse());
-  w.reported_m.resize(w.beams.size());
-  if (w.state.blanked) return;
+  measured.receptions.resize(rows_per_pulse());
+  measured.reported_m.resize(aimed.beams.size());
+  if (aimed.state.blanked) return;
   if (receiver.hears_kept_echoes()) {
-    receiver.receive(pulse.time.pulse, w.echoes, w.later_echoes, w.receptions);
+    receiver.receive(pulse, received.echoes, received.later_echoes, measured.receptions);
   } else {
-    receiver.receive(pulse.time.pulse, w.waveforms, w.receptions);
+    receiver.receive(pulse, received.waveforms, measured.receptions);
   }
 }
 
 void PulseSimulator::record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch,
                             PulseWorkspace& workspace) const {
   const std::size_t rows = rows_per_pulse();
-  record_pulse(pulse, workspace.state, slot, batch.pulses);
+  record_pulse(pulse, workspace.aimed.state, slot, batch.pulses);
   batch.pulses.point_count[slot] = static_cast<std::int32_t>(rows);
-  measure(pulse, workspace);
+  measure(pulse.time.pulse, workspace.aimed, workspace.received, workspace.measured);
   const std::size_t first_row = slot * rows;
   record_estimate(pulse, first_row, batch.points, workspace);
-  if (batch.keeps_later_echoes) record_later_echoes(batch.later_echoes, workspace);
+  if (batch.keeps_later_echoes) record_later_echoes(batch.later_echoes, workspace.received);
   if (!batch.points.holds_truth()) return;
   record_truth(pulse, first_row, batch.points, workspace);
-  if (batch.points.holds_echoes()) record_echoes(first_row, batch.points, workspace);
+  if (batch.points.holds_echoes()) record_echoes(first_row, batch.points, workspace.received);
 }
 
-void PulseSimulator::record_echoes(std::size_t first_row, PointColumns& out,
-                                   const PulseWorkspace& workspace) {
-  for (std::size_t i = 0; i < workspace.echoes.size(); ++i) {
+void PulseSimulator::record_echoes(std::size_t first_row, PointColumns& out, const ReceivedPulse& received) {
+  for (std::size_t i = 0; i < received.echoes.size(); ++i) {
     for (const EchoMember& part : kEchoMembers)
-      (out.*part.first)[first_row + i] = workspace.echoes[i].*part.member;
+      (out.*part.first)[first_row + i] = received.echoes[i].*part.member;
   }
 }
 
-void PulseSimulator::record_later_echoes(EchoColumns& out, const PulseWorkspace& workspace) {
-  for (const auto& [where, echo] : workspace.later_echoes) {
+void PulseSimulator::record_later_echoes(EchoColumns& out, const ReceivedPulse& received) {
+  for (const auto& [where, echo] : received.later_echoes) {
     out.pulse.push_back(static_cast<std::int32_t>(where.pulse));
     out.pixel.push_back(static_cast<std::int32_t>(where.pixel));
     out.number.push_back(static_cast<std::int32_t>(where.number));
@@ -428,7 +443,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
                                      const PulseWorkspace& workspace) const {
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
-      workspace.believed_beams.empty() ? workspace.beams : workspace.believed_beams;
+      workspace.aimed.believed_beams.empty() ? workspace.aimed.beams : workspace.aimed.believed_beams;
   const std::size_t most = lidar_.receiver.most_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
@@ -451,14 +466,14 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   const PulseWorkspace& workspace) const {
   const std::size_t most = lidar_.receiver.most_returns();
-  for (std::size_t k = 0; k < workspace.beams.size() * most; ++k) {
+  for (std::size_t k = 0; k < workspace.aimed.beams.size() * most; ++k) {
     const std::size_t i = k / most;
-    const Beam& beam = workspace.beams[i];
-    const double range = workspace.ranges_m[i];
+    const Beam& beam = workspace.aimed.beams[i];
+    const double range = workspace.received.ranges_m[i];
     const std::size_t row = first_row + k;
     const bool has_no_hit = out.status[row] == PointStatus::false_return && std::isnan(range);
     const double shown = has_no_hit ? out.range_measured[row] : range;
-    const Point<DemFrame> truth = workspace.T_dem_lidar * (beam.exit + shown * beam.direction);
+    const Point<DemFrame> truth = workspace.aimed.T_dem_lidar * (beam.exit + shown * beam.direction);
     out.x_true[row] = truth.v.x();
     out.y_true[row] = truth.v.y();
     out.z_true[row] = truth.v.z();

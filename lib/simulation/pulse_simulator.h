@@ -61,27 +61,51 @@ struct TrueRanges {
   }
 };
 
-/// Memory that a thread reuses between pulses. Its contents have no meaning for the caller.
-struct PulseWorkspace {
+// The phases of a pulse. Each is filled by one step and constant for those that follow, except that the hits
+// are used up when they become ranges and waveforms.
+
+/// The beams that leave.
+struct AimedPulse {
   ScannerState state;
-  std::vector<Beam> beams;
+  std::vector<Beam> beams;           ///< of the pixels
   std::vector<Beam> believed_beams;  ///< empty where the lander knows the true ones: equal to `beams`
-  std::vector<Beam> sample_beams;
-  std::vector<Ray> rays;
-  std::vector<double> hits_m;
-  std::vector<double> ranges_m;
-  std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
-  std::vector<double> signals_pe;      ///< of the samples; NaN for a miss
-  std::vector<Eigen::Vector3d> hits;   ///< points on the ground of the samples that hit
-  std::vector<Eigen::Vector3d> hit_directions;
-  std::vector<double> cosines;  ///< of their incidence angles; NaN on the edge of a hole
+  Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
+};
+
+/// Where its rays meet the ground; unused by a replay.
+struct TracedPulse {
+  std::vector<Beam> sample_beams;  ///< empty where a pixel has one sample
+  std::vector<Ray> rays;           ///< of the beams that are not lost
+  std::vector<double> hits_m;      ///< of all beams; NaN for a miss
+};
+
+/// What comes back, before errors.
+struct ReceivedPulse {
+  std::vector<double> ranges_m;  ///< true ones of the pixels; NaN for a miss
   Waveforms waveforms;
   std::vector<Echo> echoes;  ///< one for each pixel; empty unless the receiver hears kept echoes
   std::vector<LaterEcho> later_echoes;
-  std::vector<Reception> receptions;  ///< by pixel, then return; empty without a receiver
-  std::vector<double> reported_m;     ///< the ranges of one return of each pixel, before range errors
-  std::vector<double> measured_m;     ///< by return, then pixel
-  Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
+  // While waveforms are built, of the samples that hit:
+  std::vector<double> signals_pe;  ///< of all samples; NaN for a miss
+  std::vector<Eigen::Vector3d> hits;
+  std::vector<Eigen::Vector3d> hit_directions;
+  std::vector<double> cosines;  ///< of the incidence angles; NaN on the edge of a hole
+};
+
+/// What the instrument reports.
+struct MeasuredPulse {
+  std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
+  std::vector<Reception> receptions;   ///< by pixel, then return; empty without a receiver
+  std::vector<double> reported_m;      ///< the ranges of one return of each pixel, before range errors
+  std::vector<double> measured_m;      ///< by return, then pixel
+};
+
+/// Memory that a thread reuses between pulses.
+struct PulseWorkspace {
+  AimedPulse aimed;
+  TracedPulse traced;
+  ReceivedPulse received;
+  MeasuredPulse measured;
 };
 
 /// One pulse from poses to points, independent of a Trajectory: a host simulator can step it with its own
@@ -146,39 +170,44 @@ class PulseSimulator {
   /// so do the echoes if the receiver sees waveforms; it must then hear kept echoes.
   void replay(const PulseInput& pulse, const TrueRanges& truth, std::size_t slot, PulseBatch& batch,
               PulseWorkspace& workspace) const;
-  /// The part of replay() before any error is drawn: fills state, beams, ranges and echoes of the workspace,
-  /// T_dem_lidar and, where the noise depends on them, tan_incidences.
-  void look(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
+  /// The part of replay() before any error is drawn: fills the aimed and the received pulse and, where the
+  /// noise depends on them, tan_incidences.
+  void prepare_replay(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
   /// T_body_lidar_true at the pulse.
   [[nodiscard]] Transform<BodyFrame, LidarFrame> true_mount(std::int64_t pulse) const;
 
  private:
-  void take_truth(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
+  void load_true_ranges(const PulseInput& pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
   /// The scanner's input at the pulse's time plus an error of the mirror's clock, seen from the pose of the
   /// pulse.
   [[nodiscard]] PulseContext context_of(const PulseInput& pulse, double mirror_time_error_s) const;
-  void steer(const PulseInput& pulse, PulseWorkspace& workspace) const;
-  /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
-  [[nodiscard]] std::span<const Beam> traced_beams(const PulseWorkspace& workspace) const;
-  void make_rays(const PulseInput& pulse, PulseWorkspace& workspace) const;
-  void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
-  /// Takes what the rays hit.
-  void take_hits(std::int64_t pulse, PulseWorkspace& workspace) const;
-  void see(std::int64_t pulse, PulseWorkspace& workspace, std::span<const Beam> beams) const;
-  void find_signals(PulseWorkspace& workspace, std::span<const Beam> beams) const;
+  void steer(const PulseInput& pulse, AimedPulse& aimed) const;
   /// As steer(). From below the ground a scanner cannot aim at it: then that is the reason of the refusal.
-  void steer_to_trace(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void steer_to_trace(const PulseInput& pulse, AimedPulse& aimed) const;
+  /// The beams of the pulse's rays, in order: those of the samples, then the pixels' own where they differ.
+  [[nodiscard]] std::span<const Beam> traced_beams(const AimedPulse& aimed, const TracedPulse& traced) const;
+  void make_rays(const PulseInput& pulse, const AimedPulse& aimed, TracedPulse& traced) const;
   void require_above_ground(const PulseInput& pulse, std::span<const Ray> rays) const;
-  void receive(const PulseInput& pulse, PulseWorkspace& workspace) const;
-  void find_incidences(PulseWorkspace& workspace) const;
-  void measure(const PulseInput& pulse, PulseWorkspace& workspace) const;
+  void trace(std::span<const Ray> rays, std::vector<double>& hits_m) const;
+  void finish(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
+  /// Uses up the hits: they are sorted in place.
+  void combine_samples(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
+                       ReceivedPulse& received) const;
+  void build_waveforms(std::int64_t pulse, const AimedPulse& aimed, TracedPulse& traced,
+                       ReceivedPulse& received) const;
+  void find_signals(const TracedPulse& traced, std::span<const Beam> samples, ReceivedPulse& received) const;
+  void find_incidences(const AimedPulse& aimed, const ReceivedPulse& received, MeasuredPulse& measured) const;
+  void receive(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+               MeasuredPulse& measured) const;
+  void measure(std::int64_t pulse, const AimedPulse& aimed, const ReceivedPulse& received,
+               MeasuredPulse& measured) const;
   void record(const PulseInput& pulse, std::size_t slot, PulseBatch& batch, PulseWorkspace& workspace) const;
   void record_estimate(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                        const PulseWorkspace& workspace) const;
   void record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                     const PulseWorkspace& workspace) const;
-  static void record_echoes(std::size_t first_row, PointColumns& out, const PulseWorkspace& workspace);
-  static void record_later_echoes(EchoColumns& out, const PulseWorkspace& workspace);
+  static void record_echoes(std::size_t first_row, PointColumns& out, const ReceivedPulse& received);
+  static void record_later_echoes(EchoColumns& out, const ReceivedPulse& received);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
   /// What the receiver reports for a pixel.
   struct Report {

@@ -147,8 +147,9 @@ void Simulation::replay_slots(PulseSpan pulses, const TrueRanges& truth, std::si
                       first_slot + i, batch, workspace);
 }
 
-void Simulation::look(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const {
-  simulator_.look(this->pulse(pulse), truth, workspace);
+void Simulation::prepare_replay(std::int64_t pulse, const TrueRanges& truth,
+                                PulseWorkspace& workspace) const {
+  simulator_.prepare_replay(this->pulse(pulse), truth, workspace);
 }
 
 Transform<DemFrame, LidarFrame> Simulation::true_lidar(std::int64_t pulse) const {

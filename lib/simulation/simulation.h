@@ -92,8 +92,8 @@ class Simulation {
   void replay_slots(PulseSpan pulses, const TrueRanges& truth, std::size_t first_slot,
                     PulseBatch& batch) const;
 
-  /// PulseSimulator::look() for a pulse of the scan.
-  void look(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
+  /// PulseSimulator::prepare_replay() for a pulse of the scan.
+  void prepare_replay(std::int64_t pulse, const TrueRanges& truth, PulseWorkspace& workspace) const;
   /// T_dem_lidar at the pulse, and as the lander believes it.
   [[nodiscard]] Transform<DemFrame, LidarFrame> true_lidar(std::int64_t pulse) const;
   [[nodiscard]] Transform<DemFrame, LidarFrame> believed_lidar(std::int64_t pulse) const;

@@ -64,10 +64,10 @@ Eigen::Vector3d transformed_rows(const Eigen::RowVector3d& row, const Eigen::Vec
 
 void take_beams(const PulseWorkspace& w, std::span<DeviceBeam> out) {
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Beam& beam = w.beams[i];
-    const bool may_return = !w.state.blanked && !beam.lost;
-    out[i].range_m = may_return ? w.ranges_m[i] : -std::numeric_limits<double>::infinity();
-    out[i].tan_incidence = w.tan_incidences.empty() ? 0 : w.tan_incidences[i];
+    const Beam& beam = w.aimed.beams[i];
+    const bool may_return = !w.aimed.state.blanked && !beam.lost;
+    out[i].range_m = may_return ? w.received.ranges_m[i] : -std::numeric_limits<double>::infinity();
+    out[i].tan_incidence = w.measured.tan_incidences.empty() ? 0 : w.measured.tan_incidences[i];
     std::ranges::copy(beam.direction.v, out[i].direction.begin());
     std::ranges::copy(beam.exit.v, out[i].exit.begin());
   }
@@ -215,15 +215,16 @@ std::unique_ptr<DeviceDraws> DeviceGridder::empty_scan(const Simulation& simulat
 void DeviceGridder::load_pulses(const Simulation& simulation, PulseSpan pulses) {
   const std::size_t pixels = simulation.pixel_count();
   std::vector<DeviceBeam> beams(static_cast<std::size_t>(pulses.count) * pixels);
-  parallel_for(
-      static_cast<std::size_t>(pulses.count), kPulsesPerPiece, [&](std::size_t begin, std::size_t end) {
-        PulseWorkspace workspace;
-        for (std::size_t k = begin; k < end; ++k) {
-          const std::int64_t pulse = pulses.first + static_cast<std::int64_t>(k);
-          simulation.look(pulse, truth_.part(static_cast<std::size_t>(pulse) * pixels, pixels), workspace);
-          take_beams(workspace, std::span(beams).subspan(k * pixels, pixels));
-        }
-      });
+  parallel_for(static_cast<std::size_t>(pulses.count), kPulsesPerPiece,
+               [&](std::size_t begin, std::size_t end) {
+                 PulseWorkspace workspace;
+                 for (std::size_t k = begin; k < end; ++k) {
+                   const std::int64_t pulse = pulses.first + static_cast<std::int64_t>(k);
+                   simulation.prepare_replay(
+                       pulse, truth_.part(static_cast<std::size_t>(pulse) * pixels, pixels), workspace);
+                   take_beams(workspace, std::span(beams).subspan(k * pixels, pixels));
+                 }
+               });
   draws_->add_pulses(beams);
 }
 

@@ -45,7 +45,7 @@ class DeviceGridder {
 
   /// Makes a draw. All simulations must have the beams and true poses of the first. Returns false, having
   /// done nothing, where the CPU is to make it; DeviceUse then says why. Throws as check() does, DeviceError
-  /// if the device fails, and as Simulation::look() does.
+  /// if the device fails, and as Simulation::prepare_replay() does.
   [[nodiscard]] bool draw(const Simulation& simulation, Method method);
   /// Makes a draw as draw() does, and passes the device, which holds its bins, to `finish`. Returns what that
   /// returns: false leaves the draw to the CPU.

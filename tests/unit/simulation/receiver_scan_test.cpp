@@ -243,7 +243,7 @@ TEST(ReceiverScan, ReplayOfEchoesEqualsTheTrace) {
   PulseWorkspace workspace;
   const PulseInput pulse{.time = {4, 0}, .truth = kAt500m, .estimate = kAt500m, .nominal = kAt500m};
   simulator.simulate(pulse, 0, traced, workspace);
-  const std::vector<Echo> echoes = workspace.echoes;
+  const std::vector<Echo> echoes = workspace.received.echoes;
   PulseBatch replayed;
   replayed.resize(1, 5, PointContent::all, columns);
   PulseWorkspace fresh;
@@ -282,7 +282,7 @@ TEST(ReceiverScan, ReplayOfLaterEchoesEqualsTheTrace) {
   std::vector<Echo> echoes;
   for (std::size_t slot = 0; slot < kPulses; ++slot) {
     simulator.simulate(pulse_at(slot), slot, traced, workspace);
-    echoes.insert(echoes.end(), workspace.echoes.begin(), workspace.echoes.end());
+    echoes.insert(echoes.end(), workspace.received.echoes.begin(), workspace.received.echoes.end());
   }
   const std::vector<LaterEcho> later = later_echoes(traced.later_echoes);
   EXPECT_EQ(later.size(), kPulses);
