@@ -124,7 +124,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   session.phase("write", [&](const ProgressCallback&) {
     if (metrics_file) write_text(*metrics_file, numbers.dump(2) + "\n");
     if (report) write_text(*report_file, report->page(evaluation, provenance, o.title));
-    if (writer) writer->finish(evaluation);
+    if (writer) writer->finish(evaluation, parameters.limits);
     if (metrics_file) metrics_file->commit();
     if (report_file) report_file->commit();
   });

@@ -218,10 +218,12 @@ void EvaluationWriter::take(const Grid<std::int8_t>& fail) {
   grid().write("fail", fail, text);
 }
 
-void EvaluationWriter::finish(const Evaluation& evaluation) {
+void EvaluationWriter::finish(const Evaluation& evaluation, const EvaluationLimits& limits) {
   write_holes(file_, spec_, evaluation.holes);
   h5::write_text(file_.root(), {"metrics_json", "metrics and verdicts"},
                  metrics_json(evaluation.metrics).dump(2));
+  h5::write_text(file_.root(), {"verdict_json", "the requirements as dem-eval prints them"},
+                 verdict_json(evaluation.metrics, limits).dump(2));
   grid_.reset();
   file_.commit();
 }

@@ -60,7 +60,7 @@ struct RegionMask {
 [[nodiscard]] std::optional<double> stored_limit(const LandfallFileReader& evaluation,
                                                  const std::string& layer);
 
-/// Writes eval.h5: each layer as the evaluation gives it, /holes and /metrics_json at the end.
+/// Writes eval.h5: each layer as the evaluation gives it, /holes, /metrics_json and /verdict_json at the end.
 class EvaluationWriter : public LayerSink {
  public:
   /// Without a layer, the file has no grid. Refuses the output as LandfallFileWriter does.
@@ -71,8 +71,8 @@ class EvaluationWriter : public LayerSink {
   void take(Axis axis, const AxisLayers& layers) override;
   void take(const Grid<std::int8_t>& fail) override;
 
-  /// Writes holes and metrics, and commits the file.
-  void finish(const Evaluation& evaluation);
+  /// Writes holes, metrics and the sentences of the verdict (verdict_texts()), and commits the file.
+  void finish(const Evaluation& evaluation, const EvaluationLimits& limits);
 
  private:
   GridLayerWriter& grid();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/metrics_json.h"
 
+#include "evaluation/verdict_text.h"
 #include "files/field_json.h"
 
 namespace landfall {
@@ -14,6 +15,16 @@ nlohmann::ordered_json metrics_json(const Metrics& metrics) {
   json.update(fields_json(metrics));
   if (!metrics.uncertainty) json["uncertainty"] = nullptr;
   return json;
+}
+
+nlohmann::ordered_json verdict_json(const Metrics& metrics, const EvaluationLimits& limits) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const VerdictText& text : verdict_texts(metrics, limits))
+    rows.push_back({{"requirement", text.name},
+                    {"measured", text.value},
+                    {"limit", text.limit},
+                    {"verdict", text.verdict}});
+  return rows;
 }
 
 Metrics metrics_from(const nlohmann::ordered_json& json) {

@@ -13,6 +13,9 @@ namespace landfall {
 
 /// The metrics of a file. Throws nlohmann::json::exception if a key is missing or has another type; an
 /// unknown shape of the region is read as a circle.
+/// [{"requirement", "measured", "limit", "verdict"}], the texts of verdict_texts().
+[[nodiscard]] nlohmann::ordered_json verdict_json(const Metrics& metrics, const EvaluationLimits& limits);
+
 [[nodiscard]] Metrics metrics_from(const nlohmann::ordered_json& json);
 
 }  // namespace landfall

@@ -16,7 +16,7 @@ std::string report_page(const ReportContent& content) {
                     {"title", html_text(title)},
                     {"subtitle", subtitle_html(content.steps, "evaluation", "DEM", "dem")},
                     {"banner", verdict_banner_html(metrics)},
-                    {"verdicts", verdict_table_html(metrics)},
+                    {"verdicts", verdict_table_html(metrics, content.parameters.limits)},
                     {"provenance", provenance_html(content.steps)},
                     {"data", data_html(report_data(content))}},
                    {"error_charts.js", "profile.js", "crops.js", "terrain3d.js", "page.js", "report.js"});

@@ -161,12 +161,25 @@ def read_layer(file, grid, name):
 
 def read_metrics(file, name="metrics_json"):
     """A text of the file that holds a JSON object, as a Metrics."""
+    return _read_json(file, name, lambda tree: Metrics(tree, name))
+
+
+def read_verdict(file):
+    """/verdict_json of an eval.h5: a dict of texts for each requirement; None in a file that has none."""
+    def checked(rows):
+        if not all([*map(type, row.values())] == [str] * 4 for row in rows):
+            raise ValueError("not a list of texts")
+        return rows
+    return _read_json(file, "verdict_json", checked) if "verdict_json" in file else None
+
+
+def _read_json(file, name, parsed):
     if name not in file:
         raise DataError(f"{file.filename}: no /{name}")
     text = file[name][()]
     try:
-        return Metrics(json.loads(text), name)
-    except (ValueError, TypeError) as error:
+        return parsed(json.loads(text))
+    except (ValueError, TypeError, AttributeError) as error:
         raise DataError(f"{file.filename}: /{name} is not JSON ({error})") from error
 
 

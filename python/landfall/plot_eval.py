@@ -42,6 +42,7 @@ class Evaluation:
             self.metrics = files.read_metrics(file)
             self.layers = {name: files.read_layer(file, self.grid, name) for name in LAYERS}
             self.limits = read_limits(file)
+            self.verdict = files.read_verdict(file) or old_verdict(self.metrics)
         self.radius_m = self.metrics.get("region/radius_m")
         self.half_width_m = self.metrics.get("region/half_width_m")
         bins = self.metrics.get("accuracy/footprint_bins")
@@ -284,23 +285,17 @@ def draw_footprint_map(ax, evaluation, name, title):
 # Verdict
 
 
-def violations_text(value):
-    return "none" if value == 0 else plots.number(value)
-
-
-TEXT = {"fraction": plots.percent, "bins": plots.bins, "footprints": violations_text}
 VERDICT = {True: "pass", False: "FAIL", None: "not judged"}
-VERDICT_COLOR = {True: "#cfe4f2", False: "#f6c9a8", None: "#e8e8e8"}
+VERDICT_COLOR = {"pass": "#cfe4f2", "FAIL": "#f6c9a8", "not judged": "#e8e8e8"}
 
 
-def requirement_row(metrics, requirement):
-    """([name, value, limit, verdict], passed) of one requirement."""
-    key, text = requirement.name, TEXT[requirement.unit]
-    value, limit = metrics.get(f"requirements/{key}/value"), metrics.get(f"requirements/{key}/limit")
-    passed = metrics.get(f"requirements/{key}/pass")
-    value_text = "–" if value is None else text(value)
-    limit_text = "–" if limit is None or value is None else f"{requirement.bound} {text(limit)}".replace("at most none", "none")
-    return [f"{requirement.words.capitalize()}: {requirement.measured}", value_text, limit_text, VERDICT[passed]], passed
+def old_verdict(metrics):
+    """The rows of a file that has no sentences: bare numbers."""
+    def row(requirement):
+        value, limit, passed = (metrics.get(f"requirements/{requirement.name}/{key}") for key in ("value", "limit", "pass"))
+        return {"requirement": requirement.name, "measured": "–" if value is None else f"{requirement.measured}: {value:g}",
+                "limit": "–" if limit is None else f"{requirement.bound} {limit:g}", "verdict": VERDICT[passed]}
+    return [row(requirement) for requirement in dictionary.requirements().values()]
 
 
 def draw_verdict(evaluation):
@@ -309,14 +304,13 @@ def draw_verdict(evaluation):
     figure, axes = maps.new_figure((1, 1), (11, 3.4), f"{evaluation.name}: {text}")
     ax = axes[0, 0]
     ax.axis("off")
-    rows = [requirement_row(evaluation.metrics, requirement) for requirement in dictionary.requirements().values()]
-    table = ax.table([cells for cells, _ in rows], colLabels=["requirement", "value", "limit", "verdict"],
-                     colWidths=[0.4, 0.22, 0.24, 0.14], cellLoc="left", loc="center")
-    style_table(table, [row_passed for _, row_passed in rows])
+    table = ax.table([list(row.values()) for row in evaluation.verdict], colLabels=list(evaluation.verdict[0]),
+                     colWidths=[0.22, 0.5, 0.14, 0.14], cellLoc="left", loc="center")
+    style_table(table, [row["verdict"] for row in evaluation.verdict])
     return figure
 
 
-def style_table(table, passed):
+def style_table(table, verdicts):
     table.auto_set_font_size(False)
     table.set_fontsize(maps.FONT_PT + 1)
     table.scale(1, 1.75)
@@ -325,7 +319,7 @@ def style_table(table, passed):
         if row == 0:
             cell.set_text_props(weight="bold")
         elif column == 3:
-            cell.set_facecolor(VERDICT_COLOR[passed[row - 1]])
+            cell.set_facecolor(VERDICT_COLOR[verdicts[row - 1]])
 
 
 def figures_of(evaluation):

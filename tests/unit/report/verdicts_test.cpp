@@ -18,30 +18,31 @@ Metrics metrics_of() {
                           .relative_horizontal = {3, 0, false},
                           .absolute_horizontal = {0.97, 0.95, true}};
   metrics.pass = false;
+  metrics.accuracy.emplace();
   return metrics;
 }
 
-TEST(VerdictTable, HasValueLimitAndMargin) {
-  const std::string table = verdict_table_html(metrics_of());
-  EXPECT_THAT(table,
-              HasSubstr("<td class=\"number\">1.2 %</td><td class=\"number\">at most 1 %</td>"
-                        "<td class=\"number\">\u22120.2 %</td><td><span class=\"verdict fail\">FAIL</span>"));
-  EXPECT_THAT(table,
-              HasSubstr("<td class=\"number\">1 bin</td><td class=\"number\">at most 10 bins</td>"
-                        "<td class=\"number\">9 bins</td><td><span class=\"verdict pass\">pass</span>"));
-  EXPECT_THAT(table, HasSubstr("<td class=\"number\">97 %</td><td class=\"number\">at least 95 %</td>"
-                               "<td class=\"number\">2 %</td>"));
-  EXPECT_THAT(table, HasSubstr("<td class=\"number\">3</td><td class=\"number\">at most 0</td>"
-                               "<td class=\"number\">\u22123</td>"));
+TEST(VerdictTable, HasTheWordsOfTheTerminal) {
+  Metrics metrics = metrics_of();
+  metrics.region.bin_count = 1000;
+  metrics.coverage.invalid_count = 12;
+  metrics.coverage.invalid_frac = 0.012;
+  const std::string table = verdict_table_html(metrics, {});
+  EXPECT_THAT(table, HasSubstr("<td>12 of 1,000 bins invalid, 1.2 %</td><td class=\"number\">1 %</td>"
+                               "<td><span class=\"verdict fail\">FAIL</span>"));
+  EXPECT_THAT(table, HasSubstr("<td class=\"number\">&gt;= 95 %</td>"));
 }
 
 TEST(VerdictTable, LeavesOpenWhatIsNotJudged) {
   Metrics metrics = metrics_of();
-  metrics.requirements.relative_elevation = {std::nullopt, 0, std::nullopt};
-  EXPECT_THAT(
-      verdict_table_html(metrics),
-      HasSubstr("<td class=\"number\">\u2013</td><td class=\"number\">at most 0</td>"
-                "<td class=\"number\">\u2013</td><td><span class=\"verdict unjudged\">not judged</span>"));
+  metrics.accuracy.reset();
+  for (Requirement* const r :
+       {&metrics.requirements.relative_elevation, &metrics.requirements.relative_horizontal,
+        &metrics.requirements.absolute_horizontal})
+    *r = {std::nullopt, 0, std::nullopt};
+  EXPECT_THAT(verdict_table_html(metrics, {}),
+              HasSubstr("<td>no truth to compare with</td><td class=\"number\">5 cm</td>"
+                        "<td><span class=\"verdict unjudged\">not judged</span>"));
 }
 
 TEST(VerdictBanner, CountsTheMissedOnes) {
