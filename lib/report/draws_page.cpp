@@ -86,14 +86,12 @@ std::string draws_page(const DrawsReport& content, const Provenance& provenance,
   nlohmann::json steps = provenance.chain;
   steps.push_back(provenance.as_step());
   return page_html("draws.html",
-                   {{"subject", "these draws"},
-                    {"title", html_text(title.empty() ? title_of(steps, "Campaign of draws") : title)},
+                   {{"title", html_text(title.empty() ? title_of(steps, "Campaign of draws") : title)},
                     {"subtitle", subtitle_html(steps, "draws", "scan", "scan")},
                     {"banner", banner_html(content.verdict)},
                     {"rates", rates_html(content.verdict)},
                     {"provenance", provenance_html(steps)},
-                    {"data", data_html(draws_data(content, provenance.config))}},
-                   {"profile.js", "page.js", "draws.js"});
+                    {"data", data_html(draws_data(content, provenance.config))}});
 }
 
 }  // namespace landfall::html_report

@@ -100,15 +100,13 @@ std::string hazard_page(const HazardReport& content, const Provenance& provenanc
   std::string tables = places_html(counts);
   if (map.truth) tables += outcomes_html(map.truth->score.counts, counts.all());
   return page_html("hazards.html",
-                   {{"subject", "this hazard map"},
-                    {"title", html_text(title.empty() ? title_of(steps, "Landing sites") : title)},
+                   {{"title", html_text(title.empty() ? title_of(steps, "Landing sites") : title)},
                     {"subtitle", subtitle_html(steps, "hazard map", kind == "dem" ? "DEM" : "terrain", kind)},
                     {"banner", banner_html(map, content.parameters.sites.min_p)},
                     {"places", tables},
                     {"lander", lander_text(content.parameters, text_of(provenance.config, "method"))},
                     {"provenance", provenance_html(steps)},
-                    {"data", data_html(hazard_data(content, kind == "dem" ? "z_est" : "z"))}},
-                   {"profile.js", "page.js", "pose.js", "hazards.js"});
+                    {"data", data_html(hazard_data(content, kind == "dem" ? "z_est" : "z"))}});
 }
 
 }  // namespace landfall::html_report

@@ -11,15 +11,12 @@ namespace landfall::html_report {
 std::string report_page(const ReportContent& content) {
   const Metrics& metrics = content.evaluation.metrics;
   const std::string title = content.title.empty() ? title_of(content.steps) : content.title;
-  return page_html("report.html",
-                   {{"subject", "this evaluation"},
-                    {"title", html_text(title)},
-                    {"subtitle", subtitle_html(content.steps, "evaluation", "DEM", "dem")},
-                    {"banner", verdict_banner_html(metrics)},
-                    {"verdicts", verdict_table_html(metrics, content.parameters.limits)},
-                    {"provenance", provenance_html(content.steps)},
-                    {"data", data_html(report_data(content))}},
-                   {"error_charts.js", "profile.js", "crops.js", "terrain3d.js", "page.js", "report.js"});
+  return page_html("evaluation.html", {{"title", html_text(title)},
+                                       {"subtitle", subtitle_html(content.steps, "evaluation", "DEM", "dem")},
+                                       {"banner", verdict_banner_html(metrics)},
+                                       {"verdicts", verdict_table_html(metrics, content.parameters.limits)},
+                                       {"provenance", provenance_html(content.steps)},
+                                       {"data", data_html(report_data(content))}});
 }
 
 Report::Report(const std::filesystem::path& path, const DemLayers& dem,

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "report/page_parts.h"
 
-#include <array>
 #include <stdexcept>
-#include <utility>
 
-#include "report/embedded_assets.h"
+#include "report/embedded_pages.h"
 #include "report/escape.h"
 #include "report/heading.h"
 
@@ -32,11 +30,10 @@ std::string configuration_html(const nlohmann::json& step) {
   return text + "</details>\n";
 }
 
-/// The embedded template or script of this name.
-std::string asset(std::string_view name) {
-  for (const auto& asset : embedded::kAssets)
-    if (asset.name == name) return asset.text;
-  throw std::logic_error("no embedded asset " + std::string(name));
+std::string template_of(std::string_view name) {
+  for (const auto& page : embedded::kPages)
+    if (page.name == name) return page.text;
+  throw std::logic_error("no embedded page " + std::string(name));
 }
 
 /// The template with each @NAME@ replaced by its value in `parts`.
@@ -53,8 +50,6 @@ std::string filled(const std::string& page, const std::map<std::string, std::str
     at = part == parts.end() ? begin + 1 : end + 1;
   }
 }
-
-std::string program_html(const char* name) { return "<script>\n" + asset(name) + "</script>\n"; }
 
 }  // namespace
 
@@ -91,9 +86,9 @@ std::string subtitle_html(const nlohmann::json& steps, const std::string& output
   for (const nlohmann::json& source : member(last, "inputs"))
     if (member(source, "role") == role) file_id = text_of(source, "file_id");
   const std::string origin = origin_of(steps);
-  return (origin.empty() ? "" : html_text(origin) + "<br>") + "landfall " + text_of(last, "tool") + " " +
-         text_of(last, "version") + ", " + output + " <code>" + text_of(last, "file_id") + "</code> of " +
-         input + " <code>" + file_id + "</code>";
+  return "<p class=\"note\">" + (origin.empty() ? "" : html_text(origin) + "<br>") + "landfall " +
+         text_of(last, "tool") + " " + text_of(last, "version") + ", " + output + " <code>" +
+         text_of(last, "file_id") + "</code> of " + input + " <code>" + file_id + "</code></p>";
 }
 
 std::string data_html(const ReportData& data) {
@@ -104,16 +99,8 @@ std::string data_html(const ReportData& data) {
   return text;
 }
 
-std::string page_html(std::string_view sections, std::map<std::string, std::string> parts,
-                      std::initializer_list<const char*> programs) {
-  constexpr std::array kShared{"theme.js",    "data.js",     "scales.js", "relief.js", "table.js",
-                               "elements.js", "colorbar.js", "cursor.js", "map.js",    "chart.js"};
-  parts["style"] = asset("report.css");
-  parts["sections"] = filled(asset(sections), parts);
-  std::string& text = parts["programs"];
-  for (const char* const name : kShared) text += program_html(name);
-  for (const char* const name : programs) text += program_html(name);
-  return filled(asset("page.html"), parts);
+std::string page_html(std::string_view name, const std::map<std::string, std::string>& parts) {
+  return filled(template_of(name), parts);
 }
 
 }  // namespace landfall::html_report

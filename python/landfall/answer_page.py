@@ -3,16 +3,13 @@
 import json
 import os
 
-from landfall import tools
 from landfall.study.page import cell, document, escaped, head, picture, table
-from landfall.study.report_study import read_text, write_page
+from landfall.study.report_study import write_page
 
 
 def write(path, title, description, sections):
     """`sections` are (name, heading, HTML)."""
-    style = read_text(os.path.join(tools.SHARE, "lib", "report", "assets", "report.css"))
-    script = read_text(os.path.join(tools.SHARE, "lib", "report", "assets", "table.js"))
-    write_page(document(title, f"<p>{escaped(description)}</p>", sections, [style], [script]), path)
+    write_page(document("answers", title, f"<p>{escaped(description)}</p>", sections), path)
 
 
 def text_cell(text):

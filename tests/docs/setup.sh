@@ -22,7 +22,7 @@ small_maps() {
 checkout() {
   cp -r "$LANDFALL_ROOT"/{Makefile.studies,bench,examples,python,schemas,scripts,studies} .
   mkdir -p build/release lib/report
-  cp -r "$LANDFALL_ROOT/lib/report/assets" lib/report/
+  cp -r "$LANDFALL_ROOT/lib/report/web" lib/report/
   ln -s "$LANDFALL_BIN" build/release/bin
 }
 

@@ -32,7 +32,8 @@ def read(name):
 def source_files():
     """Sources and pages, relative to the repository."""
     for top in CITING:
-        for folder, _, files in os.walk(os.path.join(ROOT, top)):
+        for folder, folders, files in os.walk(os.path.join(ROOT, top)):
+            folders[:] = [name for name in folders if name != "node_modules"]
             yield from (os.path.relpath(os.path.join(folder, name), ROOT) for name in files
                         if name.endswith((".cpp", ".h", ".md", ".py", ".txt", ".cmake")))
 

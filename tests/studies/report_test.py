@@ -18,6 +18,7 @@ from case import BASE, BIN, PYTHON, RESOLUTIONS, ROOT, SIGMAS, StudyTest, read, 
 sys.path.insert(0, os.path.join(ROOT, "tests", "harness"))
 # pylint: disable=wrong-import-order
 import browser
+from harness.page import CONTRAST
 from landfall.study import configs, model, plot_study, reader, stages, table
 
 HOSTILE = "</script><script>alert(1)</script><b>&\"'"
@@ -32,7 +33,7 @@ class Page(html.parser.HTMLParser):
         self.tables, self.tags, self._script, self._cell = [], [], None, None
         self.scripts = {}
         self.feed(read(path).decode())
-        self.tree = json.loads(self.scripts["study-data"])
+        self.tree = json.loads(self.scripts["report-data"])
 
     def handle_starttag(self, tag, attrs):
         self.tags.append((tag, dict(attrs)))
@@ -368,6 +369,27 @@ class InBrowser(ReportTest):
         self.choose("verdict", "error")
         self.assertEqual(self.seen_cases(), [1])
 
+    def test_a_foreign_script_does_not_run(self):
+        self.open(SIGMAS)
+        path = self.out("report.html")
+        text = read(path).decode().replace("</main>", "<script>document.title = 'foreign';</script></main>")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.browser.get("file://" + path)
+        self.assertEqual((len(self.seen_cases()), self.browser.title), (3, "tiny"))
+        (entry,) = self.browser.get_log("browser")
+        self.assertIn("violates the following Content Security Policy directive 'script-src 'sha256-", entry["message"])
+
+    def test_dark_mode(self):
+        self.open(SIGMAS, fragment="#case-1")
+        paper = "return getComputedStyle(document.querySelector('main > section')).backgroundColor"
+        light = self.run_script(paper)
+        self.by_css("#theme").click()
+        self.assertEqual((light, self.run_script(paper)), ("rgb(255, 255, 255)", "rgb(24, 29, 35)"))
+        contrasts = self.run_script(CONTRAST, [".window td", ".window tr.chosen td:last-child", ".verdict.pass", ".verdict.fail", "#case-detail h3"])
+        self.assertGreater(min(contrasts), 4.5, contrasts)
+        self.assertEqual(self.run_script("return getComputedStyle(document.querySelector('#plot .mark.fail')).stroke"), "rgb(255, 138, 61)")
+
     def test_widths(self):
         long_name = {"name": "a_very_long_name_of_an_axis_that_nobody_would_choose_but_somebody_will", "key": "scan.noise.range_sigma_m",
                      "list": [0, 0.01]}
@@ -403,7 +425,7 @@ class InBrowser(ReportTest):
         by_size = sorted(range(5000), key=self.largest)
         self.assertEqual(self.seen_cases()[:30], by_size[:30])
         self.run_script("document.getElementById('case-window').scrollTop = 1e9")
-        self.run_script("body.build()")
+        self.run_script("buildRows()")
         self.assertEqual(self.seen_cases()[-20:], by_size[-20:])
         low = self.by_css('#filters input[name="range_sigma_m from"]')
         low.send_keys("0.0999")

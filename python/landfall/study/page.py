@@ -5,13 +5,12 @@ import html
 import json
 import os
 
+from landfall import tools, web
 from landfall.errors import DataError
 from landfall.study.model import label_of
 from landfall.study.names import counted, number, with_unit
 from landfall.study.table import error_sign, metric_label, REQUIREMENTS
 
-# The page sends no request, whatever texts it shows.
-POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 MOST_VALUES = 12  # of an axis that are all named
 MOST_NAMED = 20  # cases of one failure
 VERDICTS = ("pass", "fail", "not judged", "error", "not made")
@@ -27,33 +26,31 @@ def escaped(value):
     return html.escape(str(value))
 
 
-def page(tree, figures, styles, scripts):
-    """The whole document; `figures` is the folder with those of plot_study.py, styles and scripts are texts that it holds."""
+def page(tree, figures):
+    """The whole document; `figures` is the folder with those of plot_study.py."""
     sections = [("verdicts", "Verdicts", verdicts(tree)), ("failed", "Cases that were not made", failed(tree)),
                 ("tried", "What was tried", tried(tree)), ("points", "Points", points(tree)), ("cases", "Cases", CASES),
                 ("figures", "Figures", figure_panels(figures, tree)), ("provenance", "Provenance", provenance(tree))]
-    sections = [section for section in sections if section[2]]
     description = f"<p>{escaped(tree['description'])}</p>" if tree["description"] else ""
     note = f'{description}\n<p class="note">Study {escaped(tree["name"])}: {escaped(size(tree))}</p>'
-    return document(tree["title"], note, sections, styles, scripts, f'<script type="application/json" id="study-data">{data(tree)}</script>\n')
+    return document("study", tree["title"], note, [section for section in sections if section[2]],
+                    f'<script type="application/json" id="report-data">{data(tree)}</script>\n')
 
 
-def document(title, note, sections, styles, scripts, elements=""):
-    """A page that needs nothing beside it. Sections are (name, heading, HTML); `note`, HTML, stands below the title; `elements` before
-    the scripts."""
-    links = "".join(f'<a href="#{name}">{escaped(heading)}</a>' for name, heading, _ in sections)
+def document(name, title, note, sections, elements=""):
+    """The page `name` of lib/report/web. Sections are (name, heading, HTML); `note`, HTML, is below the title; `elements` are data of
+    the script."""
     body = "".join(f'<section id="{name}"><h2>{escaped(heading)}</h2>\n{text}</section>\n' for name, heading, text in sections)
-    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{escaped(title)}</title>\n'
-            f'<meta http-equiv="Content-Security-Policy" content="{escaped(POLICY)}">\n'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
-            + "".join(f"<style>\n{text}</style>\n" for text in styles)
-            + f'</head>\n<body>\n<header class="title"><h1>{escaped(title)}</h1>\n{note}</header>\n'
-            f'<nav class="contents">{links}</nav>\n<main>\n{body}</main>\n{elements}'
-            + "".join(f"<script>\n{text}</script>\n" for text in scripts) + "</body>\n</html>\n")
+    parts = {"title": escaped(title), "subtitle": note, "banner": "", "sections": body, "data": elements}
+    folder = os.path.join(tools.SHARE, "lib", "report", "web")
+    try:
+        return web.filled(web.template(folder, name), parts)
+    except OSError as error:
+        raise DataError(f"{error.filename}: {error.strerror}") from error
 
 
 def data(tree):
-    """What report_study.js reads, as JSON in which nothing ends the element that holds it."""
+    """The values that study.js reads, as JSON in which nothing ends the element that holds it."""
     points_of_table = [{"cases": point["cases"]} for point in tree["points"]] if repeat_count(tree) > 1 else []
     text = json.dumps({**tree, "points": points_of_table}, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
@@ -206,7 +203,7 @@ def estimate_cell(estimate):
     return f'<td class="number" data-value="{value}">{number(value)}{interval}</td>'
 
 
-# Cases: report_study.js fills this
+# Cases: lib/report/web/study.js fills this
 
 CASES = """<noscript><p>This table needs JavaScript; results.csv beside this page holds the same numbers.</p></noscript>
 <div class="controls" id="filters"></div>
@@ -218,7 +215,7 @@ Errors are true - estimated.</p>
 <div id="case-detail" hidden></div>
 <h3>One number against another</h3>
 <div class="controls" id="plot-controls"></div>
-<div id="plot"></div>
+<div id="plot" class="panel"></div>
 <p class="note" id="plot-note">A mark for each case that the filters leave; a click opens it.</p>
 """
 

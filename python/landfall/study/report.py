@@ -68,7 +68,7 @@ class Study:
 
 
 def report(folder, figures):
-    """The tree: name, title, tools, axes, columns, points, configs, runs and failures (report_study.js reads it)."""
+    """The tree: name, title, tools, axes, columns, points, configs, runs and failures (lib/report/web/study_*.js read it)."""
     study = Study(folder)
     numbers = FigureNumbers(study, figures)
     shown = range(min(len(study.rows), MOST_CASES))

@@ -7,7 +7,7 @@ FOLDER is a study's, with results.h5 (make -f Makefile.studies study).
 import argparse
 import os
 
-from landfall import command, tools
+from landfall import command
 from landfall.errors import DataError, UsageError, printable
 from landfall.study import page, report
 
@@ -19,20 +19,6 @@ def parse(arguments):
     parser.add_argument("--figures", metavar="DIR", help="where plot_study.py wrote; default: FOLDER/figures")
     parser.add_argument("-O", "--overwrite", action="store_true", help="replace an existing report")
     return parser.parse_args(arguments)
-
-
-def texts(ending, shared):
-    """What all reports share of this kind, then the part of this one."""
-    return [read_text(os.path.join(tools.SHARE, "lib", "report", "assets", shared)),
-            read_text(os.path.join(os.path.dirname(__file__), "report" + ending))]
-
-
-def read_text(path):
-    try:
-        with open(path, encoding="utf-8") as file:
-            return file.read()
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}") from error
 
 
 def write_page(text, path):
@@ -56,5 +42,5 @@ def main(arguments):
         tree = report.report(options.folder, figures)
     except UsageError as error:
         raise DataError(error) from error
-    write_page(page.page(tree, figures, texts(".css", "report.css"), texts(".js", "table.js")), output)
+    write_page(page.page(tree, figures), output)
     print(f"{printable(output)}: {tree['count']} cases")

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+
+// Fills the sections of the report on a campaign of draws.
+
+import {axisOf, Chart} from "./chart.js";
+import {valuesBar} from "./cursor.js";
+import {htmlElement, tableElement} from "./elements.js";
+import {MapPanel} from "./map.js";
+import {appendFigures, gridText, loadGroups} from "./map_groups.js";
+import {formatNumber} from "./numbers.js";
+import {pageSection, startPage} from "./page.js";
+import {LINE} from "./palette.js";
+import {layerNamed, rasterOf} from "./rasters.js";
+import {report} from "./report_data.js";
+
+const MAP_GROUPS = [
+  ["Probabilities", ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p_fail_absolute"]],
+  ["Hazards", ["p_missed_hazard", "p_judged_safe"]],
+  ["Error in z (true \u2212 estimated) over the draws", ["e_z_mean", "e_z_std"]],
+  ["Error of the map (true elevation at the bin centre \u2212 z_est): observed and predicted spread",
+   ["e_map_std", "z_sigma_abs", "e_map_std_over_sigma"]],
+  ["Ground", ["z_true_map"]],
+];
+const CLASSES = 30;       // of a distribution
+const MOST_FAILURES = 200;  // in the table
+const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
+const UNITS = {frac: ["%", 100], bins: ["bins", 1], footprints: ["footprints", 1]};
+
+const shownDraws = report.seeds.length;
+
+function drawNumber(index) { return report.first_draw + index; }
+
+function shownNote() {
+  return shownDraws === report.draw_count ? "" : ` Shown are the first ${shownDraws.toLocaleString("en")} draws.`;
+}
+
+function unitText(unit, value) {
+  return unit === "frac" ? `${Number((100 * value).toPrecision(4))} %` : value.toLocaleString("en");
+}
+
+// Distributions
+
+/** Equally wide classes of integers or fractions. A single value gets a class about itself. */
+function classesOf(values, isWhole) {
+  const low = Math.min(...values), high = Math.max(...values);
+  if (isWhole) {
+    const width = Math.max(1, Math.ceil((high - low + 1) / CLASSES));
+    return {low: low - 0.5, width, count: Math.ceil((high - low + 1) / width)};
+  }
+  const width = high > low ? (high - low) / CLASSES : Math.max(Math.abs(low) / 100, 1e-6);
+  return high > low ? {low, width, count: CLASSES} : {low: low - width / 2, width, count: 1};
+}
+
+function barsOf({low, width, count}, values) {
+  const bars = Array.from({length: count}, (_, k) => ({low: low + k * width, high: low + (k + 1) * width, count: 0}));
+  for (const value of values) ++bars[Math.min(count - 1, Math.floor((value - low) / width))].count;
+  return bars.filter((bar) => bar.count > 0);
+}
+
+function requirementAxis({unit, measured}) {
+  const [text, factor] = UNITS[unit];
+  return [`${measured}${unit === "footprints" ? "" : ` (${text})`}`, factor];
+}
+
+/** How often each value occurred, passed and failed draws in their colours, and the limit. */
+function distributionChart(requirement) {
+  const [label, factor] = requirementAxis(requirement);
+  const known = requirement.values.map((value, i) => ({value: value * factor, pass: requirement.pass[i] === 1})).filter((_, i) => requirement.values[i] !== null);
+  if (known.length === 0) return null;
+  const values = known.map(({value}) => value), limit = requirement.limits[0] * factor;
+  const classes = classesOf(values, requirement.unit !== "frac");
+  const all = barsOf(classes, values), passed = barsOf(classes, known.filter(({pass}) => pass).map(({value}) => value));
+  const least = Math.min(classes.low, limit), most = Math.max(classes.low + classes.count * classes.width, limit);
+  const room = 0.04 * (most - least);
+  const chart = new Chart(requirement.name, {low: least - room, high: most + room, label},
+                          {low: 0, high: 1.08 * Math.max(...all.map(({count}) => count)), label: "draws", whole: true});
+  const fails = known.some(({pass}) => !pass);
+  chart.bars(all, LINE.vermilion).bars(passed, LINE.blue);
+  if (passed.length > 0) chart.area("passed", LINE.blue);
+  if (fails) chart.area("failed", LINE.vermilion);
+  chart.limit(limit, `limit: at ${requirement.at_least ? "least" : "most"} ${unitText(requirement.unit, requirement.limits[0])}`, LINE.purple);
+  return chart.element;
+}
+
+function fillDistributions(section) {
+  const charts = report.requirements.map(distributionChart).filter((chart) => chart !== null);
+  section.append(htmlElement("p", {class: "note"}, `What decides each requirement, in all draws.${shownNote()}`),
+                 htmlElement("div", {class: "figures"}, ...charts));
+}
+
+// Varied keys
+
+/** What may be shown against the keys: [{name, values, factor, label, pass, limit}]. */
+function scatterMetrics() {
+  const differs = ({values}) => values.some((value) => value !== values[0]);
+  const requirements = report.requirements.filter(differs).map((requirement) => {
+    const [label, factor] = requirementAxis(requirement);
+    return {name: requirement.name, values: requirement.values, factor, label, pass: requirement.pass, limit: requirement.limits[0] * factor};
+  });
+  const failures = ({pass}) => pass.reduce((sum, p) => sum + (p === 0 ? 1 : 0), 0);
+  requirements.sort((a, b) => failures(b) - failures(a));
+  return [...requirements, ...report.metrics.map(({name, values}) => ({name, values, factor: 1, label: name, pass: report.pass, limit: null}))];
+}
+
+/** Ranks, the mean of equal ones. */
+function ranksOf(values) {
+  const order = values.map((value, i) => [value, i]).sort((a, b) => a[0] - b[0]);
+  const ranks = new Array(values.length);
+  for (let begin = 0; begin < order.length;) {
+    let end = begin;
+    while (end < order.length && order[end][0] === order[begin][0]) ++end;
+    for (let k = begin; k < end; ++k) ranks[order[k][1]] = (begin + end - 1) / 2;
+    begin = end;
+  }
+  return ranks;
+}
+
+/** Spearman's correlation; null where one of both is constant. */
+function rankCorrelation(a, b) {
+  const x = ranksOf(a), y = ranksOf(b), mean = (a.length - 1) / 2;
+  const product = (u, v) => u.reduce((sum, value, i) => sum + (value - mean) * (v[i] - mean), 0);
+  const norm = Math.sqrt(product(x, x) * product(y, y));
+  return norm > 0 ? product(x, y) / norm : null;
+}
+
+/** A factor that gives numbers of few digits, and what to add to the label.
+ * @returns {[number, string]} */
+function shortScale(values) {
+  const largest = Math.max(...values.map(Math.abs));
+  if (!(largest > 0) || (largest < 1e4 && largest >= 0.01)) return [1, ""];
+  const power = 3 * Math.floor(Math.log10(largest) / 3 + 1e-9);
+  const superscripts = [...String(power)].map((c) => c === "-" ? "\u207b" : SUPERSCRIPTS[Number(c)]);
+  return [10 ** -power, ` (10${superscripts.join("")})`];
+}
+
+function withoutStage(name) { return name.slice(name.indexOf(".") + 1); }
+
+function scatterChart(metric, {name, values}) {
+  const [xFactor, xScale] = shortScale(values), [yFactor, yScale] = shortScale(metric.values.map((y) => (y ?? 0) * metric.factor));
+  const limit = metric.limit === null ? null : metric.limit * yFactor;
+  const points = values.map((x, i) => ({x: x * xFactor, y: metric.values[i] === null ? null : metric.values[i] * metric.factor * yFactor, pass: metric.pass[i] !== 0}))
+      .filter(({x, y}) => x !== null && y !== null);
+  const ys = points.map(({y}) => y), xs = points.map(({x}) => x);
+  const near = limit !== null && Math.abs(limit) <= 3 * Math.max(...ys.map(Math.abs));
+  const chart = new Chart(withoutStage(name), axisOf(xs, withoutStage(name) + xScale), axisOf(near ? [...ys, limit] : ys, metric.label + yScale));
+  const rho = rankCorrelation(xs, ys), rhoOfSize = rankCorrelation(xs.map(Math.abs), ys);
+  for (const [pass, color, text] of [[true, LINE.blue, "passed"], [false, LINE.vermilion, "failed"]]) {
+    const shown = points.filter((point) => point.pass === pass);
+    if (shown.length > 0) chart.dots(shown.map(({x, y}) => [x, y, 3]), color, text);
+  }
+  if (near) chart.curve([[chart.x.low, limit], [chart.x.high, limit]], {color: LINE.purple, dash: "7 3", text: "limit"});
+  const correlations = [["the key", rho], ["its magnitude", xs.some((x) => x < 0) ? rhoOfSize : null]].filter(([, r]) => r !== null);
+  chart.legend.append(htmlElement("span", {}, correlations.length === 0 ? "" :
+      `rank correlation with ${correlations.map(([text, r]) => `${text} ${formatNumber(r, 0.01)}`).join(", with ")}`));
+  return chart.element;
+}
+
+function fillCauses(section) {
+  const metrics = scatterMetrics();
+  if (report.varied.length === 0 || metrics.length === 0) {
+    section.append(htmlElement("p", {}, report.varied.length === 0 ? "No key is varied: the draws differ in their seeds only." : "No metric differs between the draws."));
+    return;
+  }
+  const select = htmlElement("select", {id: "metric"}, ...metrics.map(({name}, k) => htmlElement("option", {value: k}, name)));
+  const figures = htmlElement("div", {class: "figures"});
+  const show = () => figures.replaceChildren(...report.varied.map((key) => scatterChart(metrics[Number(select.value)], key)));
+  select.addEventListener("change", show);
+  show();
+  section.append(htmlElement("p", {class: "note"}, `A point for each draw.${shownNote()} A rank correlation near 1 or \u22121 means that the key orders the draws.`),
+                 htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "metric", select)), figures);
+}
+
+// Failed draws
+
+function missedText(index) {
+  return report.requirements.filter(({pass}) => pass[index] === 0).map(({name, unit, values, limits, at_least}) =>
+      `${name}: ${unitText(unit, values[index])} ${at_least ? "<" : ">"} ${unitText(unit, limits[index])}`).join("; ");
+}
+
+function shortNumber(value) {
+  const isSmall = value !== 0 && Math.abs(value) < 1e-3;
+  return (isSmall ? value.toExponential(2) : String(Number(value.toPrecision(3)))).replaceAll("-", "\u2212");
+}
+
+function valuesText(index) {
+  return report.varied.map(({name, values}) => `${name.split(".").slice(-2).join(".")} ${shortNumber(values[index])}`).join(", ");
+}
+
+function failureTable(failed) {
+  const columns = [["draw", true], ["seed", true], ["missed", false], ...(report.varied.length > 0 ? [["values", false]] : [])];
+  const rows = failed.slice(0, MOST_FAILURES).map((i) => [
+    [String(drawNumber(i)), drawNumber(i)], [report.seeds[i], report.seeds[i]], [missedText(i)],
+    ...(report.varied.length > 0 ? [[valuesText(i)]] : [])]);
+  return tableElement("failed-draws", columns, rows);
+}
+
+/** The commands that write the configurations of the chain, the same for all draws. */
+function configurationCommands() {
+  return Object.entries(report.stages).map(([stage, config]) => `cat > ${stage}.json <<'END'\n${JSON.stringify(config)}\nEND`).join("\n");
+}
+
+/** The chain's commands of a draw: its seed and its values, in the digits that give back the same bits. */
+function drawCommands(index) {
+  const draw = `draw-${drawNumber(index)}`;
+  const sets = (stage) => report.varied.filter(({name}) => name.startsWith(`${stage}.`))
+      .map(({name, values}) => ` \\\n  --set ${name.slice(stage.length + 1)}=${values[index]}`).join("");
+  const commands = [`scan-sim -c scan.json --ranges-from scan.h5 --terrain terrain.h5 \\\n  --seed ${report.seeds[index]}${sets("scan")} \\\n  -o ${draw}-scan.h5`,
+          `regrid ${draw}-scan.h5 -c regrid.json --terrain terrain.h5${sets("regrid")} \\\n  -o ${draw}-dem.h5`,
+          `dem-eval ${draw}-dem.h5 -c eval.json${sets("eval")} \\\n  --metrics ${draw}-metrics.json -o ${draw}-eval.h5`];
+  if (report.stages.hazard !== undefined) {
+    commands.push(`hazard-map ${draw}-dem.h5 -c hazard.json --terrain terrain.h5 \\\n  --sites ${draw}-sites.json --score ${draw}-score.json -o ${draw}-hazards.h5`);
+  }
+  return commands.join("\n");
+}
+
+function fillFailures(section) {
+  const failed = report.pass.map((pass, i) => pass === 1 ? -1 : i).filter((i) => i >= 0);
+  section.append(htmlElement("p", {}, failed.length === 0 ? "No draw failed." : `${failed.length.toLocaleString("en")} draws failed.` +
+      `${failed.length > MOST_FAILURES ? ` The table has the first ${MOST_FAILURES}.` : ""}${shownNote()}`));
+  if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, failureTable(failed)));
+  if (report.stages === null) {
+    section.append(htmlElement("p", {class: "note"}, "The commands of the chain stand in the report of a campaign over one scan."));
+    return;
+  }
+  const input = htmlElement("input", {type: "number", id: "draw", min: report.first_draw, max: drawNumber(shownDraws - 1), value: drawNumber(failed[0] ?? 0)});
+  const commands = htmlElement("pre", {id: "commands"});
+  const show = () => {
+    const index = Number(input.value) - report.first_draw;
+    if (Number.isInteger(index) && index >= 0 && index < shownDraws) commands.textContent = drawCommands(index);
+  };
+  input.addEventListener("input", show);
+  show();
+  section.append(htmlElement("h3", {}, "The same draw by the chain"),
+                 htmlElement("p", {class: "note"}, "scan.h5 and terrain.h5 are the inputs of this campaign; the metrics are the same, bit for bit."),
+                 htmlElement("details", {}, htmlElement("summary", {}, "once: the configurations of the tools"),
+                             htmlElement("pre", {id: "configurations"}, configurationCommands())),
+                 htmlElement("div", {class: "controls screen-only"}, htmlElement("label", {}, "draw", input)), commands);
+}
+
+// Maps
+
+function mapsNote() {
+  const {factor} = report.grid;
+  return gridText() +
+      `${factor === 1 ? "" : `, stored in blocks of ${factor} x ${factor} bins`}. Blocks show their largest probability and error, and their mean spread; where a ` +
+      "probability is 0 the shaded ground is seen. North (y) is up; grey: no value; outlined: the region. Colours of errors end at the 99.5 % quantile.";
+}
+
+async function fillMaps(section) {
+  if (report.layers.length === 0) {
+    section.append(htmlElement("p", {}, "This campaign was made without maps."));
+    return;
+  }
+  const {groups, all, named} = await loadGroups(MAP_GROUPS);
+  const region = await rasterOf(layerNamed("in_region"), report.grid);
+  const observed = named("e_map_std"), predicted = named("z_sigma_abs");
+  if (predicted) observed.peers = predicted.peers = [observed, predicted];
+  section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all));
+  for (const [title, rasters] of groups) {
+    appendFigures(section, title, rasters.map((raster) => new MapPanel(raster, {region, relief: named("z_true_map")}).element));
+  }
+}
+
+startPage(() => {
+  fillDistributions(pageSection("distributions"));
+  fillCauses(pageSection("causes"));
+  fillFailures(pageSection("failures"));
+}, () => fillMaps(pageSection("maps")));

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+
+// Colours of values.
+
+import {COLOR_MAPS, NO_VALUE_COLOR} from "./color_maps.js";
+import {FAIL_FLAGS} from "./fail_flags.js";
+import {formatNumber, lengthUnit} from "./numbers.js";
+import {BLUE} from "./palette.js";
+import {LIMIT_INSIDE, MIN_RANGE, OUTLIERS} from "./scale_rules.js";
+
+export const display = {limits: true};  // whether scales reach the limits
+
+/** The mapping of a raster's values to colours: {colors, low, high, clipped: [below, above], factor, unit, limit}. The
+ * rasters of raster.peers have one common scale. */
+export function scaleOf(raster) {
+  const {style, unit, limit} = raster.layer;
+  const peers = raster.peers ?? [raster];
+  const low = Math.min(...peers.map((peer) => peer.layer.low)), high = Math.max(...peers.map((peer) => peer.layer.high));
+  const ends = style === "probability" ? [0, 1] : style === "chance" ? [0, high > 0 ? high : 1] :
+      style === "signed" || style === "magnitude" ? errorEnds(raster) : ordinaryEnds(peers, low, high);
+  const colors = COLOR_MAPS[raster.layer.colors] ?? COLOR_MAPS.magnitude;
+  const slack = 1e-9 * (ends[1] - ends[0]);
+  return withUnit({colors, low: ends[0], high: ends[1], clipped: [low < ends[0] - slack, high > ends[1] + slack],
+                   limit}, unit);
+}
+
+/** Symmetric about 0, or from 0: the 99.5 % quantile of the magnitudes and, if they are to be shown, the limits. */
+function errorEnds(raster) {
+  const magnitudes = sampleOf(raster.peers ?? [raster]).map(Math.abs).sort();
+  const limit = display.limits ? LIMIT_INSIDE * (raster.layer.limit ?? 0) : 0;
+  const bound = Math.max(quantileOf(magnitudes, 1 - OUTLIERS), limit, MIN_RANGE);
+  return [raster.layer.style === "signed" ? -bound : 0, bound];
+}
+
+/** All values or, if these reach over more than twice the range between the 0.5 and 99.5 % quantiles, this range. Numbers
+ * of returns begin at 0. */
+function ordinaryEnds(peers, low, high) {
+  const values = sampleOf(peers).sort();
+  const least = quantileOf(values, OUTLIERS), most = quantileOf(values, 1 - OUTLIERS);
+  if (peers[0].layer.style !== "elevation") return [0, most >= 1 && high > 2 * most ? most : Math.max(high, 1)];
+  const ends = most > least && high - low > 2 * (most - least) ? [least, most] : [low, high];
+  return [ends[0], Math.max(ends[1], ends[0] + MIN_RANGE)];
+}
+
+/** At most about 200,000 values of the rasters. */
+function sampleOf(rasters) {
+  const values = [];
+  for (const raster of rasters) {
+    const stride = Math.max(1, Math.floor(raster.codes.length / 200000));
+    for (let i = 0; i < raster.codes.length; i += stride) {
+      const value = raster.value(i);
+      if (!Number.isNaN(value)) values.push(value);
+    }
+  }
+  return Float64Array.from(values);
+}
+
+function quantileOf(sorted, share) {
+  return sorted[Math.round(share * (sorted.length - 1))] ?? 0;
+}
+
+/** Chooses m, cm or mm for metres so that the numbers are neither very small nor very large. */
+function withUnit(scale, unit) {
+  const [shown, factor] = unit === "m" ? lengthUnit(Math.max(Math.abs(scale.low), Math.abs(scale.high))) : [unit, 1];
+  return {...scale, unit: shown, factor};
+}
+
+export function colorOf(scale, value) {
+  if (Number.isNaN(value)) return NO_VALUE_COLOR;
+  const at = Math.round(255 * (value - scale.low) / (scale.high - scale.low));
+  return scale.colors[Math.min(255, Math.max(0, at))];
+}
+
+/** The bits of a layer of flags or classes: [{bits, text, color}], the first for the colour of a cell first. */
+function flagsOf(layer) {
+  return layer.flags ?? FAIL_FLAGS;
+}
+
+export function flagColor(layer, bits) {
+  return flagsOf(layer).find((flag) => flag.bits & bits)?.color ?? null;
+}
+
+/** The colour of a set bin of a mask, or of a bin with flags, on a map of its own. */
+export function markColor(layer, value) {
+  return layer.style === "mask" ? BLUE : flagColor(layer, value);
+}
+
+function flagText(layer, bits) {
+  return flagsOf(layer).filter((flag) => flag.bits & bits).map((flag) => flag.text).join(", ") || "none";
+}
+
+/** The value of a cell with its unit, in words for masks and flags. */
+export function valueText(raster, index) {
+  const value = raster.value(index);
+  const {style, step, unit} = raster.layer;
+  if (style === "flags" || style === "classes") return flagText(raster.layer, value);
+  if (Number.isNaN(value)) return "no value";
+  if (style === "mask") return value === 0 ? "no" : value === 1 ? "yes" : `${formatNumber(100 * value, 1)} % of the bins`;
+  const {unit: shown, factor} = withUnit({low: raster.layer.low, high: raster.layer.high}, unit);
+  return `${formatNumber(factor * value, factor * step)} ${shown}`.trimEnd();
+}

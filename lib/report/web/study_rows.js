@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+
+// The cases that a study's report shows: filters, order, and the case that is open.
+
+import {htmlElement} from "./elements.js";
+import {report} from "./report_data.js";
+import {caseCount, columnOf, isNumeric, textOf, titleOf, valueAt, valuesOf} from "./study_columns.js";
+import {compareKeys} from "./table.js";
+
+const MAX_CHOICES = 200;  // of a list; an axis of more values has bounds
+
+/** `rows`: the cases in order; `point`: the cases of the chosen point, or null; `open`: the case in full, or null. */
+export const state = {sort: "case", descending: false, filters: new Map(), point: null, open: null, rows: []};
+const changeListeners = [];
+
+/** `listener` is called when the rows or the open case have changed. */
+export function onChange(listener) { changeListeners.push(listener); }
+
+export function changed() {
+  for (const listener of changeListeners) listener();
+}
+
+function passes(row) {
+  if (state.point !== null && !state.point.has(row)) return false;
+  for (const [name, accepts] of state.filters) {
+    if (!accepts(valueAt(columnOf.get(name), row))) return false;
+  }
+  return true;
+}
+
+function compare(column, a, b) {
+  const x = valueAt(column, a), y = valueAt(column, b);
+  if (x === null || y === null) return Number(x === null) - Number(y === null) || a - b;
+  const order = compareKeys(x, y);
+  return (state.descending ? -order : order) || a - b;
+}
+
+export function update() {
+  const column = columnOf.get(state.sort);
+  state.rows = [...Array(caseCount).keys()].filter(passes).sort((a, b) => compare(column, a, b));
+  const held = caseCount < report.count ?
+      ` (the page holds the first ${caseCount.toLocaleString("en")} of ${report.count.toLocaleString("en")})` : "";
+  document.getElementById("case-count").textContent =
+      `${state.rows.length.toLocaleString("en")} of ${caseCount.toLocaleString("en")} cases${held}${state.point ? ", of one point" : ""}`;
+  changed();
+}
+
+function choices(column) {
+  const values = new Map(valuesOf(column).map((value) => [JSON.stringify(value), value]));
+  const ordered = [...values.entries()];
+  return isNumeric(column) ? ordered.sort((a, b) => a[1] - b[1]) : ordered;
+}
+
+function choiceOf(column) {
+  const select = htmlElement("select", {name: column.name}, htmlElement("option", {value: ""}, "any"),
+                             ...choices(column).map(([key, value]) => htmlElement("option", {value: key}, textOf(column, value))));
+  select.addEventListener("change", () => {
+    if (select.value === "") state.filters.delete(column.name);
+    else state.filters.set(column.name, (value) => JSON.stringify(value) === select.value);
+    update();
+  });
+  return htmlElement("label", {}, titleOf(column), select);
+}
+
+function boundsOf(column) {
+  const [low, high] = ["from", "to"].map((word) => htmlElement("input", {
+    type: "number", step: "any", placeholder: word, name: `${column.name} ${word}`, "aria-label": `${titleOf(column)} ${word}`}));
+  const change = () => {
+    const least = low.value === "" ? -Infinity : Number(low.value), most = high.value === "" ? Infinity : Number(high.value);
+    state.filters.set(column.name, (value) => value !== null && value >= least && value <= most);
+    update();
+  };
+  low.addEventListener("input", change);
+  high.addEventListener("input", change);
+  return htmlElement("span", {}, titleOf(column), " ", low, " ", high);
+}
+
+export function addFilters() {
+  const place = document.getElementById("filters");
+  for (const column of report.columns) {
+    if (!["verdict", "axis", "repeat"].includes(column.role)) continue;
+    const count = choices(column).length;
+    if (count > 1) place.append(count <= MAX_CHOICES || !isNumeric(column) ? choiceOf(column) : boundsOf(column));
+  }
+  const clear = htmlElement("button", {type: "button", id: "clear"}, "Show all");
+  clear.addEventListener("click", clearFilters);
+  place.append(clear);
+}
+
+function clearFilters() {
+  for (const field of document.querySelectorAll("#filters select")) /** @type {HTMLSelectElement} */ (field).value = "";
+  for (const field of document.querySelectorAll("#filters input")) /** @type {HTMLInputElement} */ (field).value = "";
+  state.filters.clear();
+  choosePoint(null);
+}
+
+/** @returns {NodeListOf<HTMLTableRowElement>} */
+function pointRows() { return document.querySelectorAll("table.points tbody tr"); }
+
+function choosePoint(index) {
+  for (const row of pointRows()) row.classList.toggle("chosen", Number(row.dataset.point) === index);
+  state.point = index === null ? null : new Set(report.points[index].cases);
+  document.getElementById("case-window").scrollTop = 0;
+  update();
+}
+
+/** A click on a row of the table of points shows its cases only. */
+export function linkPoints() {
+  pointRows().forEach((row, index) => {
+    row.dataset.point = String(index);
+    row.tabIndex = 0;
+    const choose = () => choosePoint(row.classList.contains("chosen") ? null : index);
+    row.addEventListener("click", choose);
+    row.addEventListener("keydown", (event) => { if (event.key === "Enter") choose(); });
+  });
+}
