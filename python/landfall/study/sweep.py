@@ -10,9 +10,8 @@
   sweep.py prune DIR                               removes files that the plan does not name any more
 
 Of Makefile.studies alone:
-  sweep.py begin DIR PID                           locks the study for make's process, removes damaged files; prints who holds it
+  sweep.py begin DIR                               removes damaged files, which make then makes again
   sweep.py tidy DIR                                removes what waits for readers that are all done
-  sweep.py free DIR PID                            waits for the process to end and removes its lock
 """
 import argparse
 import glob
@@ -50,16 +49,12 @@ def parse(arguments):
         if name == "show":
             command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
     for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
-                       ("tidy", "remove what waits for readers that are all done"),
+                       ("begin", "remove damaged files"), ("tidy", "remove what waits for readers that are all done"),
                        ("prune", "remove files that are in the plan no more")):
         command = commands.add_parser(name, help=text)
         command.add_argument("folder", metavar="DIR")
         if name == "collect":
             command.add_argument("--partial", action="store_true", help="leave out cases that are not done")
-    for name, text in (("begin", "lock a study for make"), ("free", "remove the lock when make has ended")):
-        command = commands.add_parser(name, help=text)
-        command.add_argument("folder", metavar="DIR")
-        command.add_argument("pid", type=int, metavar="PID")
     return parser.parse_args(arguments)
 
 
@@ -85,8 +80,8 @@ def plan(options):
         check_with_tools(study, options.bin)
     graph = stages.build(study)
     fragment = rules.Fragment(graph, layout, study.options)
-    with lock.held(options.out):
-        written = write_plan(options, study, graph, fragment, versions)
+    lock.need(options.out)
+    written = write_plan(options, study, graph, fragment, versions)
     print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
@@ -231,24 +226,12 @@ def show(options):
               "monte-carlo truth.h5 -c draws.json --terrain terrain.h5 -o draws.h5 --verdict verdict.json")
 
 
-# begin, free
+# begin
 
 
 def begin(options):
-    """Prints who else works in the folder; otherwise nothing: the lock is taken, and what is damaged is to be made again."""
-    try:
-        lock.take(options.folder, options.pid)
-    except UsageError as error:
-        print(error)
-        return
-    lock.free_after(options.folder, options.pid)
     for name in repair.repair(options.folder):
         print(f"{printable(os.path.join(options.folder, name))} is lost or damaged and is made again", file=sys.stderr)
-
-
-def free(options):
-    lock.wait_for(options.pid)
-    lock.free(options.folder, options.pid)
 
 
 # status, collect, tidy, prune
@@ -334,11 +317,7 @@ def tidy(options):
 def prune(options):
     """Removes what an earlier plan of the study made and this one does not name."""
     read_folder(options.folder)
-    with lock.held(options.folder):
-        prune_folder(options)
-
-
-def prune_folder(options):
+    lock.need(options.folder)
     with open(os.path.join(options.folder, "study.mk"), encoding="utf-8") as file:
         named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
     stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}
@@ -360,4 +339,4 @@ def prune_folder(options):
 def main(arguments):
     options = parse(arguments)
     {"plan": plan, "studies": list_studies, "list": list_cases, "show": show, "status": status, "collect": collect, "tidy": tidy,
-     "prune": prune, "begin": begin, "free": free}[options.command](options)
+     "prune": prune, "begin": begin}[options.command](options)
