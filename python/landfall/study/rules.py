@@ -319,7 +319,7 @@ def _special(target, names):
 
 
 def write_if_changed(path, text):
-    """Writes a file whole or not at all; one that holds the text keeps its time. True where it was written."""
+    """Writes a file whole or not at all, unsynced; one that holds the text keeps its time. True where it was written."""
     try:
         with open(path, "rb") as file:
             if file.read() == text.encode():
@@ -330,7 +330,7 @@ def write_if_changed(path, text):
     def write_to(name):
         with open(name, "w", encoding="utf-8") as file:
             file.write(text)
-    write_whole(path, write_to)
+    write_whole(path, write_to, is_synced=False)
     return True
 
 

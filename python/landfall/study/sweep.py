@@ -10,21 +10,21 @@
   sweep.py prune DIR                               removes files that the plan does not name any more
 
 Of Makefile.studies alone:
-  sweep.py begin DIR                               removes damaged files, which make then makes again
+  sweep.py begin DIR                               removes temporary files that killed processes have left
   sweep.py tidy DIR                                removes what waits for readers that are all done
 """
 import argparse
 import glob
 import json
 import os
+import re
 import shlex
-import sys
 
 from landfall import tools
 from landfall.command import Parser
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
-from landfall.study import lock, model, names, reader, repair, rules, session, stages
+from landfall.study import lock, model, names, reader, rules, session, stages
 from landfall.study.names import counted
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
@@ -49,7 +49,7 @@ def parse(arguments):
         if name == "show":
             command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
     for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
-                       ("begin", "remove damaged files"), ("tidy", "remove what waits for readers that are all done"),
+                       ("begin", "remove temporary files of processes that have ended"), ("tidy", "remove what waits for readers that are all done"),
                        ("prune", "remove files that are in the plan no more")):
         command = commands.add_parser(name, help=text)
         command.add_argument("folder", metavar="DIR")
@@ -90,17 +90,17 @@ def plan(options):
 
 
 def write_plan(options, study, graph, fragment, versions):
-    """Writes what changed and returns how many files that were; study.mk, last, always gets a new time."""
+    """Writes what changed and returns how many files that were; study.mk, after all others are on the disk, always gets a new time."""
     for folder in rules.folders(graph):
         os.makedirs(os.path.join(options.out, folder), exist_ok=True)
     files = {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
     files |= {"tools.txt": versions, "targets.txt": fragment.targets(), "names.txt": rules.names_text(study, graph),
               "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph)),
               "study.mk": fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)}
-    files["study.mk"] += f"{repair.CHECKSUM}{repair.checksum(files)}\n"
     rules_text = files.pop("study.mk")
     written = sum(rules.write_if_changed(os.path.join(options.out, name), text) for name, text in files.items())
     written += write_configs(options.out, graph)
+    os.sync()
     written += rules.write_if_changed(os.path.join(options.out, "study.mk"), rules_text)
     os.utime(os.path.join(options.out, "study.mk"))
     return written
@@ -229,9 +229,19 @@ def show(options):
 # begin
 
 
+# Python writes files under such names first; the number is the process.
+TEMPORARY = re.compile(r"\..*\.(?P<part>\d+)\.part|.*\.(?P<figure>\d+)\.tmp")
+
+
 def begin(options):
-    for name in repair.repair(options.folder):
-        print(f"{printable(os.path.join(options.folder, name))} is lost or damaged and is made again", file=sys.stderr)
+    """Removes temporary files of processes that have ended. Those of the tools lie elsewhere and are the tools' own."""
+    for folder, folders, files in os.walk(options.folder):
+        if folder == options.folder:
+            folders[:] = {"config", "readers", "figures"}.intersection(folders)
+        for name in files:
+            match = TEMPORARY.fullmatch(name)
+            if match and not os.path.exists(f"/proc/{match['part'] or match['figure']}"):
+                os.remove(os.path.join(folder, name))
 
 
 # status, collect, tidy, prune
