@@ -8,11 +8,6 @@
 #include <numeric>
 #include <optional>
 #include <utility>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validation_results.hpp>
-#include <valijson/validator.hpp>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
@@ -269,25 +264,6 @@ class Resolver {
   const Json& root_;
 };
 
-void validate(const std::string& name, const Json& schema_json, const Json& value) {
-  valijson::Schema schema;
-  valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-  const valijson::adapters::NlohmannJsonAdapter schema_adapter(schema_json);
-  parser.populateSchema(schema_adapter, schema);
-  valijson::Validator validator(valijson::Validator::kStrongTypes);
-  valijson::ValidationResults results;
-  const valijson::adapters::NlohmannJsonAdapter adapter(value);
-  if (validator.validate(schema, adapter, &results)) return;
-  valijson::ValidationResults::Error error;
-  std::string text;
-  while (results.popError(error)) {
-    text.clear();
-    for (const std::string& part : error.context) text += part;
-    text += ": " + error.description;
-  }
-  throw UsageError(name + ": " + text);
-}
-
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known) {
@@ -325,7 +301,6 @@ const Json& embedded_schema(const std::string& name) {
 Json resolve_config(const JsonSource& source, const Json& schema) {
   Json value = source.value;
   Resolver(source.name, schema).resolve(schema, value, "");
-  validate(source.name, schema, value);
   if (value.is_object())
     for (const char* const key : kIgnoredKeys) value.erase(key);
   return value;
