@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D318
 #include "campaign/predicted_sigma.h"
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Settings without effect are warned about, not refused, so that a study can vary the receiver's type with
+// the other keys set.
 #include "config/receiver_config.h"
 
 #include <algorithm>

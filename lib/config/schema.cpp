@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Every number of a schema has an upper bound, and a lower one, so that no valid configuration overflows:
+// 1e6 m and 1e6 s for errors and times, 1e9 m for sizes and positions, 360 degrees, 1e12 for coordinates
+// of a map. They are not the limits of sensible values. What overflows nevertheless is refused when it is
+// written. Numbers of a study have no bounds of their own, because they become values of keys.
 #include "config/schema.h"
 
 #include <algorithm>

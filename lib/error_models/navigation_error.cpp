@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D84
 #include "error_models/navigation_error.h"
 
 #include "geometry/parameter_check.h"

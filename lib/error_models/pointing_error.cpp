@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D87, D324
 #include "error_models/pointing_error.h"
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D162, D385
 #include "exports/las.h"
 
 #include <algorithm>

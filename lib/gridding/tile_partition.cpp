@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Threads share the bins of weighted sums by tiles of 32 to several hundred bins a side, independent of
+// the scan direction: bands of rows leave threads idle if lines run along them. No bin is shared between
+// threads, so that sums depend neither on the number of threads nor on the tiles.
 #include "gridding/tile_partition.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D285, D396
 #include "hazards/safe_probability.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Chunks without compression carried HDF5's fletcher32 before lib/hdf5/chunk_codec.h. A compressed
+// chunk has the checksum of zlib; with `--compression 0` a damaged value was read as another value. The
+// filter belongs to HDF5, so that GDAL, GMT, h5py and xarray read the files and check them too; a hash in
+// an attribute would be checked by landfall only. On a scan of 959 MB (2026-11-23, smallest CPU time of 5
+// alternating runs on a busy machine) `scan-sim` took 2.12 s instead of 1.74, `regrid` 2.83 instead of
+// 2.67, `landfall-info` 0.96 instead of 0.73.
 #include "hdf5/fletcher32.h"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Named dimensions of tables lie at the root and hold no values. In the group itself they would be one
+// more column to everyone who reads all of them. Values would be row numbers. Scans of more than 2^28
+// points have none, because a dataset that declares more than 256 MiB without storing them is refused as
+// damaged.
 #include "hdf5/table.h"
 
 #include <hdf5_hl.h>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D170
+//
+// `landfall-info` leaves out statistics of chunks with more than 2^24 values. HDF5 decodes a whole chunk
+// for any part of it. Chunks of up to that size are decoded once, which bounds the time by the size of the
+// data and the memory by 0.5 GiB.
 #include "hdf5/value_statistics.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D241, D242
 #include "picture/map_picture.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D21, D61
 #include "raster/region.h"
 
 #include <algorithm>

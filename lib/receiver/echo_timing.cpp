@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D342
 #include "receiver/echo_timing.h"
 
 #include <algorithm>

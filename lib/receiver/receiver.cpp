@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D343, D344, D345
 #include "receiver/receiver.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D155
 #include "report/quantised.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D154
 #include "report/reduction.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D11, D33, D74
 #include "scanner/fsm.h"
 
 #include "base/random.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D75, D326
 #include "scanner/polygon.h"
 
 #include <Eigen/Geometry>

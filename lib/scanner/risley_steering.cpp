@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D70
 #include "scanner/risley_steering.h"
 
 #include <algorithm>

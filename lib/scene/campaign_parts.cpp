@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sums of a part are checked before they are added: counts against the number of its draws, sums against
+// the largest error that is summed (D314), so that an edited file cannot overflow them. Samples have at
+// most as many rows as `draws` allows.
 #include "scene/campaign_parts.h"
 
 #include <malloc.h>

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The first interrupt of a campaign waits for the current draw and the state, a second one does not. Batch
+// systems send SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide
+// the end of the run (lib/output/temporary_files.h), because interrupts are deferred while it is named.
 #include "scene/campaign_run.h"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D346
+//
+// A lidar below a mesh's H is not an error: it may be under an overhang or in a cave. Inside a closed body
+// it sees the body from within.
 #include "simulation/pulse_simulator.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D81, D82, D83
 #include "trajectory/dynamics.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D14, D37
 #include "trajectory/table_trajectory.h"
 
 #include <algorithm>

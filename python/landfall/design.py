@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D360, D362
 """The cheapest lidar whose DEM passes with a given probability (docs/user/studies/design.md).
 
 A candidate gives each variable of the design file a value. Filters refuse candidates, each at a higher price than the one before:

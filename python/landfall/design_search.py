@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D361, D363
 """The search of landfall.design: Optuna proposes candidates; a sequential test compares those on the Pareto front by many draws;
 neighbours of the one that is accepted are tried; fresh draws judge it.
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D356
 """The pipeline as a function from configuration values to metrics, for engines of sensitivity analysis and design.
 
     from landfall.model import model, openturns_function

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Failing footprints in a figure have a line around them where its blocks are at most 3 % of the map. Around scattered
+# ones, lines would hide the map: they are vermilion, as in the report, by their share of each pixel.
 """Draws the results of dem-eval: elevation error, coverage, accuracy and the verdict, one figure each, and for a DEM
 with 1-sigma maps, how well they predict the errors.
 

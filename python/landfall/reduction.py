@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D275
 """Reduces a map of bins to what a panel can show.
 
 A panel has fewer pixels than a map has bins. Values are reduced block by block to the extreme of each block, so that no

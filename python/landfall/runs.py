@@ -1,4 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Results are kept by content, and refusals only where the configuration is to blame (exit code 2). Exit code 1 may come
+# from a full disk: such a row is NaN in this call and is tried again in the next one. A tool that was killed ends the
+# call. What exists only during a run is in a folder whose lock a killed run loses, so that the next one removes it.
 """Runs of the tools for model.py and design.py: one DEM through the chain, or many draws of one traced scan.
 
 Results are kept in `folder`/cache under the hash of all that they depend on: a run that was cut off goes on, equal work is done

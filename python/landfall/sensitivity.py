@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D358, D359
 """Sobol indices of groups of errors: which cause makes the numbers of a DEM vary (docs/user/studies/sensitivity.md).
 
 OpenTURNS makes the sample and estimates indices and intervals; landfall.model computes the draws.

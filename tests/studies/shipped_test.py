@@ -1,5 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Quantities held constant by the included studies: pulse rate: the scan time and the shape of the raster; overlap: the
+# number of pulses; detector size: the field of view; altitude: the aims on the ground; resolution: the returns, and
+# limits of holes in bins; cone slope: the radius; scanners: rays and time.
+#
+# A page belongs to a study as it is shipped: a test compares the number of cases, and requires the command, the figure
+# and the run time.
 """The studies of the repository: each can be planned, and has a page with its command and its figure."""
 import glob
 import json

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D105, D106, D107, D254
 #include "terrain/features/crater.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D110
 #include "terrain/features/penitente_field.h"
 
 #include <algorithm>

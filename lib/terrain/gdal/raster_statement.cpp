@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D370
 #include "terrain/gdal/raster_statement.h"
 
 #include <ogr_spatialref.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D20, D253
 #include "terrain/relief/fractal_spectrum.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D337, D347
 #include "terrain/relief/ground_albedo.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D292
 """At which value of one metric another one exceeds a level: how large may an error be before more than 1 % of the hazards are missed?"""
 import math
 import statistics

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D145
 """Reads a study file (schemas/study.schema.json, docs/user/studies/README.md)."""
 import hashlib
 import json

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D323
 """A study's table: a row a case, its axes and all numbers of its metrics, as CSV and as HDF5."""
 import csv
 import io

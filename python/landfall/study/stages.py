@@ -1,4 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D144, D322
+#
+# A stage's name is a hash of its configuration and of the stages before it, not of the tools' version, which is a file
+# that all stages depend on. A new version makes everything again under the same names, because truths of another
+# version are refused anyway.
+#
+# Truths. Scans that differ only in what `--ranges-from` redraws share a traced scan without errors; it is an order-only
+# prerequisite, because any change to it also changes its readers. A single scan is traced with its errors. The bytes
+# are the same.
 """What a study has to compute: each stage once, named by a hash of all that its content depends on.
 
     terrain -> (truth ->) scan -> dem -> metrics

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D146, D148
 """A study's results.h5: its axes, the points at which cases repeat, and estimates over the repeats."""
 import json
 import math
