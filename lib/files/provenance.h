@@ -44,7 +44,7 @@ struct Provenance {
 /// The hash of a foreign file's bytes. Throws FormatError if it cannot be read.
 [[nodiscard]] std::string content_id(const std::filesystem::path& path);
 
-/// "0.1.0", and "landfall scan-sim 0.1.0 (git 0123abc)".
+/// "0.2.0", and "landfall scan-sim 0.2.0 (git 0123abc)".
 [[nodiscard]] std::string program_version();
 [[nodiscard]] std::string source_line(const std::string& tool);
 
