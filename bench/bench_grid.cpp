@@ -66,8 +66,8 @@ struct Bandwidth {
   double update;
 };
 
-/// Of half a gigabyte, the best of nine. All of it has been written before: pages never written are one and
-/// the same, which the cache holds.
+/// The bandwidth of half a gigabyte, the best of nine. All of it has been written before: pages never written
+/// are one and the same, which the cache holds.
 Bandwidth measured_bandwidth() {
   constexpr std::size_t kSize = std::size_t{1} << 26U;
   ZeroedArray<std::uint64_t> numbers(kSize);

@@ -80,7 +80,7 @@ std::string fixed_because(const std::string& key) {
   if (const auto& [stage, pointer] = split_key(key); stage == "scan") {
     const std::optional<KeyEffect> effect = effect_of(pointer.to_string());
     if (effect == KeyEffect::beam)
-      return "changes the rays, and only errors are drawn anew; trace a scan for each value "
+      return "changes the rays, and only errors are redrawn; trace a scan for each value "
              "(docs/user/studies)";
     if (effect == KeyEffect::echo)
       return "changes the echoes that the scan keeps; trace a scan for each value (docs/user/studies)";

@@ -158,8 +158,8 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   return array[index];
 }
 
-/// What a value that nothing has set yet becomes, so that `key` exists below it: an array where the key is an
-/// index and the default is an array.
+/// The container that a value becomes that nothing has set yet, so that `key` exists below it: an array where
+/// the key is an index and the default is an array.
 Json container_for(const std::string& key, const Json& root, const std::string& pointer,
                    const DefaultAt& default_at) {
   if (default_at && is_index(key))

@@ -64,7 +64,7 @@ class NearestValid {
   std::int64_t budget_;
 };
 
-/// Of each bin, in bins; empty if it would take too long.
+/// The distance of each bin, in bins; empty if it would take too long.
 std::optional<std::vector<double>> distances(const BinMask& valid, const std::vector<std::uint32_t>& bins) {
   const GridSpec& spec = valid.spec();
   NearestValid nearest(valid, spec.rows * spec.cols);

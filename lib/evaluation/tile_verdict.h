@@ -19,7 +19,7 @@ inline constexpr std::int64_t kMostHalfBins = 128;
   return std::max<std::int64_t>(64, 2 * footprint.half_bins());
 }
 
-/// What decides the accuracy requirements, of a tile or added up.
+/// The counts that decide the accuracy requirements, of a tile or added up.
 struct TileVerdict {
   WindowJudge::Outcome x, y, z;     ///< relative errors
   WindowJudge::Outcome horizontal;  ///< the absolute one; its footprints have a value in x and in y

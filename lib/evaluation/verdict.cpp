@@ -38,7 +38,7 @@ bool have_one_grid(const DemLayers& dem) {
          (dem.truth->x.spec() == spec && dem.truth->y.spec() == spec && dem.truth->z.spec() == spec);
 }
 
-/// Of all tiles, in any order: sums of integers.
+/// The sum over all tiles, in any order, because the counts are integers.
 TileVerdict judge_tiles(const DemLayers& dem, const BinMask& region, const EvaluationParameters& parameters,
                         const Footprint& footprint, Grid<std::int8_t>& fail) {
   const GridSpec& spec = dem.z_est.spec();

@@ -29,8 +29,8 @@ struct MeanRange {
   double highest;
 };
 
-/// Of one bin or, summed, of a window, in one number: the values, those that deviate by more than the limit
-/// from some mean of a range, and those that deviate so from each.
+/// Counts of one bin or, summed, of a window, in one number: the values, those that deviate by more than the
+/// limit from some mean of a range, and those that deviate so from each.
 struct PackedCounts {
   static constexpr unsigned kBits = 21;
   static constexpr std::int64_t kMost = (std::int64_t{1} << kBits) - 1;  ///< of each count

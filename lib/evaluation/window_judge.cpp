@@ -4,8 +4,8 @@
 // where at least n - floor((n - 1) q) do; between them the interpolated quantile decides. Deviations are
 // rounded as in the percentile's definition, so that values equal to the limit have the same verdict.
 //
-// What the counts do not allow takes the full evaluation: footprints of more than 257 bins on a side, and
-// errors above 2^900 m, whose sums may overflow.
+// Inputs that the counts do not allow take the full evaluation: footprints of more than 257 bins on a side,
+// and errors above 2^900 m, whose sums may overflow.
 #include "evaluation/window_judge.h"
 
 #include <algorithm>

@@ -133,7 +133,7 @@ void export_points_xdmf(const PointReader& points, const ExportOptions& o, const
   positions_output.commit();
 }
 
-/// What the reader of a .las should know about its times; empty if the options say it.
+/// A remark on the times of a .las; empty if the options say it.
 std::string time_remark(const PointReader& points, const ExportOptions& o, const std::string& output) {
   constexpr double kWeek_s = 604800;
   if (o.time.empty())

@@ -79,7 +79,7 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
   return content;
 }
 
-/// What a user should know of a site that is much smaller than a pixel of its raster, or much finer.
+/// Warnings of a site that is much smaller than a pixel of its raster, or much finer.
 std::vector<std::string> posting_warnings(const DemBase& dem, const DemRaster& raster, const GridSpec& site) {
   const double posting_m = raster.mapping.posting_m();
   const double width_m = static_cast<double>(site.cols - 1) * site.resolution_m;

@@ -30,7 +30,7 @@ struct TerrainContent {
   std::optional<NodeCounts> nodes = {};                                 ///< of a gridded one
   std::optional<std::map<std::string, std::int64_t>> features_of = {};  ///< objects by kind
   std::optional<CleanMesh> mesh = {};                                   ///< of an imported one
-  /// Where the site does not suit its raster; the parts of a mesh file that are not read.
+  /// Remarks on a site that does not suit its raster; the parts of a mesh file that are not read.
   std::vector<std::string> warnings = {};
 };
 

@@ -12,7 +12,8 @@ namespace landfall {
 struct InputRecord {
   std::string role;     ///< "terrain", "scan", "dem", "raster", "mesh", "trajectory"
   std::string file_id;  ///< of a landfall file; otherwise the hash of the bytes
-  /// What the file did not say, or said in two ways, and what was taken instead (DemSource::assumed).
+  /// The statements that the file lacked, or made in two ways, and what was taken instead
+  /// (DemSource::assumed).
   std::vector<std::string> assumed = {};
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };

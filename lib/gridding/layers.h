@@ -9,7 +9,7 @@
 
 namespace landfall {
 
-/// Where the true elevation of a bin is taken.
+/// The point at which the true elevation of a bin is taken.
 enum class TruthAt {
   bin_center,  ///< under the true position of the bin's centre
   centroid,    ///< at the weighted mean of the true positions

@@ -78,7 +78,7 @@ std::vector<std::vector<Tile>> cover(const Footprint& body, std::size_t patch_pi
   return rows;
 }
 
-/// Of a group of places after the other.
+/// Measures the contact roughness of one group of places at a time.
 class ContactRoughness {
  public:
   ContactRoughness(const ContactInput& input, const std::vector<Plane>& planes)
@@ -282,7 +282,7 @@ class ContactRoughness {
     return hn::Mul(steepest, hn::Set(f, static_cast<float>(kSide - 1)));
   }
 
-  /// Of a height above the plane without the plane's own height.
+  /// The roughness of a point, from its height above the plane without the plane's own height.
   [[nodiscard]] static VF RoughnessAt(VF height, const RoughPlane& plane) {
     const F f;
     return hn::Mul(hn::Sub(height, hn::Load(f, plane.height.data())), hn::Load(f, plane.cosine.data()));

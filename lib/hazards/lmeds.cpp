@@ -24,7 +24,7 @@ using AtPlaces = std::array<double, kPlaces>;
 /// of the other's third bin, as far from the line through both. Rounding must not choose between them.
 constexpr double kLeastGain_m = 1e-9;
 
-/// Of one group of places after the other.
+/// Measures one group of places at a time.
 class LeastMedian {
  public:
   explicit LeastMedian(const LmedsInput& input)

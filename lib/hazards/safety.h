@@ -16,14 +16,14 @@ struct HazardLimits {
   double roughness_m = 0.3;  ///< >= 0
 };
 
-/// Of a place; the value in the layer `safe`.
+/// The judgement of a place; the value in the layer `safe`.
 enum class Safety : std::int8_t { hazard = 0, safe = 1, unknown = 2 };
 
 /// Safe where slope and roughness are at most their limits; unknown where they are NaN, and outside the
 /// places that were measured.
 [[nodiscard]] Grid<std::int8_t> judge_places(const PlaceMeasures& measures, const HazardLimits& limits);
 
-/// What the judged map makes of the true place; the value in the layer `outcome`.
+/// The judgement of the map compared with the true place; the value in the layer `outcome`.
 enum class HazardOutcome : std::int8_t {
   hazard_found = 0,
   safe_found = 1,

@@ -41,7 +41,7 @@ NodeHead node_head(ByteCursor& cursor, const RawFile& file, std::uint64_t type, 
 
 }  // namespace
 
-/// What is known of the dataset whose header is being checked.
+/// The dataset whose header is being checked.
 struct MetadataCheck::Dataset {
   std::optional<StoredType> type;
   std::optional<std::vector<std::uint64_t>> space;

@@ -104,7 +104,7 @@ Rgb shaded(Rgb color, double shade) {
   return {part(color.r), part(color.g), part(color.b)};
 }
 
-/// Of a finite value.
+/// The colour of a finite value.
 Rgb flat_color(double value, const MapStyle& style, const std::array<double, 2>& range) {
   if (!style.classes.empty()) return rgb_of(style.classes.at(static_cast<std::size_t>(value)).color);
   return color_of((value - range[0]) / (range[1] - range[0]), style.colors);

@@ -93,8 +93,8 @@ HWY_INLINE LanePeak PeakOf(const LaneEchoes& echoes) {
   return {x, height, sigma};
 }
 
-/// Where w rises through `level`, which must be below the maximum: Newton's method on log w, which is
-/// concave.
+/// The time at which w rises through `level`, which must be below the maximum: Newton's method on log w,
+/// which is concave.
 HWY_INLINE V CrossingOf(const LaneEchoes& echoes, const LanePeak& peak, V level) {
   const V depth = hn::Sqrt(hn::Mul(constant(2), Log(hn::Div(peak.height, level))));
   V x = hn::Sub(peak.x, hn::Mul(peak.sigma, depth));
@@ -219,8 +219,8 @@ class LongEcho {
     return w;
   }
 
-  /// Where a function rises through zero between `low` and `high`: Newton's method, with a bisection where a
-  /// step would leave the bracket.
+  /// The argument at which a function rises through zero between `low` and `high`: Newton's method, with a
+  /// bisection where a step would leave the bracket.
   [[nodiscard]] static double root(const auto& function, double low, double high) {
     double at = (low + high) / 2;
     for (int step = 0; step < kMostRootSteps; ++step) {

@@ -21,8 +21,8 @@ namespace {
 /// Full width at half maximum over standard deviation of a Gaussian: 2 sqrt(2 ln 2).
 constexpr double kFwhmPerSigma = 2.3548200450309493;
 
-/// What a photoelectron of the background within one FWHM adds to the variance of a time, over what one of
-/// the signal does: 4 sqrt(pi)/kFwhmPerSigma, the Cramer-Rao bound of a weak Gaussian on a constant
+/// The variance of a time that a photoelectron of the background within one FWHM adds, over that of one of
+/// the signal: 4 sqrt(pi)/kFwhmPerSigma, the Cramer-Rao bound of a weak Gaussian on a constant
 /// background.
 constexpr double kBackgroundWeight = 3.01076739115701;
 

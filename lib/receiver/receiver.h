@@ -63,7 +63,7 @@ struct Waveforms {
   }
 };
 
-/// What a receiver reports of the light that its pixels see. A pulse of the standard deviation sigma_t =
+/// The reports of a receiver of the light that its pixels see. A pulse of the standard deviation sigma_t =
 /// fwhm/2.3548 (sigma = c sigma_t/2 as a range) returns from every sub-ray (echo.h); two echoes are apart
 /// where no sub-ray lies within one FWHM between them.
 ///

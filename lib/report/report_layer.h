@@ -53,7 +53,7 @@ struct ReportLayer {
 template <class T>
 [[nodiscard]] ReportLayer reduced_layer(ReportLayer layer, const Grid<T>& grid, std::int64_t factor);
 
-/// What the page's scripts know of a layer besides its values, which are packed() as `id`.
+/// The description of a layer for the page's scripts; its values are packed() as `id`.
 [[nodiscard]] nlohmann::ordered_json layer_json(const ReportLayer& layer, const std::string& id);
 
 }  // namespace landfall::html_report

@@ -109,7 +109,7 @@ std::optional<Draws> CampaignState::load(const std::function<void(const std::str
       return std::move(input.draws);
     warn(path_.string() + ": is of another campaign and is not used");
   } catch (const Error& error) {
-    warn(std::string(error.what()) + "; the campaign begins anew");
+    warn(std::string(error.what()) + "; the campaign begins again");
   }
   return std::nullopt;
 }
@@ -119,7 +119,7 @@ void CampaignState::save(const Draws& draws, const std::string& crs_wkt) const {
     LandfallFileWriter file({path_, true, 1}, "draws", provenance_of(draws.table));
     write_draws(file, draws, verdict_json(draws.table, std::nullopt), crs_wkt);
   }
-  malloc_trim(0);  // the heap would keep the buffers of the writer, 60 MB, while draws go on
+  malloc_trim(0);  // the heap would keep the buffers of the writer, 60 MB, while draws are made
 }
 
 void CampaignState::remove() const noexcept {

@@ -50,7 +50,7 @@ struct PulseInput {
   Pose nominal{};   ///< the pose that the pattern aims from
 };
 
-/// What an earlier run saw: one range and echo for each pixel.
+/// The ranges of an earlier run: one range and echo for each pixel.
 struct TrueRanges {
   std::span<const double> ranges_m;    ///< NaN for a miss
   std::span<const Echo> echoes{};      ///< empty unless the receiver sees waveforms
@@ -180,7 +180,7 @@ class PulseSimulator {
   static void record_echoes(std::size_t first_row, PointColumns& out, const PulseWorkspace& workspace);
   static void record_later_echoes(EchoColumns& out, const PulseWorkspace& workspace);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
-  /// What the receiver reports for a pixel.
+  /// The report of the receiver for a pixel.
   struct Report {
     PointStatus status;
     double range_m;          ///< NaN without a return

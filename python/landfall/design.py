@@ -19,7 +19,7 @@ SIX = "all six"
 PLACE = "chosen place safe"
 ACCEPTED = "accepted place safe"
 COSTS = ("ranges", "pulses", "pixels", "scan_time_s", "pulse_rate_hz")
-# Of a requirement: a number of a draw, and its limit in the configuration of the evaluation.
+# Requirement -> number of a draw that measures it, and its limit in the configuration of the evaluation.
 MARGINS = {
     "coverage": (("coverage.invalid_frac",), "invalid_frac"),
     "hole size": (("coverage.largest_hole_bins",), "hole_bins"),

@@ -204,7 +204,7 @@ class Design:
 
 
 def pareto(looks):
-    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost.
+    """The candidates with a draw that no other one beats in both cost and worst margin; by cost.
 
     Equal worst margins, as of holes, which are whole bins, are compared by the next ones.
     """

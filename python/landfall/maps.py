@@ -157,7 +157,7 @@ def draw_outside(ax, grid, inside):
 
 
 def marks_text(name, how, color="magenta"):
-    """What marks are: 'magenta: bins without a return, single ones enlarged'."""
+    """The meaning of marks: 'magenta: bins without a return, single ones enlarged'."""
     return f"{color}: {name}" + (f", {how}" if how else "")
 
 

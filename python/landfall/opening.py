@@ -22,7 +22,7 @@ from landfall.table import open_table
 GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan", "landfall.hazards", "landfall.draws")
 # The JSON files of the tools.
 TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score", "landfall.draws_verdict")
-# Where the columns of the other files are.
+# The groups that hold the columns of the other files.
 TABLES = {"landfall.scan": "points", "landfall.results": "/"}
 
 

@@ -35,7 +35,7 @@ def parse(arguments):
 
 
 class Evaluation:
-    """What an eval.h5 holds; layers that it does not have are None."""
+    """The contents of an eval.h5; layers that it does not have are None."""
 
     def __init__(self, path, data_only=False):
         self.data_only = data_only
@@ -256,7 +256,7 @@ def relative_title(evaluation, axis):
 
 
 def quantity_of(evaluation, name):
-    """What the colours of a layer show, as in the report."""
+    """The quantity that the colours of a layer show, as in the report."""
     quantile = evaluation.metrics.get("accuracy/quantile")
     if name.startswith("abs"):
         return f"mean of {SIGN}"

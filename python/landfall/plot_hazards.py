@@ -37,7 +37,7 @@ def parse(arguments):
 
 
 class Hazards:
-    """What a hazards.h5 holds; layers and a score that it does not have are None."""
+    """The contents of a hazards.h5; layers and a score that it does not have are None."""
 
     def __init__(self, path):
         self.name = os.path.basename(path)

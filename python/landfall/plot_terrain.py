@@ -79,7 +79,7 @@ def shade(dz_dx, dz_dy, sun):
 
 @dataclass
 class Relief:
-    """What is drawn of a whole terrain, one value per square block of `size` cells."""
+    """The drawn layers of a whole terrain, one value per square block of `size` cells."""
 
     size: int
     shade: np.ndarray  # mean

@@ -4,7 +4,7 @@
 # call. What exists only during a run is in a folder whose lock a killed run loses, so that the next one removes it.
 """Runs of the tools for model.py and design.py: one DEM through the chain, or many draws of one traced scan.
 
-Results are kept in `folder`/cache under the hash of all that they depend on: a run that was cut off goes on, equal work is done
+Results are kept in `folder`/cache under the hash of all that they depend on: an interrupted run resumes, equal work is done
 once, and the answer does not depend on what was there before.
 """
 import contextlib
@@ -47,13 +47,13 @@ def resolved(stage, config):
 
 
 def is_redrawn(key):
-    """Whether a key of a scan changes errors alone, so that monte-carlo draws it anew over the traced rays."""
+    """Whether a key of a scan changes errors alone, so that monte-carlo redraws it over the traced rays."""
     stage, *path = key.split(".")
     return stage == "scan" and path != ["seed"] and bool(path) and scan_keys.effect_of(*path) == "estimate"
 
 
 def needs_chain(scan):
-    """Whether a scan's errors cannot be drawn anew: the seed moves the beams, or the receiver needs whole waveforms."""
+    """Whether a scan's errors cannot be redrawn: the seed moves the beams, or the receiver needs whole waveforms."""
     receiver = scan.get("receiver", {})
     return scan_keys.is_beam_drawn(scan) or receiver.get("type") == "geiger" or receiver.get("returns") == "all"
 
@@ -89,7 +89,7 @@ def is_steady(outcome):
 def add_options(parser, what):
     """The options of a program that runs many tools."""
     parser.add_argument("file", metavar="FILE", help=what)
-    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; a run that was cut off goes on there")
+    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; an interrupted run resumes from it")
     parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
     parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
     parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
@@ -139,7 +139,7 @@ class Runner:
         return scratch
 
     def run(self, tool, *arguments, config=None):
-        """What the tool prints. Throws ToolError, or DataError if it was killed."""
+        """The text that the tool prints. Throws ToolError, or DataError if it was killed."""
         with contextlib.ExitStack() as stack:
             if config is not None:
                 file = stack.enter_context(tempfile.NamedTemporaryFile("w", dir=self.scratch, prefix="config-", suffix=".json"))
@@ -152,7 +152,7 @@ class Runner:
             except ToolError as error:
                 if error.exit_code in REFUSALS:
                     raise ToolError(self._steady(str(error)), error.exit_code) from error
-                raise DataError(f"{tool} was ended from outside: {error}; the same command goes on") from error
+                raise DataError(f"{tool} was killed ({error}); run the same command again to continue") from error
 
     def _steady(self, message):
         """The message without names of files that exist only during this run."""
@@ -160,7 +160,7 @@ class Runner:
         return re.sub(re.escape(self.scratch) + r"/(?:\w+-\w+/)?", "", message)
 
     def place(self, kind, depends, extension):
-        """Where the result of this kind is kept. Data files that a configuration names count with their size and time."""
+        """The path at which the result of this kind is kept. Data files that a configuration names count with their size and time."""
         files = []
         for path in sorted(set(stages.data_files(depends))):
             status = os.stat(path)

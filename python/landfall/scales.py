@@ -68,11 +68,11 @@ class Scale:
         return f"{low:.4g} to {high:.4g} {self.base}".rstrip()
 
     def notes(self, of=""):
-        """What the values are, where the colours end, and the limit of an error."""
+        """A label: the values, where the colours end, and the limit of an error."""
         return [self.range_text(), self.clipping_text(), self.limit_text(of)]
 
     def clipping_text(self):
-        """Where the colours end and why, if values lie beyond; empty otherwise."""
+        """The values at which the colours end, and why, if values lie beyond; empty otherwise."""
         if not any(self.clipped):
             return ""
         ends = ([f"±{self.text(self.high)}"] if self.colors == "error" else

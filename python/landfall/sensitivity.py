@@ -77,7 +77,7 @@ class Problem:
 
 
 def indices(values, group_count, estimator="martinez"):
-    """Of one output, values in the order of Problem.design(): for each group its first-order and total index, with 95 % intervals."""
+    """The indices of one output, whose values are in the order of Problem.design(): for each group its first-order and total index, with 95 % intervals."""
     module, size = model.openturns(), len(values) // (group_count + 2)
     # The algorithm computes from the outputs alone; from the inputs it takes the number of groups.
     inputs = module.Sample(np.zeros((len(values), group_count)).tolist())

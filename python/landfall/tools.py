@@ -83,7 +83,7 @@ def _json(value):
 
 
 def _config_name(name):
-    """What -c takes: the path of a file, or a preset, whose name may lack the "preset:"."""
+    """The argument of -c: the path of a file, or a preset, whose name may lack the "preset:"."""
     is_file = os.path.exists(name) or os.path.basename(name) != name or name.endswith(".json")
     return name if is_file or name.startswith("preset:") else "preset:" + name
 

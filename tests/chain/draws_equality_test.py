@@ -55,7 +55,7 @@ class FarDraws(DrawsTest):
                 self.check_draw(rows, config, draw)
 
     def test_draws_of_a_receiver_with_every_key_varied(self):
-        """The errors of a receiver as well, drawn anew from the echoes of the scan."""
+        """The errors of a receiver as well, redrawn from the echoes of the scan."""
         scan = self.path("echoes.h5")
         self.succeed("scan-sim", "-c", self.config({
             **SCAN, "detector": {**SCAN["detector"], "subpixels": 2}, "beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},

@@ -255,7 +255,7 @@ class Repeats(StudyTest):
             self.assertEqual(os.listdir(scratch), [])
 
     def test_a_failure(self):
-        """Beams that the seed moves cannot be drawn anew; metrics are still made."""
+        """Beams that the seed moves cannot be redrawn; metrics are still made."""
         self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "list": [0, 1e-4]}))
         result = self.make("study-results", "-k", code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")

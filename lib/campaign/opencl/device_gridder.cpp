@@ -13,7 +13,7 @@
 // does otherwise. The host computes sums that tell the orders apart and passes the order to the kernels;
 // fused products are refused. The results of the CPU stay what they were.
 //
-// What a device cannot draw is refused before the first draw, for each draw of the campaign, since a
+// A draw that a device cannot make is refused before the first draw, for each draw of the campaign, since a
 // varied key may ask for it only in the last one. With `opencl-or-cpu` the CPU makes only those draws.
 // After a failure of the device it makes all that are left, and begins again the one in progress.
 //

@@ -20,7 +20,7 @@ typedef struct {
   long half_bins, is_square, at_centroid, has_maps;
 } Rule;
 
-// Of the errors in a tile, or in the bins that its footprints reach; of one axis.
+// The range of the errors of one axis in a tile, or in the bins that its footprints reach.
 typedef struct {
   double lowest, highest;
   long valid, bins;
@@ -101,7 +101,7 @@ kernel void compare(constant Scene* s, constant Surface* ground, constant Rule* 
 
 ulong tiles_across(constant Scene* s) { return ((ulong)s->cols + TILE - 1) / TILE; }
 
-// Of the tiles of `axes` layers from the first axis on.
+// The bounds of the tiles of `axes` layers from the first axis on.
 kernel void bound(constant Scene* s, global const double* values, global Bound* bounds, const uint tiles, const uint first_axis,
                   const uint axes) {
   if (get_global_id(0) >= (size_t)axes * tiles) return;
@@ -123,7 +123,7 @@ kernel void bound(constant Scene* s, global const double* values, global Bound* 
   bounds[i] = found;
 }
 
-// Of the tiles that the footprints about a tile reach, which are those of all footprints that reach the tile.
+// The bounds over the tiles that the footprints about a tile reach, which are those of all footprints that reach the tile.
 kernel void reach(constant Scene* s, constant Rule* rule, global const Bound* bounds, global Bound* reached, const uint tiles,
                   const uint first_axis, const uint axes) {
   if (get_global_id(0) >= (size_t)axes * tiles) return;
@@ -223,7 +223,7 @@ Span cols_of(const Window* w, long row) {
   return cols;
 }
 
-// Of one bin or, summed, of a row up to a bin or of a footprint: the values, those beyond the limit for some mean, and for each mean.
+// Counts of one bin or, summed, of a row up to a bin or of a footprint: the values, those beyond the limit for some mean, and for each mean.
 #define PACKED_BITS 21
 #define PACKED_MOST 0x1fffffUL
 

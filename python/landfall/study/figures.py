@@ -23,11 +23,11 @@ MOST_TICKS = 12
 CLOSEST_LABELS = 0.06
 # A limit so many times the largest value is named and not drawn.
 FAR_LIMIT = 30
-# Of a linear axis from 0, below and above: marks on its edge would be cut, and a legend takes no note of a mark's size.
+# Margins of a linear axis from 0, below and above: marks on its edge would be cut, and a legend takes no note of a mark's size.
 MARGIN = 0.05
 # Columns and rows of a map whose cells have room for a number; maps of more do not grow.
 WIDEST_MAP, TALLEST_MAP = 24, 30
-# Of the overview: panels, and letters of a line of a panel's label.
+# Limits of the overview: panels, and letters of a line of a panel's label.
 MOST_PANELS, WIDEST_LABEL = 6, 36
 
 
@@ -91,7 +91,7 @@ def metric_figure(results, metric, x, quantile):
 
 
 def draw_distribution(axes, results, metric, scale):
-    """Of a study that only repeats: the share of the repeats up to each value."""
+    """A figure for a study that only repeats: the share of the repeats up to each value."""
     values = np.sort(results.values(results.points[0], metric)) * scale.factor
     axes.step(np.concatenate([values[:1], values]), np.linspace(0, 1, values.size + 1), where="post", color=COLORS[0])
     limit = results.limit(metric)
@@ -184,7 +184,7 @@ def finish_x(axes, x):
 
 
 def tick_labels(values):
-    """Of ascending values on a logarithmic axis: none where it would run into the one before."""
+    """Labels of ascending values on a logarithmic axis: none where it would run into the one before."""
     labels, last = [], -math.inf
     for value in values:
         at = math.log(value) / (math.log(values[-1] / values[0]) or 1)

@@ -37,7 +37,7 @@ def counted(count, noun):
 
 
 class CaseNames:
-    """Of a study's cases: `axes` as in cases.json, `rows` with a value of each axis. What a repeat draws is not named."""
+    """Names of a study's cases: `axes` as in cases.json, `rows` with a value of each axis. What a repeat draws is not named."""
 
     def __init__(self, axes, rows):
         self._rows = rows
@@ -52,7 +52,7 @@ class CaseNames:
         return self._printable(", ".join(self._part(index, [row[index]]) for index in self._named)) or "the only case"
 
     def of_cases(self, cases):
-        """What several cases have in common, by their numbers: "all cases", "range noise 0.0167 m", or some of their names."""
+        """The name of several cases by what they have in common, by their numbers: "all cases", "range noise 0.0167 m", or some of their names."""
         cases = list(cases)
         if len(cases) == 1:
             return self.of(cases[0])

@@ -53,7 +53,7 @@ def document(title, note, sections, styles, scripts, elements=""):
 
 
 def data(tree):
-    """What report_study.js reads, as JSON in which nothing ends the element that holds it."""
+    """The data of report_study.js, as JSON in which nothing ends the element that holds it."""
     points_of_table = [{"cases": point["cases"]} for point in tree["points"]] if repeat_count(tree) > 1 else []
     text = json.dumps({**tree, "points": points_of_table}, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
@@ -101,7 +101,7 @@ def verdicts(tree):
 
 
 def failed(tree):
-    """What failed, by log, with its end; and what was not run."""
+    """The failures, by log, with its end; and what was not run."""
     text = ""
     for log, end, tail, cases in tree["failures"]["logs"]:
         text += (f"<p>{verdict('error')} {case_list(tree, cases)}: {escaped(end)}, {escaped(log)}</p>\n"

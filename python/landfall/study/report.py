@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a study's report shows, as one tree of plain values (report_study.py)."""
+"""The contents of a study's report, as one tree of plain values (report_study.py)."""
 import csv
 import json
 import math
@@ -11,7 +11,7 @@ from landfall.study import chain, configs, names, results, session
 from landfall.study.model import STAGES
 from landfall.study.table import metric_label, REQUIREMENTS, Results
 
-# Of more cases the page shows the first ones, and their number.
+# With more cases the page shows the first ones, and their number.
 MOST_CASES = 20_000
 DIGITS = 7
 VERDICTS = {1: "pass", 0: "fail", None: "not judged"}

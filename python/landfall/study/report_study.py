@@ -25,7 +25,7 @@ def parse(arguments):
 
 
 def texts(ending, shared):
-    """What all reports share of this kind, then the part of this one."""
+    """The part that all reports of this kind share, then the part of this one."""
     return [read_text(os.path.join(tools.SHARE, "lib", "report", "assets", shared)),
             read_text(os.path.join(os.path.dirname(__file__), "report" + ending))]
 

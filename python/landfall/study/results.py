@@ -18,7 +18,7 @@ REQUIREMENT_UNITS = {"coverage": "1", "hole_size": "bins", "hole_distance": "bin
                      "relative_horizontal": "1", "absolute_horizontal": "1"}
 # Per cent of the roughness limit.
 MARGINS = (10, 20)
-# Of a rate of a campaign.
+# The columns of a rate of a campaign.
 INTERVAL = ("wilson_low", "wilson_high", "exact_lower_bound")
 
 
@@ -81,7 +81,7 @@ def campaign_numbers(verdict):
 
 
 def shares_of(counts):
-    """Of the places that are known in the map and in the truth, hazards in each; of all places, unknown ones."""
+    """Shares of hazards in the map and in the truth, among the places known in both; and of unknown ones among all."""
     known = sum(counts.values()) - counts["unknown"]
     return {"judged_hazard_frac": (counts["hazard_safe"] + counts["hazard_hazard"]) / known if known else None,
             "true_hazard_frac": (counts["safe_hazard"] + counts["hazard_hazard"]) / known if known else None,

@@ -74,7 +74,7 @@ def folders(graph):
 
 @dataclass
 class Recipe:
-    """What a rule needs and does."""
+    """The needs and the steps of a rule."""
 
     inputs: list  # files of the study
     files: tuple = ()  # others
@@ -159,7 +159,7 @@ class Fragment:
 
     def sparing(self, recipe):
         """The recipe with what its scan or DEM is made of in place of that file, which is order-only: one that is made again for
-        another reader makes nothing else anew."""
+        another reader makes nothing else again."""
         spared = replace(recipe, inputs=[], order_only=[*recipe.order_only])
         for name in recipe.inputs:
             source = self.sources.get(name)

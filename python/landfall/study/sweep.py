@@ -107,7 +107,7 @@ def write_plan(options, study, graph, fragment, versions):
 
 
 def write_configs(out, graph):
-    """They get the time of tools.txt: one that was lost and is the same again, as its name says, makes nothing anew."""
+    """They get the time of tools.txt: one that was lost and is the same again, as its name says, causes no stage to run again."""
     age = session.age(os.path.join(out, "tools.txt"))
     written = 0
     for (tool, config_id), text in graph.configs.items():

@@ -17,7 +17,7 @@ LENGTH_LIMITS = {"accuracy.relative.z": "relative_elevation_m", "accuracy.relati
 VALUES_OF = {"coverage.invalid_frac": "coverage", "coverage.largest_hole_bins": "hole_size",
              "coverage.max_distance_bins": "hole_distance", "accuracy.relative.z.violation_count": "relative_elevation",
              "accuracy.absolute.horizontal.within_limit_frac": "absolute_horizontal"}
-# What uses up the limit of each requirement: the largest of these metrics.
+# The metrics whose largest one uses up the limit of each requirement.
 USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.largest_hole_bins"],
            "hole_distance": ["coverage.max_distance_bins"], "relative_elevation": ["accuracy.relative.z.max_m"],
            "relative_horizontal": ["accuracy.relative.x.max_m", "accuracy.relative.y.max_m"],
@@ -26,11 +26,11 @@ USED_BY = {"coverage": ["coverage.invalid_frac"], "hole_size": ["coverage.larges
 # Ends the metrics that are a campaign's estimate of a probability: draws.REQUIREMENT.passed_frac.
 PASSED = ".passed_frac"
 
-# Of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
+# Constants of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
 Z = 1.959963984540054
 RESAMPLES = 4000
 
-# Of figures and reports.
+# The names of metrics in figures and reports.
 METRIC_NAMES = {
     "coverage.invalid_frac": "invalid bins of the region, share",
     "coverage.invalid_count": "invalid bins",
@@ -69,7 +69,7 @@ SIZES = ("max_m", "p95_m", "le90_m")
 
 
 def metric_label(metric, unit):
-    """What a figure or a report calls a metric, without the unit, which it gives beside it."""
+    """The name of a metric in a figure or a report, without the unit, which it gives beside it."""
     return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
 
 
@@ -145,7 +145,7 @@ class Results:
         return name in self.columns and name not in self._axis_names and not isinstance(self.columns[name][0], str)
 
     def values(self, point, metric):
-        """What is known of a metric at a point, one number a repeat."""
+        """The values of a metric at a point, one number a repeat."""
         column = self.columns.get(metric)  # none where it is not known of any case
         values = np.array([column[row] for row in point.rows] if column else [], float)
         return values[np.isfinite(values)]

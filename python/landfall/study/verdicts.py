@@ -97,7 +97,7 @@ def draw_rate(axes, row, column, passed, count, low, high):
 
 
 def draw_campaign(axes, row, column, shares, rate):
-    """Of several terrains at one point, the least and the largest share."""
+    """The smallest and the largest share of several terrains at one point."""
     if len(set(shares)) > 1:
         draw_cell_of(axes, row, column, rate_color(np.median(shares)), 1, f"{number(100 * min(shares))} to {number(100 * max(shares))} %")
     elif len(shares) and math.isnan(rate[2]):
