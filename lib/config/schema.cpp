@@ -279,8 +279,8 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
     best_distance = distance;
     best = candidate;
   }
-  constexpr std::size_t kLeastPart = 4;
-  if (best.empty() && word.size() >= kLeastPart)
+  constexpr std::size_t kMinPart = 4;
+  if (best.empty() && word.size() >= kMinPart)
     for (const std::string& candidate : known)
       if (candidate.find(word) != std::string::npos && (best.empty() || candidate.size() < best.size()))
         best = candidate;

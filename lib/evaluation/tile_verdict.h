@@ -11,7 +11,7 @@
 namespace landfall {
 
 /// The largest footprint of a TileJudge: 257 bins on a side.
-inline constexpr std::int64_t kMostHalfBins = 128;
+inline constexpr std::int64_t kMaxHalfBins = 128;
 
 /// The windows on an edge of a tile: few enough that their means are alike, and enough to share the errors
 /// that they reach.

@@ -25,7 +25,7 @@ namespace landfall {
 class WindowJudge {
  public:
   struct Rule {
-    const Footprint& footprint;  ///< of at most PackedCounts::kMost bins
+    const Footprint& footprint;  ///< of at most PackedCounts::kMax bins
     double quantile;
     double limit_m;
     FailFlag flag;

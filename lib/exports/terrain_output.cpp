@@ -150,7 +150,7 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
     for (std::string& warning : posting_warnings(dem, raster, site)) warnings.push_back(std::move(warning));
     return raster;
   };
-  if (is_own && config.grid.rows * config.grid.cols > StripSize().most_nodes) {
+  if (is_own && config.grid.rows * config.grid.cols > StripSize().max_nodes) {
     TerrainContent content = build_in_strips(config, load, output);
     content.warnings = std::move(warnings);
     return content;

@@ -76,11 +76,11 @@ bool all_zero(std::span<const std::byte> bytes) {
 
 std::uint32_t fletcher32(std::span<const std::byte> bytes) {
   constexpr std::size_t kRowBytes = 2 * kLanes;
-  constexpr std::size_t kMostRows = 256;  // 256 * 257 / 2 * 65535 < 2^32
+  constexpr std::size_t kMaxRows = 256;  // 256 * 257 / 2 * 65535 < 2^32
   const std::span<const std::byte> whole = bytes;
   Fletcher sums;
   while (bytes.size() >= kRowBytes) {
-    const std::size_t rows = std::min(bytes.size() / kRowBytes, kMostRows);
+    const std::size_t rows = std::min(bytes.size() / kRowBytes, kMaxRows);
     sums.append(sums_of_rows(bytes.data(), rows), rows * kLanes);
     bytes = bytes.subspan(rows * kRowBytes);
   }

@@ -74,9 +74,9 @@ herr_t keep_reason(unsigned depth, const H5E_error2_t* record, void* target) {
 /// netCDF driver is the first layer that was written. Links stay in the group's header: a heap for more than
 /// eight of them would take more space, and a damaged one would be another structure that HDF5 must survive.
 void keep_creation_order(hid_t group_properties) {
-  constexpr unsigned kMostLinks = 65535;
+  constexpr unsigned kMaxLinks = 65535;
   H5Pset_link_creation_order(group_properties, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
-  H5Pset_link_phase_change(group_properties, kMostLinks, 0);
+  H5Pset_link_phase_change(group_properties, kMaxLinks, 0);
 }
 
 std::mutex close_lock;

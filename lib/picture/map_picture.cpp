@@ -251,11 +251,11 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
   }
   double low = quantile(values, 0);
   double high = quantile(values, 1);
-  const double most_low = quantile(values, kOutliers);
-  const double most_high = quantile(values, 1 - kOutliers);
-  if (style.cut && most_high > most_low && high - low > 2 * (most_high - most_low)) {
-    low = most_low;
-    high = most_high;
+  const double max_low = quantile(values, kOutliers);
+  const double max_high = quantile(values, 1 - kOutliers);
+  if (style.cut && max_high > max_low && high - low > 2 * (max_high - max_low)) {
+    low = max_low;
+    high = max_high;
   }
   if (high - low > std::max(kMinRange, 1e-12 * std::max(std::abs(low), std::abs(high)))) return {low, high};
   const double half = low == 0 ? 0.5 : std::abs(low) / 2;

@@ -60,7 +60,7 @@ Receiver::Receiver(const ReceiverParameters& p, std::uint64_t seed)
   require(p.fraction > 0 && p.fraction < 1, {"", "fraction"}, p.fraction, "in (0, 1)");
   require_not_negative({"", "dead_time_s"}, p.dead_time_s);
   require_not_negative({"", "background_pe"}, p.background_pe);
-  require(p.most_returns >= 1 && p.most_returns <= 5, {"", "max_returns"}, p.most_returns, "in 1..5");
+  require(p.max_returns >= 1 && p.max_returns <= 5, {"", "max_returns"}, p.max_returns, "in 1..5");
   if (p.type == ReceiverType::geiger && p.returns == ReportedReturns::strongest)
     throw UsageError(
         "returns: a Geiger-mode pixel measures no signal, so none of its returns is the strongest");
@@ -170,7 +170,7 @@ void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std:
 }
 
 void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const {
-  const std::size_t most = most_returns();
+  const std::size_t most = max_returns();
   const std::size_t pixels = waveforms.first_echo.size() - 1;
   assert(out.size() == pixels * most);
   std::ranges::fill(out, Reception{});

@@ -152,7 +152,7 @@ Json region_json(const EvaluationParameters& parameters) {
 
 }  // namespace
 
-ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, std::int64_t most_cells) {
+ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, std::int64_t max_cells) {
   const DrawTable& table = content.draws.table;
   const EvaluationParameters& parameters = content.parameters;
   const std::int64_t shown = std::min(table.size(), kMaxShownDraws);
@@ -172,7 +172,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
                  {"stages", stages_json(config)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
-    const std::int64_t factor = reduction_factor(spec, most_cells);
+    const std::int64_t factor = reduction_factor(spec, max_cells);
     data.values["grid"] = grid_json(spec, factor);
     data.values["footprint"] = {
         {"shape", parameters.footprint_shape == FootprintShape::square ? "square" : "disc"},

@@ -319,7 +319,7 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   if (workspace.beams[i].lost) return PointStatus::lost_in_optics;
   if (std::isnan(workspace.ranges_m[i])) return PointStatus::miss;
   if (!workspace.receptions.empty() &&
-      std::isnan(workspace.receptions[i * lidar_.receiver.most_returns()].range_m))
+      std::isnan(workspace.receptions[i * lidar_.receiver.max_returns()].range_m))
     return PointStatus::undetected;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
@@ -338,7 +338,7 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
       return {PointStatus::false_return, *false_m, kNoIntensity, 1};
   }
   if (workspace.receptions.empty()) return {what, has_echo ? workspace.measured_m[i] : kNan, kNoIntensity};
-  const Reception& reception = workspace.receptions[i * lidar_.receiver.most_returns() + number];
+  const Reception& reception = workspace.receptions[i * lidar_.receiver.max_returns() + number];
   const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
   if (!is_background && (!has_echo || std::isnan(reception.range_m)))
     return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
@@ -365,7 +365,7 @@ void PulseSimulator::measure(const PulseInput& pulse, PulseWorkspace& workspace)
   PulseWorkspace& w = workspace;
   find_incidences(w);
   const std::size_t pixels = w.beams.size();
-  const std::size_t most = lidar_.receiver.most_returns();
+  const std::size_t most = lidar_.receiver.max_returns();
   receive(pulse, w);
   w.measured_m.resize(pixels * most);
   for (std::size_t number = 0; number < most; ++number) {
@@ -433,7 +433,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
       workspace.believed_beams.empty() ? workspace.beams : workspace.believed_beams;
-  const std::size_t most = lidar_.receiver.most_returns();
+  const std::size_t most = lidar_.receiver.max_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
     for (std::size_t number = 0; number < most; ++number) {
@@ -454,7 +454,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   const PulseWorkspace& workspace) const {
-  const std::size_t most = lidar_.receiver.most_returns();
+  const std::size_t most = lidar_.receiver.max_returns();
   for (std::size_t k = 0; k < workspace.beams.size() * most; ++k) {
     const std::size_t i = k / most;
     const Beam& beam = workspace.beams[i];

@@ -113,7 +113,7 @@ class PulseSimulator {
   /// The rows of a pulse in a batch, including those of returns that do not exist
   /// (PulseBatch::kNoSuchReturn).
   [[nodiscard]] std::size_t rows_per_pulse() const {
-    return lidar_.detector.pixel_count() * lidar_.receiver.most_returns();
+    return lidar_.detector.pixel_count() * lidar_.receiver.max_returns();
   }
   [[nodiscard]] std::size_t rays_per_pulse() const {
     const Detector& detector = lidar_.detector;
@@ -123,7 +123,7 @@ class PulseSimulator {
   /// The columns of this lidar's points.
   [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
     return {.intensity = lidar_.receiver.sees_waveforms(),
-            .return_number = lidar_.receiver.most_returns() > 1,
+            .return_number = lidar_.receiver.max_returns() > 1,
             .echo = keep_echoes,
             .later_echoes = keep_echoes && lidar_.receiver.hears_later_echoes()};
   }

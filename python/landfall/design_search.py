@@ -14,9 +14,9 @@ from landfall.design import Look, SIX, failures_allowed, rate_of
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
-# Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MOST_DRAWS draws, a proof 1,000,000.
+# Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MAX_DRAWS draws, a proof 1,000,000.
 RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
-MOST_DRAWS = 2000
+MAX_DRAWS = 2000
 FIRST_ROUND = 8  # draws on each terrain, so that bad candidates cost little
 
 
@@ -122,11 +122,11 @@ class Design:
         """The look with "race": the sequential test of P(pass) on every terrain; the first terrain that rejects decides."""
         rule = {"p0": self.problem.probability, "p1": 1 - 3 * (1 - self.problem.probability), "alpha": 0.05, "beta": 0.05}
         rule |= self.problem.tree.get("race", {})
-        draws = self.problem.draws(draws=MOST_DRAWS, seed=RACE_SEED)
+        draws = self.problem.draws(draws=MAX_DRAWS, seed=RACE_SEED)
         scans = self.campaigns(look["values"])
         self.say(f"sequential test of {self.percent(look)}")
         try:
-            for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MOST_DRAWS)]):
+            for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MAX_DRAWS)]):
                 ends = [sprt(terrain, **rule) for terrain in passes]
                 rejecting = [terrain for terrain, (accepted, _) in enumerate(ends) if accepted is False]
                 if rejecting or all(accepted for accepted, _ in ends):

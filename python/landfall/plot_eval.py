@@ -126,7 +126,7 @@ def mark_missing(ax, evaluation, values):
     missing = np.isnan(values) & inside
     if not missing.any():
         return ""
-    if np.count_nonzero(missing) >= reduction.MOST_MARKED * np.count_nonzero(inside):
+    if np.count_nonzero(missing) >= reduction.MAX_MARKED * np.count_nonzero(inside):
         return maps.marks_text("no value", "", "grey")
     how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, np.count_nonzero(inside))
     return maps.marks_text("no value", how)

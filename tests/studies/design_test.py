@@ -175,7 +175,7 @@ class Sequential(DesignTest):
             verdict = self.path("verdict.json")
             configs = problem.configs(GOOD)
             scan = runs.Scan(search.runner, configs, 1)
-            scan.campaign(problem.draws(draws=design_search.MOST_DRAWS, seed=design_search.RACE_SEED,
+            scan.campaign(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
                                         stop={"type": "sprt", "p0": 0.6, "p1": 0.3, "alpha": 0.05, "beta": 0.05}),
                           self.path("draws.h5"), "--verdict", verdict)
             tree = json.loads(read(verdict))
@@ -201,7 +201,7 @@ class Sequential(DesignTest):
 
         def spy(scan, draws, output, *arguments):
             part = arguments[arguments.index("--draws") + 1].split(":") if "--draws" in arguments else (0, draws["draws"])
-            kind = {1: "search", design_search.MOST_DRAWS: "test"}.get(draws["draws"], "proof")
+            kind = {1: "search", design_search.MAX_DRAWS: "test"}.get(draws["draws"], "proof")
             seeds.setdefault(kind, set()).update(range(draws["scan"]["seed"] + int(part[0]), draws["scan"]["seed"] + int(part[1])))
             return campaign(scan, draws, output, *arguments)
         with mock.patch.object(runs.Scan, "campaign", spy):

@@ -191,7 +191,7 @@ class Results(StudyTest):
             with h5py.File(self.out("draws", name)) as file:
                 self.assertIn("p_invalid", file)
                 self.assertEqual(json.loads(file["verdict_json"].asstr()[()]), json.loads(read(self.out("verdict", name[:-3] + ".json"))))
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
         self.write(draws_study(many, {**LIMITS, "list": [0.04, 0.05]}, SPREADS, draws={**DRAWS, "draws": 1}), "many")
         self.plan(json.loads(read(self.path("many.json"))), name="many")
         text = read(self.out("study.mk", study_name="many")).decode()

@@ -137,10 +137,10 @@ class Results(StudyTest):
         self.assertEqual(second["score.judged_hazard_frac"], "1.0")
 
     def test_many_scans_and_kept_files_give_the_same_results(self):
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
         self.write(hazard_study(many, CLEARANCES))
         progress = self.make("study-results", "-j2").stdout
-        self.assertIn(f"[{2 + 3 * (rules.MOST_SHARED + 1)} done, 0 failed, 0 left]", progress)
+        self.assertIn(f"[{2 + 3 * (rules.MAX_SHARED + 1)} done, 0 failed, 0 left]", progress)
         self.assertEqual([self.runs_of(step) for step in STEPS], [1, 18, 17, 17, 34])
         self.write(hazard_study({**many, "linspace": [0.01, 0.02, 2]}, CLEARANCES), "few")
         self.make("study-results", "-j2", "KEEP=hazard,dem", study_name="few")

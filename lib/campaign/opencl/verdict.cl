@@ -225,7 +225,7 @@ Span cols_of(const Window* w, long row) {
 
 // Counts of one bin or, summed, of a row up to a bin or of a footprint: the values, those beyond the limit for some mean, and for each mean.
 #define PACKED_BITS 21
-#define PACKED_MOST 0x1fffffUL
+#define PACKED_MAX 0x1fffffUL
 
 ulong packed_counts(const Window* w, global const ulong* sums) {
   const Span rows = rows_of(w);
@@ -332,13 +332,13 @@ bool interpolated_exceeds(const Window* w, global const double* errors, double m
 
 // Whether the quantile of |e - mean| exceeds the limit: quantile.h, and DecisiveCounts of window_counts.h.
 bool exceeds(const Window* w, global const double* errors, double mean, ulong packed, double quantile, double limit) {
-  const long count = (long)(packed & PACKED_MOST);
+  const long count = (long)(packed & PACKED_MAX);
   const double h = (double)(count - 1) * quantile;
   const double below = floor(h);
   const double frac = h - below;
   const long fail = count - (long)below;
   const long pass = frac == 0 ? fail - 1 : fail - 2;
-  if ((long)(packed >> PACKED_BITS & PACKED_MOST) <= pass) return false;
+  if ((long)(packed >> PACKED_BITS & PACKED_MAX) <= pass) return false;
   if ((long)(packed >> 2 * PACKED_BITS) >= fail) return true;
   const Span rows = rows_of(w);
   long beyond = 0;

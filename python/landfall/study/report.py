@@ -12,7 +12,7 @@ from landfall.study.model import STAGES
 from landfall.study.table import metric_label, REQUIREMENTS, Results
 
 # With more cases the page shows the first ones, and their number.
-MOST_CASES = 20_000
+MAX_CASES = 20_000
 DIGITS = 7
 VERDICTS = {1: "pass", 0: "fail", None: "not judged"}
 
@@ -71,7 +71,7 @@ def report(folder, figures):
     """The tree: name, title, tools, axes, columns, points, configs, runs and failures (report_study.js reads it)."""
     study = Study(folder)
     numbers = FigureNumbers(study, figures)
-    shown = range(min(len(study.rows), MOST_CASES))
+    shown = range(min(len(study.rows), MAX_CASES))
     chains = {case: study.chains.of(study.files_of(case)) for case in range(len(study.rows))}
     verdicts = {case: study.verdict(case, runs) for case, runs in chains.items()}
     config_table, run_table = ConfigTable(study.folder), RunTable(study)

@@ -11,7 +11,7 @@ from landfall.command import write_whole
 from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
-MOST_SHARED = 16
+MAX_SHARED = 16
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def _file(name, otherwise):
 class Fragment:
     """The make rules of a graph. `$O` is the study's folder.
 
-    Make starts all scans before the first DEM. Where more than MOST_SHARED scans are read several times, all that depends on
+    Make starts all scans before the first DEM. Where more than MAX_SHARED scans are read several times, all that depends on
     such a scan is therefore made within one recipe: the disk then holds a scan for each recipe that runs.
     """
 
@@ -106,7 +106,7 @@ class Fragment:
         self.logs = {}  # metrics: the name of their recipe's log
         self.readers = {}  # file in shared/: those who read it
         self.sources = {}  # scan or DEM: the Recipe that it is made by
-        self.grouped = self.shared_scans() > MOST_SHARED and not layout.keep & {"scan", "dem"}
+        self.grouped = self.shared_scans() > MAX_SHARED and not layout.keep & {"scan", "dem"}
         for stage in graph.terrain.values():
             self.terrain(stage)
         for stage in graph.truth.values():

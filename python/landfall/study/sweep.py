@@ -29,7 +29,7 @@ from landfall.study.names import counted
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
          "draws": "monte-carlo"}
-MOST_CHECKS_PER_AXIS = 100
+MAX_CHECKS_PER_AXIS = 100
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
 
@@ -153,7 +153,7 @@ def check_with_tools(study, folder):
     for index, dimension in enumerate(study.dimensions):
         last = len(dimension[0].points) - 1
         numeric = all(axis.is_numeric() for axis in dimension)
-        for point in [last] if numeric else range(1, min(last + 1, MOST_CHECKS_PER_AXIS)):
+        for point in [last] if numeric else range(1, min(last + 1, MAX_CHECKS_PER_AXIS)):
             values = ", ".join(f"{axis.name} = {shown(axis.points[point].value)}" for axis in dimension)
             ask(study, folder, [*first[:index], point, *first[index + 1:]], values, asked)
 

@@ -12,7 +12,7 @@ from landfall.study import figures
 from landfall.study.names import number
 from landfall.study.table import PASSED, REQUIREMENTS
 
-MOST_ROWS = 60
+MAX_ROWS = 60
 REQUIREMENT_NAMES = {"coverage": "coverage", "hole_size": "hole size", "hole_distance": "hole\ndistance",
                      "relative_elevation": "relative\nelevation", "relative_horizontal": "relative\nhorizontal",
                      "absolute_horizontal": "absolute\nhorizontal", "all": "all"}
@@ -65,7 +65,7 @@ def hazards_figure(results, quantile):
 
 def table_figure(results, names, note, draw_cell):
     """A row for each point, a column for each requirement."""
-    points = results.points if len(results.points) <= MOST_ROWS else figures.spread(results.points, MOST_ROWS)
+    points = results.points if len(results.points) <= MAX_ROWS else figures.spread(results.points, MAX_ROWS)
     labels = [figures.point_name(results.axes, point.values) or "all cases" for point in points]
     left = 0.4 + 0.075 * max(len(label) for label in labels)
     height = 1.3 + 0.36 * len(points)

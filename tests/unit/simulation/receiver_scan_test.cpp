@@ -146,7 +146,7 @@ TEST(ReceiverScan, FarSurfacesAreSeveralReturns) {
   const Step ground(2);
   Instrument instrument{.pixels = 3, .subpixels = 8};
   instrument.receiver.returns = ReportedReturns::all;
-  instrument.receiver.most_returns = 3;
+  instrument.receiver.max_returns = 3;
   ConstantVelocityParameters still;
   still.position_m = {{0, 0, 500}};
   still.velocity_mps = {};
@@ -178,7 +178,7 @@ TEST(ReceiverScan, ADroppedPixelLosesAllItsReturns) {
                          .background_pe = 20,
                          .gate_end_m = 1000,
                          .returns = ReportedReturns::all,
-                         .most_returns = 3};
+                         .max_returns = 3};
   const PulseBatch batch = simulate(instrument, FlatGround());
   int dropped = 0;
   for (std::size_t row = 0; row < batch.points.size(); row += 3) {
