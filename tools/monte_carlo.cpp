@@ -13,7 +13,7 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "report/draws_page.h"
 #include "scene/campaign.h"
 #include "scene/campaign_run.h"

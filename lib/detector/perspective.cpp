@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {

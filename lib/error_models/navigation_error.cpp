@@ -2,7 +2,7 @@
 // Decisions: D84
 #include "error_models/navigation_error.h"
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 

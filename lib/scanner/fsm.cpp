@@ -3,7 +3,7 @@
 #include "scanner/fsm.h"
 
 #include "base/random.h"
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 #include "scanner/axes_jump.h"
 
 namespace landfall {

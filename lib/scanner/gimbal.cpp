@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 #include "scanner/axes_jump.h"
 
 namespace landfall {

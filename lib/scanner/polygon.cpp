@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/random.h"
-#include "geometry/parameter_check.h"
 #include "geometry/rotation.h"
+#include "geometry/vector_check.h"
 #include "scanner/mirror_frame.h"
 
 namespace landfall {

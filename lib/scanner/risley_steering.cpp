@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {

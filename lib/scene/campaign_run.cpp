@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "output/temporary_files.h"
 
 namespace landfall {

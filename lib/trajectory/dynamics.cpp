@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/random.h"
-#include "geometry/parameter_check.h"
 #include "geometry/rotation_vector.h"
+#include "geometry/vector_check.h"
 #include "trajectory/hermite.h"
 
 namespace landfall {

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "files/evaluation_file.h"
 #include "files/file_description.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "files/terrain_file.h"
 #include "temporary_folder.h"
 
