@@ -19,7 +19,7 @@ import unittest
 from case import BIN, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import design, sensitivity, tools
+from landfall import design_problem, sensitivity, tools
 from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
@@ -102,7 +102,7 @@ class Answers(StudyTest):
 
     def test_each_is_valid_and_on_its_page(self):
         tools.BIN = BIN
-        for kind, problem in (("sensitivity", sensitivity.Problem), ("design", design.Problem)):
+        for kind, problem in (("sensitivity", sensitivity.Problem), ("design", design_problem.Problem)):
             paths = glob.glob(os.path.join(ROOT, "studies", f"*.{kind}.json"))
             self.assertNotEqual(paths, [])
             for path in paths:
