@@ -149,5 +149,37 @@ class Structure(unittest.TestCase):
         self.assertEqual(sorted((name, number) for name, number in cited if number not in there), [])
 
 
+# A comment is a sentence with a subject; other words say the same in plain English.
+FRAGMENT = re.compile(r'(?:///?|#|""")\s*(?:Of|What|Where)\b')
+STALE = re.compile(r"\b(?:goes on|anew|likewise)\b", re.I)
+CODE = ("bench", "cmake", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
+
+
+class English(unittest.TestCase):
+    def sources(self):
+        """(name, lines) of the sources, without the scripts of reports."""
+        for top in CODE:
+            for folder, _, files in os.walk(os.path.join(ROOT, top)):
+                for name in files:
+                    path = os.path.relpath(os.path.join(folder, name), ROOT)
+                    is_source = name.endswith((".cpp", ".h", ".cl", ".py", ".txt", ".cmake")) or top in ("scripts", "studies") and "." not in name
+                    if is_source and path != "tests/docs/structure_test.py":
+                        yield path, read(path).splitlines()
+
+    def test_a_comment_begins_with_its_subject(self):
+        found = [f"{path}:{number}" for path, lines in self.sources() if not path.startswith("tests/") for number, line in enumerate(lines, 1)
+                 if FRAGMENT.match(line.strip()) and not self.is_comment(lines[number - 2])]
+        self.assertEqual(found, [])
+
+    @staticmethod
+    def is_comment(line):
+        return line.strip().startswith(("//", "#")) and "SPDX" not in line
+
+    def test_nothing_goes_on_anew(self):
+        found = [f"{path}:{number}" for path, lines in self.sources() for number, line in enumerate(lines, 1) if STALE.search(line)]
+        found += [f"{name}:{number}" for name in pages.names() for number, line in enumerate(read(name).splitlines(), 1) if STALE.search(line)]
+        self.assertEqual(found, [])
+
+
 if __name__ == "__main__":
     unittest.main()
