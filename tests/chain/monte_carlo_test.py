@@ -443,7 +443,7 @@ class Refusals(DrawsTest):
                     words=["scan.h5", "terrain"], output=self.path("draws.h5"))
 
     def test_a_full_disk_keeps_the_state(self):
-        """What was done is there after the output could not be written."""
+        """The finished draws are there after the output could not be written."""
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

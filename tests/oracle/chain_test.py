@@ -7,7 +7,7 @@
 # Component types are drawn without replacement, so that any seed covers all scanners, patterns, trajectories, errors,
 # terrains and methods.
 #
-# Where rounding decides (bin borders, limits, edges of holes, total reflection), values are excluded only if the second
+# Values for which rounding decides (bin borders, limits, edges of holes, total reflection) are excluded only if the second
 # computation itself detects this, and they are counted.
 """Small random configurations through the whole chain; every number is compared with an independent numpy implementation.
 

@@ -196,7 +196,7 @@ class Tables(Chain):
         self.assertEqual(list(landfall.open(self.path("terrain.h5"), "features")["diameter"]), [2])
 
     def test_a_large_table_is_read_in_part(self):
-        """Of 12,960,000 rows of 11 columns, 1 GB, one row in a thousand is read."""
+        """One row in a thousand is read, of 12,960,000 rows of 11 columns, 1 GB."""
         path, rows = self.path("large.h5"), 12_960_000
         with h5py.File(path, "w") as file:
             file.attrs.update({"format_name": "landfall.scan", "format_version": "1.0", "complete": 1})

@@ -194,7 +194,7 @@ class Sequential(DesignTest):
             search.through_the_chain(GOOD, {**row, "coverage.invalid_count": -1})
 
     def test_seeds_never_meet(self):
-        """Of the search, the tests and the proofs, by what monte-carlo is given."""
+        """The seeds of the search, the tests and the proofs, by what monte-carlo is given."""
         problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
         search, seeds = design_search.Design(problem, self.path("out")), {}
         campaign = runs.Scan.campaign

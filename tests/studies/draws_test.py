@@ -199,7 +199,7 @@ class Results(StudyTest):
 
 
 class Repeats(StudyTest):
-    """What is made again."""
+    """The stages that are made again."""
 
     def stages_of(self, result):
         return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))

@@ -73,7 +73,7 @@ class Plans(StudyTest):
         self.assertEqual({len(row) for row in json.loads(read(self.out("cases.json")))["cases"]}, {2})
 
     def test_a_dem_is_order_only_for_those_who_read_it(self):
-        """What it is made of stands in the rule instead."""
+        """The inputs of the DEM are normal prerequisites instead."""
         self.plan(hazard_study(SIGMAS))
         text = read(self.out("study.mk")).decode()
         for target in ("metrics", "score"):
@@ -154,7 +154,7 @@ class Results(StudyTest):
 
 
 class Repeats(StudyTest):
-    """What is made again."""
+    """The stages that are made again."""
 
     def stages_of(self, result):
         return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr unsigned kLongest_s = 30;
 
-/// What runs now, for a signal's handler.
+/// The present input, for a signal's handler.
 std::string_view running;
 std::array<char, 256> finding_name = {};
 

@@ -32,7 +32,7 @@ Waveforms seen(const Receiver& receiver, std::size_t pixels, const Pixel& pixel)
   return waveforms;
 }
 
-/// What `count` equal pixels report in one pulse.
+/// The reports of `count` equal pixels in one pulse.
 std::vector<Reception> received(const ReceiverParameters& parameters, const Pixel& pixel,
                                 std::size_t count = 1, std::uint64_t seed = 3) {
   const Receiver receiver(parameters, seed);

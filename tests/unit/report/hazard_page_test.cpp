@@ -90,7 +90,7 @@ TEST(HazardData, CountsEachClassOnce) {
   EXPECT_EQ(missed["is_mark"], true);
 }
 
-// Of the places in a block the first class is drawn; the worst for a lander, as in the pictures of --view.
+// The first class among the places in a block is drawn; the worst for a lander, as in the pictures of --view.
 TEST(HazardData, ClassesAreFromTheWorstToTheBest) {
   const ReportData data = Case().data();
   const auto texts = [&](const char* name) {

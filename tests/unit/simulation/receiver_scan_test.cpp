@@ -219,7 +219,7 @@ TEST(ReceiverScan, TheTimerComesLast) {
   EXPECT_NEAR(range_m / step_m, std::round(range_m / step_m), 1e-6);
 }
 
-/// What a file keeps: the echoes of pixels in order, those behind the first ones as LaterEcho.
+/// The echoes that a file keeps: the echoes of pixels in order, those behind the first ones as LaterEcho.
 std::vector<LaterEcho> later_echoes(const EchoColumns& rows) {
   std::vector<LaterEcho> echoes;
   for (std::size_t i = 0; i < rows.size(); ++i)
