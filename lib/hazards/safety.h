@@ -34,9 +34,9 @@ enum class HazardOutcome : std::int8_t {
 
 [[nodiscard]] Grid<std::int8_t> outcomes(const Grid<std::int8_t>& judged, const Grid<std::int8_t>& truth);
 
-/// Fractions that have no place to be taken of are none.
+/// A fraction whose denominator is 0 is empty.
 struct HazardScore {
-  struct Counts {  ///< judged_true
+  struct Counts {  ///< places, named by the judgement of the map and the truth
     std::int64_t safe_safe = 0, safe_hazard = 0, hazard_safe = 0, hazard_hazard = 0, unknown = 0;
   };
   struct Rates {

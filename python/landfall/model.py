@@ -196,7 +196,7 @@ class _Campaign(_Task):
 
 
 class Workers(concurrent.futures.ThreadPoolExecutor):
-    """Threads of which none begins anything new after an error or Ctrl-C."""
+    """A thread pool that starts nothing new after an error or Ctrl-C."""
 
     def __exit__(self, kind, value, trace):
         self.shutdown(wait=True, cancel_futures=kind is not None)

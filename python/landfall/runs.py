@@ -26,7 +26,7 @@ from landfall.study.model import read_config
 
 STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
 TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
-REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; others, as of a killed tool, tell nothing about the input
+REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
 

@@ -11,7 +11,7 @@
 
 Of Makefile.studies alone:
   sweep.py begin DIR                               removes temporary files that killed processes have left
-  sweep.py tidy DIR                                removes what waits for readers that are all done
+  sweep.py tidy DIR                                removes shared files that no stage needs any more
 """
 import argparse
 import glob
@@ -41,7 +41,7 @@ def parse(arguments):
     plan.add_argument("study", metavar="STUDY.json")
     plan.add_argument("--out", metavar="DIR", required=True, help="the study's folder")
     plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
-    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval, hazard, draws: files to keep; or all")
+    plan.add_argument("--keep", metavar="LIST", default="", help="files to keep: all, or a list of scan, dem, eval, hazard, draws")
     plan.add_argument("--no-check", action="store_true", help="do not ask the tools whether they take the values")
     for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
         command = commands.add_parser(name, help=text)
@@ -49,8 +49,8 @@ def parse(arguments):
         if name == "show":
             command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
     for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
-                       ("begin", "remove temporary files of processes that have ended"), ("tidy", "remove what waits for readers that are all done"),
-                       ("prune", "remove files that are in the plan no more")):
+                       ("begin", "remove temporary files of processes that have ended"), ("tidy", "remove shared files that no stage needs any more"),
+                       ("prune", "remove files that are no longer in the plan")):
         command = commands.add_parser(name, help=text)
         command.add_argument("folder", metavar="DIR")
         if name == "collect":
