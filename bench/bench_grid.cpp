@@ -66,8 +66,8 @@ struct Bandwidth {
   double update;
 };
 
-/// Of half a gigabyte, the best of nine. All of it has been written before: pages never written are one and
-/// the same, which the cache holds.
+/// The bandwidth of half a gigabyte, the best of nine. All of it has been written before: pages never written
+/// are one and the same, which the cache holds.
 Bandwidth measured_bandwidth() {
   constexpr std::size_t kSize = std::size_t{1} << 26U;
   ZeroedArray<std::uint64_t> numbers(kSize);
@@ -126,13 +126,13 @@ void run(benchmark::State& state, Method method, bool in_order, std::int64_t rep
   }
   const double count = static_cast<double>(repeats) * static_cast<double>(kPaperPoints);
   const Bandwidth memory = bandwidth(static_cast<std::size_t>(state.range(0)));
-  const double least_s = static_cast<double>(repeats) * floor_s(kPaperPoints, spec.size(), in_order, memory);
+  const double min_s = static_cast<double>(repeats) * floor_s(kPaperPoints, spec.size(), in_order, memory);
   state.counters["points/s"] = benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate);
   state.counters["read_GB/s"] = memory.read * 1e-9;
   state.counters["update_GB/s"] = memory.update * 1e-9;
-  state.counters["floor_ms"] = least_s * 1e3;
+  state.counters["floor_ms"] = min_s * 1e3;
   // Inverted: Google Benchmark divides a rate by the time.
-  state.counters["of_floor"] = benchmark::Counter(least_s, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["of_floor"] = benchmark::Counter(min_s, benchmark::Counter::kIsIterationInvariantRate);
 }
 
 void register_all() {

@@ -22,7 +22,7 @@ Each tenth shows the share less the mean of p, with its standard error over site
 the safe places, P_s the sum of p, n_s the places of site s. Tenths of fewer than 1,000 places or 8 sites are left out. The Brier scores are those
 of p, and of the decision by the limits at the places that are known. A second table does the same for p_touchdown, whose truth is the
 share of touchdowns that meet a truly safe place; its last column has the sites that hazard-map ranked: their number, mean p_safe and the share
-truly safe. Results are kept in the folder, and the bench goes on where it was stopped: 20 sites of one family in
+truly safe. Results are kept in the folder, and a stopped bench resumes: 20 sites of one family in
 all cells take about 6 minutes of two cores.
 """
 import argparse

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What is installed beside programs, plugin and module. share/landfall mirrors the repository, so that python/ and
+# The files that are installed beside programs, plugin and module. share/landfall mirrors the repository, so that python/ and
 # Makefile.studies find each other, the schemas and the studies by the same relative paths; so does share/doc/landfall for the
 # links between the pages.
 set(share ${CMAKE_INSTALL_DATADIR}/landfall)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # How every target of this project is built: one function per kind of target.
+#
+# Release builds are hardened like Debian's: stack protector, fortified C functions, all symbols bound at start. No
+# number depends on it.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -18,7 +21,7 @@ target_compile_options(landfall_flags INTERFACE
   # g++ 12 sees overlapping copies inside std::string's own operator+ where there are none (GCC bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   $<$<BOOL:${LANDFALL_WERROR}>:-Werror>)
-# What Debian hardens its packages by (dpkg-buildflags with hardening=+all); no number depends on it. The prefix map
+# The options by which Debian hardens its packages (dpkg-buildflags with hardening=+all); no number depends on it. The prefix map
 # keeps the folder of the build out of the programs.
 target_compile_options(landfall_flags INTERFACE
   $<$<CONFIG:Release>:-fstack-protector-strong>

@@ -34,7 +34,6 @@ ONLY_IN = {
     r"zlib": {"hdf5"},
     r"png\.h": {"picture"},
     r"nlohmann/": {"base", "config", "files", "scene", "cli", "host", "report"},  # base: a header that several folders share
-    r"valijson/": {"config"},
     r"CLI/": {"cli"},
     r"(iostream|fstream|chrono|ctime)$": {"config", "files", "meshio", "output", "cli"},
 }

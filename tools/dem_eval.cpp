@@ -113,7 +113,7 @@ ExitCode run(cli::Session& session, const Options& o) {
   Evaluation evaluation;
   session.phase("evaluate", [&](const ProgressCallback& progress) {
     const auto judge = [&] { evaluation = evaluate(std::move(dem.layers), parameters, sinks, progress); };
-    session.name_misfit(o.dem, judge);
+    session.with_file_names(o.dem, judge);
   });
   session.phase("uncertainty", [&](const ProgressCallback&) {
     if (const auto maps = read_uncertainty(o.dem))

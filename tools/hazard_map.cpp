@@ -90,7 +90,7 @@ ExitCode run(cli::Session& session, const Options& o) {
     throw FormatError(o.map + ": has no true elevations (z_true), which --score needs");
   input = cli::complete_hazard_input(session, {o.map, o.terrain}, source, parameters, provenance);
   HazardMap map;
-  session.name_misfit(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
+  session.with_file_names(o.map, [&] { map = map_hazards(input, parameters, session.phases()); });
   session.phase("write", [&](const ProgressCallback&) {
     LandfallFileWriter file(output, "hazards", provenance);
     if (sites_file) write_text(*sites_file, sites_json(map).dump(2) + "\n");

@@ -13,7 +13,7 @@
 #include "cli/tool.h"
 #include "config/dem_config.h"
 #include "config/draws_config.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "report/draws_page.h"
 #include "scene/campaign.h"
 #include "scene/campaign_run.h"
@@ -40,7 +40,7 @@ constexpr const char* kDescription =
 
 The output has one row per draw, and maps: the probability that a bin is empty and that a footprint exceeds a limit, mean and standard deviation of the errors. The table says how many draws passed each requirement and what probability of passing follows.
 
-A run that was ended goes on where it was when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
+A run that was ended resumes when it is started again with the same configuration. --draws A:B runs a part; merge joins the parts of one campaign. With --pair, repeated, the draws run over several scans: a verdict for each and one for all of them, and no maps.)";
 
 void check_config(const cli::Session& session, const cli::CampaignOptions& o) {
   if (o.merges()) return;

@@ -9,9 +9,9 @@
 #include "cli/tool.h"
 #include "config/receiver_config.h"
 #include "config/scan_config.h"
-#include "files/number_table.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
+#include "files/table_reader.h"
 #include "scene/redraw.h"
 #include "scene/scene.h"
 #include "simulation/scan_pipeline.h"
@@ -66,9 +66,8 @@ void bind(CLI::App& app, Options& o) {
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
   app.add_flag("--keep-misses", o.keep_misses, "Write a row per pixel and pulse, not only per return");
-  app.add_flag(
-      "--keep-echoes", o.keep_echoes,
-      "Write the echoes of every pixel, from which --ranges-from draws the errors of a receiver anew");
+  app.add_flag("--keep-echoes", o.keep_echoes,
+               "Write the echoes of every pixel, from which --ranges-from redraws the errors of a receiver");
   app.add_flag("--float32", o.float32, "Write coordinates and ranges in single precision");
   cli::bind_plan(app, o.plan);
 }

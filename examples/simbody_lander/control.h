@@ -16,7 +16,7 @@ class Actuators {
     double torque_lag_s = 0.05;
   };
   explicit Actuators(const Limits& limits, const Controls& now) : limits_(limits), now_(now) {}
-  /// What acts at the end of a period, given what acted at its start and the command.
+  /// The controls at the end of a period, given those at its start and the command.
   const Controls& follow(const Controls& command, double period_s);
 
  private:

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D334
 #pragma once
 
 #include <Eigen/Geometry>

@@ -319,12 +319,12 @@ double normalised_squares(FlightPlan plan, int flights) {
 }
 
 // 90 degrees of freedom: 0.1 % of filters with a true covariance lie outside.
-constexpr double kLeast = 52.2, kMost = 140.9;
+constexpr double kMin = 52.2, kMax = 140.9;
 
 TEST(Navigation, ErrorsAgreeWithTheCovariance) {
   const double sum = normalised_squares({}, 10);
-  EXPECT_GT(sum, kLeast);
-  EXPECT_LT(sum, kMost);
+  EXPECT_GT(sum, kMin);
+  EXPECT_LT(sum, kMax);
 }
 
 /// The attitude is so badly known, and velocity and height are so well measured, that the filter learns it
@@ -345,8 +345,8 @@ TEST(Navigation, ErrorsAgreeWithTheCovarianceWhereAttitudeIsLearned) {
   plan.start.bus.attitude = rotation({0.15, -0.2, 0.8});
   plan.start.bus.rate_radps = {0.05, 0.1, 0.3};
   const double sum = normalised_squares(plan, 10);
-  EXPECT_GT(sum, kLeast);
-  EXPECT_LT(sum, kMost);
+  EXPECT_GT(sum, kMin);
+  EXPECT_LT(sum, kMax);
 }
 
 double first_hit_m(const std::vector<double>& z, int columns, const Vector3d& origin,

@@ -8,7 +8,7 @@
 
 namespace lander {
 
-/// What the lidar's data processing knows about the pose.
+/// The pose that the lidar's data processing takes.
 enum class Knowledge { filter, truth };
 
 [[nodiscard]] landfall::lidar::Pose pose_of(const BusState& state);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D336
 #include "navigation.h"
 
 #include <cmath>

@@ -27,7 +27,8 @@ struct SensorErrors {
   double start_attitude_rad = 1e-4;  ///< per axis of B: a star tracker
 };
 
-/// What an inertial measurement unit integrates over one period: in B at the start of the period.
+/// The increments that an inertial measurement unit integrates over one period, in B at the start of the
+/// period.
 struct Increment {
   double period_s = 0;
   Vector3d angle_rad{0, 0, 0};

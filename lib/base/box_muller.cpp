@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D66
 #include "base/box_muller.h"
 
 #include <algorithm>

@@ -16,7 +16,7 @@ inline bool is_utf16(std::string_view bytes) {
          (is_ascii_pair(bytes[1], bytes[0]) && is_ascii_pair(bytes[3], bytes[2]));
 }
 
-/// What a file is whose content is certainly not the text that a reader expects, and what to do: "is UTF-16
+/// The kind of a file that is certainly not the text that a reader expects, and what to do: "is UTF-16
 /// text: save it as UTF-8". Empty if nothing is known. `bytes`: the beginning of the file.
 inline std::string foreign_content(std::string_view bytes) {
   using namespace std::string_view_literals;

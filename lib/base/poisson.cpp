@@ -10,11 +10,11 @@ namespace landfall {
 namespace {
 
 double by_inversion(double mean, double uniform) {
-  constexpr double kMost = 200;  // beyond it the distribution has no mass left for a mean below 16
+  constexpr double kMax = 200;  // beyond it the distribution has no mass left for a mean below 16
   double probability = exponential(-mean);
   double sum = probability;
   double n = 0;
-  while (sum <= uniform && n < kMost) {
+  while (sum <= uniform && n < kMax) {
     ++n;
     probability *= mean / n;
     sum += probability;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D313, D314
 #include "campaign/draw_maps.h"
 
 #include <cmath>

@@ -41,8 +41,8 @@ struct SafetyCounts {
   void merge(const SafetyCounts& other);
 };
 
-/// What the maps of a campaign are made from: counts and integer sums over its draws, per bin of the DEM. 84
-/// bytes per bin, 96 with hazards.
+/// The sums from which the maps of a campaign are made: counts and integer sums over its draws, per bin of
+/// the DEM. 84 bytes per bin, 96 with hazards.
 struct DrawMaps {
   std::int64_t draws = 0;
   Grid<std::int32_t> invalid;     ///< draws in which the bin has no elevation

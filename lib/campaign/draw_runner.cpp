@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D320
 #include "campaign/draw_runner.h"
 
 #include <memory>

@@ -23,7 +23,7 @@ enum class MetricsKind {
   verdict,  ///< what decides the six requirements: no percentiles, several times faster
 };
 
-/// What the draws of a campaign share.
+/// The inputs that the draws of a campaign share.
 struct CampaignScene {
   TrueRanges truth;  ///< one range per pixel and pulse, and its echo if the receiver sees waveforms
   const TerrainSurface& terrain;
@@ -34,7 +34,7 @@ struct CampaignScene {
 /// By MetricsKind.
 using DrawMetrics = std::variant<Metrics, DecisiveMetrics>;
 
-/// What the hazard map of a draw is worth on the true ground.
+/// The score of a draw's hazard map on the true ground.
 struct DrawHazards {
   HazardScore score;
   std::optional<LandingSite> best;  ///< the chosen place; none where no place is safe

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D304
 #include "campaign/pass_rate.h"
 
 #include <boost/math/special_functions/beta.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D318
 #include "campaign/predicted_sigma.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kPointsPerBatch = std::int64_t{1} << 20U;
 
-/// What the map is made from.
+/// The returns from which the map is made.
 struct GriddedReturns {
   WeightedMeanAccumulator bins;
   MomentAccumulator moments;

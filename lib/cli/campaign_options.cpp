@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// `--require-pass` means every draw, or that the sequential test accepts. A probability to be shown
+// belongs in the stopping rule, where it is fixed before the first draw.
 #include "cli/campaign_options.h"
 
 #include <CLI/CLI.hpp>

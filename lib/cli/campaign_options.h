@@ -20,7 +20,7 @@ struct CampaignOptions {
   bool require_pass = false;
 
   [[nodiscard]] bool merges() const { return !inputs.empty() && inputs.front() == "merge"; }
-  /// Of a run that does not merge. Throws UsageError.
+  /// The sources of a run that does not merge. Throws UsageError.
   [[nodiscard]] CampaignSources sources() const;
   /// The rows of --draws. Throws UsageError.
   [[nodiscard]] std::optional<DrawSpan> part() const;

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Command-line input is UTF-8, including file names: all of it may appear in provenance, in a summary or
+// in a message, and JSON is UTF-8. A file whose name is not UTF-8 is refused with the number of the
+// argument before anything is read; it can be renamed. In a file, bytes of a text that are not UTF-8 are
+// read as U+FFFD, because units and titles of other programs are often Latin-1; an object name that is not
+// UTF-8 is refused.
 #include "cli/command_line.h"
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Completion needs only bash. After `--set KEY=` it offers texts with the backslashes that a shell needs
+// before the quotes of JSON.
 #include "cli/completion.h"
 
 #include <CLI/CLI.hpp>

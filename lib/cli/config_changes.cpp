@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Differences of a configuration are relative to the defaults of the chosen types, and every non-default
+// choice is one of them. Otherwise a different scanner would list all of its keys.
 #include "cli/config_changes.h"
 
 #include "base/error.h"

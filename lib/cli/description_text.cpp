@@ -280,7 +280,7 @@ std::string step_line(const OrderedJson& step) {
          "\n";
 }
 
-/// What was taken where a file that a step read said nothing, or two things.
+/// The values that were assumed because a file that a step read said nothing, or two things.
 std::string assumed_lines(const OrderedJson& step) {
   std::string text;
   if (!step.contains("inputs") || !step["inputs"].is_array()) return text;

@@ -13,7 +13,7 @@ struct HazardInputFiles {
   std::string map, terrain;
 };
 
-/// What map_hazards() judges: takes the layers of the source, fills small holes in them, and gives the true
+/// The input of map_hazards(): takes the layers of the source, fills small holes in them, and gives the true
 /// ground of filled bins the elevation of the terrain or, without one, the mean of its surroundings. Adds the
 /// terrain to the provenance. Throws FormatError, UsageError.
 [[nodiscard]] HazardInput complete_hazard_input(Session& session, const HazardInputFiles& files,

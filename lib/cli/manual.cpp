@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Man pages, completion and help come from the declarations of the options and from the schema that checks
+// a configuration, and are printed by the tool itself, so that they cannot diverge. A page has no date:
+// equal programs have equal pages. A definition that is used by several keys is printed at the first one.
 #include "cli/manual.h"
 
 #include <CLI/CLI.hpp>

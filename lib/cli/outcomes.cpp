@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A message quotes at most 60 bytes of an input, 40 of a file, because a CSV cell may have a gigabyte.
+// Paths are printed in full.
 #include "cli/outcomes.h"
 
 #include <algorithm>

@@ -14,7 +14,7 @@
 
 namespace landfall::cli {
 
-// What each tool says of its result: the counts of --json, the conclusion, and warnings.
+// The outcome of each tool: the counts of --json, the conclusion, and warnings.
 
 /// Also passes on the terrain's warnings.
 void report_terrain(Session& session, const TerrainContent& terrain);

@@ -12,7 +12,7 @@
 #include "cli/print.h"
 #include "config/scan_config.h"
 #include "files/field_json.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "scene/scene.h"
 
 namespace landfall::cli {

@@ -177,7 +177,7 @@ Provenance Session::provenance() const {
   return provenance;
 }
 
-void Session::name_misfit(const std::string& file, const std::function<void()>& work) const {
+void Session::with_file_names(const std::string& file, const std::function<void()>& work) const {
   try {
     work();
   } catch (const UsageError& error) {

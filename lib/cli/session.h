@@ -84,7 +84,7 @@ class Session {
   }
   /// Runs `work`, which applies the configuration to a file. A UsageError from it then names both, a
   /// FormatError the file.
-  void name_misfit(const std::string& file, const std::function<void()>& work) const;
+  void with_file_names(const std::string& file, const std::function<void()>& work) const;
   /// Adds a count to the --json summary.
   void count(const std::string& name, nlohmann::json value) { counts_[name] = std::move(value); }
   /// Wall time since the start, seconds.

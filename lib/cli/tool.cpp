@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Scope of `--check`: everything that the configuration alone determines, including features that stand
+// off the grid. It opens no data file, so that it works on a machine that does not have them.
 #include "cli/tool.h"
 
 #include <CLI/CLI.hpp>

@@ -80,7 +80,7 @@ std::string fixed_because(const std::string& key) {
   if (const auto& [stage, pointer] = split_key(key); stage == "scan") {
     const std::optional<KeyEffect> effect = effect_of(pointer.to_string());
     if (effect == KeyEffect::beam)
-      return "changes the rays, and only errors are drawn anew; trace a scan for each value "
+      return "changes the rays, and only errors are redrawn; trace a scan for each value "
              "(docs/user/studies)";
     if (effect == KeyEffect::echo)
       return "changes the echoes that the scan keeps; trace a scan for each value (docs/user/studies)";
@@ -171,8 +171,8 @@ void DrawsConfig::predict() {
 
 void DrawsConfig::take_samples(const NumberTable& samples) {
   if (samples.row_count() == 0) samples.fail("has no row; a draw is a row");
-  constexpr std::size_t kMostDraws = 100'000;  // the bound of /draws in the schema
-  if (samples.row_count() > kMostDraws)
+  constexpr std::size_t kMaxDraws = 100'000;  // the bound of /draws in the schema
+  if (samples.row_count() > kMaxDraws)
     samples.fail("has " + std::to_string(samples.row_count()) + " rows; a campaign has at most 100000 draws");
   draw_count_ = static_cast<std::int64_t>(samples.row_count());
   for (const std::string& key : samples.names()) {
@@ -218,7 +218,7 @@ std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::i
   std::set<std::int64_t> draws = {first, end - 1};  // one of them has another seed than the scan
   struct Deciding {
     double least, greatest;
-    std::int64_t least_draw, greatest_draw;
+    std::int64_t min_draw, greatest_draw;
     std::optional<std::int64_t> fraction_draw;
   };
   std::vector<Deciding> keys;
@@ -227,13 +227,13 @@ std::vector<std::int64_t> DrawsConfig::deciding_draws(std::int64_t first, std::i
     const std::vector<double> drawn = values(draw);
     for (std::size_t i = 0; i < drawn.size(); ++i) {
       Deciding& key = keys[i];
-      if (drawn[i] < key.least) key.least = drawn[i], key.least_draw = draw;
+      if (drawn[i] < key.least) key.least = drawn[i], key.min_draw = draw;
       if (drawn[i] > key.greatest) key.greatest = drawn[i], key.greatest_draw = draw;
       if (!key.fraction_draw && drawn[i] != std::floor(drawn[i])) key.fraction_draw = draw;
     }
   }
   for (const Deciding& key : keys) {
-    draws.insert({key.least_draw, key.greatest_draw});
+    draws.insert({key.min_draw, key.greatest_draw});
     if (key.fraction_draw) draws.insert(*key.fraction_draw);
   }
   return {draws.begin(), draws.end()};

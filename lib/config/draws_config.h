@@ -40,7 +40,7 @@ class DrawsConfig {
   [[nodiscard]] std::int64_t draw_count() const { return draw_count_; }
   [[nodiscard]] MetricsKind metrics() const { return metrics_; }
   [[nodiscard]] bool has_layers() const { return has_layers_; }
-  /// What the predicted 1-sigma map assumes: /regrid/uncertainty; what it lacks is taken from the varied
+  /// The parameters of the predicted 1-sigma map: /regrid/uncertainty; what it lacks is taken from the varied
   /// navigation errors, and the range noise from the scan (D318). Empty where the map is not asked for.
   [[nodiscard]] const std::optional<UncertaintyParameters>& predicted() const { return predicted_; }
   /// How hazards are judged on the DEM of each draw; empty where they are not.

@@ -82,8 +82,8 @@ FeatureShape make_penitente_field(const Json& json) {
   field.amplitude_m = number(json, "amplitude_m");
   field.wavelength_m = number(json, "wavelength_m");
   field.exponent = number(json, "exponent");
-  const double least_m = field.diameter_m > 0 ? field.diameter_m : std::min(field.length_m, field.width_m);
-  field.edge_m = number_or(json, "edge_m", std::min(field.wavelength_m, least_m / 2));
+  const double min_m = field.diameter_m > 0 ? field.diameter_m : std::min(field.length_m, field.width_m);
+  field.edge_m = number_or(json, "edge_m", std::min(field.wavelength_m, min_m / 2));
   field.yaw_rad = radians(json, "yaw_deg");
   field.wobble_m = number(json, "wobble_m");
   field.wobble_length_m = number_or(json, "wobble_length_m", 2 * field.wavelength_m);

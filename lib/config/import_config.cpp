@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// `--from` and its options set configuration keys, before `--set`: there is one way to express a
+// configuration, and one hash of it. Omitted values come from the raster's header and appear in the
+// resolved configuration as numbers.
 #include "config/import_config.h"
 
 #include <charconv>

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A configuration has at most 64 levels, more than any schema; a message cuts keys and values after 60
+// characters and is always one line.
+//
+// An element of an array is set by its index (`--set navigation_error.velocity_mps.0=0.1`) where the array
+// is in the configuration or its default; `scan` of a campaign changes elements of the scan's own array.
+//
+// A configuration has at most 64 MiB. Half a million features take less; parsed, it needs several times
+// its size. The limit is for devices and pipes without an end.
 #include "config/json_source.h"
 
 #include <algorithm>
@@ -150,8 +158,8 @@ Json& element(Json& array, const std::string& key, const std::string& assignment
   return array[index];
 }
 
-/// What a value that nothing has set yet becomes, so that `key` exists below it: an array where the key is an
-/// index and the default is an array.
+/// The container that a value becomes that nothing has set yet, so that `key` exists below it: an array where
+/// the key is an index and the default is an array.
 Json container_for(const std::string& key, const Json& root, const std::string& pointer,
                    const DefaultAt& default_at) {
   if (default_at && is_index(key))

@@ -8,7 +8,7 @@
 
 namespace landfall {
 
-// What the keys of a scan's configuration do to a scan, as schemas/scan.schema.json says beside each key:
+// The effects of the keys of a scan's configuration, as schemas/scan.schema.json says beside each key:
 // "effect", which the keys below inherit, "drawn" and "sigma".
 
 /// The part of a scan that a key changes.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Settings without effect are warned about, not refused, so that a study can vary the receiver's type with
+// the other keys set.
 #include "config/receiver_config.h"
 
 #include <algorithm>
@@ -107,7 +109,7 @@ Receiver make_receiver(const Json& resolved, const ComponentContext& context) {
                               .photon_noise = json.at("photon_noise").get<bool>(),
                               .walk_correction = json.at("walk_correction").get<bool>(),
                               .returns = returns_of(json),
-                              .most_returns = json.at("max_returns").get<int>()};
+                              .max_returns = json.at("max_returns").get<int>()};
   return at_path("receiver/", [&] {
     if (receiver.type != ReceiverType::none) {
       if (resolved.at("detector").at("estimator") != "mean")

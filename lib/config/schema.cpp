@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Every number of a schema has an upper bound, and a lower one, so that no valid configuration overflows:
+// 1e6 m and 1e6 s for errors and times, 1e9 m for sizes and positions, 360 degrees, 1e12 for coordinates
+// of a map. They are not the limits of sensible values. What overflows nevertheless is refused when it is
+// written. Numbers of a study have no bounds of their own, because they become values of keys.
 #include "config/schema.h"
 
 #include <algorithm>
@@ -8,11 +12,6 @@
 #include <numeric>
 #include <optional>
 #include <utility>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validation_results.hpp>
-#include <valijson/validator.hpp>
 
 #include "base/abbreviated.h"
 #include "base/error.h"
@@ -269,25 +268,6 @@ class Resolver {
   const Json& root_;
 };
 
-void validate(const std::string& name, const Json& schema_json, const Json& value) {
-  valijson::Schema schema;
-  valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-  const valijson::adapters::NlohmannJsonAdapter schema_adapter(schema_json);
-  parser.populateSchema(schema_adapter, schema);
-  valijson::Validator validator(valijson::Validator::kStrongTypes);
-  valijson::ValidationResults results;
-  const valijson::adapters::NlohmannJsonAdapter adapter(value);
-  if (validator.validate(schema, adapter, &results)) return;
-  valijson::ValidationResults::Error error;
-  std::string text;
-  while (results.popError(error)) {
-    text.clear();
-    for (const std::string& part : error.context) text += part;
-    text += ": " + error.description;
-  }
-  throw UsageError(name + ": " + text);
-}
-
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known) {
@@ -299,8 +279,8 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
     best_distance = distance;
     best = candidate;
   }
-  constexpr std::size_t kLeastPart = 4;
-  if (best.empty() && word.size() >= kLeastPart)
+  constexpr std::size_t kMinPart = 4;
+  if (best.empty() && word.size() >= kMinPart)
     for (const std::string& candidate : known)
       if (candidate.find(word) != std::string::npos && (best.empty() || candidate.size() < best.size()))
         best = candidate;
@@ -325,7 +305,6 @@ const Json& embedded_schema(const std::string& name) {
 Json resolve_config(const JsonSource& source, const Json& schema) {
   Json value = source.value;
   Resolver(source.name, schema).resolve(schema, value, "");
-  validate(source.name, schema, value);
   if (value.is_object())
     for (const char* const key : kIgnoredKeys) value.erase(key);
   return value;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D117
 #include "config/terrain_config.h"
 
 #include <cmath>

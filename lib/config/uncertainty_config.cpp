@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D90, D258
 #include "config/uncertainty_config.h"
 
 #include <algorithm>

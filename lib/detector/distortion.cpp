@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D95
 #include "detector/distortion.h"
 
 #include <algorithm>
@@ -13,7 +14,8 @@ double growth(const RadialDistortion& d, double s) {
   return 1 + s * (3 * d.k1 + s * (5 * d.k2 + s * 7 * d.k3));
 }
 
-/// Where growth() is stationary in [0, limit]: the roots of 3 k1 + 10 k2 s + 21 k3 s^2, and both ends.
+/// The points in [0, limit] at which growth() is stationary: the roots of 3 k1 + 10 k2 s + 21 k3 s^2, and
+/// both ends.
 std::array<double, 4> turning_points(const RadialDistortion& d, double limit) {
   const double a = 21 * d.k3;
   const double half_b = 5 * d.k2;

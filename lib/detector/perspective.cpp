@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/number_text.h"
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {
@@ -67,7 +67,7 @@ struct Spot {
   double down;
 };
 
-/// Where pixels and their sub-pixels lie, before distortion.
+/// The positions of pixels and their sub-pixels, before distortion.
 class PixelGrid {
  public:
   explicit PixelGrid(const PerspectiveParameters& parameters)
@@ -83,7 +83,7 @@ class PixelGrid {
     return {point.u + right * pitch_.x, -point.v + down * pitch_.y};
   }
 
-  /// Where sub-pixel `i` (row-major) of the pixel lies.
+  /// The position of sub-pixel `i` (row-major) of the pixel.
   [[nodiscard]] Spot sample(PixelIndex pixel, int i) const {
     const int m = p_.subpixels;
     return at(pixel, from_middle(i % m, m) * filled_ / m, from_middle(i / m, m) * filled_ / m);

@@ -34,7 +34,7 @@ struct PerspectiveParameters {
   /// The fraction of a pixel's area that is sensitive, in (0, 1]: a square at its centre. Without sub-pixels,
   /// a pixel is a single ray and this has no effect.
   double fill_factor = 1;
-  /// Where the centre of each pixel lies, row-major; empty: evenly, one pitch apart.
+  /// The centre of each pixel, row-major; empty: evenly, one pitch apart.
   std::vector<ImagePoint> points{};
   RangeEstimatorParameters estimator{};
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D12, D94
 #include "detector/range_estimator.h"
 
 #include <algorithm>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D87, D324
 #include "error_models/pointing_error.h"
 
 #include <cmath>
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {

@@ -24,7 +24,7 @@ struct PointingErrorParameters {
   double pulse_interval_s = 0;     ///< positive with a jitter_time
 };
 
-/// Where and when the lidar really looks, as opposed to what the lander believes.
+/// The true direction and time of the lidar, as opposed to those that the lander believes.
 ///
 /// On the true side, the whole lidar, exit points included, turns about its origin:
 ///   R_body_lidar_true = R_body_lidar R_lidar_true,   R_lidar_true = R_misalignment R(rpy = (j_x, j_y, 0)),

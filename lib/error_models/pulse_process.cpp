@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D325
 #include "error_models/pulse_process.h"
 
 #include <cmath>

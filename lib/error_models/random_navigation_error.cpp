@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D89
 #include "error_models/random_navigation_error.h"
 
 #include <string>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D85, D86
 #include "error_models/range_errors.h"
 
 #include <algorithm>

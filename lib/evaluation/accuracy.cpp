@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D24, D64
 #include "evaluation/accuracy.h"
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D62
 #include "evaluation/error_statistics.h"
 
 #include <cmath>

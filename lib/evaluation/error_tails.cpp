@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// Of `count` windows centred on consecutive bins from `first`, those that hold a bin: begin .. end - 1.
+/// The windows that hold a bin, among `count` centred on consecutive bins from `first`: begin .. end - 1.
 struct WindowRange {
   std::size_t begin = 0;
   std::size_t end = 0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D43
 #include "evaluation/evaluate.h"
 
 #include <algorithm>

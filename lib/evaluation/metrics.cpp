@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D26, D28
 #include "evaluation/metrics.h"
 
 #include <initializer_list>

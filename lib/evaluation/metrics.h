@@ -135,7 +135,7 @@ struct RequirementMetrics {
   friend bool operator==(const RequirementMetrics&, const RequirementMetrics&) = default;
 };
 
-/// What the value and the limit of a requirement count.
+/// The unit of the value and the limit of a requirement.
 enum class RequirementUnit { fraction, bins, footprints };
 
 /// How a requirement of Table 1 is presented, on a terminal and in a report.

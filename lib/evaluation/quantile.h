@@ -6,9 +6,9 @@
 
 namespace landfall {
 
-/// Where a quantile lies among n sorted values a[0] <= .. <= a[n-1]: h = (n - 1) q, below = floor(h), frac =
-/// h - below, and its value is a[below] + frac (a[below + 1] - a[below]), or a[below] when frac is 0.
-/// This is numpy's default, Hyndman and Fan's type 7.
+/// The place of a quantile among n sorted values a[0] <= .. <= a[n-1]: h = (n - 1) q, below = floor(h), frac
+/// = h - below, and its value is a[below] + frac (a[below + 1] - a[below]), or a[below] when frac is 0. This
+/// is numpy's default, Hyndman and Fan's type 7.
 struct QuantileRank {
   std::size_t below = 0;
   double frac = 0;

@@ -13,7 +13,7 @@
 namespace landfall {
 namespace {
 
-constexpr std::size_t kMostFrac = 8;  // one bin of the DEM in so many may be invalid
+constexpr std::size_t kMaxFrac = 8;  // one bin of the DEM in so many may be invalid
 
 struct InvalidBins {
   std::vector<std::uint32_t> bins;  ///< row-major indices, ascending
@@ -64,7 +64,7 @@ class NearestValid {
   std::int64_t budget_;
 };
 
-/// Of each bin, in bins; empty if it would take too long.
+/// The distance of each bin, in bins; empty if it would take too long.
 std::optional<std::vector<double>> distances(const BinMask& valid, const std::vector<std::uint32_t>& bins) {
   const GridSpec& spec = valid.spec();
   NearestValid nearest(valid, spec.rows * spec.cols);
@@ -90,8 +90,7 @@ JudgedCoverage judge_densely(const BinMask& valid, const BinMask& region, const 
 JudgedCoverage judge_coverage(const BinMask& valid, const BinMask& region, const EvaluationLimits& limits,
                               Grid<std::int8_t>& fail) {
   const InvalidBins invalid = find_invalid(valid, region);
-  if (invalid.bins.size() > valid.spec().size() / kMostFrac)
-    return judge_densely(valid, region, limits, fail);
+  if (invalid.bins.size() > valid.spec().size() / kMaxFrac) return judge_densely(valid, region, limits, fail);
   const auto distance = distances(valid, invalid.bins);
   if (!distance) return judge_densely(valid, region, limits, fail);
   BinLabels labels = label_bins(valid.spec(), invalid.bins);

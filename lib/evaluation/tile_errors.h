@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// What some errors have in common.
+/// The range of some errors.
 struct ErrorRange {
   double lowest = std::numeric_limits<double>::infinity();  ///< NaN is ignored
   double highest = -std::numeric_limits<double>::infinity();
@@ -22,7 +22,7 @@ struct ErrorRange {
   [[nodiscard]] double largest() const { return valid == 0 ? 0 : std::max(-lowest, highest); }
 };
 
-/// The errors of one axis that the windows of one tile reach, computed anew for each tile (error_of()), so
+/// The errors of one axis that the windows of one tile reach, computed for each tile (error_of()), so
 /// that no map of them exists. Bins outside the grid are NaN: windows need no clipping.
 class TileErrors {
  public:

@@ -11,7 +11,7 @@
 namespace landfall {
 
 /// The largest footprint of a TileJudge: 257 bins on a side.
-inline constexpr std::int64_t kMostHalfBins = 128;
+inline constexpr std::int64_t kMaxHalfBins = 128;
 
 /// The windows on an edge of a tile: few enough that their means are alike, and enough to share the errors
 /// that they reach.
@@ -19,7 +19,7 @@ inline constexpr std::int64_t kMostHalfBins = 128;
   return std::max<std::int64_t>(64, 2 * footprint.half_bins());
 }
 
-/// What decides the accuracy requirements, of a tile or added up.
+/// The counts that decide the accuracy requirements, of a tile or added up.
 struct TileVerdict {
   WindowJudge::Outcome x, y, z;     ///< relative errors
   WindowJudge::Outcome horizontal;  ///< the absolute one; its footprints have a value in x and in y

@@ -38,7 +38,7 @@ bool have_one_grid(const DemLayers& dem) {
          (dem.truth->x.spec() == spec && dem.truth->y.spec() == spec && dem.truth->z.spec() == spec);
 }
 
-/// Of all tiles, in any order: sums of integers.
+/// The sum over all tiles, in any order, because the counts are integers.
 TileVerdict judge_tiles(const DemLayers& dem, const BinMask& region, const EvaluationParameters& parameters,
                         const Footprint& footprint, Grid<std::int8_t>& fail) {
   const GridSpec& spec = dem.z_est.spec();
@@ -96,7 +96,7 @@ Verdict decide(const DemLayers& dem, const BinMask& region, const EvaluationPara
   check(parameters);
   if (!dem.truth || !have_one_grid(dem)) check_layers(dem);
   const Footprint footprint = footprint_of(parameters, dem.z_est.spec().resolution_m);
-  if (footprint.half_bins() > kMostHalfBins) return decide_by_evaluation(dem, region, parameters);
+  if (footprint.half_bins() > kMaxHalfBins) return decide_by_evaluation(dem, region, parameters);
   Verdict result{{}, Grid<std::int8_t>(dem.z_est.spec())};
   std::optional<TileVerdict> footprints;
   if (dem.truth) {

@@ -29,11 +29,11 @@ struct MeanRange {
   double highest;
 };
 
-/// Of one bin or, summed, of a window, in one number: the values, those that deviate by more than the limit
-/// from some mean of a range, and those that deviate so from each.
+/// Counts of one bin or, summed, of a window, in one number: the values, those that deviate by more than the
+/// limit from some mean of a range, and those that deviate so from each.
 struct PackedCounts {
   static constexpr unsigned kBits = 21;
-  static constexpr std::int64_t kMost = (std::int64_t{1} << kBits) - 1;  ///< of each count
+  static constexpr std::int64_t kMax = (std::int64_t{1} << kBits) - 1;  ///< of each count
 
   std::uint64_t bits = 0;
   [[nodiscard]] std::int64_t valid() const { return part(0); }
@@ -42,7 +42,7 @@ struct PackedCounts {
 
  private:
   [[nodiscard]] std::int64_t part(unsigned i) const {
-    return static_cast<std::int64_t>(bits >> (i * kBits)) & kMost;
+    return static_cast<std::int64_t>(bits >> (i * kBits)) & kMax;
   }
 };
 

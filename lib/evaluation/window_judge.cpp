@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A verdict without percentiles is exact. A window of n values passes where at most n - 2 - floor((n - 1)
+// q) deviate by more than the limit (one more where the quantile is an order statistic itself), fails
+// where at least n - floor((n - 1) q) do; between them the interpolated quantile decides. Deviations are
+// rounded as in the percentile's definition, so that values equal to the limit have the same verdict.
+//
+// Inputs that the counts do not allow take the full evaluation: footprints of more than 257 bins on a side,
+// and errors above 2^900 m, whose sums may overflow.
 #include "evaluation/window_judge.h"
 
 #include <algorithm>

@@ -25,7 +25,7 @@ namespace landfall {
 class WindowJudge {
  public:
   struct Rule {
-    const Footprint& footprint;  ///< of at most PackedCounts::kMost bins
+    const Footprint& footprint;  ///< of at most PackedCounts::kMax bins
     double quantile;
     double limit_m;
     FailFlag flag;
@@ -45,7 +45,7 @@ class WindowJudge {
   Outcome judge(const TileErrors& errors, const View<const std::int8_t>& region,
                 const View<std::int8_t>& fail);
 
-  /// Of the last tile: an interval that holds the mean of each window, and whether a window of the region has
+  /// An interval that holds the mean of each window of the last tile, and whether a window of the region has
   /// a value.
   [[nodiscard]] MeanRange bounds_of_means() const {
     return {errors_->range().lowest - mean_error_, errors_->range().highest + mean_error_};
@@ -67,7 +67,7 @@ class WindowJudge {
     Place place;
     double error;
   };
-  /// Of some windows those that are not decided.
+  /// The undecided windows of a rectangle.
   struct Pending {
     std::int64_t count = 0;
     std::int64_t fewest = std::numeric_limits<std::int64_t>::max();  ///< values of one
@@ -105,13 +105,13 @@ class WindowJudge {
   Outcome outcome_;
   double mean_error_ = 0;             ///< at most, of means_
   std::vector<std::int8_t> pending_;  ///< by window of the tile
-  std::vector<double> means_;         ///< likewise
+  std::vector<double> means_;         ///< one for each window of the tile
   Grid<double> exact_means_;          ///< of windows from exact_first_ on
   Place exact_first_{};
   bool has_all_exact_ = false;  ///< of the whole tile
   bool is_full_ = false;
   std::int64_t whole_;                       ///< bins of the footprint
-  std::vector<std::uint64_t> value_counts_;  ///< likewise, unless is_full_
+  std::vector<std::uint64_t> value_counts_;  ///< one for each window of the tile, unless is_full_
   std::vector<std::uint64_t> packed_, counts_;
   std::vector<Value> uncertain_;  ///< values that depend on the mean
 };

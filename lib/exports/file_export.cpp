@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A TIFF of several layers has one type, the smallest of float64, float32, int32 and int16 that can
+// represent all: GDAL's COG driver supports nothing else, and one file per layer would split a DEM. int8
+// becomes int16, because GDAL before 3.7 has no int8.
 #include "exports/file_export.h"
 
 #include <algorithm>
@@ -130,7 +133,7 @@ void export_points_xdmf(const PointReader& points, const ExportOptions& o, const
   positions_output.commit();
 }
 
-/// What the reader of a .las should know about its times; empty if the options say it.
+/// A remark on the times of a .las; empty if the options say it.
 std::string time_remark(const PointReader& points, const ExportOptions& o, const std::string& output) {
   constexpr double kWeek_s = 604800;
   if (o.time.empty())

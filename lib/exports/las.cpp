@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D162, D385
 #include "exports/las.h"
 
 #include <algorithm>
@@ -161,10 +162,10 @@ std::string las_header(const LasContent& content) {
 
 void require_gps_times(const PointReader& points) {
   const std::vector<double>& since_s = points.pulse_times().since_s;
-  const double least_s = since_s.empty() ? 0 : *std::ranges::min_element(since_s);
-  if (points.pulse_times().epoch_s + least_s < 0)
+  const double min_s = since_s.empty() ? 0 : *std::ranges::min_element(since_s);
+  if (points.pulse_times().epoch_s + min_s < 0)
     throw UsageError("--time gps: " + points.file().name() + ": a pulse is at " +
-                     number_text(points.pulse_times().epoch_s + least_s) +
+                     number_text(points.pulse_times().epoch_s + min_s) +
                      " s; the GPS clock begins at 0 s (1980-01-06): use --time scan");
 }
 

@@ -41,7 +41,7 @@ struct LasGrid {
   }
 };
 
-/// What the GPS times of points are.
+/// The meaning of the GPS times of points.
 enum class LasTime {
   scan,  ///< seconds since the first pulse
   gps,   ///< adjusted standard GPS time: t - 1e9 s, t on the GPS clock, whose 0 is 1980-01-06

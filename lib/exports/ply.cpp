@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// PLY keeps the stored types, although CloudCompare and ParaView convert to float32: the file itself is
+// lossless.
 #include "exports/ply.h"
 
 #include "base/number_text.h"

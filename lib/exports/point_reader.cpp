@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Points without a return are omitted from every export except a .csv that requests them.
 #include "exports/point_reader.h"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D295
+//
+// Pictures show the maximum flag of a pixel, and limit the colour range only if outliers more than double
+// it. Classes: D293, D295.
 #include "exports/quick_look.h"
 
 #include <algorithm>

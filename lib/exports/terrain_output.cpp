@@ -79,7 +79,7 @@ TerrainContent build_mesh(const MeshImport& import, TerrainOutput& output) {
   return content;
 }
 
-/// What a user should know of a site that is much smaller than a pixel of its raster, or much finer.
+/// Warnings of a site that is much smaller than a pixel of its raster, or much finer.
 std::vector<std::string> posting_warnings(const DemBase& dem, const DemRaster& raster, const GridSpec& site) {
   const double posting_m = raster.mapping.posting_m();
   const double width_m = static_cast<double>(site.cols - 1) * site.resolution_m;
@@ -150,7 +150,7 @@ TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, Ter
     for (std::string& warning : posting_warnings(dem, raster, site)) warnings.push_back(std::move(warning));
     return raster;
   };
-  if (is_own && config.grid.rows * config.grid.cols > StripSize().most_nodes) {
+  if (is_own && config.grid.rows * config.grid.cols > StripSize().max_nodes) {
     TerrainContent content = build_in_strips(config, load, output);
     content.warnings = std::move(warnings);
     return content;

@@ -30,7 +30,7 @@ struct TerrainContent {
   std::optional<NodeCounts> nodes = {};                                 ///< of a gridded one
   std::optional<std::map<std::string, std::int64_t>> features_of = {};  ///< objects by kind
   std::optional<CleanMesh> mesh = {};                                   ///< of an imported one
-  /// Where the site does not suit its raster; the parts of a mesh file that are not read.
+  /// Remarks on a site that does not suit its raster; the parts of a mesh file that are not read.
   std::vector<std::string> warnings = {};
 };
 
@@ -39,7 +39,7 @@ struct TerrainContent {
 [[nodiscard]] std::vector<std::string> input_files(const TerrainConfig& config,
                                                    const std::filesystem::path& path, RasterLinks links);
 
-/// Makes the terrain of a configuration and writes it; a terrain of more than StripSize::most_nodes nodes is
+/// Makes the terrain of a configuration and writes it; a terrain of more than StripSize::max_nodes nodes is
 /// written to .h5 strip by strip. Throws UsageError if the output's extension is unknown or if the output for
 /// a mesh is a GeoTIFF, and as generate_terrain(), read_mesh_file(), clean_mesh() and the writers do.
 TerrainContent build_terrain(const TerrainConfig& config, RasterLinks links, TerrainOutput output);

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Positions of points in an .xmf are a virtual dataset of N x 3 in a small file next to it. Only
+// ParaView's older library reads three columns as positions (`X_Y_Z`); a copy would cost 24 bytes per
+// point. Vertices are written explicitly (`/row`), because meshio needs them. `/position` is float64
+// unless all three columns are float32.
 #include "exports/xdmf.h"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 
 namespace landfall {
 
-/// What CF-1.8 can say about a site frame.
+/// The description of a site frame that CF-1.8 allows.
 enum class CfFrame {
   local,         ///< not tied to a body: no grid mapping exists, and none is needed
   mapped,        ///< described by a grid mapping

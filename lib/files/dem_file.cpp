@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D381
 #include "files/dem_file.h"
 
 #include <algorithm>

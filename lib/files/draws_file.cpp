@@ -220,8 +220,8 @@ Json rate_json(const std::string& name, const PassRate& rate) {
           {"exact_lower_bound", exact_lower_bound(rate)}};
 }
 
-/// Of a campaign that judges hazards: how often the chosen place is safe in truth. A draw without a safe
-/// place, or whose place is unknown in truth, counts as not safe.
+/// The share of draws whose chosen place is safe in truth, of a campaign that judges hazards. A draw without
+/// a safe place, or whose place is unknown in truth, counts as not safe.
 Json hazard_json(std::int64_t draws, const std::vector<double>& chosen_safe,
                  const std::vector<double>& site_x_m, const std::vector<double>& missed) {
   const auto sites = std::ranges::count_if(site_x_m, [](double x_m) { return !std::isnan(x_m); });
@@ -266,17 +266,17 @@ DrawTable rows_of_pair(const DrawTable& table, std::ptrdiff_t begin, std::ptrdif
   return result;
 }
 
-constexpr std::int64_t kMostDraws = std::int64_t{1} << 17;  ///< for which ErrorSums is exact
+constexpr std::int64_t kMaxDraws = std::int64_t{1} << 17;  ///< for which ErrorSums is exact
 
 void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
-  constexpr std::int64_t kMostError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
-  constexpr std::int64_t kMostReturns = std::int64_t{1} << 52;  // in all draws of a campaign, below 2^63
+  constexpr std::int64_t kMaxError = std::int64_t{1} << 46;    // 65,536 m in 2^-30 m
+  constexpr std::int64_t kMaxReturns = std::int64_t{1} << 52;  // in all draws of a campaign, below 2^63
   require_at_most(file, "invalid", maps.invalid, 0, maps.draws);
   require_at_most(file, "fail_rel_x", maps.fail_rel_x, 0, maps.draws);
   require_at_most(file, "fail_rel_y", maps.fail_rel_y, 0, maps.draws);
   require_at_most(file, "fail_rel_z", maps.fail_rel_z, 0, maps.draws);
   require_at_most(file, "fail_absolute", maps.fail_absolute, 0, maps.draws);
-  require_at_most(file, "count", maps.count, 0, kMostReturns);
+  require_at_most(file, "count", maps.count, 0, kMaxReturns);
   if (maps.safety) {
     require_at_most(file, "safety_known", maps.safety->known, 0, maps.draws);
     require_at_most(file, "safety_judged_safe", maps.safety->judged_safe, 0, maps.draws);
@@ -289,12 +289,12 @@ void check_state(const LandfallFileReader& file, const DrawMaps& maps) {
   for (const auto& [name, sums] : {std::pair{"e_z", &maps.e_z}, std::pair{"e_map", &maps.e_map}}) {
     const std::string prefix(name);
     require_at_most(file, prefix + "_count", sums->count, 0, maps.draws);
-    require_at_most(file, prefix + "_sum", sums->sum, -maps.draws * kMostError, maps.draws * kMostError);
-    const std::int64_t most_high = maps.draws * (kMostError >> 18);  // of squares below draws * 2^92
+    require_at_most(file, prefix + "_sum", sums->sum, -maps.draws * kMaxError, maps.draws * kMaxError);
+    const std::int64_t max_high = maps.draws * (kMaxError >> 18);  // of squares below draws * 2^92
     for (const WideSum& squares : sums->squares.values())
-      if (squares.high < 0 || squares.high > most_high)
+      if (squares.high < 0 || squares.high > max_high)
         file.fail("/state/" + prefix + "_squares_high: " + std::to_string(squares.high) + " is not in [0, " +
-                  std::to_string(most_high) + "]");
+                  std::to_string(max_high) + "]");
   }
 }
 
@@ -397,9 +397,9 @@ DrawTable read_rows(const LandfallFileReader& file) {
   const auto first = h5::read_number_attribute(table.group(), kFirstDraw);
   if (!first) file.fail("/draws has no attribute first_draw");
   const std::size_t size = table.row_count("seed");
-  if (size > kMostDraws) file.fail("/draws has more than " + std::to_string(kMostDraws) + " rows");
-  if (!(*first >= 0 && *first < static_cast<double>(kMostDraws)))
-    file.fail("/draws: first_draw is not in [0, " + std::to_string(kMostDraws) + ")");
+  if (size > kMaxDraws) file.fail("/draws has more than " + std::to_string(kMaxDraws) + " rows");
+  if (!(*first >= 0 && *first < static_cast<double>(kMaxDraws)))
+    file.fail("/draws: first_draw is not in [0, " + std::to_string(kMaxDraws) + ")");
   result.first = static_cast<std::int64_t>(*first);
   result.seeds.resize(size);
   result.pass.resize(size);

@@ -17,7 +17,7 @@
 
 namespace landfall {
 
-/// What a campaign, or a part of one, has drawn.
+/// The draws of a campaign, or of a part of one.
 struct Draws {
   DrawTable table;
   std::optional<DrawMaps> maps;

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// /features lists the positions and sizes of objects, not all of their parameters: those of listed objects
+// are in `config_json`, those of patterns follow from it and the seed. The ground under a centre is
+// evaluated in the cell's own coordinates from the origin of the frame, so that a terrain made in parts
+// has the same elevations under its features, to the bit.
 #include "files/feature_file.h"
 
 #include <algorithm>

@@ -94,7 +94,7 @@ void add_statistics(Json& json, const DatasetEntry& entry, const std::optional<V
   if (!statistics) {
     for (const char* const key : {"count", "nan_count", "infinite_count", "min", "max", "mean", "std"})
       json[key] = nullptr;
-    json["not_read"] = "its chunks have more than " + grouped(kMostChunkValues) +
+    json["not_read"] = "its chunks have more than " + grouped(kMaxChunkValues) +
                        " values; store it in smaller ones (h5repack)";
     return;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D248
 #include "files/grid_file.h"
 
 #include <hdf5_hl.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D247
 #include "files/grid_mapping.h"
 
 #include <algorithm>

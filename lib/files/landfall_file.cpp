@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Pipes and devices are refused as data, because readers seek in a file; a JSON configuration may come
+// through one.
+//
+// `history` has no times, one line per step (CF recommends a time at its beginning), so that equal runs
+// write equal files. It lists the last 200 steps; `/provenance/chain_json` lists all.
 #include "files/landfall_file.h"
 
 #include <algorithm>

@@ -95,8 +95,7 @@ std::unique_ptr<const AlbedoMap> open_albedo(const std::filesystem::path& path) 
       [source](const GridSpec& window) { return checked_albedo(*source, window); });
 }
 
-std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path,
-                                                    std::int64_t most_nodes,
+std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path, std::int64_t max_nodes,
                                                     const ProgressCallback& progress) {
   {
     const LandfallFileReader file(path, {"terrain"});
@@ -104,7 +103,7 @@ std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path&
   }
   const auto source = std::make_shared<const LayerFile>(path);
   const GridSpec& spec = source->layers.spec();
-  const bool fits = spec.rows <= most_nodes / spec.cols;
+  const bool fits = spec.rows <= max_nodes / spec.cols;
   if (fits || spec.rows < 2 || spec.cols < 2 || !CellOrigin::has_windows(spec)) return std::nullopt;
   const Range range = elevation_range(*source, progress);
   const auto load = [source, range](const GridSpec& window) {

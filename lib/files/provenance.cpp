@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D29
+//
+// Provenance with another structure is ignored. A configuration that is not an object, inputs without role
+// and id, a history with such a step, and JSON of more than 100 levels are treated as absent, because any
+// program may have written them; if a run needs them, it reports this with its own message.
 #include "files/provenance.h"
 
 #include <algorithm>

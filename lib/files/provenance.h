@@ -12,7 +12,8 @@ namespace landfall {
 struct InputRecord {
   std::string role;     ///< "terrain", "scan", "dem", "raster", "mesh", "trajectory"
   std::string file_id;  ///< of a landfall file; otherwise the hash of the bytes
-  /// What the file did not say, or said in two ways, and what was taken instead (DemSource::assumed).
+  /// The statements that the file lacked, or made in two ways, and what was taken instead
+  /// (DemSource::assumed).
   std::vector<std::string> assumed = {};
   friend bool operator==(const InputRecord&, const InputRecord&) = default;
 };
@@ -44,7 +45,7 @@ struct Provenance {
 /// The hash of a foreign file's bytes. Throws FormatError if it cannot be read.
 [[nodiscard]] std::string content_id(const std::filesystem::path& path);
 
-/// "0.1.0", and "landfall scan-sim 0.1.0 (git 0123abc)".
+/// "0.2.0", and "landfall scan-sim 0.2.0 (git 0123abc)".
 [[nodiscard]] std::string program_version();
 [[nodiscard]] std::string source_line(const std::string& tool);
 

@@ -78,9 +78,9 @@ struct PulseTimes {
   std::vector<double> since_s{};  ///< since the first pulse
 };
 
-/// Of read_pulse_times(): differences from the first one. Where the stored times are those of pulses at a
-/// constant rate f on the clock, rounded, they are k/f instead, which is exact for any epoch. `rate_hz`: f,
-/// if it is known.
+/// The times of read_pulse_times() as differences from the first one. If the stored times are those of pulses
+/// at a constant rate f on the clock, rounded, they are k/f instead, which is exact for any epoch. `rate_hz`:
+/// f, if it is known.
 [[nodiscard]] PulseTimes times_since_first(std::vector<double> times_s, std::optional<double> rate_hz);
 /// times_since_first() with the rate in the scan's configuration.
 [[nodiscard]] PulseTimes read_pulse_times_since_first(const LandfallFileReader& scan);
@@ -94,7 +94,7 @@ class ScanReader {
 
   [[nodiscard]] const LandfallFileReader& file() const { return file_; }
   [[nodiscard]] const std::string& crs_wkt() const { return crs_wkt_; }
-  /// What the clock of the trajectory shows where times are 0: at first that of the scan's first pulse.
+  /// The time of the trajectory's clock at which times are 0: at first that of the scan's first pulse.
   [[nodiscard]] double epoch_s() const { return pulse_times_.epoch_s; }
   /// Counts the times from another epoch on the same clock from now on.
   void count_from(double epoch_s);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A terrain that was not scanned is refused as truth unless `--other-terrain` is given, because its z_true
+// would be that of another site.
 #include "files/scan_gridding.h"
 
 #include <algorithm>

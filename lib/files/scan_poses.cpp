@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D380
 #include "files/scan_poses.h"
 
 #include <span>

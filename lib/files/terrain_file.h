@@ -70,12 +70,12 @@ struct LargeTerrainInput : TerrainIdentity {
   LargeTerrain terrain{};  ///< keeps the file open
 };
 
-/// Returns nothing for a terrain to be read by read_terrain(): a mesh, a grid of at most `most_nodes` nodes,
+/// Returns nothing for a terrain to be read by read_terrain(): a mesh, a grid of at most `max_nodes` nodes,
 /// or a grid for which CellOrigin has no windows. The bounds of the elevations are the layer's actual_range,
 /// which terrain-gen writes; without it all tiles are read once. A window throws FormatError for an elevation
 /// that is infinite or beyond these bounds.
 [[nodiscard]] std::optional<LargeTerrainInput> open_large_terrain(const std::filesystem::path& path,
-                                                                  std::int64_t most_nodes = kMaxLoadedNodes,
+                                                                  std::int64_t max_nodes = kMaxLoadedNodes,
                                                                   const ProgressCallback& progress = {});
 
 }  // namespace landfall

@@ -1,4 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Tables of numbers come from spreadsheets, MATLAB, numpy, C and Fortran. Their separators, quotes,
+// capitals, signs, exponents and commented headers are unambiguous and are read. What two programs read
+// differently is refused with a remedy: decimal commas, a wanted column that is there twice, two groups
+// with the same columns.
+//
+// HELIOS++ and SBET trajectories are refused by name. A HELIOS++ file does not state the rotation order
+// and the direction of its yaw; an SBET has geodetic coordinates, whose site frame landfall cannot know.
+// Both need a conversion by their owner.
 #include "files/text_table.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D7, D35
 #include "geometry/rotation.h"
 
 #include <cmath>

@@ -16,7 +16,7 @@ struct RollPitchYaw {
 /// a + s b for each angle: attitude that is linear in time.
 [[nodiscard]] RollPitchYaw linear(const RollPitchYaw& a, double s, const RollPitchYaw& b);
 
-/// R = Rz(yaw) Ry(pitch) Rx(roll) (aerospace 3-2-1; docs/reference/decisions.md). Exact at multiples of pi/2:
+/// R = Rz(yaw) Ry(pitch) Rx(roll) (aerospace 3-2-1; D7). Exact at multiples of pi/2:
 /// the entries are then -1, 0 and 1, so that the nominal mount, rpy = (180, 0, 0) deg, is exactly
 /// diag(1, -1, -1).
 [[nodiscard]] Eigen::Matrix3d rotation_matrix(const RollPitchYaw& rpy);

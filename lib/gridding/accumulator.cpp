@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A DEM takes at most 2^31 - 1 returns within its grid, so that the int32 count of a bin cannot overflow;
+// a plan, which is easily made finer, is refused if the count of a bin does.
 #include "gridding/accumulator.h"
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D52
 #include "gridding/bilinear_accumulator.h"
 
 #include <algorithm>

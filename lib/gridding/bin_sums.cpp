@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D4, D41, D42
 #include "gridding/bin_sums.h"
 
 #include <algorithm>

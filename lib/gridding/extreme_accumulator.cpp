@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D50
 #include "gridding/extreme_accumulator.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D5
 #pragma once
 
 #include <functional>
@@ -8,7 +9,7 @@
 
 namespace landfall {
 
-/// Where the true elevation of a bin is taken.
+/// The point at which the true elevation of a bin is taken.
 enum class TruthAt {
   bin_center,  ///< under the true position of the bin's centre
   centroid,    ///< at the weighted mean of the true positions

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D51
+//
+// Median in passes. Its memory is limited by reading the scans several times, not by estimating the
+// median: the result is exact.
 #include "gridding/median_accumulator.h"
 
 #include <tbb/parallel_sort.h>

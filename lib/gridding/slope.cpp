@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D59, D256, D257
 #include "gridding/slope.h"
 
 #include <algorithm>

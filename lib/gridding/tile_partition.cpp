@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Threads share the bins of weighted sums by tiles of 32 to several hundred bins a side, independent of
+// the scan direction: bands of rows leave threads idle if lines run along them. No bin is shared between
+// threads, so that sums depend neither on the number of threads nor on the tiles.
 #include "gridding/tile_partition.h"
 
 #include <algorithm>
@@ -21,16 +24,16 @@ constexpr int kMinTileBits = 5;
 
 int bits_of(std::uint64_t number) { return static_cast<int>(std::bit_width(number)) - 1; }
 
-Tiling tiling_of(const GridSpec& spec, std::size_t least_parts) {
-  const int part_bits = std::min(kMaxPartBits, bits_of(std::bit_ceil(least_parts)));
+Tiling tiling_of(const GridSpec& spec, std::size_t min_parts) {
+  const int part_bits = std::min(kMaxPartBits, bits_of(std::bit_ceil(min_parts)));
   const auto tile = static_cast<std::uint64_t>(spec.cols) / (kTilesPerPart << part_bits);
   return {.tile_bits = std::max(kMinTileBits, bits_of(tile)), .part_bits = part_bits};
 }
 
 }  // namespace
 
-TilePartition::TilePartition(const GridSpec& spec, std::size_t least_parts)
-    : spec_(spec), tiling_(tiling_of(spec, least_parts)) {}
+TilePartition::TilePartition(const GridSpec& spec, std::size_t min_parts)
+    : spec_(spec), tiling_(tiling_of(spec, min_parts)) {}
 
 void TilePartition::assign(std::span<const double> x_m, std::span<const double> y_m) {
   assert(x_m.size() == y_m.size());

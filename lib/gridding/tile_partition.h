@@ -16,9 +16,9 @@ namespace landfall {
 /// any direction crosses all parts, and many consecutive points belong to one part.
 class TilePartition {
  public:
-  /// Creates at least `least_parts` parts, at most 64. The grid's rows and columns lie below
+  /// Creates at least `min_parts` parts, at most 64. The grid's rows and columns lie below
   /// 2^31.
-  TilePartition(const GridSpec& spec, std::size_t least_parts);
+  TilePartition(const GridSpec& spec, std::size_t min_parts);
 
   [[nodiscard]] std::size_t part_count() const { return std::size_t{1} << tiling_.part_bits; }
   /// The edge of a tile in bins.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D55, D56, D57, D58, D378
 #include "gridding/uncertainty.h"
 
 #include <algorithm>

@@ -46,14 +46,14 @@ struct BinSigmas {
   /// footprint alike.
   double z_abs = kUnknown;
   double z_rel = kUnknown;
-  /// What is independent from bin to bin: sqrt(range + quant), and sqrt(range) where misfit > 0, because
-  /// there quant measures the relief.
+  /// The part that is independent from bin to bin: sqrt(range + quant), and sqrt(range) where misfit > 0,
+  /// because there quant measures the relief.
   double z_noise = kUnknown;
   /// The same for z_corrected: without quant.
   double z_corrected_abs = kUnknown;
   double z_corrected_rel = kUnknown;
-  /// Of the horizontal error x_true - X along one axis: the root of the mean of the variances in x and in y,
-  /// each s^2 k(N) / N + sigma_r^2 n_x^2 sum w_k^2 + navigation with J = (1, 0, 0).
+  /// The sigma of the horizontal error x_true - X along one axis: the root of the mean of the variances in x
+  /// and in y, each s^2 k(N) / N + sigma_r^2 n_x^2 sum w_k^2 + navigation with J = (1, 0, 0).
   double xy = kUnknown;
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D3
 #include "gridding/weighted_mean_accumulator.h"
 
 #include <algorithm>

@@ -20,7 +20,7 @@ namespace landfall {
 /// A return lands in one bin, the one whose centre is nearest in x and in y to its estimated position
 /// (GridSpec::bin_of); it never spreads to neighbours. Its weight is w = (1 - p)(1 - q), p = |x_est - X|/s, q
 /// = |y_est - Y|/s, (X, Y) the bin's centre, s the bin's edge: weights lie in [1/4, 1]. The paper does not
-/// state the division by s (docs/reference/decisions.md).
+/// state the division by s (D3).
 ///
 /// Sums are in double and each bin adds its returns in the order of arrival: the same bits at any number of
 /// threads and for any division into batches. O(1) per return; 80 bytes per bin, in pages that stay untouched

@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace landfall::HWY_NAMESPACE {
 
-/// Of one row of places, group by group.
+/// Measures one row of places, group by group.
 class ContactLanes {
  public:
   explicit ContactLanes(const ContactInput& input)

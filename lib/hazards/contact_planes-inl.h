@@ -35,7 +35,7 @@ class ContactPlanes {
   explicit ContactPlanes(const ContactInput& input)
       : in_(input), planes_(input.lander.yaws.size() * (input.lander.legs == 4 ? 2 : 1)) {}
 
-  /// Of the last group.
+  /// The planes of the last group.
   [[nodiscard]] const std::vector<Plane>& planes() const { return planes_; }
 
   /// The planes about the kPlaces places from (row, col) on. Returns their largest squared gradients, in

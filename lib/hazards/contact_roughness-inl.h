@@ -78,7 +78,7 @@ std::vector<std::vector<Tile>> cover(const Footprint& body, std::size_t patch_pi
   return rows;
 }
 
-/// Of a group of places after the other.
+/// Measures the contact roughness of one group of places at a time.
 class ContactRoughness {
  public:
   ContactRoughness(const ContactInput& input, const std::vector<Plane>& planes)
@@ -99,11 +99,11 @@ class ContactRoughness {
   AtPlaces<double> Largest(std::int64_t row, std::int64_t col, std::size_t first_wanted,
                            const AtPlaces<std::int8_t>& is_wanted) {
     const Trend trend = TrendAt(row, col, first_wanted);
-    const float most_z = FillPatch(row, col, trend);
-    const float most_plane = MakeRoughPlanes(trend, is_wanted);
+    const float max_z = FillPatch(row, col, trend);
+    const float max_plane = MakeRoughPlanes(trend, is_wanted);
     FindTops();
     for (std::size_t plane = 0; plane < rough_planes_.size(); plane += kPlanesAtOnce) BoundPlanes(plane);
-    return LargestRoughness(row, col, 2 * RoughError(most_z, most_plane, trend), is_wanted);
+    return LargestRoughness(row, col, 2 * RoughError(max_z, max_plane, trend), is_wanted);
   }
 
  private:
@@ -212,11 +212,11 @@ class ContactRoughness {
   /// roundings of at most u (Z + G) part the two, also where a tile is left out because its bound is not
   /// larger; 16 leaves room for the rounding of the bounds themselves. Of double there are fewer than 32 of
   /// 2^-53 times what the trend took off.
-  [[nodiscard]] float RoughError(float most_z, float most_plane, const Trend& trend) const {
+  [[nodiscard]] float RoughError(float max_z, float max_plane, const Trend& trend) const {
     const double taken_off = std::abs(trend.base) + (std::abs(trend.east) + std::abs(trend.north)) *
                                                         static_cast<double>(patch_pitch_);
-    return 16 * 0x1p-24F * (most_z + most_plane) +
-           static_cast<float>(0x1p-48 * (taken_off + static_cast<double>(most_z)));
+    return 16 * 0x1p-24F * (max_z + max_plane) +
+           static_cast<float>(0x1p-48 * (taken_off + static_cast<double>(max_z)));
   }
 
   /// Upper bounds of the roughness of kPlanesAtOnce planes, in float.
@@ -282,7 +282,7 @@ class ContactRoughness {
     return hn::Mul(steepest, hn::Set(f, static_cast<float>(kSide - 1)));
   }
 
-  /// Of a height above the plane without the plane's own height.
+  /// The roughness of a point, from its height above the plane without the plane's own height.
   [[nodiscard]] static VF RoughnessAt(VF height, const RoughPlane& plane) {
     const F f;
     return hn::Mul(hn::Sub(height, hn::Load(f, plane.height.data())), hn::Load(f, plane.cosine.data()));
@@ -364,7 +364,7 @@ class ContactRoughness {
     const F f;
     const VF least =
         hn::Add(hn::Div(needed, hn::Load(f, rough.cosine.data())), hn::Load(f, rough.height.data()));
-    const VF least_top = hn::Sub(least, Fall(rough));
+    const VF min_top = hn::Sub(least, Fall(rough));
     const auto is_low = [&](VF above, VF lowest) {
       return hn::AllTrue(f, hn::Or(is_done, hn::Lt(above, lowest)));
     };
@@ -373,7 +373,7 @@ class ContactRoughness {
     const Rough* top = tops_.data();
     for (const std::vector<Tile>& tiles : cover_)
       for (const Tile& tile : tiles) {
-        if (is_low(Above(hn::Load(f, (top++)->data()), rough, tile.corner), least_top)) continue;
+        if (is_low(Above(hn::Load(f, (top++)->data()), rough, tile.corner), min_top)) continue;
         for (const Bin& bin : tile.bins)
           if (!is_low(Above(hn::LoadU(f, &patch_[bin.in_patch]), rough, bin), least))
             CompareBin(group, bin.offset, exact, highest);

@@ -17,7 +17,7 @@ namespace landfall {
 namespace {
 
 constexpr double kReachM = 4;
-constexpr std::int64_t kMostScales = 6;
+constexpr std::int64_t kMaxScales = 6;
 constexpr double kFillReachM = 3.2;
 /// Bins further from a measured one than interpolation reaches are unknown. They get values from windows so
 /// many times as wide, because the filters also reach them from bins that are known.
@@ -26,11 +26,11 @@ constexpr double kDepartureShare = 0.35;
 constexpr std::array<float, 2> kSharpening = {1.3F, 1.04F};
 constexpr float kOvershootNoise = 0.3F, kOvershootRange = 0.05F, kDepartureNoise = 0.2F;
 /// A variance that no float loses: sigma may be 0.
-constexpr float kLeastVariance = 1e-18F;
+constexpr float kMinVariance = 1e-18F;
 
 std::int64_t scale_count(double resolution_m) {
   std::int64_t count = 1;
-  while (count < kMostScales &&
+  while (count < kMaxScales &&
          static_cast<double>(kLowPassReach * ((std::int64_t{2} << count) - 1)) * resolution_m <= kReachM)
     ++count;
   return count;
@@ -123,7 +123,7 @@ GroundPosterior::GroundPosterior(const Grid<double>& z, const SigmaParts& sigma,
     if (std::isnan(noise) || std::isnan(z.values()[i])) continue;
     seen.values()[i] = 1;
     noise_.values()[i] = noise;
-    variance.values()[i] = std::max(noise * noise, kLeastVariance);
+    variance.values()[i] = std::max(noise * noise, kMinVariance);
   }
   const BinMask unknown = interpolate(mean_, seen);
   std::vector<Grid<float>> details;
@@ -152,7 +152,7 @@ void GroundPosterior::add_details(std::vector<Grid<float>> details, const Grid<f
   for (const std::int64_t step : {1, 2})
     behind.emplace_back(blur(behind.back().first, step), blur(behind.back().second, step));
   const auto noise_of = [](float share, float sum) {
-    return std::max(sum / std::max(share * share, 0.05F), kLeastVariance);
+    return std::max(sum / std::max(share * share, 0.05F), kMinVariance);
   };
   rest_ = Grid<float>::unset(spec);
   for (std::size_t i = 0; i < spec.size(); ++i)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D282
 #include "hazards/hazard_map.h"
 
 #include <algorithm>

@@ -49,8 +49,8 @@ struct TruthPosition {
   double x_m = 0, y_m = 0;
 };
 
-/// Of the bins of small holes without a true elevation: the bin's centre, moved by the mean (x_true - X,
-/// y_true - Y) of the bins in its ring.
+/// The true positions of the bins of small holes without a true elevation: the bin's centre, moved by the
+/// mean (x_true - X, y_true - Y) of the bins in its ring.
 [[nodiscard]] std::vector<TruthPosition> truth_positions(const Grid<double>& z_true,
                                                          const Grid<double>& x_true,
                                                          const Grid<double>& y_true,

@@ -33,7 +33,7 @@ std::int64_t nearest_ring(const Grid<double>& map, BinIndex bin) {
 
 }  // namespace
 
-std::vector<FillableBin> small_holes(const Grid<double>& map, std::int64_t most_bins) {
+std::vector<FillableBin> small_holes(const Grid<double>& map, std::int64_t max_bins) {
   const GridSpec& spec = map.spec();
   BinMask missing(spec);
   for (std::size_t i = 0; i < spec.size(); ++i) missing.values()[i] = std::isfinite(map.values()[i]) ? 0 : 1;
@@ -41,7 +41,7 @@ std::vector<FillableBin> small_holes(const Grid<double>& map, std::int64_t most_
   const auto is_small = [&](const Hole& hole) {
     const bool touches_border = hole.south_west.row == 0 || hole.south_west.col == 0 ||
                                 hole.north_east.row == spec.rows - 1 || hole.north_east.col == spec.cols - 1;
-    return hole.size_bins <= most_bins && !touches_border;
+    return hole.size_bins <= max_bins && !touches_border;
   };
   std::vector<FillableBin> found;
   for (std::int64_t row = 0; row < spec.rows; ++row)

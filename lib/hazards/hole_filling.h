@@ -15,8 +15,8 @@ struct FillableBin {
   std::int64_t ring = 0;
 };
 
-/// The NaN bins of 8-connected groups of at most `most_bins` that do not touch the map's border, row-major.
-[[nodiscard]] std::vector<FillableBin> small_holes(const Grid<double>& map, std::int64_t most_bins);
+/// The NaN bins of 8-connected groups of at most `max_bins` that do not touch the map's border, row-major.
+[[nodiscard]] std::vector<FillableBin> small_holes(const Grid<double>& map, std::int64_t max_bins);
 
 /// The mean of the layer's finite values in the bin's ring, row by row from its south-west corner; NaN if
 /// there are none.

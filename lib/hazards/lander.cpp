@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Methods other than `contact` need no legs: `leg_radius_m` may be less than 2 bins, and a lander fits the
+// map if its body does, or for `range_difference` if its windows do. The body must reach 1 bin, because a
+// plane or window of one bin has no slope; for `lmeds` 2 bins, because with 5 samples the plane through
+// any three of them has a median of 0. With every method, a lander that no place of the map can hold is a
+// wrong configuration (exit 2); a region whose holes leave no place is a fault of the data (exit 1).
 #include "hazards/lander.h"
 
 #include <cmath>

@@ -11,7 +11,7 @@
 
 namespace landfall {
 
-/// What the lanes of measure_contact() need.
+/// The input of the lanes of measure_contact().
 struct ContactInput {
   const PaddedMap& z;
   const PaddedMap& pad_heights;
@@ -19,7 +19,7 @@ struct ContactInput {
   const BinMask& places;  ///< each known
 };
 
-/// What the lanes of a method need that fits one plane to the bins under the body.
+/// The input of the lanes of a method that fits one plane to the bins under the body.
 struct BodyInput {
   const PaddedMap& z;
   const Footprint& body;
@@ -27,8 +27,8 @@ struct BodyInput {
   const BinMask& places;  ///< each known
 };
 
-/// What the lanes of measure_plane() need. Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 = sum
-/// dr^2.
+/// The input of the lanes of measure_plane(). Over the disc sum dc = sum dr = sum dc dr = 0 and sum dc^2 =
+/// sum dr^2.
 struct PlaneInput {
   BodyInput ground;
   double count;   ///< bins under the body
@@ -42,7 +42,7 @@ struct SampleTriple {
   std::array<double, 2> east, north;
 };
 
-/// What the lanes of measure_lmeds() need.
+/// The input of the lanes of measure_lmeds().
 struct LmedsInput {
   BodyInput ground;
   const std::vector<BinOffset>& samples;  ///< an odd number

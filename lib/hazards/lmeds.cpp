@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D287
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -21,9 +22,9 @@ using AtPlaces = std::array<double, kPlaces>;
 
 /// On a grid the planes through two triples that share two bins often have equal medians: each is the misfit
 /// of the other's third bin, as far from the line through both. Rounding must not choose between them.
-constexpr double kLeastGain_m = 1e-9;
+constexpr double kMinGain_m = 1e-9;
 
-/// Of one group of places after the other.
+/// Measures one group of places at a time.
 class LeastMedian {
  public:
   explicit LeastMedian(const LmedsInput& input)
@@ -39,7 +40,7 @@ class LeastMedian {
     V least = constant(std::numeric_limits<double>::infinity());
     for (const SampleTriple& triple : in_.triples) {
       const LanePlane plane = Through(triple);
-      const V below = CountBelow(plane, hn::Sub(least, constant(kLeastGain_m)));
+      const V below = CountBelow(plane, hn::Sub(least, constant(kMinGain_m)));
       // The median is below where more than half of the misfits are.
       const M is_better = hn::Gt(below, constant(static_cast<double>(heights_.size() / 2)));
       if (hn::AllFalse(D(), is_better)) continue;

@@ -17,7 +17,8 @@ namespace landfall {
   return std::atan(gradient) * (180 / std::numbers::pi);
 }
 
-/// What a lander meets at each place of a map. A place is the bin under the lander's centre.
+/// Slope and roughness that a lander meets at each place of a map. A place is the bin under the lander's
+/// centre.
 struct PlaceMeasures {
   Grid<double> slope_deg;    ///< the largest angle of a plane to the horizontal
   Grid<double> roughness_m;  ///< the largest height above a plane, along its normal; may be negative

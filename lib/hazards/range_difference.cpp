@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D286
 #include <algorithm>
 #include <array>
 #include <cmath>

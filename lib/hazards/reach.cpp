@@ -54,7 +54,7 @@ Reach::Reach(std::vector<BinOffset> offsets) {
 }
 
 BinMask Reach::known(const PaddedMap& z, const BinMask& places) const {
-  // Of each row, the number of bins without a value before a column: a span holds none if it adds nothing.
+  // For each row, the number of bins without a value before a column: a span holds none if it adds nothing.
   const std::int64_t margin = z.margin();
   const std::int64_t width = z.cols() + 2 * margin + 1;
   const std::int64_t height = z.rows() + 2 * margin;

@@ -25,7 +25,7 @@ constexpr int kSteps = 2;
 /// Spread of the logarithm by which relief may exceed that of the next coarser scale.
 constexpr double kRedness = 0.4;
 constexpr double kCellM = 0.6;
-constexpr std::int64_t kLeastCellBins = 2;
+constexpr std::int64_t kMinCellBins = 2;
 constexpr std::int64_t kCellReach = 2;
 constexpr std::array<double, 2 * kCellReach + 1> kCellWeights = {1, 4, 6, 4, 1};
 /// From this share on a detail tells of the relief around.
@@ -213,7 +213,7 @@ std::vector<Probabilities> region_prior(const ScaleDetails& scale, const Grid<fl
 }  // namespace
 
 std::int64_t prior_cell_bins(double resolution_m) {
-  return std::max(static_cast<std::int64_t>(std::lround(kCellM / resolution_m)), kLeastCellBins);
+  return std::max(static_cast<std::int64_t>(std::lround(kCellM / resolution_m)), kMinCellBins);
 }
 
 std::int64_t relief_reach_bins(std::int64_t step, double resolution_m) {

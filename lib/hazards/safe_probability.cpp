@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D285, D396
 #include "hazards/safe_probability.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ constexpr double kFreedomOfGrounds = 2.5 * (kSafeGrounds - 1);
 /// ground would be on the other side of a limit with a probability of 0.00025.
 constexpr std::uint64_t kFirstGrounds = 3;
 constexpr double kClear = 8;
-constexpr double kLeastPooled = 1e-12;
+constexpr double kMinPooled = 1e-12;
 
 /// The largest sigma of the bins about a place; infinite where one was not measured.
 Grid<double> largest_sigma(const SigmaParts& sigma, std::int64_t half_bins) {
@@ -107,7 +108,7 @@ class Moments {
         sum += square;
         freedom += count - 1;
       }
-    return std::max(sum / std::max(freedom, 1), kLeastPooled);
+    return std::max(sum / std::max(freedom, 1), kMinPooled);
   }
 
   Grid<float> mean_, squares_;

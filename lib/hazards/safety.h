@@ -16,14 +16,14 @@ struct HazardLimits {
   double roughness_m = 0.3;  ///< >= 0
 };
 
-/// Of a place; the value in the layer `safe`.
+/// The judgement of a place; the value in the layer `safe`.
 enum class Safety : std::int8_t { hazard = 0, safe = 1, unknown = 2 };
 
 /// Safe where slope and roughness are at most their limits; unknown where they are NaN, and outside the
 /// places that were measured.
 [[nodiscard]] Grid<std::int8_t> judge_places(const PlaceMeasures& measures, const HazardLimits& limits);
 
-/// What the judged map makes of the true place; the value in the layer `outcome`.
+/// The judgement of the map compared with the true place; the value in the layer `outcome`.
 enum class HazardOutcome : std::int8_t {
   hazard_found = 0,
   safe_found = 1,
@@ -34,9 +34,9 @@ enum class HazardOutcome : std::int8_t {
 
 [[nodiscard]] Grid<std::int8_t> outcomes(const Grid<std::int8_t>& judged, const Grid<std::int8_t>& truth);
 
-/// Fractions that have no place to be taken of are none.
+/// A fraction whose denominator is 0 is empty.
 struct HazardScore {
-  struct Counts {  ///< judged_true
+  struct Counts {  ///< places, named by the judgement of the map and the truth
     std::int64_t safe_safe = 0, safe_hazard = 0, hazard_safe = 0, hazard_hazard = 0, unknown = 0;
   };
   struct Rates {

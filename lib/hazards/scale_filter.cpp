@@ -137,7 +137,7 @@ NoiseGains noise_gains(std::int64_t scales) {
   for (std::int64_t j = 0; j < scales; ++j) {
     std::vector<double> coarse = cumulated(j + 1);
     const auto square = [](double value) { return value * value; };
-    // Of a x a - b x b, the detail's taps in two dimensions.
+    // The gain of a x a - b x b, the detail's taps in two dimensions.
     gains.detail.push_back(std::sqrt(square(product(fine, fine)) - 2 * square(product(fine, coarse)) +
                                      square(product(coarse, coarse))));
     fine = std::move(coarse);

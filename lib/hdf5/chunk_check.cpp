@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Chunks are checked before H5Dread. libhdf5 1.10 does not check whether a chunk's filters produced all
+// bytes of the chunk, and reads the missing bytes from the memory behind it (found by the fuzzer with
+// AddressSanitizer). landfall decodes all tables and layers of its own files itself and checks this; data
+// stored in another way is decoded once to check that it is complete, and then read by HDF5. Filters that
+// landfall cannot decode are refused in landfall's files, but not in rasters, which GDAL reads.
 #include "hdf5/chunk_check.h"
 
 #include <algorithm>

@@ -1,4 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// An object that does not exist is a normal result; one that cannot be read is an error. If HDF5 cannot
+// determine whether a name exists, the run ends. A value of another type or shape than expected (a number
+// instead of a text) counts as missing, because other programs may write it. An object whose header cannot
+// be read ends the run even if it is not needed, because it cannot be screened
+// (lib/hdf5/file_screening.h).
+//
+// HDF5 files are self-contained. A link that is not hard, a virtual dataset, and values stored in another
+// file are refused wherever they are, even if nothing would read them, and no option allows them: a file's
+// id identifies one file, and landfall's own files contain no links. When a file is opened, all of it is
+// screened once, so that no reader can omit the check; the screening opens no other file and reads no
+// values. Soft links stay within the file, but readers differed in following them.
+//
+// Claimed size of a dataset. 256 MiB, which costs little, or the size that deflate could have compressed
+// (1032 : 1) to the stored bytes. Chunks have at most 256 MiB, like blocks of rasters
+// (lib/terrain/gdal/reader.cpp): common writers use less than 10.
 #include "hdf5/file_screening.h"
 
 #include <algorithm>

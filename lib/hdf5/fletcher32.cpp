@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Chunks without compression carried HDF5's fletcher32 before lib/hdf5/chunk_codec.h. A compressed
+// chunk has the checksum of zlib; with `--compression 0` a damaged value was read as another value. The
+// filter belongs to HDF5, so that GDAL, GMT, h5py and xarray read the files and check them too; a hash in
+// an attribute would be checked by landfall only. On a scan of 959 MB (2026-11-23, smallest CPU time of 5
+// alternating runs on a busy machine) `scan-sim` took 2.12 s instead of 1.74, `regrid` 2.83 instead of
+// 2.67, `landfall-info` 0.96 instead of 0.73.
 #include "hdf5/fletcher32.h"
 
 #include <algorithm>
@@ -70,11 +76,11 @@ bool all_zero(std::span<const std::byte> bytes) {
 
 std::uint32_t fletcher32(std::span<const std::byte> bytes) {
   constexpr std::size_t kRowBytes = 2 * kLanes;
-  constexpr std::size_t kMostRows = 256;  // 256 * 257 / 2 * 65535 < 2^32
+  constexpr std::size_t kMaxRows = 256;  // 256 * 257 / 2 * 65535 < 2^32
   const std::span<const std::byte> whole = bytes;
   Fletcher sums;
   while (bytes.size() >= kRowBytes) {
-    const std::size_t rows = std::min(bytes.size() / kRowBytes, kMostRows);
+    const std::size_t rows = std::min(bytes.size() / kRowBytes, kMaxRows);
     sums.append(sums_of_rows(bytes.data(), rows), rows * kLanes);
     bytes = bytes.subspan(rows * kRowBytes);
   }

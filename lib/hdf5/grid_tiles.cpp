@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Layers are stored tile by tile, all layers of a tile together, so that the data they are computed from
+// is read once. A reader sees no difference.
 #include "hdf5/grid_tiles.h"
 
 #include <tbb/enumerable_thread_specific.h>

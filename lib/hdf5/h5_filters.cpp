@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// No HDF5 plug-ins. The filter number in a file would select a library to load. Data compressed with Blosc
+// and the like is refused with the filter's number and name; `h5repack` converts it to deflate.
 #include "hdf5/h5_filters.h"
 
 #include <array>

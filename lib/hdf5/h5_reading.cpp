@@ -16,7 +16,7 @@ namespace landfall::h5 {
 namespace {
 
 constexpr double kHdf5Cache = 0x1p20;
-/// What HDF5 may hold of a dataset, so that it decodes each chunk once for all parts that are read.
+/// The bytes of a dataset that HDF5 may hold, so that it decodes each chunk once for all parts that are read.
 constexpr double kLargestCache = 0x1p29;
 /// Smaller chunks are decoded again for each part of them.
 constexpr double kSmallChunk = 0x1p22;

@@ -8,7 +8,7 @@
 
 namespace landfall::h5 {
 
-/// What the checks need to know of a datatype.
+/// The properties of a datatype that the checks need.
 struct StoredType {
   std::uint64_t size = 0;       ///< bytes of a value in the file
   bool in_heap = false;         ///< of variable length: the value is {count, heap address, index}
@@ -25,11 +25,12 @@ struct StoredType {
 [[nodiscard]] std::uint64_t check_filters(std::span<const std::byte> body);
 /// The size of the fill value; 0 if there is none.
 [[nodiscard]] std::uint64_t check_fill_value(std::span<const std::byte> body);
-/// Where a group keeps its links (index: 8 bytes) or an object its attributes (2 bytes) outside its header.
+/// Checks where a group keeps its links (index: 8 bytes) or an object its attributes (2 bytes) outside its
+/// header.
 void check_storage(std::span<const std::byte> body, std::size_t index_size, std::uint64_t file_size);
 void check_link(std::span<const std::byte> body, std::uint64_t file_size);
 
-/// Where a dataset's values are.
+/// The place of a dataset's values.
 struct StoredLayout {
   enum class Kind { compact, contiguous, chunked, other };
   Kind kind = Kind::other;  ///< other: a chunk index with checksums, or virtual

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// HDF5 metadata are checked before libhdf5 reads them. With one flipped bit in them, libhdf5 1.10 crashes,
+// hangs or allocates gigabytes: it does not check that an index is in a heap, that a B-tree has no cycle,
+// that a chunk is as large as its entry says, or that a message fits in its header. landfall walks through
+// the superblock, object headers, groups, B-trees and heaps of a file itself, without the library, and
+// refuses the file where they contradict each other or the file's size. It checks each object when the
+// screening (lib/hdf5/file_screening.h) arrives at it. Newer structures (fractal heaps, version 2 B-trees)
+// have checksums, which libhdf5 compares.
 #include "hdf5/metadata_check.h"
 
 #include <algorithm>
@@ -34,7 +41,7 @@ NodeHead node_head(ByteCursor& cursor, const RawFile& file, std::uint64_t type, 
 
 }  // namespace
 
-/// What is known of the dataset whose header is being checked.
+/// The dataset whose header is being checked.
 struct MetadataCheck::Dataset {
   std::optional<StoredType> type;
   std::optional<std::vector<std::uint64_t>> space;

@@ -34,7 +34,7 @@ class MetadataCheck {
 
   /// False for a file whose addresses are not offsets in 64 bits: it is not checked at all.
   [[nodiscard]] bool applies() const { return root_.has_value(); }
-  /// Where HDF5's contents end; behind it, other programs may have appended something.
+  /// The end of HDF5's contents; behind it, other programs may have appended something.
   [[nodiscard]] std::uint64_t end() const { return end_; }
   /// Address of the root group's header. Throws Damaged if it is not in the file.
   [[nodiscard]] std::uint64_t root() const { return *root_; }

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Named dimensions of tables lie at the root and hold no values. In the group itself they would be one
+// more column to everyone who reads all of them. Values would be row numbers. Scans of more than 2^28
+// points have none, because a dataset that declares more than 256 MiB without storing them is refused as
+// damaged.
 #include "hdf5/table.h"
 
 #include <hdf5_hl.h>
@@ -228,11 +232,11 @@ void write_table(hid_t parent, const std::string& group, std::vector<ColumnSpec>
 }
 
 void name_rows(hid_t root, const std::string& group, const std::string& dimension) {
-  constexpr hsize_t kMostRows = hsize_t{1} << 28U;
+  constexpr hsize_t kMaxRows = hsize_t{1} << 28U;
   const h5::Handle columns = h5::open_group(root, group);
   const std::vector<DatasetEntry> entries = list_datasets(columns.get());
   const hsize_t rows = entries.at(0).shape.at(0);
-  if (rows > kMostRows) return;
+  if (rows > kMaxRows) return;
   const h5::Handle scale = h5::create_dataset(root, dimension, h5::Type::int8, {.size = {rows}, .chunk = {}});
   h5::write_attribute(scale.get(), "units", std::string("1"));
   h5::write_attribute(scale.get(), "long_name", "rows of /" + group);

@@ -36,10 +36,10 @@ struct ValueStatistics {
 [[nodiscard]] ValueStatistics statistics_of(std::span<const double> values);
 
 /// Chunks of more values are not read.
-inline constexpr std::int64_t kMostChunkValues = std::int64_t{1} << 24U;
+inline constexpr std::int64_t kMaxChunkValues = std::int64_t{1} << 24U;
 
 /// Statistics of all values of a numeric dataset of 1 or 2 dimensions; nothing if its chunks have more than
-/// kMostChunkValues. It is read block by block on all threads, by its chunks if these can be decoded without
+/// kMaxChunkValues. It is read block by block on all threads, by its chunks if these can be decoded without
 /// HDF5; at most 32 MiB per thread are held. A chunk of more than 2^21 values is a block, so that it is
 /// decoded once, and such blocks are read one after the other: at most 0.5 GiB are held. The result does not
 /// depend on the number of threads. `file` and `name` are for messages. Throws FormatError if a block cannot

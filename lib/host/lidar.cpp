@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D97
+//
+// The module is configured by JSON like scan-sim, and its header exposes none of landfall's own types: a
+// host depends on one header and one archive, and a new component needs no new interface.
 #include "host/lidar.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Mesh files are read by our own parsers. CGAL's (5.5) silently drop corners (OBJ with tabs), accept an
+// index beyond the end, and allocate lists of the length that the file declares.
+//
+// Every element of a mesh file is read or refused, because a missing part is a wrong terrain that looks
+// right. Points, lines, and free-form geometry are refused, as is a vertex with a weight other than 1,
+// which some programs divide by and others ignore, and everything behind the last element that the file
+// declares. Other elements of a PLY, such as a camera, have no shape: a warning names them.
 #include "meshio/mesh_file.h"
 
 #include <fstream>

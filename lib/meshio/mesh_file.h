@@ -12,7 +12,7 @@
 
 namespace landfall {
 
-/// What a mesh file holds.
+/// The contents of a mesh file.
 struct MeshFile {
   PolygonSoup soup;
   std::string content_id;  ///< the hash of the file's bytes, as from content_id()

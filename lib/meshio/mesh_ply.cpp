@@ -145,7 +145,7 @@ class Values {
     return bytes_.size() - (encoding_ == Encoding::text ? text_.position() : at_);
   }
   /// The least number of bytes of a value.
-  [[nodiscard]] std::size_t least_size(Type type) const {
+  [[nodiscard]] std::size_t min_size(Type type) const {
     return encoding_ == Encoding::text ? 1 : size_of(type);
   }
 
@@ -210,8 +210,7 @@ class Values {
 double read_property(Values& values, const Property& property, std::vector<double>& numbers) {
   if (!property.length) return values.next(property.type);
   const std::int64_t length = values.next_integer(*property.length);
-  if (length < 0 ||
-      static_cast<std::uint64_t>(length) > values.bytes_left() / values.least_size(property.type))
+  if (length < 0 || static_cast<std::uint64_t>(length) > values.bytes_left() / values.min_size(property.type))
     values.fail("a list of " + std::to_string(length) + " numbers, more than the file has left");
   numbers.clear();
   for (std::int64_t i = 0; i < length; ++i) numbers.push_back(values.next(property.type));
@@ -221,7 +220,7 @@ double read_property(Values& values, const Property& property, std::vector<doubl
 void require_room(const Values& values, const Element& element) {
   std::size_t least = 0;
   for (const Property& property : element.properties)
-    least += values.least_size(property.length.value_or(property.type));
+    least += values.min_size(property.length.value_or(property.type));
   if (least > 0 && static_cast<std::uint64_t>(element.count) > values.bytes_left() / least)
     values.fail(std::to_string(element.count) + " elements '" + shown_word(element.name) +
                 "', more than the file has left");

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Multiple outputs of a run are flushed to the disk before the first is renamed, and then renamed one
+// after another, the layers first. They are not undone if a rename in between is refused: an old file that
+// was replaced is lost.
 #include "output/output_path.h"
 
 #include <fcntl.h>

@@ -1,4 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The end of a run is decided once: by an interrupt, or by the first output that is about to be renamed.
+// The other has no effect afterwards, so that "no output was written" is never printed when an output was
+// written. SIGPIPE ends a tool without a message, like any filter; SIGQUIT requests a core dump and leaves
+// the hidden file for inspection.
+//
+// A hidden file's name identifies its origin: `.NAME.MACHINE-PID.part`, where MACHINE is a hash of the
+// host name and of the PID namespace. Containers that share a folder all have process 1, and processes of
+// another machine cannot be looked up; files from another origin are neither written to nor removed.
+//
+// Out of memory, a tool ends immediately: a failing `new` removes the hidden files, prints a message and
+// exits with 1. Unwinding would need memory itself, and some of the code it passes must not throw. HDF5
+// 1.10 and GDAL crash without memory: HDF5 is initialised, opens a file and writes a chunk only if 8 MiB
+// can be allocated, and GDAL is called only if 192 MiB can. If the system provides fewer threads than
+// requested, a run uses those; otherwise oneTBB would fail and GDAL wait forever.
 #include "output/temporary_files.h"
 
 #include <unistd.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D240
 #include "picture/color_map.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D241, D242
 #include "picture/map_picture.h"
 
 #include <algorithm>
@@ -101,7 +102,7 @@ Rgb shaded(Rgb color, double shade) {
   return {part(color.r), part(color.g), part(color.b)};
 }
 
-/// Of a finite value.
+/// The colour of a finite value.
 Rgb flat_color(double value, const MapStyle& style, const std::array<double, 2>& range) {
   if (!style.classes.empty()) return rgb_of(style.classes.at(static_cast<std::size_t>(value)).color);
   return color_of((value - range[0]) / (range[1] - range[0]), style.colors);
@@ -248,11 +249,11 @@ std::array<double, 2> color_range(const PixelMap& map, const MapStyle& style) {
   }
   double low = quantile(values, 0);
   double high = quantile(values, 1);
-  const double most_low = quantile(values, dictionary::kOutliers);
-  const double most_high = quantile(values, 1 - dictionary::kOutliers);
-  if (style.cut && most_high > most_low && high - low > 2 * (most_high - most_low)) {
-    low = most_low;
-    high = most_high;
+  const double max_low = quantile(values, dictionary::kOutliers);
+  const double max_high = quantile(values, 1 - dictionary::kOutliers);
+  if (style.cut && max_high > max_low && high - low > 2 * (max_high - max_low)) {
+    low = max_low;
+    high = max_high;
   }
   if (high - low > std::max(kMinRange, 1e-12 * std::max(std::abs(low), std::abs(high)))) return {low, high};
   const double half = low == 0 ? 0.5 : std::abs(low) / 2;

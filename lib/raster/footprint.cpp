@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D22, D60
 #include "raster/footprint.h"
 
 namespace landfall {

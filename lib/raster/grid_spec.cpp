@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D1, D2
 #include "raster/grid_spec.h"
 
 #include <cmath>

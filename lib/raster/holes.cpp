@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D25
 #include "raster/holes.h"
 
 #include <algorithm>

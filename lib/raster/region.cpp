@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D21, D61
 #include "raster/region.h"
 
 #include <algorithm>
@@ -38,9 +39,9 @@ std::int64_t margin_bins(const GridSpec& dem) {
 }
 
 /// The squares of this many bins can be added exactly.
-constexpr double kMostRadiusBins = 0x1p30;
+constexpr double kMaxRadiusBins = 0x1p30;
 
-/// radius_bins is at most kMostRadiusBins.
+/// radius_bins is at most kMaxRadiusBins.
 BinMask circle(const GridSpec& dem, double radius_bins) {
   const bool whole = radius_bins == std::floor(radius_bins);
   const auto whole_radius = static_cast<std::int64_t>(radius_bins);
@@ -96,7 +97,7 @@ BinMask circular_region(const GridSpec& dem, double radius_m) {
 }
 
 BinMask clipped_circle(const GridSpec& dem, double radius_m) {
-  return circle(dem, std::min(ratio_of(radius_m, dem.resolution_m), kMostRadiusBins));
+  return circle(dem, std::min(ratio_of(radius_m, dem.resolution_m), kMaxRadiusBins));
 }
 
 BinMask square_region(const GridSpec& dem, double half_width_m) {

@@ -49,7 +49,7 @@ class LineMaxima {
  private:
   [[nodiscard]] double* end_at(std::int64_t i) { return &ends_[static_cast<std::size_t>(i) * lanes_]; }
 
-  /// Of the block that begins at `start`: at i, the largest of its samples from i on.
+  /// Finds, for the block that begins at `start`, at i the largest of its samples from i on.
   void find_ends(const Line<const double>& in, std::int64_t start) {
     for (std::int64_t i = 2 * half_; i >= 0; --i) {
       double* const here = end_at(i);

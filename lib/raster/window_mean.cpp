@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D27
 #include "raster/window_mean.h"
 
 #include <algorithm>

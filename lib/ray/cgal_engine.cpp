@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D32
 #include "ray/cgal_engine.h"
 
 #include <CGAL/AABB_traits.h>

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Bounds of every cell. The heightfield engine stores the minimum and maximum elevation of each cell in
+// single precision, 8.7 bytes per node in total: a ray that skims the ground reads one number instead of
+// four nodes. This takes 35 MB for 2001 x 2001 nodes.
 #include "ray/elevation_pyramid.h"
 
 #include <algorithm>

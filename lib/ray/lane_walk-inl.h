@@ -33,7 +33,7 @@ class LaneWalk {
                         const HeightSlab& slab, Start start);
   /// Moves each searching lane one block on, or one rung down. Returns whether any lane is still searching.
   HWY_INLINE bool step(const WalkGround& ground);
-  /// Tests the cells that the lanes have reached. Returns whether any lane must go on.
+  /// Tests the cells that the lanes have reached. Returns whether any lane must continue.
   HWY_INLINE bool look(const WalkGround& ground);
   /// Distances; NaN for a miss, kUndecided where rounding might decide.
   [[nodiscard]] HWY_INLINE V ranges() const { return hn::IfThenElse(missed_, nan(), range_); }
@@ -62,7 +62,7 @@ class LaneWalk {
   };
   HWY_INLINE Axis axis(V origin, V speed, double width) const;
 
-  /// Where a ray is along one axis: its cell, and whether that is certain.
+  /// The place of a ray along one axis: its cell, and whether that is certain.
   struct CellPosition {
     V position, cell;
     M sure;
@@ -211,7 +211,7 @@ HWY_INLINE void LaneWalk::enter(const WalkGround& ground, const RayChunk& chunk,
   missed_ = none;
   if (!all(inside)) missed_ = hn::And(known, position_at_entrance(ground, x, y, col, row));
   M sure = hn::And(hn::And(known, in_grid(ground, col, row)), hn::And(col.sure, row.sure));
-  // Where a ray is too steep for its crossings to be computed, it must not cross any border.
+  // A ray that is too steep for its crossings to be computed must not cross any border.
   if (any(hn::Or(x.steep, y.steep))) {
     sure = hn::And(sure, hn::Or(hn::Not(x.steep), stays(rays_.x, rays_.dx, col)));
     sure = hn::And(sure, hn::Or(hn::Not(y.steep), stays(rays_.y, rays_.dy, row)));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D31
 #include "ray/watertight.h"
 
 #include <algorithm>

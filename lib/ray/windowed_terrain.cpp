@@ -1,4 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D123
+//
+// The window of a large terrain is verified for each ray: the points where a ray enters the band between
+// the terrain's lowest and highest elevation, and where it hits or leaves it, must be in the window, and
+// so must its start if it is not above the band. If not, the window grows and the bundle is traced again;
+// because results do not depend on the window, nothing else is repeated.
+//
+// `actual_range` (CF) of `z` gives these elevations; for a file without it, all tiles are read once. A
+// window that contains a value outside this range is refused.
 #include "ray/windowed_terrain.h"
 
 #include <algorithm>

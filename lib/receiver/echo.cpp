@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D341, D348
 #include "receiver/echo.h"
 
 #include <algorithm>

@@ -50,7 +50,7 @@ class EchoRays {
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t rays_per_echo() const { return rays_; }
-  /// Where sub-ray j of an echo is; the next echo of the block follows.
+  /// The index of sub-ray j of an echo; the next echo of the block follows.
   [[nodiscard]] std::size_t index(std::size_t echo, std::size_t j) const {
     return (echo / kBlock * rays_ + j) * kBlock + echo % kBlock;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D342
 #include "receiver/echo_timing.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ namespace landfall::HWY_NAMESPACE {
 
 /// Ranges are in units of sigma, from the echo's mean.
 constexpr double kConverged = 1e-6;  ///< of the last Newton step: the next would be its square
-constexpr int kMostSteps = 40;
+constexpr int kMaxSteps = 40;
 
 /// Ray j of the echoes in lanes: position and signal, kBlock apart.
 struct LaneEchoes {
@@ -78,7 +79,7 @@ HWY_INLINE LanePeak PeakOf(const LaneEchoes& echoes) {
   V height = constant(0);
   V sigma = constant(1);
   M open = hn::Eq(x, x);
-  for (int step = 0; step < kMostSteps && !hn::AllFalse(D(), open); ++step) {
+  for (int step = 0; step < kMaxSteps && !hn::AllFalse(D(), open); ++step) {
     const LaneWaveform w = WaveformAt(echoes, x);
     const V move = hn::Neg(hn::Div(w.slope, w.curvature));
     // Newton's parabola gives the height at the end of a small step
@@ -92,13 +93,13 @@ HWY_INLINE LanePeak PeakOf(const LaneEchoes& echoes) {
   return {x, height, sigma};
 }
 
-/// Where w rises through `level`, which must be below the maximum: Newton's method on log w, which is
-/// concave.
+/// The time at which w rises through `level`, which must be below the maximum: Newton's method on log w,
+/// which is concave.
 HWY_INLINE V CrossingOf(const LaneEchoes& echoes, const LanePeak& peak, V level) {
   const V depth = hn::Sqrt(hn::Mul(constant(2), Log(hn::Div(peak.height, level))));
   V x = hn::Sub(peak.x, hn::Mul(peak.sigma, depth));
   M open = hn::Eq(x, x);
-  for (int step = 0; step < kMostSteps && !hn::AllFalse(D(), open); ++step) {
+  for (int step = 0; step < kMaxSteps && !hn::AllFalse(D(), open); ++step) {
     const LaneWaveform w = WaveformAt(echoes, x);
     const V excess = Log(hn::Div(w.value, level));
     const V move = hn::Neg(hn::Div(hn::Mul(excess, w.value), w.slope));
@@ -164,7 +165,7 @@ constexpr double kScanStep = 1.0 / 16;
 constexpr double kTopOfLongEcho = 0.6065306597126334;
 constexpr double kLongestEdge = 1.5;
 constexpr double kRootStep = 1e-10;  ///< ends the search for a root
-constexpr int kMostRootSteps = 60;   ///< bisections alone need 31
+constexpr int kMaxRootSteps = 60;    ///< bisections alone need 31
 
 /// A long echo: rays x[j], pe[j], in units of sigma from the mean.
 class LongEcho {
@@ -218,11 +219,11 @@ class LongEcho {
     return w;
   }
 
-  /// Where a function rises through zero between `low` and `high`: Newton's method, with a bisection where a
-  /// step would leave the bracket.
+  /// The argument at which a function rises through zero between `low` and `high`: Newton's method, with a
+  /// bisection where a step would leave the bracket.
   [[nodiscard]] static double root(const auto& function, double low, double high) {
     double at = (low + high) / 2;
-    for (int step = 0; step < kMostRootSteps; ++step) {
+    for (int step = 0; step < kMaxRootSteps; ++step) {
       const Line line = function(at);
       (line.value > 0 ? high : low) = at;
       double next = at - line.value / line.slope;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D340
 #include "receiver/illumination.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D350
 #include "receiver/range_timer.h"
 
 #include <cassert>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D343, D344, D345
 #include "receiver/receiver.h"
 
 #include <algorithm>
@@ -20,8 +21,8 @@ namespace {
 /// Full width at half maximum over standard deviation of a Gaussian: 2 sqrt(2 ln 2).
 constexpr double kFwhmPerSigma = 2.3548200450309493;
 
-/// What a photoelectron of the background within one FWHM adds to the variance of a time, over what one of
-/// the signal does: 4 sqrt(pi)/kFwhmPerSigma, the Cramer-Rao bound of a weak Gaussian on a constant
+/// The variance of a time that a photoelectron of the background within one FWHM adds, over that of one of
+/// the signal: 4 sqrt(pi)/kFwhmPerSigma, the Cramer-Rao bound of a weak Gaussian on a constant
 /// background.
 constexpr double kBackgroundWeight = 3.01076739115701;
 
@@ -59,7 +60,7 @@ Receiver::Receiver(const ReceiverParameters& p, std::uint64_t seed)
   require(p.fraction > 0 && p.fraction < 1, {"", "fraction"}, p.fraction, "in (0, 1)");
   require_not_negative({"", "dead_time_s"}, p.dead_time_s);
   require_not_negative({"", "background_pe"}, p.background_pe);
-  require(p.most_returns >= 1 && p.most_returns <= 5, {"", "max_returns"}, p.most_returns, "in 1..5");
+  require(p.max_returns >= 1 && p.max_returns <= 5, {"", "max_returns"}, p.max_returns, "in 1..5");
   if (p.type == ReceiverType::geiger && p.returns == ReportedReturns::strongest)
     throw UsageError(
         "returns: a Geiger-mode pixel measures no signal, so none of its returns is the strongest");
@@ -169,7 +170,7 @@ void Receiver::receive_kept(std::int64_t pulse, std::span<const Echo> kept, std:
 }
 
 void Receiver::receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const {
-  const std::size_t most = most_returns();
+  const std::size_t most = max_returns();
   const std::size_t pixels = waveforms.first_echo.size() - 1;
   assert(out.size() == pixels * most);
   std::ranges::fill(out, Reception{});

@@ -41,7 +41,7 @@ struct ReceiverParameters {
   bool photon_noise = true;      ///< false: counts and times are their means
   bool walk_correction = false;  ///< of leading_edge, by the measured signal
   ReportedReturns returns = ReportedReturns::first;
-  int most_returns = 5;  ///< of `all`, in 1..5
+  int max_returns = 5;  ///< of `all`, in 1..5
 };
 
 /// One return as a receiver reports it.
@@ -63,7 +63,7 @@ struct Waveforms {
   }
 };
 
-/// What a receiver reports of the light that its pixels see. A pulse of the standard deviation sigma_t =
+/// The reports of a receiver of the light that its pixels see. A pulse of the standard deviation sigma_t =
 /// fwhm/2.3548 (sigma = c sigma_t/2 as a range) returns from every sub-ray (echo.h); two echoes are apart
 /// where no sub-ray lies within one FWHM between them.
 ///
@@ -108,8 +108,8 @@ class Receiver {
   [[nodiscard]] bool hears_later_echoes() const {
     return hears_kept_echoes() && sees_waveforms() && parameters_.returns == ReportedReturns::first;
   }
-  [[nodiscard]] std::size_t most_returns() const {
-    return parameters_.returns == ReportedReturns::all ? static_cast<std::size_t>(parameters_.most_returns)
+  [[nodiscard]] std::size_t max_returns() const {
+    return parameters_.returns == ReportedReturns::all ? static_cast<std::size_t>(parameters_.max_returns)
                                                        : 1;
   }
 
@@ -129,7 +129,7 @@ class Receiver {
   /// pulse.
   void receive(std::int64_t pulse, std::span<const Echo> kept, std::span<const LaterEcho> later,
                std::span<Reception> out) const;
-  /// The reception of whole waveforms: most_returns() for each pixel, those detected first.
+  /// The reception of whole waveforms: max_returns() for each pixel, those detected first.
   void receive(std::int64_t pulse, const Waveforms& waveforms, std::span<Reception> out) const;
 
  private:

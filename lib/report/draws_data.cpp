@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Maps of probabilities show the shaded ground where the probability is 0, and colours from 0 to the
+// largest one elsewhere, because most places never fail, and a colour for 0 would hide where the others
+// lie. Blocks of bins have their largest probability. The report keeps the commands of the chain for each
+// draw: they carry the configurations, so that they need no file but the scan and the terrain.
 #include "report/draws_data.h"
 
 #include <algorithm>
@@ -128,7 +132,7 @@ Json region_json(const EvaluationParameters& parameters) {
 
 }  // namespace
 
-ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, std::int64_t most_cells) {
+ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, std::int64_t max_cells) {
   const DrawTable& table = content.draws.table;
   const EvaluationParameters& parameters = content.parameters;
   const std::int64_t shown = std::min(table.size(), kMaxShownDraws);
@@ -148,7 +152,7 @@ ReportData draws_data(const DrawsReport& content, const nlohmann::json& config, 
                  {"stages", stages_json(config)}};
   if (content.draws.maps) {
     const GridSpec& spec = content.draws.maps->spec();
-    const std::int64_t factor = reduction_factor(spec, most_cells);
+    const std::int64_t factor = reduction_factor(spec, max_cells);
     data.values["grid"] = grid_json(spec, factor);
     data.values["footprint"] = {
         {"shape", parameters.footprint_shape == FootprintShape::square ? "square" : "disc"},

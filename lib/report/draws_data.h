@@ -18,9 +18,9 @@ inline constexpr std::int64_t kMaxShownDraws =
     5000;  ///< the first ones, in diagrams and the table of failures
 
 /// The data of the page's scripts: maps, if the campaign has any, and the numbers of each draw. `config` is
-/// the campaign's configuration. Maps of more than `most_cells` bins along an axis are reduced to at most
+/// the campaign's configuration. Maps of more than `max_cells` bins along an axis are reduced to at most
 /// that number.
 [[nodiscard]] ReportData draws_data(const DrawsReport& content, const nlohmann::json& config,
-                                    std::int64_t most_cells = kMaxCells);
+                                    std::int64_t max_cells = kMaxCells);
 
 }  // namespace landfall::html_report

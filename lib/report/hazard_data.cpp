@@ -194,10 +194,10 @@ Json lander_json(const Lander& lander) {
 
 }  // namespace
 
-ReportData hazard_data(const HazardReport& content, const std::string& elevation, std::int64_t most_cells) {
+ReportData hazard_data(const HazardReport& content, const std::string& elevation, std::int64_t max_cells) {
   const HazardParameters& parameters = content.parameters;
   const GridSpec& spec = content.input.z.spec();
-  const std::int64_t factor = reduction_factor(spec, most_cells);
+  const std::int64_t factor = reduction_factor(spec, max_cells);
   const double body_bins = std::floor((parameters.lander.body_radius_m + 1e-9) / spec.resolution_m);
   Packer packer;
   ReportData data;

@@ -18,9 +18,9 @@ struct HazardReport {
 inline constexpr std::size_t kMaxDrawnSites = 10;  ///< the best ones, with their poses
 
 /// The data of the page's scripts: layers, sites with their poses, and the score. `elevation` is the name of
-/// the elevations' dataset. Maps of more than `most_cells` bins along an axis are reduced to at most that
+/// the elevations' dataset. Maps of more than `max_cells` bins along an axis are reduced to at most that
 /// number.
 [[nodiscard]] ReportData hazard_data(const HazardReport& content, const std::string& elevation,
-                                     std::int64_t most_cells = kMaxCells);
+                                     std::int64_t max_cells = kMaxCells);
 
 }  // namespace landfall::html_report

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A report names no file and no time, only file_ids: equal evaluations give equal bytes, whatever the name
+// of the DEM.
 #include "report/page.h"
 
 #include "report/escape.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D155
 #include "report/quantised.h"
 
 #include <algorithm>
@@ -36,12 +37,12 @@ std::uint16_t zigzag(std::uint16_t code, std::uint16_t before) {
 
 }  // namespace
 
-Quantised quantise(std::span<const double> values, int most_steps) {
+Quantised quantise(std::span<const double> values, int max_steps) {
   Quantised result;
   find_extremes(values, result);
   result.offset = result.low;
   // Computed from halves, because the whole range may exceed the largest double.
-  const double range = 2 * (result.high / (2 * most_steps) - result.low / (2 * most_steps));
+  const double range = 2 * (result.high / (2 * max_steps) - result.low / (2 * max_steps));
   double first = 0;
   if (range >= 1e-290) {
     result.step = round_step(range);

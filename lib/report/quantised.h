@@ -22,10 +22,10 @@ struct Quantised {
   std::vector<std::uint16_t> codes;
 };
 
-/// The step is the least of 1, 2 or 5 times a power of ten of which at most `most_steps` (1..kMaxSteps) span
+/// The step is the least of 1, 2 or 5 times a power of ten of which at most `max_steps` (1..kMaxSteps) span
 /// the values. A value that is a multiple of it is kept exactly (to the rounding of double). The step is 0 if
 /// there is a single value. Values that are not finite become kNoValueCode.
-[[nodiscard]] Quantised quantise(std::span<const double> values, int most_steps);
+[[nodiscard]] Quantised quantise(std::span<const double> values, int max_steps);
 
 /// The codes as text: differences of neighbours, with 0, -1, 1, -2, .. as 0, 1, 2, 3, ..; all low bytes, then
 /// the high bytes; a zlib stream; base64. Neighbouring bins are similar, so that few bytes remain.

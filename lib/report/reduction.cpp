@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D154
 #include "report/reduction.h"
 
 #include <algorithm>
@@ -48,8 +49,8 @@ double of_block(const Grid<T>& layer, BinIndex first, std::int64_t factor, Rule 
 
 }  // namespace
 
-std::int64_t reduction_factor(const GridSpec& spec, std::int64_t most_cells) {
-  return std::max<std::int64_t>(1, (std::max(spec.rows, spec.cols) + most_cells - 1) / most_cells);
+std::int64_t reduction_factor(const GridSpec& spec, std::int64_t max_cells) {
+  return std::max<std::int64_t>(1, (std::max(spec.rows, spec.cols) + max_cells - 1) / max_cells);
 }
 
 template <class T>

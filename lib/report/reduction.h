@@ -27,8 +27,8 @@ struct ReducedMap {
   std::vector<double> cells;  ///< row-major, y ascending
 };
 
-/// The least block size, in bins a side, that gives at most `most_cells` (>= 1) blocks along either axis.
-[[nodiscard]] std::int64_t reduction_factor(const GridSpec& spec, std::int64_t most_cells);
+/// The least block size, in bins a side, that gives at most `max_cells` (>= 1) blocks along either axis.
+[[nodiscard]] std::int64_t reduction_factor(const GridSpec& spec, std::int64_t max_cells);
 
 /// T: double, float, std::int32_t or std::int8_t. The result does not depend on the number of threads.
 template <class T>

@@ -22,8 +22,8 @@ float larger(float a, double b) {
 }  // namespace
 
 ReportLayers::ReportLayers(const GridSpec& spec, const EvaluationParameters& parameters,
-                           std::int64_t most_cells)
-    : spec_(spec), limits_(parameters.limits), factor_(reduction_factor(spec, most_cells)) {}
+                           std::int64_t max_cells)
+    : spec_(spec), limits_(parameters.limits), factor_(reduction_factor(spec, max_cells)) {}
 
 template <class T>
 void ReportLayers::add(ReportLayer layer, const Grid<T>& values) {

@@ -27,9 +27,9 @@ using FailCounts = std::array<std::int64_t, dictionary::kFailFlags.size()>;
 /// is to a limit.
 class ReportLayers : public LayerSink {
  public:
-  /// Maps of more than `most_cells` bins along an axis are reduced to at most that number.
+  /// Maps of more than `max_cells` bins along an axis are reduced to at most that number.
   ReportLayers(const GridSpec& spec, const EvaluationParameters& parameters,
-               std::int64_t most_cells = kMaxCells);
+               std::int64_t max_cells = kMaxCells);
 
   /// Receives z_est and z_true; call it before the evaluation, which overwrites the truth.
   void take(const DemLayers& dem);

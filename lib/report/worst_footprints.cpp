@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D156
+//
+// The maps of a worst footprint are read from the DEM again, ten windows, and computed again: keeping six
+// layers in memory until the worst footprints are known would take 24 bytes per bin.
 #include "report/worst_footprints.h"
 
 #include <algorithm>

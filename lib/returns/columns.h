@@ -23,7 +23,7 @@ enum class ColumnGroup {
   always,
   intensity,      ///< with a receiver
   return_number,  ///< with several returns for each pixel
-  echo,           ///< with the echoes of all pixels kept, to draw the errors of the receiver anew
+  echo,           ///< with the echoes of all pixels kept, to redraw the errors of the receiver
 };
 
 struct OptionalColumns {
@@ -75,7 +75,7 @@ constexpr void for_each_column(const Columns& columns, const Visit& visit) {
 /// - a false return has all values, except that range_true is NaN where nothing was hit; its true point then
 /// lies on the true beam at the false range;
 /// - a dropout, and a dead pixel whose ray hit the terrain, have range_true and the true point;
-/// - an undetected pixel likewise, and its echo;
+/// - an undetected pixel the same, and its echo;
 /// - all others have no values.
 /// A column that is not requested, or of which the scan has none, is empty.
 struct PointColumns {

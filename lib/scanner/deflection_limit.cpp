@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D327
 #include "scanner/encoder_harmonics.h"
 
 #include <cmath>

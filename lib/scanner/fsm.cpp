@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D11, D33, D74
 #include "scanner/fsm.h"
 
 #include "base/random.h"
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 #include "scanner/axes_jump.h"
 
 namespace landfall {

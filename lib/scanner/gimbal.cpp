@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D72
 #include "scanner/gimbal.h"
 
 #include <cmath>
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 #include "scanner/axes_jump.h"
 
 namespace landfall {

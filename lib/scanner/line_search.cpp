@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D34, D76
 #include "scanner/line_search.h"
 
 #include "base/parameter_check.h"

@@ -19,7 +19,7 @@ struct LineSearchParameters {
 /// A raster over a square. Pulse k is on line l = k div columns, in column c = k mod columns, and aims at
 /// (-E + 2E c/(columns - 1), E - 2E l/(rows - 1), 0): from the upper left to the lower right corner, line by
 /// line. A single row or column aims at 0 on that axis; boustrophedon runs odd lines backwards. After
-/// N = rows x columns pulses it begins anew, or the scan stops.
+/// N = rows x columns pulses it begins again, or the scan stops.
 ///
 /// Ramped, y = E - 2E k/(N - 1) (0 for a single row): the slow axis moves evenly instead of in steps. The
 /// corners stay the same.

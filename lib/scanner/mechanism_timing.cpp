@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D73, D328
 #include "scanner/mechanism_timing.h"
 
 #include <algorithm>

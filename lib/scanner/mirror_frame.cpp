@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/parameter_check.h"
 #include "geometry/rotation.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 

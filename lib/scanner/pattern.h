@@ -15,7 +15,7 @@ struct PatternJump {
   PulseTime before{};  ///< the last pulse before the jump
 };
 
-/// Where the boresight should meet the ground at each pulse: a pure function of time.
+/// The point at which the boresight should meet the ground at each pulse: a pure function of time.
 class Pattern {
  public:
   virtual ~Pattern() = default;

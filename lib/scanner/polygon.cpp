@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D75, D326
 #include "scanner/polygon.h"
 
 #include <Eigen/Geometry>
@@ -6,8 +7,8 @@
 #include <string>
 
 #include "base/random.h"
-#include "geometry/parameter_check.h"
 #include "geometry/rotation.h"
+#include "geometry/vector_check.h"
 #include "scanner/mirror_frame.h"
 
 namespace landfall {

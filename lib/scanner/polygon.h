@@ -22,7 +22,7 @@ struct PolygonParameters {
   std::vector<double> facet_tilt_rad{};
   double facet_tilt_sigma_rad = 0;  ///< one sigma of further tilts, drawn per facet, in [0, 0.01]
   bool facet_tilt_known = false;    ///< a calibrated scanner: the lander knows the tilts
-  /// Of the encoders of the drum (its whole turn) and of the frame.
+  /// The harmonics of the encoders of the drum (its whole turn) and of the frame.
   std::vector<EncoderHarmonic> encoder_harmonics{};
   std::uint64_t seed = 1;  ///< of the tilts
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D69, D71
 #include "scanner/risley.h"
 
 #include <cmath>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D70
 #include "scanner/risley_steering.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {

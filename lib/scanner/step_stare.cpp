@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D78
 #include "scanner/step_stare.h"
 
 #include "base/parameter_check.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D321
 #include "scene/campaign.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 #include "config/scan_config.h"
 #include "evaluation/evaluate.h"
 #include "files/evaluation_file.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "scene/redraw.h"
 
 namespace landfall {

@@ -17,7 +17,7 @@
 
 namespace landfall {
 
-/// What a scan saw, in memory: one for each pixel and pulse.
+/// The true ranges of a scan, in memory: one for each pixel and pulse.
 struct CampaignTruth {
   std::vector<double, LargeAllocator<double>> ranges_m;
   std::vector<Echo, LargeAllocator<Echo>> echoes;  ///< empty unless the scan keeps them

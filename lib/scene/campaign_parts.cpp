@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sums of a part are checked before they are added: counts against the number of its draws, sums against
+// the largest error that is summed (D314), so that an edited file cannot overflow them. Samples have at
+// most as many rows as `draws` allows.
 #include "scene/campaign_parts.h"
 
 #include <malloc.h>
@@ -106,7 +109,7 @@ std::optional<Draws> CampaignState::load(const std::function<void(const std::str
       return std::move(input.draws);
     warn(path_.string() + ": is of another campaign and is not used");
   } catch (const Error& error) {
-    warn(std::string(error.what()) + "; the campaign begins anew");
+    warn(std::string(error.what()) + "; the campaign begins again");
   }
   return std::nullopt;
 }
@@ -116,7 +119,7 @@ void CampaignState::save(const Draws& draws, const std::string& crs_wkt) const {
     LandfallFileWriter file({path_, true, 1}, "draws", provenance_of(draws.table));
     write_draws(file, draws, verdict_json(draws.table, std::nullopt), crs_wkt);
   }
-  malloc_trim(0);  // the heap would keep the buffers of the writer, 60 MB, while draws go on
+  malloc_trim(0);  // the heap would keep the buffers of the writer, 60 MB, while draws are made
 }
 
 void CampaignState::remove() const noexcept {

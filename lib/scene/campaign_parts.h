@@ -11,8 +11,8 @@
 
 namespace landfall {
 
-/// What a run of a campaign leaves while it is going on: a file of draws under a hidden name beside the
-/// output, so that a run that was ended goes on where it was.
+/// The state that a run of a campaign keeps: a file of draws under a hidden name beside the
+/// output, so that a run that was ended resumes from it.
 class CampaignState {
  public:
   /// `provenance` is that of the output. `first` is the first draw of the run.

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The first interrupt of a campaign waits for the current draw and the state, a second one does not. Batch
+// systems send SIGTERM some seconds before SIGKILL, and a draw takes less. Writing a state does not decide
+// the end of the run (lib/output/temporary_files.h), because interrupts are deferred while it is named.
 #include "scene/campaign_run.h"
 
 #include <algorithm>
@@ -6,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "output/temporary_files.h"
 
 namespace landfall {
@@ -66,7 +69,7 @@ class ScanSequence {
   /// Adds to the maps what a device still has.
   void complete(Draws& draws) { campaign_->complete(draws); }
 
-  /// Of the scan in memory; with several it is not written, because there are no maps.
+  /// The frame of the scan in memory; with several it is not written, because there are no maps.
   [[nodiscard]] const std::string& crs_wkt() const { return campaign_->crs_wkt(); }
 
   /// Frees the memory of the scan.
@@ -132,12 +135,12 @@ class DrawLoop {
     if (!interrupts.requested()) report(progress, 1);
   }
 
-  /// What an interrupted run leaves.
+  /// Keeps the draws of an interrupted run.
   void keep(const Draws& draws) {
     if (draws.table.size() == 0) return;
     state_.save(draws, scans_.crs_wkt());
     output_.warn(std::to_string(draws.table.size()) + " of " + std::to_string(span_.end - span_.first) +
-                 " draws are kept; the same command goes on after them");
+                 " draws are kept; run the same command again to continue");
   }
 
   [[nodiscard]] std::optional<SprtState> sprt_state() const {
@@ -177,7 +180,7 @@ CampaignResult run_campaign(const CampaignSources& sources, const std::optional<
   std::optional<Draws> kept = state.load(output.warn);
   Draws draws = kept ? *std::move(kept) : scans.of(span.first).empty(span.first);
   const std::int64_t done = draws.table.size();
-  if (done > 0) output.log("goes on after " + std::to_string(done) + " draws");
+  if (done > 0) output.log("resumes after " + std::to_string(done) + " draws");
   std::optional<Sprt> sprt;
   if (scans.config().sprt()) sprt.emplace(*scans.config().sprt());
   DrawLoop loop(scans, span, std::move(sprt), state, output);

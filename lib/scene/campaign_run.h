@@ -20,7 +20,7 @@ struct ScanPair {
   std::string terrain;  ///< terrain.h5
 };
 
-/// What a campaign is made from, and on.
+/// The scans and terrains of a campaign.
 struct CampaignSources {
   /// With several, all draws run over the first, then over the next: row p N + i is draw i of N over pair p.
   /// Such a campaign has no maps.

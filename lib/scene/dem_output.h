@@ -10,7 +10,7 @@
 
 namespace landfall {
 
-/// What a DEM is made from.
+/// The scans, and the terrain if any, of a DEM.
 struct DemSources {
   std::vector<std::string> scans;  ///< scan.h5, at least one
   std::string terrain;             ///< terrain.h5 for the layers of the truth; empty: none

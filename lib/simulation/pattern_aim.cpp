@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D10
 #include "simulation/pattern_aim.h"
 
 #include <cmath>

@@ -20,7 +20,7 @@ struct TimeNearPulse {
   double later_s = 0;
 };
 
-/// Where a pattern aims between its pulses and around its jumps. The pattern must outlive this object.
+/// The aim of a pattern between its pulses and around its jumps. The pattern must outlive this object.
 class PatternAim {
  public:
   /// `interval_s` between two pulses; 0: the aim is taken as constant.

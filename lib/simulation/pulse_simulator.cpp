@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D346
+//
+// A lidar below a mesh's H is not an error: it may be under an overhang or in a cave. Inside a closed body
+// it sees the body from within.
 #include "simulation/pulse_simulator.h"
 
 #include <Eigen/Geometry>
@@ -329,7 +333,7 @@ PointStatus PulseSimulator::status(PulsePixel where, const PulseWorkspace& works
   if (workspace.aimed.beams[i].lost) return PointStatus::lost_in_optics;
   if (std::isnan(workspace.received.ranges_m[i])) return PointStatus::miss;
   if (!workspace.measured.receptions.empty() &&
-      std::isnan(workspace.measured.receptions[i * lidar_.receiver.most_returns()].range_m))
+      std::isnan(workspace.measured.receptions[i * lidar_.receiver.max_returns()].range_m))
     return PointStatus::undetected;
   return lidar_.range_errors.is_dropped(where) ? PointStatus::dropout : PointStatus::returned;
 }
@@ -349,7 +353,7 @@ PulseSimulator::Report PulseSimulator::report(PulsePixel where, const PulseWorks
   }
   if (workspace.measured.receptions.empty())
     return {what, has_echo ? workspace.measured.measured_m[i] : kNan, kNoIntensity};
-  const Reception& reception = workspace.measured.receptions[i * lidar_.receiver.most_returns() + number];
+  const Reception& reception = workspace.measured.receptions[i * lidar_.receiver.max_returns() + number];
   const bool is_background = reception.is_background && (has_echo || what == PointStatus::miss);
   if (!is_background && (!has_echo || std::isnan(reception.range_m)))
     return {what, kNan, kNoIntensity, number == 0 ? std::int8_t{0} : PulseBatch::kNoSuchReturn};
@@ -377,7 +381,7 @@ void PulseSimulator::measure(std::int64_t pulse, const AimedPulse& aimed, const 
   MeasuredPulse& m = measured;
   find_incidences(aimed, received, m);
   const std::size_t pixels = aimed.beams.size();
-  const std::size_t most = lidar_.receiver.most_returns();
+  const std::size_t most = lidar_.receiver.max_returns();
   receive(pulse, aimed, received, m);
   m.measured_m.resize(pixels * most);
   for (std::size_t number = 0; number < most; ++number) {
@@ -444,7 +448,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
   const Transform<DemFrame, LidarFrame> T_dem_lidar_est = pulse.estimate * lidar_.mount;
   const std::vector<Beam>& beams =
       workspace.aimed.believed_beams.empty() ? workspace.aimed.beams : workspace.aimed.believed_beams;
-  const std::size_t most = lidar_.receiver.most_returns();
+  const std::size_t most = lidar_.receiver.max_returns();
   for (std::size_t i = 0; i < beams.size(); ++i) {
     const Beam& beam = beams[i];
     for (std::size_t number = 0; number < most; ++number) {
@@ -465,7 +469,7 @@ void PulseSimulator::record_estimate(const PulseInput& pulse, std::size_t first_
 
 void PulseSimulator::record_truth(const PulseInput& pulse, std::size_t first_row, PointColumns& out,
                                   const PulseWorkspace& workspace) const {
-  const std::size_t most = lidar_.receiver.most_returns();
+  const std::size_t most = lidar_.receiver.max_returns();
   for (std::size_t k = 0; k < workspace.aimed.beams.size() * most; ++k) {
     const std::size_t i = k / most;
     const Beam& beam = workspace.aimed.beams[i];

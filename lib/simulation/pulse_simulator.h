@@ -50,7 +50,7 @@ struct PulseInput {
   Pose nominal{};   ///< the pose that the pattern aims from
 };
 
-/// What an earlier run saw: one range and echo for each pixel.
+/// The ranges of an earlier run: one range and echo for each pixel.
 struct TrueRanges {
   std::span<const double> ranges_m;    ///< NaN for a miss
   std::span<const Echo> echoes{};      ///< empty unless the receiver sees waveforms
@@ -137,7 +137,7 @@ class PulseSimulator {
   /// The rows of a pulse in a batch, including those of returns that do not exist
   /// (PulseBatch::kNoSuchReturn).
   [[nodiscard]] std::size_t rows_per_pulse() const {
-    return lidar_.detector.pixel_count() * lidar_.receiver.most_returns();
+    return lidar_.detector.pixel_count() * lidar_.receiver.max_returns();
   }
   [[nodiscard]] std::size_t rays_per_pulse() const {
     const Detector& detector = lidar_.detector;
@@ -147,7 +147,7 @@ class PulseSimulator {
   /// The columns of this lidar's points.
   [[nodiscard]] OptionalColumns columns(bool keep_echoes = false) const {
     return {.intensity = lidar_.receiver.sees_waveforms(),
-            .return_number = lidar_.receiver.most_returns() > 1,
+            .return_number = lidar_.receiver.max_returns() > 1,
             .echo = keep_echoes,
             .later_echoes = keep_echoes && lidar_.receiver.hears_later_echoes()};
   }
@@ -209,7 +209,7 @@ class PulseSimulator {
   static void record_echoes(std::size_t first_row, PointColumns& out, const ReceivedPulse& received);
   static void record_later_echoes(EchoColumns& out, const ReceivedPulse& received);
   [[nodiscard]] PointStatus status(PulsePixel where, const PulseWorkspace& workspace) const;
-  /// What the receiver reports for a pixel.
+  /// The report of the receiver for a pixel.
   struct Report {
     PointStatus status;
     double range_m;          ///< NaN without a return

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Only the writing of a scan is in order. Chunks are compressed, and those of `--ranges-from` read, on any
+// thread; the layout of a file follows from the order in which chunks are written, which is that of the
+// pulses.
 #include "simulation/scan_pipeline.h"
 
 #include <tbb/parallel_pipeline.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D8, D9, D88
 #include "simulation/simulation.h"
 
 #include <algorithm>

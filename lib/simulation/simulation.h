@@ -83,7 +83,7 @@ class Simulation {
   [[nodiscard]] PulseBatch simulate(PulseSpan pulses) const;
 
   /// simulate() without tracing: the true ranges and, if the receiver sees waveforms, the echoes come from an
-  /// earlier run, one per pixel and pulse; only the errors are drawn anew. Throws FormatError where their
+  /// earlier run, one per pixel and pulse; only the errors are redrawn. Throws FormatError where their
   /// number does not fit, and UsageError for a receiver that needs whole waveforms.
   void replay(PulseSpan pulses, const TrueRanges& truth, PulseBatch& batch,
               PointContent content = PointContent::all, bool keep_echoes = false) const;

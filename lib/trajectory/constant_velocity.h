@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "geometry/parameter_check.h"
 #include "geometry/rotation.h"
+#include "geometry/vector_check.h"
 #include "trajectory/trajectory.h"
 
 namespace landfall {

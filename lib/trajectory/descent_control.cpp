@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/parameter_check.h"
 #include "geometry/rotation_vector.h"
+#include "geometry/vector_check.h"
 
 namespace landfall {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D81, D82, D83
 #include "trajectory/dynamics.h"
 
 #include <algorithm>
@@ -6,8 +7,8 @@
 #include <string>
 
 #include "base/random.h"
-#include "geometry/parameter_check.h"
 #include "geometry/rotation_vector.h"
+#include "geometry/vector_check.h"
 #include "trajectory/hermite.h"
 
 namespace landfall {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D14, D37
 #include "trajectory/table_trajectory.h"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace landfall {
 namespace {
 
 constexpr double kNormTolerance = 1e-3;
-constexpr double kMostSpeed_mps = 299'792'458;
+constexpr double kMaxSpeed_mps = 299'792'458;
 
 void check(const std::vector<TrajectorySample>& samples, const std::string& name) {
   require_timed_rows<TrajectorySample>(samples, name, [](const TrajectorySample& s) {
@@ -70,7 +71,7 @@ std::vector<Vector<DemFrame>> slopes(std::span<const TrajectorySample> samples) 
 /// Steps of t_s that are too small, or positions that are too far apart, would make positions NaN.
 void check_slopes(std::span<const Vector<DemFrame>> slopes_mps, const std::string& name) {
   for (std::size_t i = 0; i < slopes_mps.size(); ++i)
-    if (!(slopes_mps[i].v.norm() <= kMostSpeed_mps))
+    if (!(slopes_mps[i].v.norm() <= kMaxSpeed_mps))
       refuse_row(name, i,
                  "the rows about it, or its velocity, give more than the speed of light; a step of t_s is "
                  "too small, or a length is not in metres");

@@ -44,4 +44,9 @@ def run(tool, config=None, *inputs, output=None, **options):
     """
     from landfall import tools
 
-    return tools.run(tool, config, inputs, output, options)
+    result = tools.run(tool, config, inputs, output, options)
+    if output is None:
+        return result
+    from landfall import opening
+
+    return opening.open_file(result) if opening.h5py.is_hdf5(result) else result

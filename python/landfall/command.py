@@ -56,11 +56,25 @@ def check_outputs(paths, overwrite, makes_folder=False):
             raise UsageError(f"output {path} exists; use -O to overwrite it")
 
 
-def write_whole(path, write_to):
-    """Calls write_to(temporary name) and renames: `path` holds a complete file or what it held before."""
+def sync(path):
+    """Returns when the file's content is on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def write_whole(path, write_to, is_synced=True):
+    """Calls write_to(temporary name) and renames: `path` holds a complete file or what it held before, also after a crash.
+
+    Without is_synced, the caller syncs many files at once.
+    """
     temporary = os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.{os.getpid()}.part")
     try:
         write_to(temporary)
+        if is_synced:
+            sync(temporary)
         os.replace(temporary, path)
     finally:
         if os.path.exists(temporary):

@@ -41,7 +41,7 @@ def refused(answer):
 
 
 def outcome(look):
-    """What became of a candidate."""
+    """The outcome of a candidate."""
     if not look["passes"]:
         return f"refused by {STAGES[look['stage']]}: {look['reason']}"
     if "race" not in look:

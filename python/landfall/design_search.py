@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D361, D363
 """The search of landfall.design: Optuna proposes candidates; a sequential test compares those on the Pareto front by many draws;
 neighbours of the one that is accepted are tried; fresh draws judge it.
 
@@ -9,13 +10,13 @@ import os
 import warnings
 
 from landfall import model, runs, schema
-from landfall.design import Look, SIX, failures_allowed, rate_of
+from landfall.design_problem import ALL_REQUIREMENTS, Look, failures_allowed, rate_of
 from landfall.errors import DataError
 
 TOGETHER = 4  # candidates that are proposed together, whatever the number of workers
-# Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MOST_DRAWS draws, a proof 1,000,000.
+# Seeds of the search's one draw, the tests and the proofs never meet: a test has at most MAX_DRAWS draws, a proof 1,000,000.
 RACE_SEED, PROOF_SEED, PROOF_STEP = 1_000_000_000, 1_100_000_000, 1_000_000
-MOST_DRAWS = 2000
+MAX_DRAWS = 2000
 FIRST_ROUND = 8  # draws on each terrain, so that bad candidates cost little
 
 
@@ -121,11 +122,11 @@ class Design:
         """The look with "race": the sequential test of P(pass) on every terrain; the first terrain that rejects decides."""
         rule = {"p0": self.problem.probability, "p1": 1 - 3 * (1 - self.problem.probability), "alpha": 0.05, "beta": 0.05}
         rule |= self.problem.tree.get("race", {})
-        draws = self.problem.draws(draws=MOST_DRAWS, seed=RACE_SEED)
+        draws = self.problem.draws(draws=MAX_DRAWS, seed=RACE_SEED)
         scans = self.campaigns(look["values"])
         self.say(f"sequential test of {self.percent(look)}")
         try:
-            for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MOST_DRAWS)]):
+            for passes, _ in self.rounds(scans, draws, [FIRST_ROUND, *([runs.PART_DRAWS] * MAX_DRAWS)]):
                 ends = [sprt(terrain, **rule) for terrain in passes]
                 rejecting = [terrain for terrain, (accepted, _) in enumerate(ends) if accepted is False]
                 if rejecting or all(accepted for accepted, _ in ends):
@@ -176,7 +177,7 @@ class Design:
         self.runner.run("monte-carlo", "merge", *parts, "-o", os.path.join(self.runner.scratch, "merged.h5"), "-O", "--verdict", verdict)
         tree = schema.read_json(verdict)
         rates = {rate["requirement"]: rate for rate in tree["rates"]}
-        return {**(rates["all"] if self.problem.requirement == SIX else rate_of(self.problem.requirement, passes)), "rates": tree["rates"]}
+        return {**(rates["all"] if self.problem.requirement == ALL_REQUIREMENTS else rate_of(self.problem.requirement, passes)), "rates": tree["rates"]}
 
     def improve(self, accepted, raced):
         """The cheapest neighbour that is accepted too, and so on until none is; with the neighbours of the last one."""
@@ -203,7 +204,7 @@ class Design:
 
 
 def pareto(looks):
-    """Of the candidates with a draw, those that no other one beats in both cost and worst margin; by cost.
+    """The candidates with a draw that no other one beats in both cost and worst margin; by cost.
 
     Equal worst margins, as of holes, which are whole bins, are compared by the next ones.
     """

@@ -16,13 +16,13 @@ from landfall.errors import DataError, Error
 # Attributes by which HDF5 links layers to their coordinates.
 DIMENSION_SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
-# What h5py and the code that reads with it raise for contents that are not as expected.
+# The exceptions that h5py and the code that reads with it raise for contents that are not as expected.
 UNREADABLE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, MemoryError)
 
 
 @contextlib.contextmanager
 def naming(path):
-    """What goes wrong while a file is read becomes one DataError that names it."""
+    """Turns an exception while a file is read into one DataError that names it."""
     try:
         yield
     except UNREADABLE as error:

@@ -16,7 +16,7 @@ from landfall.errors import printable_lines
 FONT_PT, NOTE_PT, NOTE_LETTERS_PER_IN = 11, 9, 11
 MAP_SHARE = 0.62      # of the width of a column of panels that a map fills, at least
 ABOVE_FRAME = 2.6     # a frame has 2.5 and would hide marks on the border of a map
-MOST_OUTLINED = 0.03  # of the blocks of a map: more lines would hide it
+MAX_OUTLINED = 0.03  # of the blocks of a map: more lines would hide it
 NO_VALUE, MARK = colors.css(colors.NO_VALUE), colors.css(colors.MARK)
 OUTLINE = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 # Okabe and Ito's palette, whose colours are distinguishable with all common forms of colour blindness.
@@ -140,7 +140,7 @@ def draw_marks(ax, grid, flags, color, region_bins=None, fill_few=False):
     how = "single ones enlarged" if marks is not None and flags.any() and max(marks.shape) > reduction.WIDE_BLOCKS else ""
     if marks is None:
         marks, how = reduction.shrink_any(flags, size), "each pixel with one" if size > 1 else ""
-        if not fill_few or marks.sum() >= reduction.MOST_MARKED * marks.size:
+        if not fill_few or marks.sum() >= reduction.MAX_MARKED * marks.size:
             marks, how = reduction.shrink_share(flags, size), "share of each pixel" if size > 1 else ""
     image = np.empty((*marks.shape, 4))
     image[...] = to_rgba(color)
@@ -157,7 +157,7 @@ def draw_outside(ax, grid, inside):
 
 
 def marks_text(name, how, color="magenta"):
-    """What marks are: 'magenta: bins without a return, single ones enlarged'."""
+    """The meaning of marks: 'magenta: bins without a return, single ones enlarged'."""
     return f"{color}: {name}" + (f", {how}" if how else "")
 
 
@@ -166,7 +166,7 @@ def outline_flags(ax, grid, flags, color):
     hide the map."""
     size = block_size(ax, flags.shape)
     marks = reduction.shrink_any(flags, size)
-    if not marks.any() or np.count_nonzero(marks & ~inner(marks)) > MOST_OUTLINED * marks.size:
+    if not marks.any() or np.count_nonzero(marks & ~inner(marks)) > MAX_OUTLINED * marks.size:
         return False
     left, right, bottom, top = map_extent(grid, size, marks.shape)
     half = size * grid.resolution_m / 2

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D356
 """The pipeline as a function from configuration values to metrics, for engines of sensitivity analysis and design.
 
     from landfall.model import model, openturns_function
@@ -23,7 +24,7 @@ from landfall.study.model import assign, plain_numbers
 
 SEED = "scan.seed"
 LARGEST_SEED = 2**31 - 1
-# What monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
+# The outputs that monte-carlo has without percentiles ("metrics": "verdict"), several times faster, with the same values.
 VERDICT_NUMBERS = re.compile(r"coverage\..*|requirements\..*|pass|score\..*|site\..*|accuracy\.absolute\.horizontal\.within_limit_frac|"
                              r"accuracy\.relative\.[xyz]\.violation_count")
 
@@ -53,7 +54,7 @@ class Model:
         set_values(copy.deepcopy(base), {key: 0 for keys in self.inputs.values() for key in keys})
 
     def __call__(self, values):
-        """Of a vector of values a vector of metrics, of a table (rows x inputs) a table (rows x outputs).
+        """A vector of metrics for a vector of values, a table (rows x outputs) for a table (rows x inputs).
 
         A function of the values alone: equal rows have equal random numbers, unless scan.seed is an input. A row that a tool
         refuses is NaN, and failures[i] says why; so is a metric that a DEM does not have.
@@ -195,7 +196,7 @@ class _Campaign(_Task):
 
 
 class Workers(concurrent.futures.ThreadPoolExecutor):
-    """Threads of which none begins anything new after an error or Ctrl-C."""
+    """A thread pool that starts nothing new after an error or Ctrl-C."""
 
     def __exit__(self, kind, value, trace):
         self.shutdown(wait=True, cancel_futures=kind is not None)

@@ -1,4 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Python lets the tools check a file. `landfall.open` and the Python commands run `landfall-info --check`, which opens
+# the file as every tool does, before h5py opens it. A second implementation of lib/hdf5/metadata_check.h,
+# lib/hdf5/file_screening.h and lib/hdf5/file_seal.h in Python would differ from the first one sooner or later; an
+# extension module would have to be built for each version of Python. The price is one process for each file. Where the
+# program is not found, the file is refused: a check that is silently left out is none. `check=False` leaves it out for
+# a file that the caller trusts.
+#
+# HDF5 loads no plug-in in a Python process from the first `landfall.open` on, not only for the file that is opened:
+# HDF5 has one switch for a process, and looks for a filter when values are read, long after the file is opened. Filters
+# that a program registers itself (hdf5plugin) remain.
 """landfall.open: a file as an xarray.Dataset, a Table or a dict."""
 import contextlib
 import os
@@ -12,7 +22,7 @@ from landfall.table import open_table
 GRIDS = ("landfall.terrain", "landfall.dem", "landfall.evaluation", "landfall.plan", "landfall.hazards", "landfall.draws")
 # The JSON files of the tools.
 TREES = ("landfall.metrics", "landfall.sites", "landfall.hazard_score", "landfall.draws_verdict")
-# Where the columns of the other files are.
+# The groups that hold the columns of the other files.
 TABLES = {"landfall.scan": "points", "landfall.results": "/"}
 
 

@@ -57,7 +57,7 @@ def draw_elevations(ax, grid, layer, scale, options):
 def mark_empty(ax, grid, values):
     """Marks bins without a return where they are few; many of them are grey. Returns what shows them."""
     empty = np.isnan(values)
-    if np.count_nonzero(empty) >= reduction.MOST_MARKED * values.size:
+    if np.count_nonzero(empty) >= reduction.MAX_MARKED * values.size:
         return maps.marks_text("bins without a return", "", "grey")
     if not empty.any():
         return ""

@@ -31,7 +31,7 @@ def parse(arguments):
 
 
 class Draws:
-    """What a draws.h5 holds; layers that it does not have are None."""
+    """The contents of a draws.h5; layers that it does not have are None."""
 
     def __init__(self, path):
         self.name = os.path.basename(path)

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Failing footprints in a figure have a line around them where its blocks are at most 3 % of the map. Around scattered
+# ones, lines would hide the map: they are vermilion, as in the report, by their share of each pixel.
 """Draws the results of dem-eval: elevation error, coverage, accuracy and the verdict, one figure each, and for a DEM
 with 1-sigma maps, how well they predict the errors.
 
@@ -32,7 +34,7 @@ def parse(arguments):
 
 
 class Evaluation:
-    """What an eval.h5 holds; layers that it does not have are None."""
+    """The contents of an eval.h5; layers that it does not have are None."""
 
     def __init__(self, path, data_only=False):
         self.data_only = data_only
@@ -124,7 +126,7 @@ def mark_missing(ax, evaluation, values):
     missing = np.isnan(values) & inside
     if not missing.any():
         return ""
-    if np.count_nonzero(missing) >= reduction.MOST_MARKED * np.count_nonzero(inside):
+    if np.count_nonzero(missing) >= reduction.MAX_MARKED * np.count_nonzero(inside):
         return maps.marks_text("no value", "", "grey")
     how = maps.draw_marks(ax, evaluation.grid, missing, maps.MARK, np.count_nonzero(inside))
     return maps.marks_text("no value", how)
@@ -254,7 +256,7 @@ def relative_title(evaluation, axis):
 
 
 def quantity_of(evaluation, name):
-    """What the colours of a layer show, as in the report."""
+    """The quantity that the colours of a layer show, as in the report."""
     quantile = evaluation.metrics.get("accuracy/quantile")
     if name.startswith("abs"):
         return f"mean of {SIGN}"

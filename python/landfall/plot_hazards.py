@@ -13,7 +13,7 @@ from landfall import command, dictionary, files, maps, plots, reduction, relief,
 from landfall.errors import DataError
 
 LAYERS = ["slope", "roughness", "safe", "p_safe", "p_touchdown", "outcome"]
-MOST_LISTED = 6  # sites in the legend
+MAX_LISTED = 6  # sites in the legend
 # {value: (name, colour)} of each layer. Marked values are few if the DEM is good, and are drawn on top of the judgement.
 CLASSES = {layer: dict(sorted(dictionary.place_classes(layer).items())) for layer in ("safe", "outcome")}
 HAZARD_COLOR, SAFE_COLOR = (CLASSES["safe"][value][1] for value in (0, 1))
@@ -35,7 +35,7 @@ def parse(arguments):
 
 
 class Hazards:
-    """What a hazards.h5 holds; layers and a score that it does not have are None."""
+    """The contents of a hazards.h5; layers and a score that it does not have are None."""
 
     def __init__(self, path):
         self.name = os.path.basename(path)
@@ -157,12 +157,12 @@ def draw_sites(ax, hazards):
         place = float(sites["x"][row]), float(sites["y"][row])
         ax.plot(*place, linestyle="none", zorder=5 + (count - row) / count, gid="site", **style)
         ax.text(*place, str(rank), fontsize=maps.NOTE_PT, ha="center", va="center_baseline", zorder=5 + (count - row) / count)
-        if row < MOST_LISTED:
+        if row < MAX_LISTED:
             touchdown = "" if hazards.layers["p_safe"] is None else f", p_touchdown {sites['p_touchdown'][row]:.4f}"
             text = f"cost {sites['cost'][row]:.4f}{touchdown}" + (", true hazard" if wrong else "")
             handles.append(Line2D([], [], linestyle="none", label=f"{rank}: {text}", **{**style, "markersize": 8}))
-    if count > MOST_LISTED:
-        handles.append(Line2D([], [], linestyle="none", label=f"and {count - MOST_LISTED} more sites"))
+    if count > MAX_LISTED:
+        handles.append(Line2D([], [], linestyle="none", label=f"and {count - MAX_LISTED} more sites"))
     return handles or [Line2D([], [], linestyle="none", label="no landing site")]
 
 

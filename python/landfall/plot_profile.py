@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D243
 """Draws true and estimated elevation, and the error, along a line across a DEM made by regrid.
 
 The profile has the value of each bin that the line crosses, at the middle of its part of the line. Nothing is interpolated, so that

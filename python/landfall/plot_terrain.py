@@ -13,7 +13,7 @@ from landfall.errors import DataError
 
 CELLS = 900  # blocks along a panel's edge
 BAND_NODES = 1 << 23  # nodes held at a time: a terrain of any size is drawn in the same memory
-MOST_OBJECTS = 300  # of each kind on the map of the whole site, the largest first
+MAX_OBJECTS = 300  # of each kind on the map of the whole site, the largest first
 KIND_COLORS = ("#d55e00", "#56b4e9", "#009e73", "#e69f00", "#cc79a7", "#0072b2", "#f0e442", "#000000")
 
 
@@ -79,7 +79,7 @@ def shade(dz_dx, dz_dy, sun):
 
 @dataclass
 class Relief:
-    """What is drawn of a whole terrain, one value per square block of `size` cells."""
+    """The drawn layers of a whole terrain, one value per square block of `size` cells."""
 
     size: int
     shade: np.ndarray  # mean
@@ -165,7 +165,7 @@ def object_legend(ax, objects):
     entries = []
     for kind, color in kind_colors(objects).items():
         count = objects.by_kind[kind][0].size
-        largest = f", the {MOST_OBJECTS} largest drawn" if count > MOST_OBJECTS else ""
+        largest = f", the {MAX_OBJECTS} largest drawn" if count > MAX_OBJECTS else ""
         entries.append(Patch(facecolor="none", edgecolor=color, linewidth=1.5,
                              label=f"{kind.replace('_', ' ')} ({count:,}{largest})"))
     if entries:
@@ -222,7 +222,7 @@ def draw(file, options):
     figure, axes = maps.new_figure((1, 3), (20.5, 7.4), title(grid, relief, objects, options))
     node_frame(axes[0, 0], grid, "hillshade" + (" and objects" if objects.count else ""))
     draw_hillshade(axes[0, 0], grid, relief.shade, relief.size)
-    draw_objects(axes[0, 0], objects, MOST_OBJECTS)
+    draw_objects(axes[0, 0], objects, MAX_OBJECTS)
     maps.draw_scale_marks(axes[0, 0])
     object_legend(axes[0, 0], objects)
     over = f", mean over {plots.metres(relief.size * grid.resolution_m)}" if relief.size > 1 else ""

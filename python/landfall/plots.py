@@ -115,6 +115,7 @@ def save(figures, dpi):
         for path, figure in figures.items():
             os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
             figure.savefig(temporary[path], format="png", dpi=dpi, metadata={"Software": None})
+            command.sync(temporary[path])
         for path in figures:
             os.replace(temporary[path], path)
             print(printable(path))

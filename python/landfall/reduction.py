@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D275
 """Reduces a map of bins to what a panel can show.
 
 A panel has fewer pixels than a map has bins. Values are reduced block by block to the extreme of each block, so that no
@@ -8,7 +9,7 @@ import math
 
 import numpy as np
 
-MOST_MARKED = 0.01  # of the region, and of the map by enlarged marks: more would hide the map
+MAX_MARKED = 0.01  # of the region, and of the map by enlarged marks: more would hide the map
 WIDE_BLOCKS = 200   # of so many along an edge or fewer, a single one is seen without being enlarged
 
 
@@ -82,13 +83,13 @@ def enlarged_marks(flags, size, region_bins):
 
     None if the set bins are 1 % of `region_bins` or the result is 1 % of the map, or more.
     """
-    if flags.sum() >= MOST_MARKED * region_bins:
+    if flags.sum() >= MAX_MARKED * region_bins:
         return None
     marks = shrink_any(flags, size)
     if max(marks.shape) <= WIDE_BLOCKS:
         return marks
     marks |= enlarge(lone(marks), 1)
-    return marks if marks.sum() < MOST_MARKED * marks.size else None
+    return marks if marks.sum() < MAX_MARKED * marks.size else None
 
 
 def shrink_share(flags, size):

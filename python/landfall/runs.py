@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Results are kept by content, and refusals only where the configuration is to blame (exit code 2). Exit code 1 may come
+# from a full disk: such a row is NaN in this call and is tried again in the next one. A tool that was killed ends the
+# call. What exists only during a run is in a folder whose lock a killed run loses, so that the next one removes it.
 """Runs of the tools for model.py and design.py: one DEM through the chain, or many draws of one traced scan.
 
-Results are kept in `folder`/cache under the hash of all that they depend on: a run that was cut off goes on, equal work is done
+Results are kept in `folder`/cache under the hash of all that they depend on: an interrupted run resumes, equal work is done
 once, and the answer does not depend on what was there before.
 """
 import contextlib
@@ -23,7 +26,7 @@ from landfall.study.model import read_config
 
 STAGES = ("terrain", "scan", "regrid", "eval", "hazard")
 TOOL_OF = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map"}
-REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; others, as of a killed tool, tell nothing about the input
+REFUSALS = (1, 2)  # exit codes of a tool that refuses its input; any other code, such as that of a killed tool, does not blame the input
 PART_DRAWS = 32  # of one run of monte-carlo: what is lost at most where a run is killed
 
 
@@ -44,13 +47,13 @@ def resolved(stage, config):
 
 
 def is_redrawn(key):
-    """Whether a key of a scan changes errors alone, so that monte-carlo draws it anew over the traced rays."""
+    """Whether a key of a scan changes errors alone, so that monte-carlo redraws it over the traced rays."""
     stage, *path = key.split(".")
     return stage == "scan" and path != ["seed"] and bool(path) and scan_keys.effect_of(*path) == "estimate"
 
 
 def needs_chain(scan):
-    """Whether a scan's errors cannot be drawn anew: the seed moves the beams, or the receiver needs whole waveforms."""
+    """Whether a scan's errors cannot be redrawn: the seed moves the beams, or the receiver needs whole waveforms."""
     receiver = scan.get("receiver", {})
     return scan_keys.is_beam_drawn(scan) or receiver.get("type") == "geiger" or receiver.get("returns") == "all"
 
@@ -86,7 +89,7 @@ def is_steady(outcome):
 def add_options(parser, what):
     """The options of a program that runs many tools."""
     parser.add_argument("file", metavar="FILE", help=what)
-    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; a run that was cut off goes on there")
+    parser.add_argument("-o", "--out", metavar="DIR", required=True, help="folder of the results; an interrupted run resumes from it")
     parser.add_argument("--bin", metavar="DIR", help="where the tools are (default: beside this package, or on PATH)")
     parser.add_argument("-j", "--workers", metavar="N", type=int, default=1, help="runs at a time, each with one thread; 1 has all threads (1)")
     parser.add_argument("--runner", metavar="COMMAND", default="", help='command that runs each tool, as "srun -Q -n1 -c1"')
@@ -136,7 +139,7 @@ class Runner:
         return scratch
 
     def run(self, tool, *arguments, config=None):
-        """What the tool prints. Throws ToolError, or DataError if it was killed."""
+        """The text that the tool prints. Throws ToolError, or DataError if it was killed."""
         with contextlib.ExitStack() as stack:
             if config is not None:
                 file = stack.enter_context(tempfile.NamedTemporaryFile("w", dir=self.scratch, prefix="config-", suffix=".json"))
@@ -149,7 +152,7 @@ class Runner:
             except ToolError as error:
                 if error.exit_code in REFUSALS:
                     raise ToolError(self._steady(str(error)), error.exit_code) from error
-                raise DataError(f"{tool} was ended from outside: {error}; the same command goes on") from error
+                raise DataError(f"{tool} was killed ({error}); run the same command again to continue") from error
 
     def _steady(self, message):
         """The message without names of files that exist only during this run."""
@@ -157,7 +160,7 @@ class Runner:
         return re.sub(re.escape(self.scratch) + r"/(?:\w+-\w+/)?", "", message)
 
     def place(self, kind, depends, extension):
-        """Where the result of this kind is kept. Data files that a configuration names count with their size and time."""
+        """The path at which the result of this kind is kept. Data files that a configuration names count with their size and time."""
         files = []
         for path in sorted(set(stages.data_files(depends))):
             status = os.stat(path)

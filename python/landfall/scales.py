@@ -11,7 +11,7 @@ from landfall import dictionary, plots
 
 OUTLIERS = dictionary.table("maps")["outliers"]          # on either side
 LIMIT_INSIDE = dictionary.table("maps")["limit_inside"]  # a scale reaches at least this times the limit
-LEAST_M = 1e-3       # of a scale of lengths, so that rounding errors do not appear in colour
+MIN_M = 1e-3                                             # of a scale of lengths, so that rounding errors do not appear in colour
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,11 @@ class Scale:
         return f"{low:.4g} to {high:.4g} {self.base}".rstrip()
 
     def notes(self, of=""):
-        """What the values are, where the colours end, and the limit of an error."""
+        """A label: the values, where the colours end, and the limit of an error."""
         return [self.range_text(), self.clipping_text(), self.limit_text(of)]
 
     def clipping_text(self):
-        """Where the colours end and why, if values lie beyond; empty otherwise."""
+        """The values at which the colours end, and why, if values lie beyond; empty otherwise."""
         if not any(self.clipped):
             return ""
         ends = ([f"±{self.text(self.high)}"] if self.colors == "error" else
@@ -115,7 +115,7 @@ def magnitude_scale(values, shown, limit_m=None, data_only=False):
 
 def _magnitude_end(shown, limit_m):
     quantile = quantiles([1 - OUTLIERS], np.abs(shown))[0]
-    ends = {"99.5 % quantile": quantile, f"{LIMIT_INSIDE:g} x limit": LIMIT_INSIDE * (limit_m or 0), "least end": LEAST_M}
+    ends = {"99.5 % quantile": quantile, f"{LIMIT_INSIDE:g} x limit": LIMIT_INSIDE * (limit_m or 0), "least end": MIN_M}
     rule = max(ends, key=ends.get)
     return ends[rule], rule
 
@@ -128,7 +128,7 @@ def elevation_scale(layers, shown):
     least, most = quantiles([OUTLIERS, 1 - OUTLIERS], *shown)
     if most > least and high - low > 2 * (most - least):
         low, high = least, most
-    return Scale("elevation", low, max(high, low + LEAST_M), extremes(*layers), span, "0.5 and 99.5 % quantiles")
+    return Scale("elevation", low, max(high, low + MIN_M), extremes(*layers), span, "0.5 and 99.5 % quantiles")
 
 
 def count_scale(values, shown, colors="count", base="", least=1.0):

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D291
 """How well a DEM's 1-sigma maps predict its errors: reliability and z-scores."""
 import math
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D358, D359
 """Sobol indices of groups of errors: which cause makes the numbers of a DEM vary (docs/user/studies/sensitivity.md).
 
 OpenTURNS makes the sample and estimates indices and intervals; landfall.model computes the draws.
@@ -16,7 +17,7 @@ KINDS = {"first": "first order", "total": "total"}
 PARTS = ("value", "low", "high")
 ESTIMATORS = {"martinez": "MartinezSensitivityAlgorithm", "saltelli": "SaltelliSensitivityAlgorithm", "jansen": "JansenSensitivityAlgorithm",
               "mauntz-kucherenko": "MauntzKucherenkoSensitivityAlgorithm"}
-LEAST_POINTS = 16
+MIN_POINTS = 16
 # Kind of distribution: its keys, and those that it needs.
 DISTRIBUTIONS = {"normal": (("mean", "sigma"), ("sigma",)), "uniform": (("low", "high"), ("low", "high"))}
 
@@ -76,7 +77,7 @@ class Problem:
 
 
 def indices(values, group_count, estimator="martinez"):
-    """Of one output, values in the order of Problem.design(): for each group its first-order and total index, with 95 % intervals."""
+    """The indices of one output, whose values are in the order of Problem.design(): for each group its first-order and total index, with 95 % intervals."""
     module, size = model.openturns(), len(values) // (group_count + 2)
     # The algorithm computes from the outputs alone; from the inputs it takes the number of groups.
     inputs = module.Sample(np.zeros((len(values), group_count)).tolist())
@@ -100,9 +101,9 @@ def analyse(problem, of):
     """{"outputs": {name: {"mean", "std", "groups": [{"group", "first", "total"}] or None if it does not vary}}, ...}."""
     table = of(problem.design())
     kept = usable(table, problem.size)
-    if np.count_nonzero(kept) < LEAST_POINTS:
+    if np.count_nonzero(kept) < MIN_POINTS:
         why = of.failures[min(of.failures)] if of.failures else "a metric has no value"
-        raise DataError(f"{problem.path}: only {np.count_nonzero(kept)} of {problem.size} points have all their numbers, {LEAST_POINTS} are needed; {why}")
+        raise DataError(f"{problem.path}: only {np.count_nonzero(kept)} of {problem.size} points have all their numbers, {MIN_POINTS} are needed; {why}")
     table = table[np.tile(kept, len(problem.groups) + 2)]
     answer = {"format": "landfall.sensitivity", "version": 1, "title": problem.title, "draws": problem.draw_count(), "points": int(np.count_nonzero(kept)),
               "points_left_out": int(np.count_nonzero(~kept)), "confidence": 0.95, "estimator": problem.tree.get("estimator", "martinez"),

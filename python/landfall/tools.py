@@ -60,7 +60,7 @@ def sound_files(paths):
 
 
 def run(tool, config, inputs, output, options):
-    """See landfall.run."""
+    """Runs a tool as landfall.run does. Returns the path of its output; without an output, what it printed."""
     arguments = [*map(os.fspath, inputs)]
     if config is not None:
         arguments += ["-c", "-" if isinstance(config, dict) else _config_name(os.fspath(config))]
@@ -70,11 +70,7 @@ def run(tool, config, inputs, output, options):
         arguments += ["-o", os.fspath(output)]
     done = run_tool(find(tool), *arguments, input=_json(config) if isinstance(config, dict) else "")
     sys.stderr.write(done.stderr)
-    if output is None:
-        return done.stdout
-    from landfall import opening
-
-    return opening.open_file(output) if opening.h5py.is_hdf5(output) else os.fspath(output)
+    return done.stdout if output is None else os.fspath(output)
 
 
 def _json(value):
@@ -83,7 +79,7 @@ def _json(value):
 
 
 def _config_name(name):
-    """What -c takes: the path of a file, or a preset, whose name may lack the "preset:"."""
+    """The argument of -c: the path of a file, or a preset, whose name may lack the "preset:"."""
     is_file = os.path.exists(name) or os.path.basename(name) != name or name.endswith(".json")
     return name if is_file or name.startswith("preset:") else "preset:" + name
 

@@ -33,7 +33,7 @@ APPENDIX_F = {
     "transverse_mercator": {"scale_factor_at_central_meridian", "longitude_of_central_meridian", "latitude_of_projection_origin"},
 }
 NAMES_OF_A_CRS = {"reference_ellipsoid_name", "prime_meridian_name", "horizontal_datum_name", "geographic_crs_name"}
-# What the projections of these PROJ strings are in CF; None: CF has none, and the file makes no claim.
+# The CF names of the projections of these PROJ strings; None: CF has none, and the file makes no claim.
 PROJECTIONS = {
     "+proj=utm +zone=31 +datum=WGS84": ("transverse_mercator", 3, 20),
     "+proj=tmerc +lat_0=10 +lon_0=-20 +k=0.9995 +x_0=500 +y_0=-300 +R=1737400": ("transverse_mercator", -20, 10),
@@ -75,7 +75,7 @@ def groups(group):
 
 
 class Rules(ChainTest):
-    """Of the tiny chain in its local frame, a plan, DEMs with every layer, and terrains, a DEM and a hazard map on maps of bodies."""
+    """Files of the tiny chain in its local frame, a plan, DEMs with every layer, and terrains, a DEM and a hazard map on maps of bodies."""
 
     @classmethod
     def setUpClass(cls):

@@ -16,7 +16,7 @@ from monte_carlo_test import ERRORS, REQUIREMENTS, VARY, DrawsTest, campaign, me
 STUDIES = os.path.join(os.environ["LANDFALL_ROOT"], "studies")
 SCENES = 50
 PASSES = [f"requirements.{name}.pass" for name in REQUIREMENTS]
-# Of a scan's configuration, the numbers that --ranges-from redraws; the rest of these sections moves the rays.
+# The numbers of a scan's configuration that --ranges-from redraws; the rest of these sections moves the rays.
 REDRAWN = ("noise", "pointing_error", "navigation_error")
 RAYS = tuple(f"pointing_error.{key}" for key in ("jitter_", "mirror_time_", "misalignment_rpy_rad"))
 
@@ -55,7 +55,7 @@ class FarDraws(DrawsTest):
                 self.check_draw(rows, config, draw)
 
     def test_draws_of_a_receiver_with_every_key_varied(self):
-        """The errors of a receiver as well, drawn anew from the echoes of the scan."""
+        """The errors of a receiver as well, redrawn from the echoes of the scan."""
         scan = self.path("echoes.h5")
         self.succeed("scan-sim", "-c", self.config({
             **SCAN, "detector": {**SCAN["detector"], "subpixels": 2}, "beam": {"divergence_rad": 0.01}, "surface": {"albedo": 0.5},
@@ -239,7 +239,7 @@ class Dropouts(ToolTest):
         self.assertTrue((invalid[probability == 1] == draws).all())
 
     def check_sums(self, invalid, probability):
-        """Of independent bins with the same probability: the sum, and the sum of squares, within four standard deviations."""
+        """Independent bins with the same probability: the sum, and the sum of squares, within four standard deviations."""
         for p in np.unique(probability[probability < 1]):
             found = invalid[probability == p]
             variance = self.DRAWS * p * (1 - p)

@@ -22,7 +22,7 @@ ALLOWED = 3  # standard errors: one of 370 seeds fails a comparison, and the see
 
 
 def scan_of(half_width_m, rows):
-    """Of images of a raster."""
+    """A scan of images of a raster."""
     return {"detector": {"rows": 10, "columns": 10, "ifov_rad": 0.0012, "roll_deg": 7},
             "laser": {"pulse_rate_hz": 2000, "scan_time_s": rows * rows / 2000},
             "scanner": {"type": "fsm", "pattern": {"type": "line_search", "rows": rows, "columns": rows, "half_width_m": half_width_m}},

@@ -72,7 +72,7 @@ class ExportTest(ToolTest):
         return np.fromfile(raw, kinds[header["data type"]]).reshape(shape)
 
     def paraview(self, *files):
-        """What ParaView reads from each (reader, file). It is started once for all of them, because a start takes seconds."""
+        """The contents that ParaView reads from each (reader, file). It is started once for all of them, because a start takes seconds."""
         outs = [self.path(f"paraview-{i}.npz") for i in range(len(files))]
         words = [word for (reader, path), out in zip(files, outs) for word in (reader, path, out)]
         output_of(program("pvpython", "python3-paraview"), os.path.join(OUTSIDE, "read_paraview.py"), *words)

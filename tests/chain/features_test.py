@@ -16,7 +16,7 @@ PAGES = os.path.join(os.environ["LANDFALL_ROOT"], "docs", "user", "terrain")
 PENITENTE_STREAM = 20
 SLOPE = 0.1
 
-# What the examples on the pages do not cover: other branches of the formulas, and defaults.
+# Cases that the examples on the pages do not cover: other branches of the formulas, and defaults.
 VARIANTS = [
     {"type": "rock", "diameter_m": 4, "height_m": 1, "axis_ratio": 0.5},
     {"type": "crater", "diameter_m": 12, "x_m": 4.03, "y_m": 0.02},

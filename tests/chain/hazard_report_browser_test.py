@@ -22,7 +22,7 @@ return rasterOf(layerNamed(arguments[0]), report.grid).then((raster) => Array.fr
   return Number.isNaN(value) ? null : value;
 }));
 """
-# What a site's pose figure draws: pads and deciding bin on the map, in metres; the plane and the pads from the side, as (along, z).
+# The parts of a site's pose figure: pads and deciding bin on the map, in metres; the plane and the pads from the side, as (along, z).
 POSE = """
 return [...document.querySelectorAll(`.site[data-rank="${arguments[0]}"]`)].map((site) => {
   const panel = panels.find((p) => site.contains(p.canvas));

@@ -60,7 +60,7 @@ HAZARDS = "hazard-map FILE -c hazard.json -o out.h5"
 EVAL = "dem-eval FILE -c eval.json --metrics out.json"
 MERGE = "monte-carlo merge FILE b.h5 -o out.h5"
 TRACE = "scan-sim --terrain terrain.h5 -c FILE -o out.h5"
-# What is wrong; the command; the file that is changed, or the name of a text file; the change, or the text.
+# The fault; the command; the file that is changed, or the name of a text file; the change, or the text.
 CASES = [
     ("a negative 1-sigma", HAZARDS, "dem.h5", value_at("z_sigma_rel", (50, 40), -0.05)),
     ("an infinite 1-sigma", HAZARDS, "dem.h5", value_at("z_sigma_rel", (50, 40), np.inf)),

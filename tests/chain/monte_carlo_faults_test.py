@@ -94,7 +94,7 @@ class Inputs(FaultsTest):
                 self.refuse_campaign(2, words, "--set", assignment)
 
     def test_all_keys_of_the_rays_are_known(self):
-        """What a scan's configuration holds beyond the errors cannot vary."""
+        """Keys of a scan beyond its errors cannot vary."""
         for key in ("detector.roll_deg", "laser.scan_time_s", "scanner.incidence_deg", "scanner.pattern.half_width_m", "mount.rpy_deg.0",
                     "trajectory.position_m.2", "pointing_error.jitter_sigma_rad"):
             self.refuse_campaign(2, ["mc.json", f"/vary/scan.{key}: changes the rays"],

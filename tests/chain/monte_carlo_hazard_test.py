@@ -147,7 +147,7 @@ class Pairs(base.DrawsTest):
         self.over_pairs(self.CONFIG, "begin.h5", "--draws", "0:4")
         os.replace(self.path("begin.h5"), self.path(".again.h5.state"))
         result = base.run("monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("again.h5"), "-v")
-        self.assertIn("goes on after 4 draws", result.stderr)
+        self.assertIn("resumes after 4 draws", result.stderr)
         self.assertEqual(read_bytes(self.path("again.h5")), whole)
         self.refuse(2, "monte-carlo", *self.pairs(), "-c", self.path("mc.json"), "-o", self.path("no.h5"), "--draws", "0:7", words=["6 draws"])
 

@@ -18,7 +18,7 @@ NORMAL = {"type": "normal", "mean": 0}
 LAYERS = ["p_invalid", "p_fail_rel_x", "p_fail_rel_y", "p_fail_rel_z", "p_fail_absolute", "e_z_mean", "e_z_std", "e_map_std", "count_mean"]
 REQUIREMENTS = ["coverage", "hole_size", "hole_distance", "relative_elevation", "relative_horizontal", "absolute_horizontal"]
 
-# Every error that a replay draws anew is switched on, and its keys vary.
+# Every error that a replay redraws is switched on, and its keys vary.
 ERRORS = {
     "noise": {"range_sigma_m": 0.01, "range_sigma_per_m": 1e-4, "incidence_sigma_rad": 1e-4, "range_bias_m": 0.002,
               "dead_pixel_frac": 0.03, "dropout_frac": 0.05, "false_return_frac": 0.001, "false_range_m": [30, 60]},
@@ -236,7 +236,7 @@ class Division(DrawsTest):
                                 [([0, 4], None), ([3, 5], None), ([0, 4], {**self.CONFIG, "metrics": "verdict"})])
         cases = {"first draws": (0, begin, None), "a part's first draws": (3, middle, None), "a part's": (0, middle, "another campaign"),
                  "other metrics": (0, other, "another campaign"), "a DEM": (0, read_bytes(self.chain.dem), "landfall.dem"),
-                 "half a file": (0, begin[:len(begin) // 2], "begins anew"), "empty": (0, b"", "begins anew")}
+                 "half a file": (0, begin[:len(begin) // 2], "begins again"), "empty": (0, b"", "begins again")}
         for name, (first, content, warning) in cases.items():
             with self.subTest(name):
                 with open(state, "wb") as file:
@@ -246,7 +246,7 @@ class Division(DrawsTest):
                 self.assertEqual(result.returncode, 0, result.stderr)
                 expected = whole if first == 0 else read_bytes(self.parts([3, 9])[0])
                 self.assertEqual(read_bytes(self.path("draws.h5")), expected)
-                self.assertIn("goes on after" if warning is None else warning, result.stderr)
+                self.assertIn("resumes after" if warning is None else warning, result.stderr)
                 self.assertNotIn(".draws.h5.state", self.entries())
 
 
@@ -443,7 +443,7 @@ class Refusals(DrawsTest):
                     words=["scan.h5", "terrain"], output=self.path("draws.h5"))
 
     def test_a_full_disk_keeps_the_state(self):
-        """What was done is there after the output could not be written."""
+        """The finished draws are there after the output could not be written."""
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -452,7 +452,7 @@ class Refusals(DrawsTest):
         os.rename(self.path("part.h5"), self.path(".draws.h5.state"))
         self.refuse(1, "monte-carlo", *self.arguments(campaign(), "draws.h5"), words=["draws.h5"], output=self.path("draws.h5"),
                     preexec_fn=limit)
-        self.assertIn("goes on after 4 draws", run("monte-carlo", *self.arguments(campaign(), "draws.h5", "-v")).stderr)
+        self.assertIn("resumes after 4 draws", run("monte-carlo", *self.arguments(campaign(), "draws.h5", "-v")).stderr)
         self.assertEqual(read_bytes(self.path("draws.h5")), read_bytes(self.path("whole.h5")))
 
 

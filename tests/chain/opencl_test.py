@@ -89,7 +89,7 @@ class SameBytes(OpenClTest):
 
 
 class CpuInstead(OpenClTest):
-    """What opencl-or-cpu does; tests/cli/catalogue.json has the messages of --engine opencl."""
+    """The fall-back of opencl-or-cpu; tests/cli/catalogue.json has the messages of --engine opencl."""
 
     def expect_the_cpu(self, reason, **environment):
         terrain = self.terrain(CONES)

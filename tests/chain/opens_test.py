@@ -31,7 +31,7 @@ RASTERS = os.path.join(os.environ["LANDFALL_ROOT"], "testdata", "rasters")
 
 
 def gmt_name(path, layer):
-    """What GMT calls a layer."""
+    """The name of a layer in GMT."""
     with netCDF4.Dataset(path) as file:
         return f"name: {file[layer].long_name} [{file[layer].units}]\n"
 

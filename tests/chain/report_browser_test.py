@@ -296,8 +296,8 @@ class ReportTest(PageTest):
         self.assertEqual(maps, {name: [list(map(int, c)) for c in colors.table(name)] for name in colors.ANCHORS})
         self.assertEqual(self.window.run("return NO_VALUE_COLOR"), list(colors.NO_VALUE))
         self.assertEqual(self.window.run("return MARK_COLOR"), "rgb({},{},{})".format(*colors.MARK))
-        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MOST_MARKED]"),
-                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MOST_MARKED])
+        self.assertEqual(self.window.run("return [OUTLIERS, LIMIT_INSIDE, MAX_MARKED]"),
+                         [scales.OUTLIERS, scales.LIMIT_INSIDE, reduction.MAX_MARKED])
         with h5py.File(self.path("eval.h5")) as file:
             values = {name: file[name][()].astype(float) for name in ("e_x", "e_z", "rel_x", "rel_z", "abs_x", "abs_z")}
         for name, value in values.items():

@@ -1,5 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
+# The tables of docs/user/files are compared with real files in both directions: every dataset in a file has a row, and
+# every row a dataset.
 """Compares the pages of docs/user/files with real files: they describe every dataset and key with type and unit, and nothing else."""
 import itertools
 import json

@@ -1,5 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Every command of the pages is run (tests/docs/run_docs_test.py) by tests/docs, page by page, in a new folder.
+# Prerequisites of a page, and changes that shorten a run (a coarser terrain, 1,000 pulses), are in comments that
+# readers do not see; nothing is shortened whose numbers the page shows. The command of a study is given to `make -n`.
+#
+# The tutorial's raster is generated, not shipped: a script makes the same cratered plain on any machine.
+#
+# Blocks that take minutes run on request (`LANDFALL_TEST_LONG=1`), unchanged and without smaller arguments; otherwise
+# the test names each block that it skips. Commands that change the system's packages run in the bare Debian of
+# `scripts/test-deb`, which takes them from the page. CI runs `scripts/test`, the one command that runs the tests of the
+# pages.
 """Runs every command of the documentation: the blocks of each page, in order, in one new folder.
 
     run_docs_test.py GROUP            the pages of a group, as ctest does

@@ -116,30 +116,70 @@ class Structure(unittest.TestCase):
                  for folder in folders.split()}
         self.assertEqual(shown, check_includes.LEVELS)
 
+    def decisions(self):
+        """[(subject, {number: file}, [number])]: what the lines below a subject say, and its decisions."""
+        for section in re.split(r"(?m)^## ", read("docs/reference/decisions.md"))[1:]:
+            subject, _, text = section.partition("\n\n")
+            places, _, entries = text.partition("\n\n")
+            files = {number: file for file, numbers in re.findall(r"`([^`]*)`\s\(([D\d,\s]*)\)", places) for number in re.findall(r"D\d+", numbers)}
+            yield subject, files, re.findall(r"(?m)^- \*\*(D\d+) ", entries)
+
     def test_decisions_are_in_order_below_their_subjects(self):
-        """The index at the top of the page lists each decision with its subject."""
-        page = self.pages["docs/reference/decisions.md"]
-        numbers, index, subject = {}, {}, None
-        for line in page.prose.values():
-            heading, decision = re.match(r"## (.*)$", line), re.match(r"- \*\*D(\d+) ", line)
-            row = re.match(r"\| \[(.*)\]\(#.*\) \| (.*) \|$", line)
-            subject = heading[1] if heading else subject
-            if decision:
-                numbers.setdefault(subject, []).append(int(decision[1]))
-            if row:
-                ends = [re.findall(r"D(\d+)", part) for part in row[2].split(", ")]
-                index[row[1]] = [number for end in ends for number in range(int(end[0]), int(end[-1]) + 1)]
-        self.assertEqual(index, numbers)
-        self.assertEqual([name for name, group in numbers.items() if group != sorted(group)], [])
-        every = [number for group in numbers.values() for number in group]
+        order = {subject: [int(number[1:]) for number in numbers] for subject, _, numbers in self.decisions()}
+        self.assertEqual([subject for subject, numbers in order.items() if numbers != sorted(numbers)], [])
+        every = [number for numbers in order.values() for number in numbers]
+        self.assertGreater(len(every), 100)
         self.assertEqual(len(every), len(set(every)))
 
+    def test_every_decision_is_cited_by_the_file_that_makes_it(self):
+        for subject, files, numbers in self.decisions():
+            self.assertEqual(sorted(files), sorted(numbers), subject)
+            silent = [(number, file) for number, file in files.items() if number not in re.findall(r"\bD\d+\b", read(file))]
+            self.assertEqual(silent, [], subject)
+
+    def test_every_file_that_lists_its_decisions_is_named(self):
+        named = {(file, number) for _, files, _ in self.decisions() for number, file in files.items()}
+        listed = {(name, number) for name in source_files() for line in re.findall(r"(?m)^(?://|#) Decisions: (.*)$", read(name))
+                  for number in re.findall(r"D\d+", line)}
+        self.assertEqual(sorted(listed - named), [])
+
     def test_every_cited_decision_exists(self):
-        text = "\n".join(self.pages["docs/reference/decisions.md"].prose.values())
-        there = {f"D{number}" for number in re.findall(r"^- \*\*D(\d+) ", text, re.M)}
+        there = {number for _, _, numbers in self.decisions() for number in numbers}
         cited = {(name, number) for name in source_files() for number in re.findall(r"(?<![\w.])D[1-9]\d{0,2}(?![\w.]\w)", read(name))}
         self.assertGreater(len(cited), 50)
         self.assertEqual(sorted((name, number) for name, number in cited if number not in there), [])
+
+
+# A comment is a sentence with a subject; other words say the same in plain English.
+FRAGMENT = re.compile(r'(?:///?|#|""")\s*(?:Of|What|Where)\b')
+STALE = re.compile(r"\b(?:goes on|anew|likewise)\b", re.I)
+CODE = ("bench", "cmake", "examples", "lib", "python", "scripts", "studies", "tests", "tools")
+
+
+class English(unittest.TestCase):
+    def sources(self):
+        """(name, lines) of the sources, without the scripts of reports."""
+        for top in CODE:
+            for folder, _, files in os.walk(os.path.join(ROOT, top)):
+                for name in files:
+                    path = os.path.relpath(os.path.join(folder, name), ROOT)
+                    is_source = name.endswith((".cpp", ".h", ".cl", ".py", ".txt", ".cmake")) or top in ("scripts", "studies") and "." not in name
+                    if is_source and path != "tests/docs/structure_test.py":
+                        yield path, read(path).splitlines()
+
+    def test_a_comment_begins_with_its_subject(self):
+        found = [f"{path}:{number}" for path, lines in self.sources() for number, line in enumerate(lines, 1)
+                 if FRAGMENT.match(line.strip()) and not self.is_comment(lines[number - 2])]
+        self.assertEqual(found, [])
+
+    @staticmethod
+    def is_comment(line):
+        return line.strip().startswith(("//", "#")) and "SPDX" not in line
+
+    def test_nothing_goes_on_anew(self):
+        found = [f"{path}:{number}" for path, lines in self.sources() for number, line in enumerate(lines, 1) if STALE.search(line)]
+        found += [f"{name}:{number}" for name in pages.names() for number, line in enumerate(read(name).splitlines(), 1) if STALE.search(line)]
+        self.assertEqual(found, [])
 
 
 if __name__ == "__main__":

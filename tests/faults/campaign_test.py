@@ -81,7 +81,7 @@ class CampaignFaultsTest(CampaignTest):
     @staticmethod
     def draws_before(message):
         """How many draws of earlier runs a run began with."""
-        found = re.search(r"goes on after (\d+) draws", message)
+        found = re.search(r"resumes after (\d+) draws", message)
         return int(found[1]) if found else 0
 
     def finish_undisturbed(self, whole):
@@ -96,7 +96,7 @@ class CampaignFaultsTest(CampaignTest):
 
 class Killed(CampaignFaultsTest):
     def finish_with_kills(self, seconds, *options, output):
-        """Runs until the output is complete, killed at random times; returns (kills, runs that went on where another one was)."""
+        """Runs until the output is complete, killed at random times; returns (kills, runs that resumed another one)."""
         kills = resumed = 0
         while True:
             process = self.start(*options, output=output)
@@ -148,7 +148,7 @@ class Interrupted(CampaignFaultsTest):
             process.kill()
         self.assertEqual(code, -number, message)
         self.assertIn("monte-carlo: interrupted, no output was written\n", message)
-        kept = re.search(rf"(\d+) of {DRAWS} draws are kept; the same command goes on after them", message)
+        kept = re.search(rf"(\d+) of {DRAWS} draws are kept; run the same command again to continue", message)
         self.assertEqual(self.entries_out(), [".draws.h5.state"] if kept else [])
         return int(kept[1]) if kept else 0
 

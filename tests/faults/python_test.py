@@ -272,7 +272,7 @@ class OddFiles(ChainTest):
 @unittest.skipUnless(os.path.isdir(HOSTILE), "needs the files of shared/data/hostile")
 class HostileFiles(ChainTest):
     KINDS = {"dem": "dem", "hazards": "hazards", "uid": "hazards", "eval": "evaluation", "plan": "plan", "draws": "draws", "info": "hazards", "echo": "scan"}
-    # What is wrong in these is in their values or texts, which the tools look at.
+    # The faults of these are in their values or texts, which the tools look at.
     RIGHT = {"dem-inf.h5", "dem-sigma-0.05.h5", "dem-sigma-10pct-nan.h5", "dem-sigma-negative.h5", "evil_dem.h5", "info-slow-bomb.h5"}
 
     def test_each_is_refused_or_read(self):

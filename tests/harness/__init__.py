@@ -133,7 +133,7 @@ class ToolTest(unittest.TestCase):
         return sorted(os.listdir(self.folder))
 
     def succeed(self, name, *arguments, **options):
-        """Runs a tool that must succeed and print nothing on stderr but warnings (tests/cli/words_test.py)."""
+        """Runs a tool that must succeed and print nothing on stderr but warnings (tests/cli/messages_test.py)."""
         result = run(name, *arguments, **options)
         self.assertEqual((result.returncode, without_warnings(name, result.stderr)), (0, ""), f"{name} {arguments}")
         return result

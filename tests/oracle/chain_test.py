@@ -1,5 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Stage by stage. The independent verification computes each file from the previous one, as written and already
+# compared: no bin or status changes because of a difference in the last bits of an earlier stage, and every stage has
+# its own tolerances.
+#
+# Component types are drawn without replacement, so that any seed covers all scanners, patterns, trajectories, errors,
+# terrains and methods.
+#
+# Values for which rounding decides (bin borders, limits, edges of holes, total reflection) are excluded only if the second
+# computation itself detects this, and they are counted.
 """Small random configurations through the whole chain; every number is compared with an independent numpy implementation.
 
 LANDFALL_TEST_SEED sets the seed, LANDFALL_PROOF_CASES the number of configurations (50), and LANDFALL_PROOF_ONLY the number

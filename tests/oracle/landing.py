@@ -61,7 +61,7 @@ def load(name):
 
 
 class Expected:
-    """What hazard-map computes from a DEM; p_safe, which is not recomputed, is taken from its file."""
+    """The layers that hazard-map computes from a DEM; p_safe, which is not recomputed, is taken from its file."""
 
     def __init__(self, config, dem):
         self.config, self.dem = config, dem

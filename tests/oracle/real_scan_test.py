@@ -146,7 +146,7 @@ class RealScan(ToolTest):
             draw(self.flight, along, self.directions(self.poses["true"], lines.mount()), lines, report)
 
     def test_other_conventions_fail(self):
-        """What each of them would leave; the estimated poses are those of a wrong time stamp."""
+        """The errors that each of them would leave; the estimated poses are those of a wrong time stamp."""
         poses, _ = self.scan({"type": "flash"}, pointing_error={"time_stamp_bias_s": 0.005})
         residuals = {"5 ms late": self.lines(poses["est"]).rms}
         flight = self.flight

@@ -176,7 +176,7 @@ def sub_rays(scan, surface, lidar):
 
 
 def reports(scan, surface, albedo, lidar, ranges):
-    """What the receiver reports; a pixel whose own ray hits nothing sees nothing."""
+    """The reports of the receiver; a pixel whose own ray hits nothing sees nothing."""
     config = scan.config
     looks = detector.subpixels(config["detector"])
     origins, directions, sub_ranges, normals = sub_rays(scan, surface, lidar)

@@ -74,7 +74,7 @@ class Echoes:
         self.peak_sigma = np.sqrt(-self.height / self.curvature(self.peak))
 
     def first_crossing(self, level):
-        """Where w first reaches a level below its maximum; marks doubtful rows in which it nearly does before."""
+        """The time at which w first reaches a level below its maximum; marks doubtful rows in which it nearly does before."""
         begin = self.nearest - 1 - np.sqrt(2 * np.log(np.maximum(1, self.signal / level)))
         low, high = begin.copy(), self.peak.copy()
         for rows, at, value in self.sampled(begin, self.peak):

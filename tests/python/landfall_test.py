@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The package landfall: the result of open() for each kind of file, its refusals, and what run() passes to the tools."""
+import ast
 import contextlib
 import json
 import os
@@ -195,7 +196,7 @@ class Tables(Chain):
         self.assertEqual(list(landfall.open(self.path("terrain.h5"), "features")["diameter"]), [2])
 
     def test_a_large_table_is_read_in_part(self):
-        """Of 12,960,000 rows of 11 columns, 1 GB, one row in a thousand is read."""
+        """One row in a thousand is read, of 12,960,000 rows of 11 columns, 1 GB."""
         path, rows = self.path("large.h5"), 12_960_000
         with h5py.File(path, "w") as file:
             file.attrs.update({"format_name": "landfall.scan", "format_version": "1.0", "complete": 1})
@@ -386,6 +387,32 @@ class Runs(Chain):
                 self.assertEqual(tools.find("scan-sim"), os.path.join(elsewhere, "scan-sim"))
                 with self.assertRaisesRegex(landfall.ToolError, "/nowhere/regrid: no such program, and none on PATH"):
                     landfall.run("regrid")
+
+
+def imports(path):
+    """The modules of landfall that a file imports, also within functions, as names of modules."""
+    with open(path, encoding="utf-8") as file:
+        nodes = list(ast.walk(ast.parse(file.read())))
+    plain = [name.name for node in nodes if isinstance(node, ast.Import) for name in node.names]
+    members = [(node.module, f"{node.module}.{name.name}") for node in nodes if isinstance(node, ast.ImportFrom) for name in node.names]
+    return {name for name in [*plain, *(name for pair in members for name in pair)] if name.startswith("landfall")}
+
+
+class Modules(unittest.TestCase):
+    def test_no_module_imports_itself_through_others(self):
+        """The package itself is left out: its functions import what they call."""
+        modules = {}
+        for folder, _, names in os.walk(os.path.join(ROOT, "python", "landfall")):
+            for name in names:
+                if name.endswith(".py") and name != "__init__.py":
+                    path = os.path.join(folder, name)
+                    modules[os.path.relpath(path, os.path.join(ROOT, "python"))[:-3].replace(os.sep, ".")] = imports(path)
+        self.assertGreater(len(modules), 40)
+        left = {module: found & modules.keys() for module, found in modules.items()}
+        while ready := [module for module, found in left.items() if not found & left.keys()]:
+            for module in ready:
+                del left[module]
+        self.assertEqual(sorted(left), [], "these import each other in a circle")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from landfall import plot_receiver
 
 
 def crossing_of_a_plane(slope_deg, level):
-    """Where the waveform of a tilted plane, a box convolved with the pulse, first reaches `level` of an unstretched maximum (metres)."""
+    """The range at which the waveform of a tilted plane, a box convolved with the pulse, first reaches `level` of an unstretched maximum (metres)."""
     sigma = plot_receiver.SIGMA_M
     length = plot_receiver.RANGE_M * plot_receiver.PITCH_RAD * math.tan(math.radians(slope_deg))
 

@@ -309,7 +309,7 @@ def bar_of(ax):
 
 
 def limits_of(ax):
-    """Where the limit's triangles are on the colour bar, in its unit."""
+    """The places of the limit's triangles on the colour bar, in its unit."""
     return sorted(float(line.get_ydata()[0]) for line in bar_of(ax).lines if line.get_gid() == "limit")
 
 
@@ -323,7 +323,7 @@ def map_named(figure, title):
 
 
 class FigureTest(ScriptTest):
-    """What the figures show, as numbers and words."""
+    """The contents of the figures, as numbers and words."""
 
     def tearDown(self):
         plt.close("all")

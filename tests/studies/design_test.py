@@ -17,7 +17,7 @@ from unittest import mock
 from case import BASE, BIN, PYTHON, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import design, design_search, runs, tools
+from landfall import design, design_problem, design_search, runs, tools
 from landfall.errors import DataError, UsageError
 
 tools.BIN = BIN
@@ -40,10 +40,10 @@ def design_file(**keys):
 
 class DesignTest(StudyTest):
     def problem(self, **keys):
-        return design.Problem(self.write(design_file(**keys)))
+        return design_problem.Problem(self.write(design_file(**keys)))
 
     def look(self, problem, **values):
-        return design.Look(problem, runs.Runner(self.path("out")))({**GOOD, **values})
+        return design_problem.Look(problem, runs.Runner(self.path("out")))({**GOOD, **values})
 
     def run_it(self, *arguments, out="out", code=0):
         result = subprocess.run([PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path(out),
@@ -56,7 +56,7 @@ class Filters(DesignTest):
     def test_geometry(self):
         """Frames of 4 x 5.5 cm with a pitch of 89 cm: no tool is run."""
         problem = self.problem()
-        look = design.Look(problem, runs.Runner(self.path("out")))
+        look = design_problem.Look(problem, runs.Runner(self.path("out")))
         with mock.patch.object(look.runner, "run", side_effect=AssertionError):
             found = look({**GOOD, "lines": 10, "pixels": 4})
         self.assertEqual((found["stage"], found["passes"]), ("geometry", False))
@@ -83,7 +83,7 @@ class Filters(DesignTest):
     def test_a_candidate_that_a_tool_refuses(self):
         problem = self.problem(variables={"lines": VARIABLES["lines"], "tilt": {"low": 1, "high": 40, "keys": ["scan.scanner.max_deflection_deg"]}},
                                search={"candidates": 1})
-        found = design.Look(problem, runs.Runner(self.path("out")))({"lines": 20, "tilt": 1})
+        found = design_problem.Look(problem, runs.Runner(self.path("out")))({"lines": 20, "tilt": 1})
         self.assertEqual((found["stage"], found["passes"]), ("error", False))
         self.assertRegex(found["reason"], "max_deflection_deg")
 
@@ -97,17 +97,17 @@ class Filters(DesignTest):
         """The margin of hazard-map's requirement, in a draw whose best site is safe and in one without a safe place."""
         file = design_file(requirement="chosen place safe")
         file["base"]["hazard"] = {"region_radius_m": 3, "sites": {"divert_radius_m": 2, "min_p": 0.9}, "touchdown_sigma_m": 0.2}
-        problem = design.Problem(self.write(file))
-        accepted = design.Problem(self.write({**file, "requirement": "accepted place safe"}, "accepted"))
+        problem = design_problem.Problem(self.write(file))
+        accepted = design_problem.Problem(self.write({**file, "requirement": "accepted place safe"}, "accepted"))
         for row, margin, passes, is_accepted in (({"site.true_safe": 1, "site.p_touchdown": 0.95}, math.log(0.5), True, True),
                                                  ({"site.true_safe": 1, "site.p_touchdown": 0.85}, math.log(1.5), True, False),
                                                  ({"site.true_safe": 0, "site.p_touchdown": 0.95}, math.log(10), False, False),
                                                  ({"site.true_safe": None, "site.p_touchdown": None}, math.log(10), False, False)):
-            self.assertAlmostEqual(problem.margins(row)[design.PLACE], margin, delta=1e-9)
-            self.assertAlmostEqual(accepted.margins(row)[design.ACCEPTED], margin, delta=1e-9)
+            self.assertAlmostEqual(problem.margins(row)[design_problem.CHOSEN_PLACE_SAFE], margin, delta=1e-9)
+            self.assertAlmostEqual(accepted.margins(row)[design_problem.ACCEPTED_PLACE_SAFE], margin, delta=1e-9)
             self.assertEqual((problem.passes(row), accepted.passes(row)), (passes, is_accepted))
         found = self.look(problem)
-        self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design.PLACE]))
+        self.assertEqual((found["stage"], found["passes"], list(found["margins"])), ("draw", True, [design_problem.CHOSEN_PLACE_SAFE]))
 
     def test_files_that_are_refused(self):
         for keys, message in (({"requirement": "chosen place safe"}, "needs a configuration of hazard-map"), ({"cost": {"mass": 1}}, "/cost/mass: is not one of"),
@@ -126,21 +126,21 @@ class Filters(DesignTest):
 class Statistics(unittest.TestCase):
     def test_failures_allowed(self):
         """The table of docs/user/monte-carlo.md."""
-        self.assertEqual([design.draws_needed(0.99, failures) for failures in range(5)], [299, 473, 628, 773, 913])
-        self.assertEqual([design.failures_allowed(0.99, draws) for draws in (298, 299, 472, 473, 913)], [-1, 0, 0, 1, 4])
+        self.assertEqual([design_problem.draws_needed(0.99, failures) for failures in range(5)], [299, 473, 628, 773, 913])
+        self.assertEqual([design_problem.failures_allowed(0.99, draws) for draws in (298, 299, 472, 473, 913)], [-1, 0, 0, 1, 4])
 
     def test_the_rate_of_passes(self):
         """Closed form without failures; the bound that failures_allowed() judges by; Wilson's interval as R's prop.test gives it."""
-        self.assertAlmostEqual(design.rate_of("x", [True] * 473)["exact_lower_bound"], 0.05 ** (1 / 473), delta=1e-12)
+        self.assertAlmostEqual(design_problem.rate_of("x", [True] * 473)["exact_lower_bound"], 0.05 ** (1 / 473), delta=1e-12)
         for failures, reaches in ((1, True), (2, False)):
-            rate = design.rate_of("x", [True] * (473 - failures) + [False] * failures)
+            rate = design_problem.rate_of("x", [True] * (473 - failures) + [False] * failures)
             self.assertEqual(rate["exact_lower_bound"] >= 0.99, reaches)
-        rate = design.rate_of("x", [True] * 99 + [False])
+        rate = design_problem.rate_of("x", [True] * 99 + [False])
         self.assertEqual((rate["passed"], rate["draws"]), (99, 100))
         self.assertAlmostEqual(rate["wilson_low"], 0.9455, delta=5e-5)
         self.assertAlmostEqual(rate["wilson_high"], 0.9982, delta=5e-5)
-        self.assertEqual(design.rate_of("x", [False] * 10)["exact_lower_bound"], 0)
-        self.assertAlmostEqual(design.rate_of("x", [True] + [False] * 472)["exact_lower_bound"], 1 - 0.95 ** (1 / 473), delta=1e-14)
+        self.assertEqual(design_problem.rate_of("x", [False] * 10)["exact_lower_bound"], 0)
+        self.assertAlmostEqual(design_problem.rate_of("x", [True] + [False] * 472)["exact_lower_bound"], 1 - 0.95 ** (1 / 473), delta=1e-14)
 
     def test_the_sequential_test(self):
         """Straight passes as in the table of docs/user/monte-carlo.md, and a limit that is reached exactly (D305)."""
@@ -169,13 +169,13 @@ class Sequential(DesignTest):
         decisions = set()
         for limit in (0.0158, 0.0168, 0.018):
             file["base"]["eval"]["limits"] = {"relative_elevation_m": limit}
-            problem = design.Problem(self.write(file))
+            problem = design_problem.Problem(self.write(file))
             search = design_search.Design(problem, self.path("out"))
             race = search.race({"values": GOOD, "cost": 1})["race"]
             verdict = self.path("verdict.json")
             configs = problem.configs(GOOD)
             scan = runs.Scan(search.runner, configs, 1)
-            scan.campaign(problem.draws(draws=design_search.MOST_DRAWS, seed=design_search.RACE_SEED,
+            scan.campaign(problem.draws(draws=design_search.MAX_DRAWS, seed=design_search.RACE_SEED,
                                         stop={"type": "sprt", "p0": 0.6, "p1": 0.3, "alpha": 0.05, "beta": 0.05}),
                           self.path("draws.h5"), "--verdict", verdict)
             tree = json.loads(read(verdict))
@@ -194,14 +194,14 @@ class Sequential(DesignTest):
             search.through_the_chain(GOOD, {**row, "coverage.invalid_count": -1})
 
     def test_seeds_never_meet(self):
-        """Of the search, the tests and the proofs, by what monte-carlo is given."""
+        """The seeds of the search, the tests and the proofs, by what monte-carlo is given."""
         problem = self.problem(search={"candidates": 4, "seed": 3, "start": [GOOD]})
         search, seeds = design_search.Design(problem, self.path("out")), {}
         campaign = runs.Scan.campaign
 
         def spy(scan, draws, output, *arguments):
             part = arguments[arguments.index("--draws") + 1].split(":") if "--draws" in arguments else (0, draws["draws"])
-            kind = {1: "search", design_search.MOST_DRAWS: "test"}.get(draws["draws"], "proof")
+            kind = {1: "search", design_search.MAX_DRAWS: "test"}.get(draws["draws"], "proof")
             seeds.setdefault(kind, set()).update(range(draws["scan"]["seed"] + int(part[0]), draws["scan"]["seed"] + int(part[1])))
             return campaign(scan, draws, output, *arguments)
         with mock.patch.object(runs.Scan, "campaign", spy):
@@ -216,7 +216,7 @@ class Run(DesignTest):
         self.write(design_file())
         text = self.run_it().stdout
         answer = json.loads(read(self.path("out", "design.json")))
-        winner, problem = answer["winner"], design.Problem(self.path("tiny.json"))
+        winner, problem = answer["winner"], design_problem.Problem(self.path("tiny.json"))
         self.assertEqual(answer["cost_frac"], problem.cost(problem.configs(winner["values"])) / (400 * 64))
         self.assertLess(answer["cost_frac"], 1)
         for rate in winner["proof"]:

@@ -191,7 +191,7 @@ class Results(StudyTest):
             with h5py.File(self.out("draws", name)) as file:
                 self.assertIn("p_invalid", file)
                 self.assertEqual(json.loads(file["verdict_json"].asstr()[()]), json.loads(read(self.out("verdict", name[:-3] + ".json"))))
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
         self.write(draws_study(many, {**LIMITS, "list": [0.04, 0.05]}, SPREADS, draws={**DRAWS, "draws": 1}), "many")
         self.plan(json.loads(read(self.path("many.json"))), name="many")
         text = read(self.out("study.mk", study_name="many")).decode()
@@ -199,7 +199,7 @@ class Results(StudyTest):
 
 
 class Repeats(StudyTest):
-    """What is made again."""
+    """The stages that are made again."""
 
     def stages_of(self, result):
         return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))
@@ -255,7 +255,7 @@ class Repeats(StudyTest):
             self.assertEqual(os.listdir(scratch), [])
 
     def test_a_failure(self):
-        """Beams that the seed moves cannot be drawn anew; metrics are still made."""
+        """Beams that the seed moves cannot be redrawn; metrics are still made."""
         self.write(draws_study({"key": "scan.pointing_error.jitter_sigma_rad", "list": [0, 1e-4]}))
         result = self.make("study-results", "-k", code=2)
         self.assertRegex(result.stderr, r"FAILED \(exit \d\): verdict of jitter sigma \S+ rad; the end of \S+\.log:\n +monte-carlo: ")

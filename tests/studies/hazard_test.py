@@ -73,7 +73,7 @@ class Plans(StudyTest):
         self.assertEqual({len(row) for row in json.loads(read(self.out("cases.json")))["cases"]}, {2})
 
     def test_a_dem_is_order_only_for_those_who_read_it(self):
-        """What it is made of stands in the rule instead."""
+        """The inputs of the DEM are normal prerequisites instead."""
         self.plan(hazard_study(SIGMAS))
         text = read(self.out("study.mk")).decode()
         for target in ("metrics", "score"):
@@ -137,10 +137,10 @@ class Results(StudyTest):
         self.assertEqual(second["score.judged_hazard_frac"], "1.0")
 
     def test_many_scans_and_kept_files_give_the_same_results(self):
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
         self.write(hazard_study(many, CLEARANCES))
         progress = self.make("study-results", "-j2").stdout
-        self.assertIn(f"[{2 + 3 * (rules.MOST_SHARED + 1)} done, 0 failed, 0 left]", progress)
+        self.assertIn(f"[{2 + 3 * (rules.MAX_SHARED + 1)} done, 0 failed, 0 left]", progress)
         self.assertEqual([self.runs_of(step) for step in STEPS], [1, 18, 17, 17, 34])
         self.write(hazard_study({**many, "linspace": [0.01, 0.02, 2]}, CLEARANCES), "few")
         self.make("study-results", "-j2", "KEEP=hazard,dem", study_name="few")
@@ -154,7 +154,7 @@ class Results(StudyTest):
 
 
 class Repeats(StudyTest):
-    """What is made again."""
+    """The stages that are made again."""
 
     def stages_of(self, result):
         return sorted(re.findall(r"(?m)^\[\d+ done, .*\] (\w+) ", result.stdout))

@@ -144,6 +144,20 @@ class Kills(StudyTest):
         self.make("study-results", "-j2")
         self.assertEqual(self.files("shared") + self.files("scratch"), [])
 
+    def test_temporary_files_are_swept(self):
+        self.write(study())
+        self.make("study-results")
+        os.makedirs(self.out("figures"), exist_ok=True)
+        ended, alive = 2 ** 22 + 1, os.getpid()  # above the kernel's largest number of a process
+        for name in ("figures/overview.png.{}.tmp", "figures/.percentiles.csv.{}.part", ".results.csv.{}.part", "config/scan/.a.json.{}.part"):
+            for pid in (ended, alive):
+                with open(self.out(name.format(pid)), "w", encoding="utf-8"):
+                    pass
+        self.make("study-results")
+        left = [name for _, _, names in os.walk(self.out()) for name in names if name.endswith((".tmp", ".part"))]
+        self.assertEqual(sorted(left), sorted([f"overview.png.{alive}.tmp", f".percentiles.csv.{alive}.part", f".results.csv.{alive}.part",
+                                               f".a.json.{alive}.part"]))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -138,7 +138,7 @@ class Cache(ModelTest):
         self.assertIn(calls.count("monte-carlo"), (1, 2))  # of four parts: the one that was cut off, and the next if it had not begun
 
     def test_what_a_killed_run_left_is_removed(self):
-        """Not what a run that goes on works with."""
+        """Not the files of a run that continues."""
         code = f"""import os, signal
 from landfall import runs, tools
 tools.BIN = {BIN!r}

@@ -148,7 +148,7 @@ class Plans(StudyTest):
                              read(self.out("study.mk")).decode().splitlines()), 3)
 
     def test_many_shared_scans_have_one_recipe_each(self):
-        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MOST_SHARED + 1]}
+        many = {"key": "scan.noise.range_sigma_m", "linspace": [0.01, 0.17, rules.MAX_SHARED + 1]}
         self.plan(study(many, RESOLUTIONS, LIMITS))
         text = read(self.out("study.mk")).decode()
         self.assertEqual((text.count("$(call stage,metrics,"), text.count("shared/")), (17, 0))

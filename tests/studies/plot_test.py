@@ -425,7 +425,7 @@ class Crossings(PlotTest):
         column[-1] = None
         figure = crossing.crossing_figure(results, results.axes[0], {**self.SPEC, "metrics": ["coverage.invalid_frac"]})
         (label,) = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-        # Of repeat r, e = 2 sigma + 0.001 r, and the metric is 0.03 at sigma = 0.03 / (1.5 + 0.4 r).
+        # In repeat r, e = 2 sigma + 0.001 r, and the metric is 0.03 at sigma = 0.03 / (1.5 + 0.4 r).
         first, second = (2 * 0.03 / (1.5 + 0.4 * r) + 0.001 * r for r in (1, 2))
         self.assertEqual(label, f"all: {100 * max(first, second):.2g} cm ({100 * min(first, second):.2g} to nowhere)")
         found = crossing.crossings_of(results, results.points, "coverage.invalid_frac", self.SPEC)

@@ -26,7 +26,7 @@ MEAN_X = "accuracy.absolute.x.mean_m"
 
 
 class Callable:
-    """What sensitivity and the engines need of a model: a function of rows, with names."""
+    """A model as sensitivity and the engines need it: a function of rows, with names."""
 
     def __init__(self, inputs, function, output="y"):
         self.inputs, self.outputs, self.function, self.failures = list(inputs), [output], function, {}

@@ -1,5 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Quantities held constant by the included studies: pulse rate: the scan time and the shape of the raster; overlap: the
+# number of pulses; detector size: the field of view; altitude: the aims on the ground; resolution: the returns, and
+# limits of holes in bins; cone slope: the radius; scanners: rays and time.
+#
+# A page belongs to a study as it is shipped: a test compares the number of cases, and requires the command, the figure
+# and the run time.
 """The studies of the repository: each can be planned, and has a page with its command and its figure."""
 import glob
 import json
@@ -13,7 +19,7 @@ import unittest
 from case import BIN, ROOT, StudyTest, read
 
 # pylint: disable=wrong-import-order
-from landfall import design, sensitivity, tools
+from landfall import design_problem, sensitivity, tools
 from landfall.study import sweep
 
 PAGES = os.path.join(ROOT, "docs", "user", "studies")
@@ -96,7 +102,7 @@ class Answers(StudyTest):
 
     def test_each_is_valid_and_on_its_page(self):
         tools.BIN = BIN
-        for kind, problem in (("sensitivity", sensitivity.Problem), ("design", design.Problem)):
+        for kind, problem in (("sensitivity", sensitivity.Problem), ("design", design_problem.Problem)):
             paths = glob.glob(os.path.join(ROOT, "studies", f"*.{kind}.json"))
             self.assertNotEqual(paths, [])
             for path in paths:

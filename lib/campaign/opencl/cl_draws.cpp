@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Of the plugin: a scan in the memory of an OpenCL device, and the errors that are drawn there.
+// Part of the plugin: a scan in the memory of an OpenCL device, and the errors that are drawn there.
 #include <algorithm>
 #include <optional>
 #include <utility>

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kTile = 32;        ///< TILE in verdict.cl
 constexpr std::size_t kBoundBytes = 32;  ///< Bound
 constexpr cl_uint kAxes = 3;
-constexpr std::size_t kMostHalfWidths = 129;  ///< of a footprint of at most kMostHalfBins
+constexpr std::size_t kMaxHalfWidths = 129;  ///< of a footprint of at most kMaxHalfBins
 constexpr std::size_t kFlags = 8;
 
 std::size_t tiles_across(std::size_t bins) { return (bins + kTile - 1) / kTile; }
@@ -40,7 +40,7 @@ ClVerdict::ClVerdict(const ClWork& work, std::size_t rows, std::size_t cols, con
       region_(work.copied(judged.region)),
       z_true_map_(work.copied(judged.z_true_map)),
       rule_(work.buffer(sizeof(DeviceRule))),
-      half_widths_(work.buffer(sizeof(std::int64_t) * kMostHalfWidths)),
+      half_widths_(work.buffer(sizeof(std::int64_t) * kMaxHalfWidths)),
       errors_(work.buffer(sizeof(double) * kAxes * bins_)),
       valid_(work.buffer(bins_)),
       flags_(work.buffer(bins_)),

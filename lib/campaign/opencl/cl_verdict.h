@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Of the plugin only.
+// Included by the plugin only.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace landfall {
 /// The verdicts and maps of DeviceDraws, whose functions these are.
 class ClVerdict {
  public:
-  /// What a draw left on the device.
+  /// The bins of a draw on the device.
   struct Bins {
     const cl::Buffer &scene, &layers, &counts;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Of the plugin only.
+// Included by the plugin only.
 #pragma once
 
 #include <algorithm>

@@ -14,7 +14,7 @@ namespace landfall {
 
 // The structures that draws.cl and verdict.cl have too, with the same layout: all members have eight bytes.
 
-/// What all draws share.
+/// The inputs that all draws share.
 struct DeviceScene {
   double resolution_m, first_row, first_col, rows, cols;  ///< GridSpec
   std::int64_t pixels;                                    ///< of a pulse
@@ -69,7 +69,7 @@ struct DeviceRule {
 };
 static_assert(sizeof(DeviceSurface) == 6 * 8 && sizeof(DeviceRule) == 8 * 8);
 
-/// What the verdicts of all draws share. Grids are row-major.
+/// The inputs that the verdicts of all draws share. Grids are row-major.
 struct DeviceJudged {
   DeviceSurface surface;
   std::span<const double> nodes;  ///< elevations, of the surface
@@ -77,10 +77,10 @@ struct DeviceJudged {
   std::span<const double> z_true_map;  ///< DrawRunner::z_true_map(); empty in a campaign without maps
 };
 
-/// What comes back of a verdict.
+/// A verdict, read back from the device.
 struct DeviceVerdict {
-  /// Of the footprints centred on the region: those with FailFlag 1, 2, 4 and 8, those with a value in x, in
-  /// y and in z, and those with one in x and in y.
+  /// Numbers of footprints centred on the region: those with FailFlag 1, 2, 4 and 8, those with a value in x,
+  /// in y and in z, and those with one in x and in y.
   std::array<std::int64_t, 8> counts{};
   std::span<std::int8_t> valid;  ///< valid_bins()
 };
@@ -92,8 +92,8 @@ struct DeviceSums {
   std::array<std::span<WideSum>, 2> squares;      ///< e_z, e_map
 };
 
-/// What comes back from a device, row-major: of BinValues what a judged DEM needs. A bin without returns has
-/// the count 0, and its other values mean nothing.
+/// Bins read back from a device, row-major: the members of BinValues that a judged DEM needs. A bin without
+/// returns has the count 0, and its other values mean nothing.
 struct DeviceBins {
   static constexpr std::size_t kLayers = 5;  ///< z_est, x_true, y_true, x_offset, y_offset
   std::span<double> layers;                  ///< kLayers times the bins

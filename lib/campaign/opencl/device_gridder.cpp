@@ -1,4 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A device draws, bins and judges. A draw on a device has the bits of the CPU's: Philox is integer
+// arithmetic, and the normal deviates of D13 are polynomials of operations that OpenCL rounds correctly
+// without contraction, so that nothing has to come from the CPU but the pose of each pulse and the dead
+// pixels. Elevations of the ground, means of footprints in the order of the exact means of
+// lib/evaluation/window_judge.h and quantiles are sums, products and comparisons as well. `hypot` is not
+// rounded alike everywhere: where the absolute error is within 10^-12 of its limit, relative, the CPU
+// judges the draw, as it does where errors are infinite or too large for the maps. Holes are few: the CPU
+// finds them in one byte per bin.
+//
+// The order in which the CPU adds three products is found, not assumed. On x86-64 Eigen adds those of the
+// first two rows of a rotation from the left and those of the third from the right; with other vectors it
+// does otherwise. The host computes sums that tell the orders apart and passes the order to the kernels;
+// fused products are refused. The results of the CPU stay what they were.
+//
+// A draw that a device cannot make is refused before the first draw, for each draw of the campaign, since a
+// varied key may ask for it only in the last one. With `opencl-or-cpu` the CPU makes only those draws.
+// After a failure of the device it makes all that are left, and begins again the one in progress.
+//
+// The sums of the maps stay on the device until the state of the campaign is kept (30 s, or its end),
+// because they have 84 bytes per bin and change with each draw. They are integers, so that adding them
+// later changes nothing. If the device is lost, the CPU draws again those that it had: rows and verdicts
+// are kept already, and the same draw has the same bits.
 #include "campaign/opencl/device_gridder.h"
 
 #include <algorithm>

@@ -38,7 +38,7 @@ class DeviceGridder {
   /// `truth` must outlive this object.
   DeviceGridder(const TrueRanges& truth, const GridSpec& grid, const OpenClOptions& options);
 
-  /// What keeps the device from making this draw; nothing if it can.
+  /// The reason why the device cannot make this draw; nothing if it can.
   [[nodiscard]] std::optional<DeviceRefusal> refusal(const Simulation& simulation, Method method) const;
   /// Throws UsageError, naming the key, where there is a refusal, unless the CPU then makes the draw.
   void check(const Simulation& simulation, Method method) const;

@@ -49,7 +49,7 @@ std::optional<DecisiveMetrics> DeviceJudge::judge(const Simulation& simulation, 
                                                   TruthAt truth_at, const EvaluationParameters& parameters) {
   check(parameters);
   const Footprint footprint = footprint_of(parameters, region_.spec().resolution_m);
-  if (footprint.half_bins() > kMostHalfBins) return std::nullopt;
+  if (footprint.half_bins() > kMaxHalfBins) return std::nullopt;
   DeviceVerdict verdict{.counts = {}, .valid = valid_.values()};
   const bool is_judged = gridder_.make(simulation, method, [&](DeviceDraws& draws) {
     if (!std::exchange(is_prepared_, true)) draws.prepare_verdicts(judged());

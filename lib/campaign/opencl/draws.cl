@@ -6,6 +6,11 @@
 // A chunk of pulses takes four launches: place() computes the points and counts those of each bin, allot() gives each bin its part
 // of a list, scatter() writes the points' numbers there in any order, and add() sorts the numbers of a bin and adds its points in
 // the order of the scan. Bins keep their sums from chunk to chunk.
+//
+// A bin sorts its points, then adds them. Points reach the list of a bin in any order, by atomic counters;
+// one work-item per bin sorts their numbers and adds the points in the order of the scan. A stable sort of
+// all points by bin would give the same order at the cost of several passes over them. A thousand returns
+// of a bin are added by one work-item, as on the CPU by one thread: a coarse grid leaves a device idle.
 
 // Structures of lib/campaign/opencl/device_draws.h.
 typedef struct {

@@ -20,7 +20,7 @@ typedef struct {
   long half_bins, is_square, at_centroid, has_maps;
 } Rule;
 
-// Of the errors in a tile, or in the bins that its footprints reach; of one axis.
+// The range of the errors of one axis in a tile, or in the bins that its footprints reach.
 typedef struct {
   double lowest, highest;
   long valid, bins;
@@ -101,7 +101,7 @@ kernel void compare(constant Scene* s, constant Surface* ground, constant Rule* 
 
 ulong tiles_across(constant Scene* s) { return ((ulong)s->cols + TILE - 1) / TILE; }
 
-// Of the tiles of `axes` layers from the first axis on.
+// The bounds of the tiles of `axes` layers from the first axis on.
 kernel void bound(constant Scene* s, global const double* values, global Bound* bounds, const uint tiles, const uint first_axis,
                   const uint axes) {
   if (get_global_id(0) >= (size_t)axes * tiles) return;
@@ -123,7 +123,7 @@ kernel void bound(constant Scene* s, global const double* values, global Bound* 
   bounds[i] = found;
 }
 
-// Of the tiles that the footprints about a tile reach, which are those of all footprints that reach the tile.
+// The bounds over the tiles that the footprints about a tile reach, which are those of all footprints that reach the tile.
 kernel void reach(constant Scene* s, constant Rule* rule, global const Bound* bounds, global Bound* reached, const uint tiles,
                   const uint first_axis, const uint axes) {
   if (get_global_id(0) >= (size_t)axes * tiles) return;
@@ -223,9 +223,9 @@ Span cols_of(const Window* w, long row) {
   return cols;
 }
 
-// Of one bin or, summed, of a row up to a bin or of a footprint: the values, those beyond the limit for some mean, and for each mean.
+// Counts of one bin or, summed, of a row up to a bin or of a footprint: the values, those beyond the limit for some mean, and for each mean.
 #define PACKED_BITS 21
-#define PACKED_MOST 0x1fffffUL
+#define PACKED_MAX 0x1fffffUL
 
 ulong packed_counts(const Window* w, global const ulong* sums) {
   const Span rows = rows_of(w);
@@ -332,13 +332,13 @@ bool interpolated_exceeds(const Window* w, global const double* errors, double m
 
 // Whether the quantile of |e - mean| exceeds the limit: quantile.h, and DecisiveCounts of window_counts.h.
 bool exceeds(const Window* w, global const double* errors, double mean, ulong packed, double quantile, double limit) {
-  const long count = (long)(packed & PACKED_MOST);
+  const long count = (long)(packed & PACKED_MAX);
   const double h = (double)(count - 1) * quantile;
   const double below = floor(h);
   const double frac = h - below;
   const long fail = count - (long)below;
   const long pass = frac == 0 ? fail - 1 : fail - 2;
-  if ((long)(packed >> PACKED_BITS & PACKED_MOST) <= pass) return false;
+  if ((long)(packed >> PACKED_BITS & PACKED_MAX) <= pass) return false;
   if ((long)(packed >> 2 * PACKED_BITS) >= fail) return true;
   const Span rows = rows_of(w);
   long beyond = 0;

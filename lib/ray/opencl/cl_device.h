@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Of the plugin only: the OpenCL library in C++, with errors as exceptions.
+// Included by the plugin only: the OpenCL library in C++, with errors as exceptions.
 #pragma once
 
 #define CL_HPP_TARGET_OPENCL_VERSION 120

@@ -25,7 +25,7 @@ struct DeviceGround {
 };
 static_assert(sizeof(DeviceGround) == 8 * (16 + 4 * DeviceGround::kRungs));
 
-/// What a device keeps of a heightfield.
+/// A heightfield in the memory of a device.
 struct DeviceField {
   DeviceGround ground;
   std::span<const float> bounds;  ///< ElevationPyramid::highs, then lows

@@ -15,7 +15,7 @@ static_assert(sizeof(Ray) == 6 * sizeof(double));
 
 /// The most rays of one launch: 14 MiB of rays and ranges for each thread that traces, here and on the
 /// device.
-constexpr std::size_t kMostRays = std::size_t{1} << 18U;
+constexpr std::size_t kMaxRays = std::size_t{1} << 18U;
 constexpr std::size_t kGroup = 64;  ///< work-items of a group
 
 /// The buffers and the queue of one call at a time.
@@ -51,8 +51,8 @@ class ClWalk final : public DeviceWalk {
     on_device(description_.name, "trace rays", [&] {
       Stream stream = take_stream();
       const FinishesQueue finishes(stream.queue);
-      for (std::size_t begin = 0; begin < rays.size(); begin += kMostRays) {
-        const std::size_t count = std::min(kMostRays, rays.size() - begin);
+      for (std::size_t begin = 0; begin < rays.size(); begin += kMaxRays) {
+        const std::size_t count = std::min(kMaxRays, rays.size() - begin);
         launch(stream, rays.subspan(begin, count), ranges.subspan(begin, count));
       }
       give_back(std::move(stream));

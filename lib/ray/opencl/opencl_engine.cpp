@@ -1,4 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A device decides, it does not approximate. The engine `opencl` has the answers of `heightfield`, bit for
+// bit: the range is computed by the same operations in the same order, which OpenCL rounds correctly in
+// double precision if contraction is off, and rays that rounding might decide go back to the scalar path
+// of lib/ray/packet_walk.h. Single precision would be faster on most devices, and wrong by millimetres at
+// 500 m.
+//
+// Several pulses in a call. A launch costs some ten microseconds, and 324 rays leave a device idle. The
+// engine says how many rays it wants (2^17), and the simulation passes that many pulses of a batch in one
+// call. Each pulse keeps its memory until then: 0.5 MB with 25 rays per pixel.
+//
+// A plugin linked with libOpenCL, loaded like the one for GDAL only if the engine is asked for: no tool
+// starts later or needs another library, and the build does without it where the headers are missing.
+// Kernels are compiled from source by the driver, because compiled ones fit a single device.
 #include "ray/opencl/opencl_engine.h"
 
 #include <algorithm>

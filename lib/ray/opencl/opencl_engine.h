@@ -34,13 +34,13 @@ namespace landfall {
 /// used.
 [[nodiscard]] std::size_t usable_device(std::optional<std::size_t> chosen);
 
-/// What happens where the device is missing or fails.
+/// The reaction to a device that is missing or fails.
 enum class DeviceFailure { throws, falls_back };
 
 /// The end of a message about work that is not done.
 inline constexpr const char* kCpuInstead = "; opencl-or-cpu uses the CPU instead";
 
-/// What became of the rays of all engines, or of the draws of a campaign, that share it.
+/// Counts the rays of all engines, or the draws of a campaign, that share it.
 class DeviceUse {
  public:
   void count(std::size_t rays, std::size_t undecided) {

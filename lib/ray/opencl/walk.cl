@@ -83,7 +83,7 @@ Axis axis_of(double origin, double speed, double position_error, double width) {
   return a;
 }
 
-// Where a ray is along one axis: its cell, and whether that is certain.
+// The place of a ray along one axis: its cell, and whether that is certain.
 typedef struct {
   double position, cell;
   bool sure;
@@ -311,7 +311,7 @@ kernel void walk(constant Ground* ground, global const float* bounds, global con
   ranges[i] = first_hit(ground, bounds, nodes, &ray);
 }
 
-// What no contraction and correct rounding give: multiply-add in two roundings, its remainder in one, quotient, square root.
+// The results of correct rounding without contraction: multiply-add in two roundings, its remainder in one, quotient, square root.
 kernel void arithmetic(global const double* operands, global double* results, const ulong count) {
   const size_t i = get_global_id(0);
   if (i >= count) return;

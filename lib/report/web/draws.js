@@ -22,7 +22,7 @@ const MAP_GROUPS = [
   ["Ground", ["z_true_map"]],
 ];
 const CLASSES = 30;       // of a distribution
-const MOST_FAILURES = 200;  // in the table
+const MAX_FAILURES = 200;  // in the table
 const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
 const UNITS = {frac: ["%", 100], bins: ["bins", 1], footprints: ["footprints", 1]};
 
@@ -188,7 +188,7 @@ function valuesText(index) {
 
 function failureTable(failed) {
   const columns = [["draw", true], ["seed", true], ["missed", false], ...(report.varied.length > 0 ? [["values", false]] : [])];
-  const rows = failed.slice(0, MOST_FAILURES).map((i) => [
+  const rows = failed.slice(0, MAX_FAILURES).map((i) => [
     [String(drawNumber(i)), drawNumber(i)], [report.seeds[i], report.seeds[i]], [missedText(i)],
     ...(report.varied.length > 0 ? [[valuesText(i)]] : [])]);
   return tableElement("failed-draws", columns, rows);
@@ -216,7 +216,7 @@ function drawCommands(index) {
 function fillFailures(section) {
   const failed = report.pass.map((pass, i) => pass === 1 ? -1 : i).filter((i) => i >= 0);
   section.append(htmlElement("p", {}, failed.length === 0 ? "No draw failed." : `${failed.length.toLocaleString("en")} draws failed.` +
-      `${failed.length > MOST_FAILURES ? ` The table has the first ${MOST_FAILURES}.` : ""}${shownNote()}`));
+      `${failed.length > MAX_FAILURES ? ` The table has the first ${MAX_FAILURES}.` : ""}${shownNote()}`));
   if (failed.length > 0) section.append(htmlElement("div", {class: "tall"}, failureTable(failed)));
   if (report.stages === null) {
     section.append(htmlElement("p", {class: "note"}, "The commands of the chain stand in the report of a campaign over one scan."));

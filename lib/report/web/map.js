@@ -9,7 +9,7 @@ import {htmlElement, outlined, svgElement} from "./elements.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
 import {INK, TEXT_COLOR} from "./palette.js";
 import {pixelShares, stretched} from "./pixels.js";
-import {allMarks, blocksOf, fewMarks, loneMarks, MOST_MARKED} from "./rasters.js";
+import {allMarks, blocksOf, fewMarks, loneMarks, MAX_MARKED} from "./rasters.js";
 import {lightOf, reliefColors, reliefFactor, slopesOf} from "./relief.js";
 import {report} from "./report_data.js";
 import {colorOf, flagColor, markColor, scaleOf, valueText} from "./scales.js";
@@ -210,7 +210,7 @@ export class MapPanel {
     if (pixels >= size && !isClass) return [];
     const placed = ({row, col, value}, width) => ({x: (col + 0.5) * pixels, y: this.canvas.height - (row + 0.5) * pixels, value, size: width});
     const lone = pixels >= size ? [] : loneMarks(blocks).map((mark) => placed(mark, size));
-    const hasRoom = lone.length * size ** 2 < MOST_MARKED * this.canvas.width * this.canvas.height;
+    const hasRoom = lone.length * size ** 2 < MAX_MARKED * this.canvas.width * this.canvas.height;
     if (!isClass) return hasRoom ? lone : null;
     // Averaged colours would hide the marks of classes, so that all are painted, and single ones on top.
     return [...allMarks(blocks).map((mark) => placed(mark, Math.max(Math.round(2 * ratio), Math.ceil(pixels)))), ...(hasRoom ? lone : [])];

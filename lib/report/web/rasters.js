@@ -144,11 +144,11 @@ export function missingShares(raster, {stride, rows, cols}) {
   return missing.map((count, block) => count / all[block]);
 }
 
-export const MOST_MARKED = 0.01;  // of the region, and of the map by enlarged marks: more would hide the map
+export const MAX_MARKED = 0.01;  // of the region, and of the map by enlarged marks: more would hide the map
 
 /** Whether a mask covers less than 1 % of the region. */
 export function fewMarks(mask, region) {
-  return mask.marked() < MOST_MARKED * (region ? region.marked() : mask.codes.length);
+  return mask.marked() < MAX_MARKED * (region ? region.marked() : mask.codes.length);
 }
 
 /** [{row, col, value}] of the marks. */

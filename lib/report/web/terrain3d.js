@@ -10,7 +10,7 @@ import {report} from "./report_data.js";
 import {colorOf, flagColor, scaleOf} from "./scales.js";
 import {onThemeChange} from "./theme.js";
 
-const MOST_VERTICES = 512;  // along either axis
+const MAX_VERTICES = 512;  // along either axis
 const ZOOM = 1.8;           // the distance divided by half the width that is visible at that distance
 const FILLED = 0.97;        // the part of the canvas, along x or y, that the surface spans
 const HULL_CELLS = 48;      // along either axis, of the blocks whose extremes stand for the surface
@@ -48,9 +48,9 @@ void main() {
   result = vec4(shade * light, 1.0);
 }`;
 
-/** The raster reduced to at most MOST_VERTICES cells a side. */
+/** The raster reduced to at most MAX_VERTICES cells a side. */
 function coarseRaster(raster) {
-  return blocksOf(raster, Math.ceil(Math.max(raster.rows, raster.cols) / MOST_VERTICES));
+  return blocksOf(raster, Math.ceil(Math.max(raster.rows, raster.cols) / MAX_VERTICES));
 }
 
 /** The corners of the triangles between neighbouring vertices that have a value, and the vertices with a value that

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D105, D106, D107, D254
 #include "terrain/features/crater.h"
 
 #include <algorithm>
@@ -21,9 +22,9 @@ double Crater::fresh_depth_m(double diameter_m) {
 
 void Crater::validate(const std::string& owner) const {
   require_positive({owner, "diameter_m"}, diameter_m);
-  const double most_m = kDeepestPerDiameter * diameter_m;
-  require(depth_m >= 0 && depth_m <= most_m, {owner, "depth_m"}, depth_m,
-          ("in [0, " + number_text(most_m) + "]: the profile's depth is 0.2656 diameters").c_str());
+  const double max_m = kDeepestPerDiameter * diameter_m;
+  require(depth_m >= 0 && depth_m <= max_m, {owner, "depth_m"}, depth_m,
+          ("in [0, " + number_text(max_m) + "]: the profile's depth is 0.2656 diameters").c_str());
   require(freshness > 0 && freshness <= 1, {owner, "freshness"}, freshness, "in (0, 1]");
 }
 

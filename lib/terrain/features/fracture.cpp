@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D109, D190
 #include "terrain/features/fracture.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D110
 #include "terrain/features/penitente_field.h"
 
 #include <algorithm>
@@ -33,8 +34,8 @@ void PenitenteField::validate(const std::string& owner) const {
   require_positive({owner, "amplitude_m"}, amplitude_m);
   require_positive({owner, "wavelength_m"}, wavelength_m);
   require_positive({owner, "exponent"}, exponent);
-  const double least_m = diameter_m > 0 ? diameter_m : std::min(length_m, width_m);
-  require(edge_m >= 0 && edge_m <= least_m / 2, {owner, "edge_m"}, edge_m, "in [0, half the least extent]");
+  const double min_m = diameter_m > 0 ? diameter_m : std::min(length_m, width_m);
+  require(edge_m >= 0 && edge_m <= min_m / 2, {owner, "edge_m"}, edge_m, "in [0, half the least extent]");
   require_finite({owner, "yaw_rad"}, yaw_rad);
   require_not_negative({owner, "wobble_m"}, wobble_m);
   if (wobble_m == 0) return;

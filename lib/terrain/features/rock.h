@@ -20,7 +20,7 @@ struct Rock {
   double height_m = 0.5;
   double axis_ratio = 0.8;
   double yaw_rad = 0;
-  /// Of a rock that a size law gives: its diameter in the law, which is that of a disc of the same area.
+  /// The diameter in the size law, of a rock that one gives, which is that of a disc of the same area.
   /// None, 0, means diameter_m.
   double law_diameter_m = 0;
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D39, D375
 #include "terrain/gdal/elevation_scaling.h"
 
 #include <cpl_json.h>

@@ -15,7 +15,7 @@ struct FileAxis {
   std::string name;            ///< of the dimension
   std::string unit;            ///< as the file spells it; empty: none
   bool is_northing = false;    ///< by its attributes (axis, standard_name) or its name
-  bool is_easting = false;     ///< likewise
+  bool is_easting = false;     ///< by its attributes or its name
   std::vector<double> values;  ///< unpacked; empty: no coordinate variable
   double rounding = 0;         ///< half a step of the stored type at the largest value, unpacked
 };
@@ -27,7 +27,7 @@ struct ValidRange {
   bool unpacked = false;  ///< holds after scale and offset, else before
 };
 
-/// What a netCDF or HDF5 file itself says of a raster, beside what GDAL makes of it.
+/// The statements of a netCDF or HDF5 file itself on a raster, beside what GDAL makes of them.
 struct FileArray {
   std::string name;
   FileAxis columns;

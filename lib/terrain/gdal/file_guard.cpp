@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A raster is a product: the file, and the files in its folder with the same name up to the last dot.
+// Detached labels, headers and world files therefore need no permission, and the sources of a VRT do. The
+// permission is a command-line option and not a key, because a configuration may come from the same source
+// as the raster. It is checked where GDAL opens files, not by searching formats for names, because there
+// are too many formats; the list of GDAL's drivers is an allow-list.
 #include "terrain/gdal/file_guard.h"
 
 #include <cpl_conv.h>

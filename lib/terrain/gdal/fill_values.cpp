@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D374
 #include "terrain/gdal/fill_values.h"
 
 #include <algorithm>

@@ -31,7 +31,7 @@ class GdalErrors {
     if (level >= CE_Failure && !self.any()) self.first_ = line(message);
     if (level == CE_Warning && self.loss_.empty() && is_loss(message)) self.loss_ = line(message);
   }
-  /// libtiff goes on after a tag that it could not read, guesses the sizes of strips that a file does not
+  /// libtiff continues after a tag that it could not read, guesses the sizes of strips that a file does not
   /// state, and fills up JPEG data that end early.
   static bool is_loss(const char* message) {
     constexpr std::array kLosses = {"IO error during reading", "\"StripByteCounts\"", "\"TileByteCounts\"",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D131, D161
 #include "terrain/gdal/geotiff_writer.h"
 
 #include <cpl_conv.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D371
 #include "terrain/gdal/length_unit.h"
 
 #include <udunits2.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D372
 #include "terrain/gdal/map_projection.h"
 
 #include <cpl_conv.h>

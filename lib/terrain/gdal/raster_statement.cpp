@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D370
 #include "terrain/gdal/raster_statement.h"
 
 #include <ogr_spatialref.h>
@@ -124,7 +125,7 @@ void take_axes(const FileArray& array, const DemBase& dem, Georeference& referen
   const bool agree = of_gdal && distance_px(*own, *of_gdal, reference.size) < kTolerance_px;
   if (agree) return;
   reference.transform = GeoTransform(*own);
-  // Where neither units nor a stored georeference contradict them, GDAL only derived it from them in its way.
+  // If neither units nor a stored georeference contradict them, GDAL only derived it from them in its way.
   if (of_gdal && (contradicts_unit || stored_georeference))
     assumed.push_back("its coordinate variables (" + axes.quoted() +
                       ") and its georeference differ, spacings " + spacing_text(*own) + " and " +

@@ -26,8 +26,8 @@ struct RasterStatement {
   Scaling elevation;                ///< metres
   std::vector<double> nodata;       ///< raw samples that are holes, in the type of the band
   std::optional<ValidRange> valid;  ///< others are holes
-  /// What the raster does not say or says in two ways, and what was taken instead; sentences without the
-  /// file's name. Empty where all is certain.
+  /// The statements that the raster lacks or makes in two ways, and what was taken instead; sentences without
+  /// the file's name. Empty where all is certain.
   std::vector<std::string> assumed;
 };
 

@@ -1,5 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D18
 // GDAL's side of load_dem() (lib/terrain/gdal/gdal_loader.h), and the plugin's table.
+//
+// Damaged rasters are recognised by their data, not by what their headers declare: samples are stored as
+// they are read, strip by strip, so that a header that declares 10^14 pixels takes no memory; GDAL's block
+// cache is 64 MiB, and blocks above 256 MiB are refused. A DTED cell that claims to be complete must have
+// all its columns, which GDAL would otherwise treat as holes. A classic netCDF file must be as long as its
+// header says, because its library reads missing values as zeros. Damage is reported before a missing
+// scale.
+//
+// A raster never leads to another machine. Unless the configured path itself contains `/vsi` or `://`,
+// GDAL's web drivers are disabled, and `/vsicurl/` and related file systems open nothing.
+// lib/terrain/gdal/file_guard.cpp says which local files it may lead to.
 #include <algorithm>
 #include <cmath>
 #include <optional>

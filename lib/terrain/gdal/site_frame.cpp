@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D19, D130
 #include "terrain/gdal/site_frame.h"
 
 #include <cpl_conv.h>

@@ -78,7 +78,7 @@ void WindowReader::read_numbers(const Window& strip, double* out, std::size_t co
   if (is_signed_byte_) std::ranges::transform(std::span(out, count), out, as_signed_byte);
 }
 
-/// Also checks the errors, since some drivers go on after an error.
+/// Also checks the errors, since some drivers continue after an error.
 void WindowReader::transfer(GDALRasterBand& band, const Window& w, void* out, GDALDataType type) {
   errors_.clear();
   const CPLErr status =

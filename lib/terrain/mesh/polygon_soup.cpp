@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D101
 #include "terrain/mesh/polygon_soup.h"
 
 #include <algorithm>

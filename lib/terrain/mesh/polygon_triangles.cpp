@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D102
 #include "terrain/mesh/polygon_triangles.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D100
 #include "terrain/mesh/triangle_mesh.h"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D115
 #include "terrain/populations/disc_packing.h"
 
 #include <algorithm>

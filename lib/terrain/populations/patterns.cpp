@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D116, D255
 #include "terrain/populations/patterns.h"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D112
+//
+// At most 10^7 expected objects per pattern, about 3 GB of memory; more is refused before anything is
+// drawn.
 #include "terrain/populations/population.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D113, D114
 #include "terrain/populations/size_law.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D338, D339
 #include "terrain/relief/albedo_map.h"
 
 #include <algorithm>

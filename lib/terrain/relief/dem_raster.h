@@ -39,8 +39,8 @@ struct DemSource {
   std::string driver;  ///< GDAL's short name
   RasterSize size;     ///< of the whole raster, not of the window that was read
   int band = 1;
-  /// What the raster did not say, or said in two ways, and what was taken instead; sentences without its
-  /// name.
+  /// The statements that the raster lacked, or made in two ways, and what was taken instead; sentences
+  /// without its name.
   std::vector<std::string> assumed = {};
   friend bool operator==(const DemSource&, const DemSource&) = default;
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D15
 #include "terrain/relief/feature_field.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D20, D253
 #include "terrain/relief/fractal_spectrum.h"
 
 #include <algorithm>
@@ -56,11 +57,11 @@ FractalSpectrum::FractalSpectrum(const WaveDomain& domain, const WaveBand& band,
     : domain_(domain),
       hurst_(hurst_exponent),
       step_(2 * kPi / static_cast<double>(domain.nodes)),
-      least_k2_(square(2 * kPi * domain.spacing_m / band.below_m)),
+      min_k2_(square(2 * kPi * domain.spacing_m / band.below_m)),
       end_k2_(square(2 * kPi * domain.spacing_m / band.from_m)) {
   if (band.from_m == 0) {
     // A raster as fine as the grid leaves no waves, although its posting may be rounded.
-    if (least_k2_ * square(1 + 1e-6) > square(kPi))
+    if (min_k2_ * square(1 + 1e-6) > square(kPi))
       end_k2_ = 0;
     else
       tabulate_aliases();
@@ -122,7 +123,7 @@ double FractalSpectrum::lattice_power(std::int64_t i, std::int64_t j) const {
   const double k2 = kx * kx + ky * ky;
   const double k = std::sqrt(k2);
   const auto is_cut = [&](double limit_k2) { return std::abs(k - std::sqrt(limit_k2)) < step_; };
-  if (std::max(std::abs(i), std::abs(j)) <= kIntegrated || is_cut(least_k2_) || is_cut(end_k2_))
+  if (std::max(std::abs(i), std::abs(j)) <= kIntegrated || is_cut(min_k2_) || is_cut(end_k2_))
     return cell_power({kx, ky, step_});
   if (!in_band(k2)) return 0;
   // The mean of k^-2H over a cell, to the second order.
@@ -151,7 +152,7 @@ void FractalSpectrum::add_long_waves() {
 
 void FractalSpectrum::set_slope() {
   const double exponent = 2 - 2 * hurst_;
-  const double least = std::sqrt(std::min(least_k2_, end_k2_));
+  const double least = std::sqrt(std::min(min_k2_, end_k2_));
   const auto longer = [&](double k) {
     return (std::pow(k, exponent) - std::pow(std::min(least, k), exponent)) / exponent;
   };

@@ -74,15 +74,15 @@ class FractalSpectrum {
   void tabulate_aliases();
   void add_long_waves();
   void set_slope();
-  [[nodiscard]] bool in_band(double k2) const { return k2 > least_k2_ && k2 <= end_k2_; }
+  [[nodiscard]] bool in_band(double k2) const { return k2 > min_k2_ && k2 <= end_k2_; }
   [[nodiscard]] double cell_power(const Cell& cell) const;
   [[nodiscard]] double lattice_power(std::int64_t i, std::int64_t j) const;
   [[nodiscard]] double alias_power(double kx, double ky) const;
 
   WaveDomain domain_;
   double hurst_;
-  double step_;      ///< radians per node between two waves
-  double least_k2_;  ///< of the band, (radians per node)^2
+  double step_;    ///< radians per node between two waves
+  double min_k2_;  ///< of the band, (radians per node)^2
   double end_k2_;
   std::vector<double> aliases_;  ///< by [kx][ky], 0 to pi; empty without waves shorter than two nodes
   std::vector<LongWave> long_waves_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D337, D347
 #include "terrain/relief/ground_albedo.h"
 
 #include <algorithm>
@@ -88,7 +89,7 @@ GroundAlbedo::GroundAlbedo(const AlbedoModel& model, const GroundSite& site, con
     raster_ = load_dem(samples, site.grid);
   }
   const auto* const patches = std::get_if<AlbedoPatches>(&model.ground);
-  if (patches != nullptr && site.grid.rows * site.grid.cols > site.most_nodes)
+  if (patches != nullptr && site.grid.rows * site.grid.cols > site.max_nodes)
     large_fractal_.emplace(fractal_of(*patches), FractalDraw{site.seed, kAlbedoDraw}, site.grid);
 }
 

@@ -16,7 +16,7 @@ namespace landfall {
 struct GroundSite {
   GridSpec grid;
   std::uint64_t seed = 1;
-  std::int64_t most_nodes = 0;  ///< grids with more have a LargeFractal (StripSize::most_nodes)
+  std::int64_t max_nodes = 0;  ///< grids with more have a LargeFractal (StripSize::max_nodes)
 };
 
 /// Throws UsageError unless the longest wavelength of patches is above twice the resolution of the grid, as

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D122
 #include "terrain/relief/large_fractal.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D373
 #include "terrain/relief/site_mapping.h"
 
 #include <cmath>

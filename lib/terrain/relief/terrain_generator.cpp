@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Elevations farther than 1e12 m from 0 are refused at every node, like the coordinates of a mesh: exit 2
+// without a raster, exit 1 with one, whose undeclared nodata value is the likely cause.
+//
+// A fractal's longest wavelength that is given and does not exceed twice the resolution of the grid is
+// refused, because no wave would be left; if it comes from a raster as fine as the grid, an empty layer is
+// the requested result.
 #include "terrain/relief/terrain_generator.h"
 
 #include <utility>

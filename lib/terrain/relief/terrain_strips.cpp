@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D38, D120
+// Terrains above 2^26 nodes are made in strips of 768 rows, a multiple of the 256 of the chunks and the
+// 384 of the fractal patches. Strips wait in memory until the ground under the centre of every feature
+// that reaches into them is known; the alternatives, a temporary file or making the ground twice, cost 8
+// bytes of disk per node or twice the time. A feature that reaches across the whole site keeps the site in
+// memory.
 #include "terrain/relief/terrain_strips.h"
 
 #include <algorithm>
@@ -162,7 +168,7 @@ TerrainStrips::TerrainStrips(TerrainModel model, const GridSpec& spec, const Dem
   }
   make_fractals(progress);
   if (model_.albedo)
-    albedo_.emplace(*model_.albedo, GroundSite{spec_, model_.seed, size_.most_nodes}, load_dem);
+    albedo_.emplace(*model_.albedo, GroundSite{spec_, model_.seed, size_.max_nodes}, load_dem);
   report(progress, 1);
 }
 

@@ -22,7 +22,7 @@ namespace landfall {
 
 /// The size of the strips of a terrain.
 struct StripSize {
-  std::int64_t most_nodes = std::int64_t{1} << 26U;  ///< of a terrain that is made in one piece
+  std::int64_t max_nodes = std::int64_t{1} << 26U;  ///< of a terrain that is made in one piece
   std::int64_t rows = 768;  ///< of a strip of others, >= 4; chunks of a file have 256, fractals' patches 384
 };
 
@@ -33,7 +33,7 @@ struct TerrainStrip {
 };
 
 /// Makes a terrain (generate_terrain()) in strips of rows, from south to north, and passes each on when it is
-/// ready. A terrain of up to StripSize::most_nodes is one strip. Larger ones use LargeFractal for their
+/// ready. A terrain of up to StripSize::max_nodes is one strip. Larger ones use LargeFractal for their
 /// fractals; the nodes do not depend on the height of the strips.
 ///
 /// Memory, besides that of the DEMs and the fractals: two strips, and those that wait for the ground under
@@ -67,7 +67,7 @@ class TerrainStrips {
 
   void make_fractals(const ProgressCallback& progress);
   [[nodiscard]] double waves_without_raster_m() const;
-  [[nodiscard]] bool is_whole() const { return spec_.rows * spec_.cols <= size_.most_nodes; }
+  [[nodiscard]] bool is_whole() const { return spec_.rows * spec_.cols <= size_.max_nodes; }
   [[nodiscard]] std::vector<GridSpec> cut() const;
   [[nodiscard]] TerrainStrip ground(const GridSpec& strip, const ProgressCallback& progress);
   void require_elevations(const Grid<double>& z) const;

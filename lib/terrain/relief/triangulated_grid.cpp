@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D6
 #include "terrain/relief/triangulated_grid.h"
 
 #include <algorithm>

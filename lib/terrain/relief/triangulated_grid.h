@@ -45,7 +45,7 @@ class CellOrigin {
 /// + 1, row) to node (col, row + 1) into two triangles. Rays and elevation() use this same surface, never
 /// another interpolation.
 ///
-/// A triangle with a NaN node is a hole; the other triangle of its cell stays (docs/reference/decisions.md).
+/// A triangle with a NaN node is a hole; the other triangle of its cell stays (D6).
 class TriangulatedGrid final : public TerrainSurface {
  public:
   /// Throws FormatError unless the grid has at least 2 x 2 nodes.

@@ -21,7 +21,7 @@ class Run:
 
     kind: str  # of KINDS
     config: str  # a file's name, relative to the study's folder
-    output: str  # likewise; for a temporary file of a recipe, a unique name
+    output: str  # relative to the study's folder, too; for a temporary file of a recipe, a unique name
     recipe: str  # KIND-ID, which names the log
     index: int  # its place among the recipe's steps
     inputs: tuple  # outputs of other runs

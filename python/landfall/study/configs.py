@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Configurations in a report are stored as the first one of each stage and the differences of the others: 5,000 of them
+# take 0.4 MB. Numbers have 7 digits.
 """Configurations of many cases: the first one, what each other one changes, and what all of them share."""
 import copy
 import re

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D292
 """At which value of one metric another one exceeds a level: how large may an error be before more than 1 % of the hazards are missed?"""
 import math
 import statistics
@@ -24,7 +25,7 @@ class Crossing:
 
 
 def crossing_of(curve, level):
-    """Where a curve of (against, metric) first exceeds the level: linear between neighbours, -inf if its first value does, inf if none."""
+    """The point at which a curve of (against, metric) first exceeds the level: linear between neighbours, -inf if its first value does, inf if none."""
     points = sorted(point for point in curve if all(map(math.isfinite, point)))
     if points and points[0][1] > level:
         return -math.inf
@@ -60,7 +61,7 @@ def crossings_of(results, points, metric, spec):
 
 
 def rows(results, x, spec):
-    """Of crossings.csv, after the values of the axes other than x."""
+    """The columns of crossings.csv, after the values of the axes other than x."""
     made = []
     for metric in spec["metrics"]:
         for key, points in series_of(results, x).items():

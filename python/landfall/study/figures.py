@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# An axis that has one value for each value of x is not a separate series of a figure: the parts of a zip are one line.
 """The figures of plot_study.py."""
 import math
 import textwrap
@@ -15,19 +16,19 @@ from landfall.study.table import error_sign, is_probability, metric_label, REQUI
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999933"]
 MARKERS = "osD^vP*X"
 LIMIT_COLOR = "#7F0000"
-MOST_SERIES = len(COLORS)
+MAX_SERIES = len(COLORS)
 # A logarithmic axis of so many values has a tick at each.
-MOST_TICKS = 12
+MAX_TICKS = 12
 # Least distance of their labels, as a share of the axis.
 CLOSEST_LABELS = 0.06
 # A limit so many times the largest value is named and not drawn.
 FAR_LIMIT = 30
-# Of a linear axis from 0, below and above: marks on its edge would be cut, and a legend takes no note of a mark's size.
+# Margins of a linear axis from 0, below and above: marks on its edge would be cut, and a legend takes no note of a mark's size.
 MARGIN = 0.05
 # Columns and rows of a map whose cells have room for a number; maps of more do not grow.
 WIDEST_MAP, TALLEST_MAP = 24, 30
-# Of the overview: panels, and letters of a line of a panel's label.
-MOST_PANELS, WIDEST_LABEL = 6, 36
+# Limits of the overview: panels, and letters of a line of a panel's label.
+MAX_PANELS, WIDEST_LABEL = 6, 36
 
 
 class Scale:
@@ -96,7 +97,7 @@ def metric_figure(results, metric, x, quantile):
 
 
 def draw_distribution(axes, results, metric, scale):
-    """Of a study that only repeats: the share of the repeats up to each value."""
+    """A figure for a study that only repeats: the share of the repeats up to each value."""
     values = np.sort(results.values(results.points[0], metric)) * scale.factor
     axes.step(np.concatenate([values[:1], values]), np.linspace(0, 1, values.size + 1), where="post", color=COLORS[0])
     limit = results.limit(metric)
@@ -115,7 +116,7 @@ def draw_series(axes, results, metric, scale, x, quantile):
     for point in results.points:
         series.setdefault(tuple(point.values[at] for at in places), []).append(point)
     place = {value: value if x.numeric else index for index, value in enumerate(x.values)}
-    shown = list(series.items()) if len(series) <= MOST_SERIES else spread(list(series.items()), MOST_SERIES)
+    shown = list(series.items()) if len(series) <= MAX_SERIES else spread(list(series.items()), MAX_SERIES)
     for index, (key, points) in enumerate(shown):
         placed = sorted(((place[point.values[column]], point) for point in points), key=lambda entry: entry[0])
         if not x.numeric:  # side by side
@@ -183,13 +184,13 @@ def finish_x(axes, x):
                         ha="center" if sum(map(len, x.values)) < 60 else "right")
     elif x.log and min(x.values) > 0:
         axes.set_xscale("log")
-        if len(x.values) <= MOST_TICKS:
+        if len(x.values) <= MAX_TICKS:
             axes.set_xticks(sorted(x.values), tick_labels(sorted(x.values)))
             axes.minorticks_off()
 
 
 def tick_labels(values):
-    """Of ascending values on a logarithmic axis: none where it would run into the one before."""
+    """Labels of ascending values on a logarithmic axis: none where it would run into the one before."""
     labels, last = [], -math.inf
     for value in values:
         at = math.log(value) / (math.log(values[-1] / values[0]) or 1)
@@ -308,7 +309,7 @@ def write_cells(axes, values, rates, image):
 
 def overview_figure(results, metrics, x, quantile):
     """A panel for each of the first six metrics; None for fewer than two metrics, and if x is not numeric, because its labels need the width."""
-    shown = metrics[:MOST_PANELS]
+    shown = metrics[:MAX_PANELS]
     if x is None or not x.numeric or len(shown) < 2:
         return None
     rows = (len(shown) + 1) // 2

@@ -2,9 +2,9 @@
 """Names of cases by the values of their axes, "range noise 0.0167 m, repeat 3", and the texts of numbers and units."""
 import math
 
-MOST_VALUES = 3  # of an axis that a name lists
-MOST_CASES = 3  # that are named one by one
-FEWEST_DIGITS, MOST_DIGITS = 3, 17
+MAX_VALUES = 3  # of an axis that a name lists
+MAX_CASES = 3  # that are named one by one
+FEWEST_DIGITS, MAX_DIGITS = 3, 17
 
 
 def number(value, digits=FEWEST_DIGITS):
@@ -28,8 +28,8 @@ def digits_of(values):
     if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
         return FEWEST_DIGITS
     different = len(set(values))
-    return next((digits for digits in range(FEWEST_DIGITS, MOST_DIGITS)
-                 if len({number(value, digits) for value in values}) == different), MOST_DIGITS)
+    return next((digits for digits in range(FEWEST_DIGITS, MAX_DIGITS)
+                 if len({number(value, digits) for value in values}) == different), MAX_DIGITS)
 
 
 def counted(count, noun):
@@ -37,7 +37,7 @@ def counted(count, noun):
 
 
 class CaseNames:
-    """Of a study's cases: `axes` as in cases.json, `rows` with a value of each axis. What a repeat draws is not named."""
+    """Names of a study's cases: `axes` as in cases.json, `rows` with a value of each axis. What a repeat draws is not named."""
 
     def __init__(self, axes, rows):
         self._rows = rows
@@ -52,15 +52,15 @@ class CaseNames:
         return self._printable(", ".join(self._part(index, [row[index]]) for index in self._named)) or "the only case"
 
     def of_cases(self, cases):
-        """What several cases have in common, by their numbers: "all cases", "range noise 0.0167 m", or some of their names."""
+        """The name of several cases by what they have in common, by their numbers: "all cases", "range noise 0.0167 m", or some of their names."""
         cases = list(cases)
         if len(cases) == 1:
             return self.of(cases[0])
         if len(cases) == len(self._rows):
             return "all cases"
         if not self._is_product(cases):
-            rest = f" and {counted(len(cases) - MOST_CASES, 'more case')}" if len(cases) > MOST_CASES else ""
-            return "; ".join(map(self.of, cases[:MOST_CASES])) + rest
+            rest = f" and {counted(len(cases) - MAX_CASES, 'more case')}" if len(cases) > MAX_CASES else ""
+            return "; ".join(map(self.of, cases[:MAX_CASES])) + rest
         parts = []
         for index in self._named:
             values = list(dict.fromkeys(self._rows[case][index] for case in cases))
@@ -85,7 +85,7 @@ class CaseNames:
     def _part(self, index, values):
         """ "LABEL VALUE UNIT"."""
         axis, digits = self._axes[index], self._digits[index]
-        if len(values) > MOST_VALUES:
+        if len(values) > MAX_VALUES:
             return f"{len(values)} values of {axis['label']}"
         texts = [*(number(value, digits) for value in values[:-1]), with_unit(values[-1], axis["unit"], digits)]
         return f"{axis['label']} " + " or ".join(texts)

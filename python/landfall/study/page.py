@@ -11,8 +11,8 @@ from landfall.study.model import label_of
 from landfall.study.names import counted, number, with_unit
 from landfall.study.table import error_sign, metric_label, REQUIREMENTS
 
-MOST_VALUES = 12  # of an axis that are all named
-MOST_NAMED = 20  # cases of one failure
+MAX_VALUES = 12  # of an axis that are all named
+MAX_NAMED = 20  # cases of one failure
 VERDICTS = ("pass", "fail", "not judged", "error", "not made")
 VERDICT_CLASS = {"pass": "pass", "fail": "fail", "error": "error"}
 RUN_NAMES = {"terrain": "terrain-gen", "truth": "scan-sim, truths", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
@@ -98,7 +98,7 @@ def verdicts(tree):
 
 
 def failed(tree):
-    """What failed, by log, with its end; and what was not run."""
+    """The failures, by log, with its end; and what was not run."""
     text = ""
     for log, end, tail, cases in tree["failures"]["logs"]:
         text += (f"<p>{verdict('error')} {case_list(tree, cases)}: {escaped(end)}, {escaped(log)}</p>\n"
@@ -110,8 +110,8 @@ def failed(tree):
 
 def case_list(tree, cases):
     """How many, and the first ones by the values of their axes."""
-    named = "; ".join(f'<a href="#case-{case}">{escaped(tree["caseNames"][str(case)])}</a>' for case in cases[:MOST_NAMED])
-    rest = f" and {len(cases) - MOST_NAMED:,} more" if len(cases) > MOST_NAMED else ""
+    named = "; ".join(f'<a href="#case-{case}">{escaped(tree["caseNames"][str(case)])}</a>' for case in cases[:MAX_NAMED])
+    rest = f" and {len(cases) - MAX_NAMED:,} more" if len(cases) > MAX_NAMED else ""
     return f"{counted(len(cases), 'case')}, {named}{rest}"
 
 
@@ -139,8 +139,8 @@ def plain_unit(unit):
 
 def values(axis):
     shown = [number(value, axis["digits"]) if axis["numeric"] else value if isinstance(value, str) else json.dumps(value) for value in axis["values"]]
-    if len(shown) > MOST_VALUES:
-        shown = [*shown[:MOST_VALUES // 2], "…", shown[-1]]
+    if len(shown) > MAX_VALUES:
+        shown = [*shown[:MAX_VALUES // 2], "…", shown[-1]]
     return "; ".join(shown)
 
 

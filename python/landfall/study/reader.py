@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D145
 """Reads a study file (schemas/study.schema.json, docs/user/studies/README.md)."""
 import hashlib
 import json
@@ -13,7 +14,7 @@ from landfall.study.model import (assign, Axis, config_path, label_of, OPTIONAL_
 
 KINDS = ("list", "linspace", "logspace", "variants", "zip")
 RESERVED = ("case", "repeat", "pass")
-MOST_CASES = 1_000_000
+MAX_CASES = 1_000_000
 
 
 def read_study(path):
@@ -39,8 +40,8 @@ class _Reader:
                       tree.get("options", {}), tree.get("plot", {}), tuple(self.files), tree.get("description", ""))
         self.check_columns(study)
         self.check_keys(study)
-        if study.case_count() > MOST_CASES:
-            self.fail("/axes", f"the number of cases, {study.case_count()}, is not <= {MOST_CASES}")
+        if study.case_count() > MAX_CASES:
+            self.fail("/axes", f"the number of cases, {study.case_count()}, is not <= {MAX_CASES}")
         return study
 
     def base(self, tree):
@@ -136,8 +137,8 @@ class _Reader:
 
     def spaced(self, numbers, kind, where):
         first, last, count = numbers
-        if count != int(count) or not 2 <= count <= MOST_CASES:
-            self.fail(f"{where}/2", f"{shown(count)} is not an integer in [2, {MOST_CASES}]")
+        if count != int(count) or not 2 <= count <= MAX_CASES:
+            self.fail(f"{where}/2", f"{shown(count)} is not an integer in [2, {MAX_CASES}]")
         if kind == "logspace" and not (first > 0 and last > 0):
             self.fail(where, f"{shown(min(first, last))} is not above 0")
         steps = [step / (int(count) - 1) for step in range(int(count))]

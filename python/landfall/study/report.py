@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a study's report shows, as one tree of plain values (report_study.py)."""
+"""The contents of a study's report, as one tree of plain values (report_study.py)."""
 import csv
 import json
 import math
@@ -11,8 +11,8 @@ from landfall.study import chain, configs, names, results, session
 from landfall.study.model import STAGES
 from landfall.study.table import metric_label, REQUIREMENTS, Results
 
-# Of more cases the page shows the first ones, and their number.
-MOST_CASES = 20_000
+# With more cases the page shows the first ones, and their number.
+MAX_CASES = 20_000
 DIGITS = 7
 VERDICTS = {1: "pass", 0: "fail", None: "not judged"}
 
@@ -71,7 +71,7 @@ def report(folder, figures):
     """The tree: name, title, tools, axes, columns, points, configs, runs and failures (lib/report/web/study_*.js read it)."""
     study = Study(folder)
     numbers = FigureNumbers(study, figures)
-    shown = range(min(len(study.rows), MOST_CASES))
+    shown = range(min(len(study.rows), MAX_CASES))
     chains = {case: study.chains.of(study.files_of(case)) for case in range(len(study.rows))}
     verdicts = {case: study.verdict(case, runs) for case, runs in chains.items()}
     config_table, run_table = ConfigTable(study.folder), RunTable(study)

@@ -1,4 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# A study's report shows the numbers of its figures: rates and quantiles with their intervals are read from
+# `pass_rates.csv` and `percentiles.csv`, so that page and figures cannot differ. The description of how a case is made
+# comes from the rules of `study.mk`, which the run itself used.
 """Writes a study's report: one HTML file that needs nothing beside it, with the table of its cases, their configurations
 and the figures of plot_study.py.
 

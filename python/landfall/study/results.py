@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D323
 """A study's table: a row a case, its axes and all numbers of its metrics, as CSV and as HDF5."""
 import csv
 import io
@@ -15,7 +16,7 @@ from landfall.study import model, session
 
 # Per cent of the roughness limit.
 MARGINS = (10, 20)
-# Of a rate of a campaign.
+# The columns of a rate of a campaign.
 INTERVAL = ("wilson_low", "wilson_high", "exact_lower_bound")
 
 
@@ -78,7 +79,7 @@ def campaign_numbers(verdict):
 
 
 def shares_of(counts):
-    """Of the places that are known in the map and in the truth, hazards in each; of all places, unknown ones."""
+    """Shares of hazards in the map and in the truth, among the places known in both; and of unknown ones among all."""
     known = sum(counts.values()) - counts["unknown"]
     return {"judged_hazard_frac": (counts["hazard_safe"] + counts["hazard_hazard"]) / known if known else None,
             "true_hazard_frac": (counts["safe_hazard"] + counts["hazard_hazard"]) / known if known else None,

@@ -11,7 +11,7 @@ from landfall.command import write_whole
 from landfall.study import names, session, stages
 
 KEEPABLE = ("scan", "dem", "eval", "hazard", "draws")
-MOST_SHARED = 16
+MAX_SHARED = 16
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def folders(graph):
 
 @dataclass
 class Recipe:
-    """What a rule needs and does."""
+    """The needs and the steps of a rule."""
 
     inputs: list  # files of the study
     files: tuple = ()  # others
@@ -95,7 +95,7 @@ def _file(name, otherwise):
 class Fragment:
     """The make rules of a graph. `$O` is the study's folder.
 
-    Make starts all scans before the first DEM. Where more than MOST_SHARED scans are read several times, all that depends on
+    Make starts all scans before the first DEM. Where more than MAX_SHARED scans are read several times, all that depends on
     such a scan is therefore made within one recipe: the disk then holds a scan for each recipe that runs.
     """
 
@@ -106,7 +106,7 @@ class Fragment:
         self.logs = {}  # metrics: the name of their recipe's log
         self.readers = {}  # file in shared/: those who read it
         self.sources = {}  # scan or DEM: the Recipe that it is made by
-        self.grouped = self.shared_scans() > MOST_SHARED and not layout.keep & {"scan", "dem"}
+        self.grouped = self.shared_scans() > MAX_SHARED and not layout.keep & {"scan", "dem"}
         for stage in graph.terrain.values():
             self.terrain(stage)
         for stage in graph.truth.values():
@@ -159,7 +159,7 @@ class Fragment:
 
     def sparing(self, recipe):
         """The recipe with what its scan or DEM is made of in place of that file, which is order-only: one that is made again for
-        another reader makes nothing else anew."""
+        another reader makes nothing else again."""
         spared = replace(recipe, inputs=[], order_only=[*recipe.order_only])
         for name in recipe.inputs:
             source = self.sources.get(name)
@@ -319,7 +319,7 @@ def _special(target, names):
 
 
 def write_if_changed(path, text):
-    """Writes a file whole or not at all; one that holds the text keeps its time. True where it was written."""
+    """Writes a file whole or not at all, unsynced; one that holds the text keeps its time. True where it was written."""
     try:
         with open(path, "rb") as file:
             if file.read() == text.encode():
@@ -330,7 +330,7 @@ def write_if_changed(path, text):
     def write_to(name):
         with open(name, "w", encoding="utf-8") as file:
             file.write(text)
-    write_whole(path, write_to)
+    write_whole(path, write_to, is_synced=False)
     return True
 
 

@@ -11,7 +11,7 @@ from landfall.errors import UsageError
 from landfall.schema import shown
 
 
-# Of the files that hold a case's results: their folders, and what "format" says in them.
+# The files that hold a case's results: their folders, and what "format" says in them.
 FORMATS = {"metrics": "landfall.metrics", "score": "landfall.hazard_score", "sites": "landfall.sites",
            "verdict": "landfall.draws_verdict"}
 # Kinds of files that are counted; layers and sites are made together with metrics and score, draws with their verdict.
@@ -51,7 +51,7 @@ def read_targets(folder):
 
 
 def name_of(folder, identity):
-    """What a stage is made for, by names.txt: "range noise 0.0167 m, repeat 3"; its id where that is not known."""
+    """The cases that a stage is made for, by names.txt: "range noise 0.0167 m, repeat 3"; its id where that is not known."""
     try:
         with open(os.path.join(folder, "names.txt"), "rb") as file:
             text = b"\n" + file.read()

@@ -1,5 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a study has to compute: each stage once, named by a hash of all that its content depends on.
+# Decisions: D144, D322
+#
+# A stage's name is a hash of its configuration and of the stages before it, not of the tools' version, which is a file
+# that all stages depend on. A new version makes everything again under the same names, because truths of another
+# version are refused anyway.
+#
+# Truths. Scans that differ only in what `--ranges-from` redraws share a traced scan without errors; it is an order-only
+# prerequisite, because any change to it also changes its readers. A single scan is traced with its errors. The bytes
+# are the same.
+"""The stages that a study has to compute: each stage once, named by a hash of all that its content depends on.
 
     terrain -> (truth ->) scan -> dem -> metrics
                                       -> score, sites
@@ -20,7 +29,7 @@ from landfall.study import model
 UPSTREAM = {"terrain": None, "scan": "terrain", "regrid": "scan", "eval": "regrid", "hazard": "regrid", "draws": "scan"}
 # Stages whose files are a case's results, in the order of its files.
 RESULTS = ("eval", "hazard", "draws")
-# Of the configuration of a campaign: what it has from the case.
+# The part of a campaign's configuration that it has from the case.
 OF_CASE = ("scan", "regrid", "eval")
 
 
@@ -46,7 +55,7 @@ class Graph:
     regrid: dict
     eval: dict
     hazard: dict  # empty for a study without this stage
-    draws: dict  # likewise
+    draws: dict  # empty without
     configs: dict  # (tool, config_id): text of the file
     cases: list  # of (values, {stage of its results: Stage})
 
@@ -81,7 +90,7 @@ def short_hash(*texts):
 
 
 def truth_config(scan):
-    """The scan without what --ranges-from draws anew (docs/user/scan-sim.md)."""
+    """The scan without what --ranges-from redraws (docs/user/scan-sim.md)."""
     truth = scan_keys.part(scan, ("beam",))
     if scan_keys.is_beam_drawn(scan) and "seed" in scan:
         truth["seed"] = scan["seed"]
@@ -93,12 +102,12 @@ def has_receiver(scan):
 
 
 def errors_config(scan):
-    """The rest of the scan: what --ranges-from draws anew, and what a receiver's echoes depend on."""
+    """The rest of the scan: what --ranges-from redraws, and what a receiver's echoes depend on."""
     return scan_keys.part(scan, ("echo", "estimate"))
 
 
 def configuration(study, name, indices):
-    """What the tool of a stage is given at a point of the study. A campaign draws what repeats would, and is not repeated itself."""
+    """The configuration of a stage at a point of the study. A campaign draws what repeats would, and is not repeated itself."""
     config = model.configuration(study, name, indices)
     if name != "draws":
         return config

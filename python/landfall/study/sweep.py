@@ -10,27 +10,26 @@
   sweep.py prune DIR                               removes files that the plan does not name any more
 
 Of Makefile.studies alone:
-  sweep.py begin DIR PID                           locks the study for make's process, removes damaged files; prints who holds it
-  sweep.py tidy DIR                                removes what waits for readers that are all done
-  sweep.py free DIR PID                            waits for the process to end and removes its lock
+  sweep.py begin DIR                               removes temporary files that killed processes have left
+  sweep.py tidy DIR                                removes shared files that no stage needs any more
 """
 import argparse
 import glob
 import json
 import os
+import re
 import shlex
-import sys
 
 from landfall import tools
 from landfall.command import Parser
 from landfall.errors import ToolError, UsageError, printable
 from landfall.schema import read_json, shown
-from landfall.study import lock, model, names, reader, repair, rules, session, stages
+from landfall.study import lock, model, names, reader, rules, session, stages
 from landfall.study.names import counted
 
 TOOLS = {"terrain": "terrain-gen", "scan": "scan-sim", "regrid": "regrid", "eval": "dem-eval", "hazard": "hazard-map",
          "draws": "monte-carlo"}
-MOST_CHECKS_PER_AXIS = 100
+MAX_CHECKS_PER_AXIS = 100
 # Top-level keys that a study has, and no configuration of a single tool.
 STUDY_KEYS = {"base", "axes", "repeat"}
 
@@ -42,7 +41,7 @@ def parse(arguments):
     plan.add_argument("study", metavar="STUDY.json")
     plan.add_argument("--out", metavar="DIR", required=True, help="the study's folder")
     plan.add_argument("--bin", metavar="DIR", required=True, help="where the tools are")
-    plan.add_argument("--keep", metavar="LIST", default="", help="of scan, dem, eval, hazard, draws: files to keep; or all")
+    plan.add_argument("--keep", metavar="LIST", default="", help="files to keep: all, or a list of scan, dem, eval, hazard, draws")
     plan.add_argument("--no-check", action="store_true", help="do not ask the tools whether they take the values")
     for name, text in (("list", "print the cases"), ("show", "print how one case is made")):
         command = commands.add_parser(name, help=text)
@@ -50,16 +49,12 @@ def parse(arguments):
         if name == "show":
             command.add_argument("case", type=int, metavar="CASE", help="number, as list prints it")
     for name, text in (("studies", "print the studies of a folder"), ("status", "print what is done"), ("collect", "write results.csv and results.h5"),
-                       ("tidy", "remove what waits for readers that are all done"),
-                       ("prune", "remove files that are in the plan no more")):
+                       ("begin", "remove temporary files of processes that have ended"), ("tidy", "remove shared files that no stage needs any more"),
+                       ("prune", "remove files that are no longer in the plan")):
         command = commands.add_parser(name, help=text)
         command.add_argument("folder", metavar="DIR")
         if name == "collect":
             command.add_argument("--partial", action="store_true", help="leave out cases that are not done")
-    for name, text in (("begin", "lock a study for make"), ("free", "remove the lock when make has ended")):
-        command = commands.add_parser(name, help=text)
-        command.add_argument("folder", metavar="DIR")
-        command.add_argument("pid", type=int, metavar="PID")
     return parser.parse_args(arguments)
 
 
@@ -85,8 +80,8 @@ def plan(options):
         check_with_tools(study, options.bin)
     graph = stages.build(study)
     fragment = rules.Fragment(graph, layout, study.options)
-    with lock.held(options.out):
-        written = write_plan(options, study, graph, fragment, versions)
+    lock.need(options.out)
+    written = write_plan(options, study, graph, fragment, versions)
     print(f"{printable(study.name)}: {counted(len(graph.cases), 'case')}: {counted(len(graph.terrain), 'terrain')}, "
           f"{counted(len(graph.truth), 'truth')}, {counted(len(graph.scan), 'scan')}, {counted(len(graph.regrid), 'DEM')}, "
           f"{counted(len(graph.eval), 'evaluation')}" + (f", {counted(len(graph.hazard), 'hazard map')}" if graph.hazard else "") +
@@ -95,24 +90,24 @@ def plan(options):
 
 
 def write_plan(options, study, graph, fragment, versions):
-    """Writes what changed and returns how many files that were; study.mk, last, always gets a new time."""
+    """Writes what changed and returns how many files that were; study.mk, after all others are on the disk, always gets a new time."""
     for folder in rules.folders(graph):
         os.makedirs(os.path.join(options.out, folder), exist_ok=True)
     files = {f"readers/{os.path.basename(name)}": "\n".join(readers) + "\n" for name, readers in fragment.readers.items()}
     files |= {"tools.txt": versions, "targets.txt": fragment.targets(), "names.txt": rules.names_text(study, graph),
               "cases.json": rules.cases_text(study, graph, fragment.layout, common_limits(options.bin, graph)),
               "study.mk": fragment.text(study.name, options.keep, options.bin) + plan_inputs(study)}
-    files["study.mk"] += f"{repair.CHECKSUM}{repair.checksum(files)}\n"
     rules_text = files.pop("study.mk")
     written = sum(rules.write_if_changed(os.path.join(options.out, name), text) for name, text in files.items())
     written += write_configs(options.out, graph)
+    os.sync()
     written += rules.write_if_changed(os.path.join(options.out, "study.mk"), rules_text)
     os.utime(os.path.join(options.out, "study.mk"))
     return written
 
 
 def write_configs(out, graph):
-    """They get the time of tools.txt: one that was lost and is the same again, as its name says, makes nothing anew."""
+    """They get the time of tools.txt: one that was lost and is the same again, as its name says, causes no stage to run again."""
     age = session.age(os.path.join(out, "tools.txt"))
     written = 0
     for (tool, config_id), text in graph.configs.items():
@@ -158,7 +153,7 @@ def check_with_tools(study, folder):
     for index, dimension in enumerate(study.dimensions):
         last = len(dimension[0].points) - 1
         numeric = all(axis.is_numeric() for axis in dimension)
-        for point in [last] if numeric else range(1, min(last + 1, MOST_CHECKS_PER_AXIS)):
+        for point in [last] if numeric else range(1, min(last + 1, MAX_CHECKS_PER_AXIS)):
             values = ", ".join(f"{axis.name} = {shown(axis.points[point].value)}" for axis in dimension)
             ask(study, folder, [*first[:index], point, *first[index + 1:]], values, asked)
 
@@ -231,24 +226,22 @@ def show(options):
               "monte-carlo truth.h5 -c draws.json --terrain terrain.h5 -o draws.h5 --verdict verdict.json")
 
 
-# begin, free
+# begin
+
+
+# Python writes files under such names first; the number is the process.
+TEMPORARY = re.compile(r"\..*\.(?P<part>\d+)\.part|.*\.(?P<figure>\d+)\.tmp")
 
 
 def begin(options):
-    """Prints who else works in the folder; otherwise nothing: the lock is taken, and what is damaged is to be made again."""
-    try:
-        lock.take(options.folder, options.pid)
-    except UsageError as error:
-        print(error)
-        return
-    lock.free_after(options.folder, options.pid)
-    for name in repair.repair(options.folder):
-        print(f"{printable(os.path.join(options.folder, name))} is lost or damaged and is made again", file=sys.stderr)
-
-
-def free(options):
-    lock.wait_for(options.pid)
-    lock.free(options.folder, options.pid)
+    """Removes temporary files of processes that have ended. Those of the tools lie elsewhere and are the tools' own."""
+    for folder, folders, files in os.walk(options.folder):
+        if folder == options.folder:
+            folders[:] = {"config", "readers", "figures"}.intersection(folders)
+        for name in files:
+            match = TEMPORARY.fullmatch(name)
+            if match and not os.path.exists(f"/proc/{match['part'] or match['figure']}"):
+                os.remove(os.path.join(folder, name))
 
 
 # status, collect, tidy, prune
@@ -334,11 +327,7 @@ def tidy(options):
 def prune(options):
     """Removes what an earlier plan of the study made and this one does not name."""
     read_folder(options.folder)
-    with lock.held(options.folder):
-        prune_folder(options)
-
-
-def prune_folder(options):
+    lock.need(options.folder)
     with open(os.path.join(options.folder, "study.mk"), encoding="utf-8") as file:
         named = {word[3:] for line in file for word in line.replace(":", " ").split() if word.startswith("$O/")}
     stages = {name.split("/", 1)[1].split(".", 1)[0] for name in named if "/" in name and name.split("/", 1)[0] != "config"}
@@ -360,4 +349,4 @@ def prune_folder(options):
 def main(arguments):
     options = parse(arguments)
     {"plan": plan, "studies": list_studies, "list": list_cases, "show": show, "status": status, "collect": collect, "tidy": tidy,
-     "prune": prune, "begin": begin, "free": free}[options.command](options)
+     "prune": prune, "begin": begin}[options.command](options)

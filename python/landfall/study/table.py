@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Decisions: D146, D148
 """A study's results.h5: its axes, the points at which cases repeat, and estimates over the repeats."""
 import json
 import math
@@ -18,11 +19,11 @@ VALUES_OF = {r.value: name for name, r in REQUIREMENTS.items() if r.value}
 # Ends the metrics that are a campaign's estimate of a probability: draws.REQUIREMENT.passed_frac.
 PASSED = ".passed_frac"
 
-# Of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
+# Constants of the 95 % intervals: the 0.975 quantile of the normal distribution, and draws of a bootstrap.
 Z = 1.959963984540054
 RESAMPLES = 4000
 
-# Of figures and reports.
+# The names of metrics in figures and reports.
 METRIC_NAMES = {
     "coverage.invalid_frac": "invalid bins of the region, share",
     "coverage.invalid_count": "invalid bins",
@@ -61,7 +62,7 @@ SIZES = ("max_m", "p95_m", "le90_m")
 
 
 def metric_label(metric, unit):
-    """What a figure or a report calls a metric, without the unit, which it gives beside it."""
+    """The name of a metric in a figure or a report, without the unit, which it gives beside it."""
     return METRIC_NAMES.get(metric) or model.without_unit(metric, unit)
 
 
@@ -137,7 +138,7 @@ class Results:
         return name in self.columns and name not in self._axis_names and not isinstance(self.columns[name][0], str)
 
     def values(self, point, metric):
-        """What is known of a metric at a point, one number a repeat."""
+        """The values of a metric at a point, one number a repeat."""
         column = self.columns.get(metric)  # none where it is not known of any case
         values = np.array([column[row] for row in point.rows] if column else [], float)
         return values[np.isfinite(values)]

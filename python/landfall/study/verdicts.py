@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+# Metrics are ordered by the largest share of a limit that any case uses. A metric that counts violations has the share
+# of the errors that it counts: its own limit is 0.
 """The tables of plot_study.py: which requirements each point of a study meets, and how much of their limits it uses."""
 import math
 
@@ -10,7 +12,7 @@ from landfall.study import figures
 from landfall.study.names import number
 from landfall.study.table import PASSED, REQUIREMENTS
 
-MOST_ROWS = 60
+MAX_ROWS = 60
 REQUIREMENT_NAMES = {**{name: "\n".join(name.split("_")) for name in REQUIREMENTS}, "all": "all"}
 HAZARD_NAMES = {"score.missed_hazard_frac": "missed\nhazards", "score.false_alarm_frac": "false\nalarms", "score.true_hazard_frac": "true\nhazards",
                 "score.judged_hazard_frac": "hazards\non the map", "score.unknown_frac": "unknown\nplaces",
@@ -61,7 +63,7 @@ def hazards_figure(results, quantile):
 
 def table_figure(results, names, note, draw_cell):
     """A row for each point, a column for each requirement."""
-    points = results.points if len(results.points) <= MOST_ROWS else figures.spread(results.points, MOST_ROWS)
+    points = results.points if len(results.points) <= MAX_ROWS else figures.spread(results.points, MAX_ROWS)
     labels = [figures.point_name(results.axes, point.values) or "all cases" for point in points]
     left = 0.4 + 0.075 * max(len(label) for label in labels)
     height = 1.3 + 0.36 * len(points)
@@ -93,7 +95,7 @@ def draw_rate(axes, row, column, passed, count, low, high):
 
 
 def draw_campaign(axes, row, column, shares, rate):
-    """Of several terrains at one point, the least and the largest share."""
+    """The smallest and the largest share of several terrains at one point."""
     if len(set(shares)) > 1:
         draw_cell_of(axes, row, column, rate_color(np.median(shares)), 1, f"{number(100 * min(shares))} to {number(100 * max(shares))} %")
     elif len(shares) and math.isnan(rate[2]):

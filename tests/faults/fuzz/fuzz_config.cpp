@@ -36,7 +36,7 @@ Texts texts_of(InputBytes& input) {
   return texts;
 }
 
-/// What --print-config prints is a configuration, and resolves to itself.
+/// The output of --print-config is a configuration, and resolves to itself.
 Json resolve(const JsonSource& source, const std::string& schema) {
   const Json resolved = resolve_config(source, embedded_schema(schema));
   if (resolve_config({kName, resolved}, embedded_schema(schema)) != resolved)

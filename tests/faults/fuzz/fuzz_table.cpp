@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "detector/perspective.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "fuzz_target.h"
 #include "memory_file.h"
 #include "scanner/table_pattern.h"

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-/// What every fuzz target is: the name by which both libFuzzer and standalone_main.cpp call it. Returns 0.
+/// The fuzz target: the name by which both libFuzzer and standalone_main.cpp call it. Returns 0.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace landfall::fuzz {

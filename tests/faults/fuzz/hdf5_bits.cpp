@@ -48,7 +48,7 @@ struct Options {
   std::string keep;  ///< empty: findings are not kept
 };
 
-/// Where a reading process is, in memory that it shares with its parent.
+/// The progress of a reading process, in memory that it shares with its parent.
 struct Progress {
   std::size_t next = 0;  ///< index of the place
   std::size_t refusals = 0;

@@ -19,7 +19,7 @@ using h5::Handle;
 
 constexpr int kMaxEdits = 8;
 
-/// What an edit works on.
+/// The file on which an edit works.
 struct Scene {
   hid_t file;
   const LandfallFile& original;

@@ -14,10 +14,10 @@
 #include "files/evaluation_file.h"
 #include "files/file_description.h"
 #include "files/hazard_file.h"
-#include "files/number_table.h"
 #include "files/range_file.h"
 #include "files/scan_file.h"
 #include "files/scan_poses.h"
+#include "files/table_reader.h"
 #include "files/terrain_file.h"
 #include "landfall_files.h"
 #include "scene/campaign_parts.h"
@@ -75,7 +75,7 @@ void read_ranges(const Path& path) {
   static_cast<void>(ranges.read({0, 3}, 4));
 }
 
-/// What regrid --uncertainty takes from a scan's history.
+/// Reads the parts of a scan's history that regrid --uncertainty takes.
 void read_origin(const Path& path) {
   const LandfallFileReader file(path, {"scan"});
   const nlohmann::json none = nlohmann::json::object();
@@ -107,7 +107,7 @@ void export_grid(const Path& path) {
   write_layers_csv(grid.read(grid.choose({"all"})), 1, sink);
 }
 
-/// What hazard-map takes from a DEM or a terrain.
+/// Reads the layers of a DEM or a terrain that hazard-map takes.
 void read_hazards_of(const Path& path) {
   static_cast<void>(read_hazard_source(path, true));
   static_cast<void>(read_truth_centroids(path));
@@ -118,7 +118,7 @@ void export_sites(const Path& path) {
   write_sites_csv(LandfallFileReader(path, {"hazards"}), sink);
 }
 
-/// What monte-carlo merge takes from a part.
+/// Reads the contents of a part that monte-carlo merge takes.
 void merge_part(const Path& path) {
   Provenance provenance;
   MergedDraws merged = merge_draws({path.string()}, provenance);

@@ -12,7 +12,7 @@
 
 namespace landfall::fuzz {
 
-/// What an input chooses of HDF5: each takes a few of its bytes.
+/// The choices of an input: each takes a few of its bytes.
 [[nodiscard]] double any_number(InputBytes& input);
 /// `count` numbers, evenly apart.
 [[nodiscard]] std::vector<double> ramp(std::size_t count, InputBytes& input);

@@ -9,7 +9,7 @@
 namespace landfall::fuzz {
 namespace {
 
-/// What stands between the quotes of a line.
+/// The text between the quotes of a line.
 std::string unquoted(const std::string& line) {
   const std::size_t begin = line.find('"');
   const std::size_t end = line.rfind('"');

@@ -6,6 +6,10 @@
 //   LANDFALL_FUZZ_SEED  their seed, 1 by default
 // An input that is a finding (a foreign exception, a signal, more than 30 s or 2 GiB) is written to
 // finding-TARGET in the working folder, and the exit code is 1.
+//
+// Fuzz targets run in every build, libFuzzer in one. A second build of the libraries, with clang and
+// sanitizers, takes longer than all tests; the tests therefore run each target on its corpus and on 2,000
+// mutations of it, which depend only on a seed. Long runs are made by hand.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -31,7 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr unsigned kLongest_s = 30;
 
-/// What runs now, for a signal's handler.
+/// The present input, for a signal's handler.
 std::string_view running;
 std::array<char, 256> finding_name = {};
 

@@ -28,7 +28,7 @@ inline ScanModel device_scan(const RangeErrorParameters& errors, std::uint64_t s
   return model;
 }
 
-/// Of device_scan() over kPlane; one in ten is a miss.
+/// The truth of device_scan() over kPlane; one in ten is a miss.
 inline std::vector<double> device_scan_ranges(int columns = 2) {
   const PlaneEngine engine(kPlane);
   const Simulation traced(device_scan({}, 1, columns), &engine);

@@ -85,13 +85,13 @@ double log_ratio(const SprtParameters& a, const PassRate& rate) {
          static_cast<double>(rate.n - rate.k) * std::log((1 - a.p1) / (1 - a.p0));
 }
 
-/// Recursion over the counts after each draw, until `most_draws` or less than 1e-13 is still running.
-End end_of(const SprtParameters& parameters, double p, int most_draws = 100000) {
+/// Recursion over the counts after each draw, until `max_draws` or less than 1e-13 is still running.
+End end_of(const SprtParameters& parameters, double p, int max_draws = 100000) {
   End end;
   std::map<std::int64_t, std::pair<Sprt, double>> live;  // by the number of passes
   live.emplace(0, std::pair(Sprt(parameters), 1.0));
   double left = 1;
-  for (int draw = 0; draw < most_draws && left > 1e-13; ++draw) {
+  for (int draw = 0; draw < max_draws && left > 1e-13; ++draw) {
     std::map<std::int64_t, std::pair<Sprt, double>> next;
     left = 0;
     for (const auto& [k, state] : live)

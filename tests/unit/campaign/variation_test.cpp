@@ -170,7 +170,7 @@ std::string refusal_of(const Variation<double>& variation, std::size_t draws = 3
 TEST(Variation, ParametersAreChecked) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  constexpr double kMost = std::numeric_limits<double>::max();
+  constexpr double kMax = std::numeric_limits<double>::max();
   EXPECT_EQ(refusal_of(NormalVariation{-1, 0}), "accepted");
   EXPECT_EQ(refusal_of(NormalVariation{0, -0.5}),
             "vary/scan.noise.range_bias_m/sigma: -0.5 is not finite and >= 0");
@@ -181,7 +181,7 @@ TEST(Variation, ParametersAreChecked) {
   EXPECT_EQ(refusal_of(UniformVariation{2, 1}),
             "vary/scan.noise.range_bias_m/high: 1 is not finite and >= low");
   EXPECT_EQ(refusal_of(UniformVariation{-kInf, 1}), "vary/scan.noise.range_bias_m/low: -inf is not finite");
-  for (const UniformVariation bad : {UniformVariation{0, kNan}, {0, kInf}, {-kMost, kMost}})
+  for (const UniformVariation bad : {UniformVariation{0, kNan}, {0, kInf}, {-kMax, kMax}})
     EXPECT_NE(refusal_of(bad), "accepted");
 }
 

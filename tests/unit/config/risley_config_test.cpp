@@ -31,7 +31,7 @@ struct Answer {
   Beam beam;
 };
 
-/// What a scanner does with an oblique pixel of a late pulse and an aim within reach.
+/// The beam of a scanner for an oblique pixel of a late pulse and an aim within reach.
 Answer answer(const Scanner& scanner) {
   const PulseContext pulse{.time = {77, 0.385}, .aim = Direction<LidarFrame>::of({{0.05, -0.1, 1}})};
   const std::array<Direction<LidarFrame>, 1> pixels{Direction<LidarFrame>::of({{0.02, 0.01, 1}})};

@@ -184,7 +184,7 @@ TEST(UncertaintyConfig, TheSchemaRefusesNegativeSigmas) {
               HasSubstr("rpy_rad"));
 }
 
-// What an option brings has not been through the schema.
+// The value of an option has not been through the schema.
 TEST(UncertaintyConfig, NegativeSigmasOfOptionsAreRefusedByName) {
   Json config = resolved("{}");
   add_navigation_sigma(config, "velocity_mps=1,-2,3");

@@ -17,8 +17,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Where a direction in L meets the plane z_D = -1, seen from the origin with the nominal mount: map
-// coordinates.
+// The point at which a direction in L meets the plane z_D = -1, seen from the origin with the nominal mount:
+// map coordinates.
 Eigen::Vector2d on_map(const Direction<LidarFrame>& d) {
   const auto mount = rotation_from<BodyFrame, LidarFrame>({kPi, 0, 0});
   const Eigen::Vector3d in_body = mount.m * d.v;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kPulses = 100000;
 
-/// Where a beam along the boresight goes.
+/// The direction of a beam along the boresight.
 Eigen::Vector3d boresight(const PointingError& error, std::int64_t pulse) {
   return error.turn(pulse).m * Eigen::Vector3d::UnitZ();
 }

@@ -79,7 +79,7 @@ TEST(Summaries, Absolute) {
   const AbsoluteMetrics metrics = summarise_absolute(row_of({kNan, -4, 1, 0, kNan}));
   EXPECT_EQ(metrics.mean_m, -1);
   EXPECT_EQ(metrics.max_m, 4);
-  // Of 0, 1, 4: h = 1.9.
+  // The values are 0, 1, 4: h = 1.9.
   EXPECT_NEAR(metrics.p95_m.value(), 1 + 0.9 * 3, 1e-14);
   EXPECT_EQ(summarise_absolute(row_of({kNan})), AbsoluteMetrics{});
 }

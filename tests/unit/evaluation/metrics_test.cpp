@@ -17,7 +17,7 @@ AccuracyMetrics flawless() {
   return accuracy;
 }
 
-// What was not measured counts nothing.
+// A metric that was not measured counts nothing.
 TEST(Metrics, BeginAtZero) {
   const Metrics metrics;
   EXPECT_EQ(metrics.region.bin_count, 0);

@@ -111,7 +111,7 @@ TEST_P(TailWalkTest, FindsAllThatLieAboveItsFloor) {
 
 INSTANTIATE_TEST_SUITE_P(Floors, TailWalkTest, testing::Values(0, 0.9, 1.8, 2.1, 9));
 
-// What lies at the floor is found, too.
+// A value at the floor is found, too.
 TEST_F(TailWalkTest, FindsWhatLiesAtItsFloor) {
   for (const Footprint& footprint : {Footprint::square(3), Footprint::disc(13)}) {
     const double smallest = expect_as_sorted(0, footprint, 0.9);

@@ -107,7 +107,8 @@ TEST(Uncertainty, StepsOfSigmaAscend) {
   EXPECT_THAT(scores.reliability.bins, ElementsAre(1, 2, 1, 1));  // 1 and 1.1 lie below the fourth root of 2
 }
 
-// What is drawn with the sigma that it says: 68.3 and 95.4 %, bounds of five standard errors at 250,000 bins.
+// Errors drawn with the sigma that the map says: 68.3 and 95.4 %, bounds of five standard errors at 250,000
+// bins.
 TEST(Uncertainty, AnHonestMapAtAnyThreadCount) {
   const GridSpec spec{1, 0, 0, 500, 500};
   const RandomField draw(4, RandomStream::range_noise);

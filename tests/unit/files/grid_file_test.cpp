@@ -231,7 +231,7 @@ TEST(Provenance, AStepReachedTwiceStandsOnce) {
   EXPECT_EQ(p.inputs.size(), 3U);
 }
 
-// What was read counts, not the file's name: a raster may consist of several files.
+// The data that was read counts, not the file's name: a raster may consist of several files.
 TEST(Provenance, RasterIdIsOfWhatWasRead) {
   const auto raster = [](double sample, double cell) {
     return DemRaster{{{2, 2}, {1, 2, 3, sample}},

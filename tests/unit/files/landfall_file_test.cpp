@@ -90,7 +90,7 @@ TEST(LandfallFile, ClaimsCfUnlessThatIsWithdrawn) {
   }
 }
 
-// What walks JSON calls itself: 10^5 levels would end the program.
+// A function that walks JSON calls itself: 10^5 levels would end the program.
 TEST(StoredJson, DeepTextsAreNone) {
   const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
   EXPECT_TRUE(is_storable_json(nested(kMaxStoredLevels)));

@@ -77,7 +77,7 @@ TEST_F(ScanGridding, OpenedScansCountFromTheEarliestFirstPulse) {
   EXPECT_EQ(H5Tget_size(type.get()), 8U);
 }
 
-// Of the returns of the first scan, x = 2.5 lies on an edge of bins of 1 m; of 0.5 m: x = 1.25, 2.25, ... do.
+// In the first scan, x = 2.5 lies on an edge of bins of 1 m; of 0.5 m: x = 1.25, 2.25, ... do.
 TEST_F(ScanGridding, CountsReturnsOnEdges) {
   for (const Method method : {Method::mean, Method::median}) {
     const std::vector<EdgeSample> whole = grid_scans(scans_, {kGrid, method}).edges;

@@ -112,7 +112,7 @@ TEST(Slope, SixBinsAreEnoughAndFiveAreNot) {
   bins.push_back({10, 9});
   EXPECT_FLOAT_EQ(slope_of(bins, 1).x, 1);
   EXPECT_FLOAT_EQ(slope_of(bins, 1).y, -2);
-  // Likewise of the 5 x 5.
+  // The same of the 5 x 5.
   bins = {{10, 10}, {8, 8}, {12, 8}, {8, 12}, {12, 12}, {13, 12}, {7, 9}};
   EXPECT_GT(std::abs(slope_of(bins, 2).x - 1), 0.1);
   bins.push_back({10, 12});

@@ -64,7 +64,7 @@ struct Flight {
   }
 };
 
-/// What the definition needs of a bin.
+/// The sums of a bin that the definition needs.
 struct BinOracle {
   double count = 0, weight = 0, w_w = 0, scatter = 0;
   Eigen::Vector3d centroid{0, 0, 0};

@@ -316,7 +316,7 @@ TEST(Uncertainty, RoughnessIsTheScatterBeyondRangeNoise) {
   const Scene silent(rough_returns(scatter), {});
   EXPECT_NEAR(silent.map->variances(kMiddle).rough / (scatter * scatter / 4), 1, 0.4);
   EXPECT_EQ(silent.map->variances(kMiddle).range, 0);
-  // What range noise explains is not counted again.
+  // Scatter that range noise explains is not counted again.
   const Scene noisy(rough_returns(scatter), {.range_sigma_m = 0.8 * scatter});
   EXPECT_NEAR(silent.map->variances(kMiddle).rough - noisy.map->variances(kMiddle).rough,
               0.64 * scatter * scatter / 4, 1e-7);

@@ -43,7 +43,7 @@ TEST(WeightedMeanAccumulator, BinsAtNegativeCoordinatesAndOnEdges) {
       accumulated(five_by_five(), {{.x_est = -0.3, .y_est = -0.9},      // bin (-0.5, -1)
                                    {.x_est = -0.2, .y_est = 0.2},       // bin (0, 0)
                                    {.x_est = -0.25, .y_est = 0.25},     // edge: greater bin
-                                   {.x_est = -0.75, .y_est = -0.75}});  // likewise
+                                   {.x_est = -0.75, .y_est = -0.75}});  // the opposite corner
   EXPECT_EQ(at(bins, {0, 1}).count, 1);
   EXPECT_EQ(at(bins, {2, 2}).count, 1);
   EXPECT_EQ(at(bins, {3, 2}).count, 1);

@@ -193,7 +193,7 @@ TEST(Contact, EqualsBruteForceAtSomePlaces) {
   }
 }
 
-// Of few planes each may be the last whose bound is looked at.
+// With few planes each may be the last whose bound is looked at.
 TEST(Contact, EqualsBruteForceWithFewPlanes) {
   for (const int legs : {3, 4})
     for (const double body_bins : {0.5, 1.0, 1.5})

@@ -54,7 +54,7 @@ Grid<double> rough(const GridSpec& spec, double height, double fall) {
   return z;
 }
 
-/// Of the differences, less their mean, more than 1 m from the border.
+/// The rms of the differences, less their mean, more than 1 m from the border.
 double rms(const Grid<double>& a, const Grid<double>& b) {
   const GridSpec& spec = a.spec();
   double sum = 0;
@@ -115,7 +115,7 @@ TEST(GroundPosterior, ReliefWithinBinsNeedsReliefBetweenThem) {
   EXPECT_GT(spread(rough(spec, 0.08, 0.4)), 0.5 * kNoise);
 }
 
-// What was not measured is as rough as the ground around.
+// Ground that was not measured is as rough as the ground around.
 TEST(GroundPosterior, AHoleHasTheReliefAround) {
   const GridSpec spec = GridSpec::centered(5, 0.05);
   const auto spread_in_hole = [&](Grid<double> z) {

@@ -314,7 +314,7 @@ TEST(TruthPositions, AreMovedByTheMeanOfTheRing) {
   EXPECT_NEAR(positions[0].y_m, -0.02, 1e-15);
 }
 
-// Of a hole beside the corner, whose ring lies to one side of the axes.
+// A hole beside the corner, whose ring lies to one side of the axes.
 TEST(TruthPositions, TakeTheFirstRowAndColumn) {
   const GridSpec spec{0.1, 5, 7, 3, 3};
   Grid<double> z_true(spec);

@@ -154,7 +154,7 @@ TEST(SafeProbability, OnPlanes) {
   EXPECT_LE(mean_on_plane(11.5, 0.028), 0.05);
 }
 
-// Where the map has holes a place is unknown, and has a probability: less than with a measured bin in a
+// A place in a hole of the map is unknown, and has a probability: less than with a measured bin in a
 // boulder field, no less on a plane.
 TEST(SafeProbability, ABinThatWasNotMeasuredCounts) {
   const GridSpec spec = GridSpec::centered(5, 0.05);

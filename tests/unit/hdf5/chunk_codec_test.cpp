@@ -36,7 +36,7 @@ std::size_t encoded_size(const std::vector<double>& values, int level) {
   return encode_chunk(std::as_bytes(std::span(values)), sizeof(double), level).size();
 }
 
-/// What HDF5's own filters, built on zlib, make of the chunks.
+/// The chunks as HDF5's own filters, built on zlib, decode them.
 std::vector<double> through_hdf5(const std::vector<double>& values, int level) {
   const TemporaryFolder folder;
   LandfallFileWriter writer({folder / "a.h5", true, level}, "scan", {.tool = "test"});

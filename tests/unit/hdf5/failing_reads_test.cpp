@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "files/evaluation_file.h"
 #include "files/file_description.h"
-#include "files/number_table.h"
+#include "files/table_reader.h"
 #include "files/terrain_file.h"
 #include "temporary_folder.h"
 
@@ -60,8 +60,8 @@ void write_dem_file(const std::filesystem::path& path) {
   file.commit();
 }
 
-/// What `tell` says of the file with any one read failing: the same, or a FormatError that names the file.
-/// Returns how often the latter.
+/// The answer of `tell` on the file with any one read failing: the same, or a FormatError that names the
+/// file. Returns how often the latter.
 int refusals(const std::filesystem::path& path, const Tell& tell) {
   reads = 0;
   const std::string whole = tell(path);

@@ -39,7 +39,7 @@ class MeshFileTest : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
   }
-  /// What is said about such a file, without its folder.
+  /// The message about such a file, without its folder.
   [[nodiscard]] std::string refusal(const std::string& name, const std::string& bytes) const {
     return refusal_of(write(name, bytes));
   }

@@ -29,7 +29,7 @@ RgbImage gradient() {
   return image;
 }
 
-/// What libpng's reader makes of the file.
+/// The image that libpng's reader gives.
 RgbImage decoded(const std::filesystem::path& path) {
   png_image header{};
   header.version = PNG_IMAGE_VERSION;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What each engine must answer, in closed form; every test runs on every engine.
+// The answers that each engine must give, in closed form; every test runs on every engine.
 #include "ray/engine.h"
 
 #include <gtest/gtest.h>

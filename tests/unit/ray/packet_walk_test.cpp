@@ -86,7 +86,7 @@ TEST_P(PacketWalk, RaysThatShareNothing) {
   expect_descents_answers(rays, 0.05);
 }
 
-// What bounds the steep rays of a group says nothing about those too flat to bound.
+// The bound of the steep rays of a group says nothing about those too flat to bound.
 TEST_P(PacketWalk, FlatRaysAmongSteepOnes) {
   std::vector<Ray> rays;
   for (int i = 0; i < 20000; ++i) {

@@ -32,12 +32,12 @@ Waveforms seen(const Receiver& receiver, std::size_t pixels, const Pixel& pixel)
   return waveforms;
 }
 
-/// What `count` equal pixels report in one pulse.
+/// The reports of `count` equal pixels in one pulse.
 std::vector<Reception> received(const ReceiverParameters& parameters, const Pixel& pixel,
                                 std::size_t count = 1, std::uint64_t seed = 3) {
   const Receiver receiver(parameters, seed);
   const Waveforms waveforms = seen(receiver, count, pixel);
-  std::vector<Reception> receptions(count * receiver.most_returns());
+  std::vector<Reception> receptions(count * receiver.max_returns());
   if (receiver.hears_kept_echoes()) {
     std::vector<Echo> kept(count);
     std::vector<LaterEcho> later;
@@ -221,7 +221,7 @@ TEST(Receiver, ReportsTheFirstTheLastOrTheStrongestDetectableEcho) {
   EXPECT_NEAR(all[1].range_m, 506, 1e-10);  // 15 photoelectrons at 503 m are not detected
   EXPECT_NEAR(all[2].range_m, 509, 1e-10);
   EXPECT_TRUE(std::isnan(all[3].range_m));
-  parameters.most_returns = 2;
+  parameters.max_returns = 2;
   EXPECT_EQ(received(parameters, edge).size(), 2U);
 }
 
@@ -267,7 +267,7 @@ TEST(Receiver, GeigerDependsOnTheWholeSignalNotOnItsSubRays) {
 
 TEST(Receiver, AGeigerPixelIsBlindAfterAPhotoelectron) {
   ReceiverParameters parameters{
-      .type = ReceiverType::geiger, .returns = ReportedReturns::all, .most_returns = 3};
+      .type = ReceiverType::geiger, .returns = ReportedReturns::all, .max_returns = 3};
   const Pixel edge{{500, 501, 504}, {100, 100, 100}};
   std::vector<Reception> all = received(parameters, edge);
   EXPECT_NEAR(all[0].range_m, 500, 0.4);
@@ -289,7 +289,7 @@ TEST(Receiver, TheFirstPhotoelectronMayBelongToTheSecondEcho) {
   for (const Reception& reception : received(parameters, edge, 2000))
     EXPECT_LT(reception.range_m, 500 + gap_m - 4 * kSigma_m);
   parameters.returns = ReportedReturns::all;
-  parameters.most_returns = 2;
+  parameters.max_returns = 2;
   const std::vector<Reception> both = received(parameters, edge, 2000);
   for (std::size_t i = 0; i < both.size(); i += 2) EXPECT_FALSE(both[i].range_m > both[i + 1].range_m) << i;
 }
@@ -330,7 +330,7 @@ TEST(Receiver, DrawsDependOnPulsePixelAndSeedOnly) {
   EXPECT_NE(received(parameters, {{500}, {60}}, 1, 4)[0].range_m, many[0].range_m);
   ReceiverParameters all = parameters;  // the same draws of the first echo
   all.returns = ReportedReturns::all;
-  all.most_returns = 1;
+  all.max_returns = 1;
   EXPECT_EQ(received(all, {{500}, {60}}, 5)[4].range_m, many[4].range_m);
 }
 
@@ -345,7 +345,7 @@ TEST(Receiver, NamesABadParameter) {
   refuses([](auto& p) { p.fraction = 1; });
   refuses([](auto& p) { p.dead_time_s = -1; });
   refuses([](auto& p) { p.background_pe = -1; });
-  refuses([](auto& p) { p.most_returns = 6; });
+  refuses([](auto& p) { p.max_returns = 6; });
   refuses([](auto& p) {
     p.type = ReceiverType::geiger;
     p.returns = ReportedReturns::strongest;

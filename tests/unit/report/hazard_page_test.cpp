@@ -35,10 +35,10 @@ struct Case {
   HazardParameters parameters;
   Provenance provenance{.tool = "hazard-map", .config = {{"method", "contact"}}, .inputs = {{"dem", "f00"}}};
 
-  [[nodiscard]] ReportData data(std::int64_t most_cells = kMaxCells) const {
+  [[nodiscard]] ReportData data(std::int64_t max_cells = kMaxCells) const {
     HazardInput judged = input;
     const HazardMap map = map_hazards(judged, parameters, kAtOnce);
-    return hazard_data({judged, parameters, map}, "z_est", most_cells);
+    return hazard_data({judged, parameters, map}, "z_est", max_cells);
   }
   [[nodiscard]] std::string page(const std::string& title = {}) const {
     HazardInput judged = input;
@@ -90,7 +90,7 @@ TEST(HazardData, CountsEachClassOnce) {
   EXPECT_EQ(missed["is_mark"], true);
 }
 
-// Of the places in a block the first class is drawn; the worst for a lander, as in the pictures of --view.
+// The first class among the places in a block is drawn; the worst for a lander, as in the pictures of --view.
 TEST(HazardData, ClassesAreFromTheWorstToTheBest) {
   const ReportData data = Case().data();
   const auto texts = [&](const char* name) {

@@ -35,7 +35,7 @@ std::vector<std::uint8_t> bytes_of_base64(const std::string& text) {
   return bytes;
 }
 
-/// What the browser does, by zlib.
+/// Decodes as the browser does, by zlib.
 std::vector<std::uint16_t> unpacked(const std::string& text, std::size_t count) {
   const std::vector<std::uint8_t> packed = bytes_of_base64(text);
   std::vector<std::uint8_t> bytes(2 * count);

@@ -22,7 +22,7 @@ constexpr double kPi = std::numbers::pi;
 
 Beam steered(const Risley& risley, const RisleyAngles& angles, const Vector3d& pixel = Vector3d::UnitZ()) {
   const std::array<Direction<LidarFrame>, 1> pixels{{{pixel}}};
-  // What is there before must not stay.
+  // The earlier contents must not stay.
   std::array<Beam, 1> beams{Beam{.exit = {{1, 1, 1}}, .lost = true}};
   risley.steer({.angle_1_rad = angles.theta_1_rad, .angle_2_rad = angles.theta_2_rad}, pixels, beams);
   return beams[0];

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// What the aim has swept about the origin up to time t: pi r^2.
+/// The area that the aim has swept about the origin up to time t: pi r^2.
 double swept_m2(const Spiral& spiral, double t_s) { return kPi * aim_at(spiral, t_s).squaredNorm(); }
 
 TEST(Spiral, KnownPoints) {

@@ -3,7 +3,7 @@
 
 namespace landfall {
 
-// Of its own unit, for Eigen's shortest turn takes a compiler some 5 s: it holds a singular value
+// A unit of its own, because Eigen's shortest turn takes a compiler some 5 s: it holds a singular value
 // decomposition.
 double image_rotation(const Scanner& scanner, const ScannerState& state) {
   const Eigen::Vector3d x = beam_of(scanner, state, Eigen::Vector3d::UnitX()).direction.v;

@@ -145,7 +145,7 @@ TEST_F(SceneFiles, ASurfaceAloneHasNoEngine) {
     expect_identity(scene, kCrs);
     expect_slope(scene);
   }
-  // Of a mesh it does not matter which engine could trace it.
+  // For a mesh it does not matter which engine could trace it.
   expect_slope(open_scene({.terrain = mesh_, .use = SceneUse::surface, .engine = EngineKind::heightfield}));
 }
 

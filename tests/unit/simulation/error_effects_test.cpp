@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What errors of the range, the pointing, the time stamps and the navigation do to a scan, in closed form:
+// The effects of errors of range, pointing, time stamps and navigation on a scan, in closed form:
 // one pixel that looks straight down.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -31,7 +31,7 @@ constexpr double kHeight_m = 500;
 constexpr double kRate_hz = 20000;
 constexpr int kColumns = 200;
 constexpr double kHalfWidth_m = 50;
-/// Of the footprint along a line: 10 km/s.
+/// The speed of the footprint along a line: 10 km/s.
 constexpr double kSweep_mps = 2 * kHalfWidth_m / (kColumns - 1) * kRate_hz;
 
 std::unique_ptr<Pattern> lines(LineDirection direction = LineDirection::boustrophedon,

@@ -458,7 +458,7 @@ PulseContext heard_at(std::int64_t pulse, ContextNeeds needs, double interval_s)
   return heard;
 }
 
-/// Where, in D, an aim from 500 m meets z = 0.
+/// The point in D at which an aim from 500 m meets z = 0.
 double ground_x(const Direction<LidarFrame>& aim) { return 500 * aim.v.x() / aim.v.z(); }
 
 TEST(PulseSimulator, AScannerHearsOfJumpsAndEchoesOnlyIfItAsks) {

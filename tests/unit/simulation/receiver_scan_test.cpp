@@ -146,7 +146,7 @@ TEST(ReceiverScan, FarSurfacesAreSeveralReturns) {
   const Step ground(2);
   Instrument instrument{.pixels = 3, .subpixels = 8};
   instrument.receiver.returns = ReportedReturns::all;
-  instrument.receiver.most_returns = 3;
+  instrument.receiver.max_returns = 3;
   ConstantVelocityParameters still;
   still.position_m = {{0, 0, 500}};
   still.velocity_mps = {};
@@ -178,7 +178,7 @@ TEST(ReceiverScan, ADroppedPixelLosesAllItsReturns) {
                          .background_pe = 20,
                          .gate_end_m = 1000,
                          .returns = ReportedReturns::all,
-                         .most_returns = 3};
+                         .max_returns = 3};
   const PulseBatch batch = simulate(instrument, FlatGround());
   int dropped = 0;
   for (std::size_t row = 0; row < batch.points.size(); row += 3) {
@@ -219,7 +219,7 @@ TEST(ReceiverScan, TheTimerComesLast) {
   EXPECT_NEAR(range_m / step_m, std::round(range_m / step_m), 1e-6);
 }
 
-/// What a file keeps: the echoes of pixels in order, those behind the first ones as LaterEcho.
+/// The echoes that a file keeps: the echoes of pixels in order, those behind the first ones as LaterEcho.
 std::vector<LaterEcho> later_echoes(const EchoColumns& rows) {
   std::vector<LaterEcho> echoes;
   for (std::size_t i = 0; i < rows.size(); ++i)

@@ -212,7 +212,7 @@ TEST(Dynamics, RandomTorqueHasItsSigma) {
   double sum = 0;
   for (const Eigen::Vector3d& gain : first) sum += (gain / (0.01 * 0.1 / 100)).squaredNorm();
   EXPECT_NEAR(sum / 12000, 1, 4.5 * std::sqrt(2.0 / 12000));
-  // The same seed draws the same, whatever else acts; another seed draws anew.
+  // The same seed draws the same, whatever else acts; another seed draws others.
   parameters.disturbance.torque_sigma_nm.v.y() = 0;
   EXPECT_NEAR(gains()[100].x(), first[100].x(), 1e-15);
   EXPECT_NEAR(gains()[100].y(), 0, 1e-15);

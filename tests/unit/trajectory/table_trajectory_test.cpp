@@ -109,7 +109,7 @@ TEST(TableTrajectory, QuaternionTurnsBodyIntoDem) {
   EXPECT_LT((table.pose(0.5).rotation.m * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-15);
 }
 
-// What rotation_matrix() means by roll, pitch and yaw survives the way through a quaternion table.
+// The convention of rotation_matrix() for roll, pitch and yaw survives the way through a quaternion table.
 TEST(TableTrajectory, RollPitchYawRoundTrip) {
   const Eigen::Matrix3d R = rotation_matrix({0.3, -1.2, 2.8});
   const TableTrajectory table({{0, {}, Eigen::Quaterniond(R)}, {1, {}, Eigen::Quaterniond(R)}});

@@ -104,7 +104,7 @@ void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-/// What a raster must store so that z = 7 + 2 x - 3 y, (x, y) in map units.
+/// The values that a raster must store so that z = 7 + 2 x - 3 y, (x, y) in map units.
 std::function<double(int, int)> map_plane(const std::array<double, 6>& transform) {
   return [g = GeoTransform(transform)](int col, int row) {
     const MapPoint p = g.map_point({static_cast<double>(col), static_cast<double>(row)});
@@ -339,7 +339,7 @@ TEST_F(LoadDem, RefusesCrsThatAreNoMap) {
               AllOf(HasSubstr("format: "), HasSubstr(dem.path), HasSubstr("no linear unit")));
 }
 
-// What GDAL does not know is told apart, for each calls for something else.
+// Unknown cases of GDAL are told apart, because each calls for something else.
 TEST_F(LoadDem, SaysWhatAFileThatIsNoRasterNeeds) {
   const GridSpec spec = GridSpec::centered(1, 1);
   const auto told = [&](const char* name, const std::string& bytes) {

@@ -20,8 +20,8 @@ using ::testing::StartsWith;
 
 class GdalPluginFile : public ::testing::Test {
  protected:
-  /// What load_dem() says of any raster in a process of `program`, gdal_refusal or a copy of it: a process
-  /// loads the plugin once.
+  /// The message of load_dem() on any raster in a process of `program`, gdal_refusal or a copy of it: a
+  /// process loads the plugin once.
   [[nodiscard]] std::string refusal(const fs::path& program, const fs::path& plugin_folder) const {
     const fs::path said = folder_ / "refusal";
     const std::string command =
@@ -30,7 +30,7 @@ class GdalPluginFile : public ::testing::Test {
     return read_file(said);
   }
 
-  /// What load_dem() says where the plugin is the folder's.
+  /// The message of load_dem() if the plugin is the folder's.
   [[nodiscard]] std::string refusal_of_own() const { return refusal(program_, plugin_.parent_path()); }
 
   fs::path program_ = fs::read_symlink("/proc/self/exe").parent_path() / "gdal_refusal";

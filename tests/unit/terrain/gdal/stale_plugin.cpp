@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What an upgrade that left the old plugin behind would find.
+// The plugin that an upgrade finds which left the old one behind.
 #include "terrain/gdal/plugin.h"
 
 extern "C" const landfall::GdalPlugin landfall_gdal_plugin;

@@ -211,7 +211,7 @@ TEST(FeatureAlbedo, TheOneThatMakesTheSurfaceCounts) {
   EXPECT_EQ(at(-15, 15), 0.5F);
 }
 
-// Of two cones, the higher surface at a node decides, whatever their order.
+// For two cones, the higher surface at a node decides, whatever their order.
 TEST(FeatureAlbedo, TheHigherOfTwoStandingFeatures) {
   AlbedoModel albedo{.ground = 0.5};
   albedo.of_kind[kind_of(Hemisphere{})] = 0.1;

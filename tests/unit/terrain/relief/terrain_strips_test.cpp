@@ -52,8 +52,8 @@ struct Made {
   std::vector<std::int64_t> heights;
 };
 
-Made made(std::int64_t most_nodes, std::int64_t rows) {
-  TerrainStrips strips(model(), kGrid, bumpy_raster, {most_nodes, rows});
+Made made(std::int64_t max_nodes, std::int64_t rows) {
+  TerrainStrips strips(model(), kGrid, bumpy_raster, {max_nodes, rows});
   Made result{Grid<double>(kGrid), {}, {}};
   std::int64_t next = 0;
   strips.make([&](const TerrainStrip& part) {

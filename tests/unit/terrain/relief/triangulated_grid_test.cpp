@@ -44,7 +44,7 @@ TEST(TriangulatedGrid, DiagonalRunsFromLowerRightToUpperLeft) {
   const TriangulatedGrid terrain = nine_nodes({0, 0, 0, 0, 1, 0, 0, 0, 0});
   EXPECT_EQ(terrain.elevation(0, 0), 1);
   EXPECT_EQ(terrain.elevation(0.5, 0.5), 0);    // node (0,0) is the cell's lower left: the diagonal avoids it
-  EXPECT_EQ(terrain.elevation(-0.5, -0.5), 0);  // upper right corner of its cell: likewise
+  EXPECT_EQ(terrain.elevation(-0.5, -0.5), 0);  // upper right corner of its cell, too
   EXPECT_EQ(terrain.elevation(-0.5, 0.5), 0.5);  // lower right corner: on the diagonal
   EXPECT_EQ(terrain.elevation(0.5, -0.5), 0.5);  // upper left corner: on the diagonal
   EXPECT_EQ(terrain.elevation(0.25, 0.25), 0.5);

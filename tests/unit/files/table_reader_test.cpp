@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/number_table.h"
+#include "files/table_reader.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,19 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
+# All mutants are compiled into one program and selected by the environment: a separate build for each of them would
+# take days. The disadvantage is that compile-time constants (array sizes, template arguments) cannot be mutated, and
+# that vectorised loops run slower.
+#
+# A mutant that hangs or reads past an array is killed. The second needs libstdc++'s index checks, with which the
+# mutants are built; without them the result would depend on the memory behind the array. Equivalent survivors count as
+# survivors in the first percentage, and are excluded from the second.
+#
+# Mutants and their tests are timed by CPU time, with a wall-clock limit twenty times as long for those that sleep: on a
+# busy machine, a wall clock excludes tests as too slow, and counts mutants as hanging that are not.
+#
+# Parts of the window quantile are tested alone (sorted tails, their members, the cursor, the traversal), each against
+# its definition, in milliseconds: bit-exact tests of whole maps take seconds, which is too slow for thousands of
+# mutants.
 """Mutation testing of lib/gridding, lib/evaluation, lib/error_models, lib/geometry, lib/hazards and lib/campaign.
 
     mutate.py write | build | trace | run | chain | report     in this order; each continues where it was stopped

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "geometry/parameter_check.h"
+#include "geometry/vector_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 
-// What mutate_test.py mutates. That a < b here makes no mutant.
+// The input of mutate_test.py. That a < b here makes no mutant.
 namespace toy {
 
 constexpr int kStep = 3;

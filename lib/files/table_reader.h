@@ -14,8 +14,7 @@ namespace landfall {
 ///   # or % are skipped; without a header line, the last such line before the numbers that names the columns
 ///   is the header;
 /// - HDF5: datasets of these names, of the shape (N), (N, 1) or (1, N) and of equal length: those of the
-/// root,
-///   or of the only group that has all required ones.
+///   root, or of the only group that has all required ones.
 /// Names are compared without case; the table has those that are wanted, or else lower case. HDF5 is detected
 /// by its signature. Throws FormatError naming the file and the line or column, what is there and what is
 /// wanted.

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a run says beyond errors: its conclusion, warnings, the log, and which output names it refuses."""
+"""The messages of a run beyond errors: its conclusion, warnings, the log, and which output names it refuses."""
 import json
 import unittest
 
@@ -170,7 +170,7 @@ class OutputNames(ChainTest):
 
 
 class Evaluation(ChainTest):
-    """What dem-eval needs: something to write, of any kind."""
+    """The outputs that dem-eval needs: something to write, of any kind."""
 
     def test_a_report_needs_no_layers(self):
         self.succeed("dem-eval", *self.chain.inputs("dem-eval"), "--report", self.path("r.html"))

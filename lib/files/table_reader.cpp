@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/number_table.h"
+#include "files/table_reader.h"
 
 #include <functional>
 #include <map>
@@ -32,14 +32,14 @@ struct TableGroup {
 /// The root and, unless it has the columns, the groups below it. A group that is in two places is listed
 /// twice; depth and number are limited.
 std::vector<TableGroup> groups_of(hid_t root, const TableColumns& wanted) {
-  constexpr std::size_t kMostGroups = 1000;
-  constexpr int kMostLevels = 4;
+  constexpr std::size_t kMaxGroups = 1000;
+  constexpr int kMaxLevels = 4;
   std::vector<TableGroup> groups;
   const std::function<void(hid_t, const std::string&, int)> visit = [&](hid_t group, const std::string& path,
                                                                         int level) {
-    if (groups.size() == kMostGroups) return;
+    if (groups.size() == kMaxGroups) return;
     groups.push_back({path.empty() ? "/" : path, list_datasets(group)});
-    if (level == kMostLevels || has_columns(groups.front().names(), wanted)) return;
+    if (level == kMaxLevels || has_columns(groups.front().names(), wanted)) return;
     for (const std::string& name : list_groups(group))
       visit(h5::open_group(group, name).get(), path + "/" + name, level + 1);
   };

@@ -93,7 +93,7 @@ concept Eigenlike = requires {
   typename std::remove_cvref_t<T>::PlainObject;
 };
 
-/// What an expression's value is held in: an expression template is evaluated.
+/// The type that holds an expression's value: an expression template is evaluated.
 template <class T>
 struct Held {
   using type = std::remove_cvref_t<T>;

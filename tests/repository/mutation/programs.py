@@ -77,7 +77,7 @@ def groups_of(tests, traces):
 
 
 def killer(mutant, tests, traces, folder):
-    """What kills the mutant: "program: failed" or "program: hangs"; "" if it survives `tests`."""
+    """The test that kills the mutant: "program: failed" or "program: hangs"; "" if it survives `tests`."""
     for group in groups_of(tests, traces):
         command = [os.path.join(folder, group["program"]), "--gtest_fail_fast", "--gtest_brief=1",
                    "--gtest_filter=" + ":".join(group["tests"])]
