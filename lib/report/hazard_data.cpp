@@ -61,12 +61,12 @@ class Layers {
 
   [[nodiscard]] Json all(const std::string& elevation) {
     const HazardMap& map = content_.map;
-    add_elevations(elevation);
     add_classes("safe", map.safe, safety_classes(count_places(map.safe, map.region)));
     if (map.truth) add_classes("outcome", map.truth->outcome, outcome_classes(map.truth->score.counts));
     add_probabilities();
     add_measures(map.measures, "");
     if (map.truth) add_measures(map.truth->measures, "_true");
+    add_elevations(elevation);
     return std::move(list_);
   }
 
@@ -216,6 +216,7 @@ ReportData hazard_data(const HazardReport& content, const std::string& elevation
       {"colors", colors_json()},
       {"places", count_places(content.map.safe, content.map.region).all()},
       {"layers", Layers(content, factor, packer).all(elevation)},
+      {"groups", groups_json("hazards")},
       {"sites", sites_of(content, elevation, packer)},
       {"score", content.map.truth ? score_json(content.map.truth->score) : Json(nullptr)}};
   data.packed = packer.pack();

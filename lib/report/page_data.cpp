@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "dictionary/tables/layers.h"
 #include "picture/color_map.h"
 
 namespace landfall::html_report {
@@ -51,6 +52,13 @@ Json colors_json() {
           {"mark", kMarkColor},
           {"outliers", dictionary::kOutliers},
           {"limit_inside", dictionary::kLimitInside}};
+}
+
+Json groups_json(std::string_view page) {
+  Json titles = Json::array();
+  for (const dictionary::Group& group : dictionary::kGroups)
+    if (group.page == page) titles.push_back(group.title);
+  return titles;
 }
 
 GridSpec window_about(BinIndex bin, std::int64_t half, const GridSpec& map) {

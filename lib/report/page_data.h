@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,9 @@ inline constexpr std::int64_t kMaxCropCells = 512;  ///< of the surroundings of 
 [[nodiscard]] nlohmann::ordered_json grid_json(const GridSpec& spec, std::int64_t factor);
 /// The colour maps of lib/picture, which the page's scripts use too.
 [[nodiscard]] nlohmann::ordered_json colors_json();
+
+/// The headings of the groups of maps of a page ("evaluation", "hazards", "draws"), in their order.
+[[nodiscard]] nlohmann::ordered_json groups_json(std::string_view page);
 /// The bins of `map` within `half` of the bin along either axis.
 [[nodiscard]] GridSpec window_about(BinIndex bin, std::int64_t half, const GridSpec& map);
 

@@ -109,6 +109,7 @@ ReportData report_data(const ReportContent& content) {
                  {"region", metrics["region"]},
                  {"metrics", std::move(metrics)},
                  {"layers", std::move(list)},
+                 {"groups", groups_json("evaluation")},
                  {"fail_flags", fail_flags_json()},
                  {"fail_count", layers.fail_counts()},
                  {"histograms", histograms_json(layers)},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// One colour map for each quantity, from lib/picture/color_map.cpp: colours at equal distances, interpolated between.
+// One colour map for each quantity, from schemas/dictionary/maps.json: colours at equal distances, interpolated between.
 
 import {report} from "./report_data.js";
 

@@ -4,7 +4,6 @@
 
 import {cssColor} from "./color_maps.js";
 import {htmlElement, svgElement} from "./elements.js";
-import {FAIL_FLAGS} from "./fail_flags.js";
 import {swatchEntry} from "./legend.js";
 import {lengthUnit, metresAs, ticks} from "./numbers.js";
 import {TEXT_COLOR} from "./palette.js";
@@ -108,7 +107,7 @@ export function clippingText({low, high, clipped, unit, factor}) {
 
 /** The missed requirements and how many bins or footprints miss each. */
 export function failLegend() {
-  const entries = FAIL_FLAGS.map(({bits, text, color, requirement}) => {
+  const entries = report.fail_flags.map(({bits, text, color, requirement}) => {
     const judged = report.metrics.requirements[requirement].pass !== null;
     const count = judged ? report.fail_count[Math.log2(bits)] : "not judged";
     return swatchEntry(`${text}: ${count}`, {fill: color});

@@ -13,14 +13,6 @@ import {LINE} from "./palette.js";
 import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 
-const MAP_GROUPS = [
-  ["Probabilities", ["p_invalid", "p_fail_rel_z", "p_fail_rel_x", "p_fail_rel_y", "p_fail_absolute"]],
-  ["Hazards", ["p_missed_hazard", "p_judged_safe"]],
-  ["Error in z (true \u2212 estimated) over the draws", ["e_z_mean", "e_z_std"]],
-  ["Error of the map (true elevation at the bin centre \u2212 z_est): observed and predicted spread",
-   ["e_map_std", "z_sigma_abs", "e_map_std_over_sigma"]],
-  ["Ground", ["z_true_map"]],
-];
 const CLASSES = 30;       // of a distribution
 const MAX_FAILURES = 200;  // in the table
 const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
@@ -251,7 +243,7 @@ async function fillMaps(section) {
     section.append(htmlElement("p", {}, "This campaign was made without maps."));
     return;
   }
-  const {groups, all, named} = await loadGroups(MAP_GROUPS);
+  const {groups, all, named} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const observed = named("e_map_std"), predicted = named("z_sigma_abs");
   if (predicted) observed.peers = predicted.peers = [observed, predicted];

@@ -17,13 +17,6 @@ import {layerNamed, rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {fillTerrainView} from "./terrain3d.js";
 
-const MAP_GROUPS = [
-  ["Elevation and returns", ["z_est", "z_true", "count"]],
-  ["Errors of the bins: true minus estimated", ["e_x", "e_y", "e_z"]],
-  ["Absolute error: mean over the footprint centred on the bin", ["abs_x", "abs_y", "abs_z"]],
-  ["Relative error: quantile of the deviation from that mean", ["rel_x", "rel_y", "rel_z"]],
-  ["Coverage and verdict", ["invalid", "fail"]],
-];
 const BLOCK_TEXT = "of elevations their mean, of errors the one of the largest magnitude, of relative errors the " +
     "largest, of missed requirements all of them; numbers of returns and shares of invalid bins are averaged";
 
@@ -92,7 +85,7 @@ function profileView(named) {
 }
 
 async function fillMaps(section) {
-  const {groups, all, named} = await loadGroups(MAP_GROUPS);
+  const {groups, all, named} = await loadGroups();
   const region = await rasterOf(layerNamed("in_region"), report.grid);
   const elevations = makePeers(all);
   section.append(htmlElement("p", {class: "note"}, mapsNote()), valuesBar(all), scaleControl());

@@ -16,11 +16,6 @@ import {firstLine, ProfileView} from "./profile.js";
 import {layerNamed} from "./rasters.js";
 import {report} from "./report_data.js";
 
-const MAP_GROUPS = [
-  ["Safe places, probability and cost", ["safe", "outcome", "p_safe", "p_touchdown", "cost", "distance_to_hazard"]],
-  ["Slope and roughness under the lander, elevation", ["slope", "roughness", "z_est", "z"]],
-  ["The same on the true ground", ["slope_true", "roughness_true", "z_true"]],
-];
 const WITH_SITES = ["safe", "outcome", "p_safe", "p_touchdown", "cost"];
 
 function mapsNote() {
@@ -56,7 +51,7 @@ function mapOptions({layer}, region, relief) {
 }
 
 async function fillMaps(section) {
-  const {groups, all, named} = await loadGroups(MAP_GROUPS);
+  const {groups, all, named} = await loadGroups();
   const elevation = named("z_est") ?? named("z"), truth = named("z_true");
   for (const [one, other] of [[elevation, truth], [named("slope"), named("slope_true")], [named("roughness"), named("roughness_true")]]) {
     if (other) one.peers = other.peers = [one, other];

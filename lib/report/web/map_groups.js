@@ -4,16 +4,15 @@
 
 import {panels} from "./cursor.js";
 import {htmlElement} from "./elements.js";
-import {layerNamed, rasterOf} from "./rasters.js";
+import {rasterOf} from "./rasters.js";
 import {report} from "./report_data.js";
 import {display} from "./scales.js";
 
-/** The rasters of `titled`, [[title, names of layers]], as far as the report has them: {groups: [[title, rasters]], all, named}. */
-export async function loadGroups(titled) {
-  const known = titled.map(([title, names]) => [title, names.map(layerNamed).filter((layer) => layer !== null)])
-      .filter(([, layers]) => layers.length > 0);
-  const groups = await Promise.all(known.map(async ([title, layers]) => [
-    title, await Promise.all(layers.map((layer) => rasterOf(layer, report.grid)))]));
+/** The rasters of the layers that have a group: {groups: [[title, rasters]], all, named}. */
+export async function loadGroups() {
+  const titles = report.groups.filter((title) => report.layers.some(({group}) => group === title));
+  const groups = await Promise.all(titles.map(async (title) => [
+    title, await Promise.all(report.layers.filter(({group}) => group === title).map((layer) => rasterOf(layer, report.grid)))]));
   const all = groups.flatMap(([, rasters]) => rasters);
   return {groups, all, named: (name) => all.find(({layer}) => layer.name === name) ?? null};
 }

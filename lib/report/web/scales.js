@@ -3,9 +3,9 @@
 // Colours of values.
 
 import {COLOR_MAPS, NO_VALUE_COLOR} from "./color_maps.js";
-import {FAIL_FLAGS} from "./fail_flags.js";
 import {formatNumber, lengthUnit} from "./numbers.js";
 import {BLUE} from "./palette.js";
+import {report} from "./report_data.js";
 import {LIMIT_INSIDE, MIN_RANGE, OUTLIERS} from "./scale_rules.js";
 
 export const display = {limits: true};  // whether scales reach the limits
@@ -73,7 +73,7 @@ export function colorOf(scale, value) {
 
 /** The bits of a layer of flags or classes: [{bits, text, color}], the first for the colour of a cell first. */
 function flagsOf(layer) {
-  return layer.flags ?? FAIL_FLAGS;
+  return layer.flags ?? report.fail_flags;
 }
 
 export function flagColor(layer, bits) {
