@@ -23,8 +23,8 @@
 #include "base/random.h"
 #include "evaluation/accuracy.h"
 #include "evaluation/evaluate.h"
-#include "evaluation/verdict.h"
-#include "evaluation/window_quantile.h"
+#include "evaluation/judge/verdict.h"
+#include "evaluation/quantile/window_quantile.h"
 #include "files/evaluation_file.h"
 #include "raster/region.h"
 

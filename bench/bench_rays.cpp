@@ -20,9 +20,9 @@
 #include <thread>
 #include <vector>
 
+#include "opencl/opencl_engine.h"
 #include "ray/cgal_engine.h"
 #include "ray/heightfield_engine.h"
-#include "ray/opencl/opencl_engine.h"
 #ifdef LANDFALL_BENCH_EMBREE
 #include "embree_engine.h"
 #endif

@@ -14,11 +14,12 @@ LEVELS = {
     "dictionary": 1, "geometry": 1, "raster": 1, "output": 1, "returns": 1,
     "picture": 2, "terrain": 2, "detector": 2, "scanner": 2, "trajectory": 2, "error_models": 2, "receiver": 2, "hdf5": 2,
     "ray": 3, "meshio": 3,
-    "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
+    "opencl": 4, "simulation": 4, "gridding": 4, "evaluation": 4, "hazards": 4,
     "campaign": 5,
     "config": 6, "files": 6,
     "scene": 7, "exports": 7, "host": 7, "report": 7,
-    "cli": 8,
+    "runs": 8,
+    "cli": 9,
 }
 
 # Header pattern -> folders or subfolders that may include it. Headers that are not listed may be included anywhere.
@@ -28,12 +29,12 @@ ONLY_IN = {
     r"boost/math/": {"terrain", "campaign", "receiver"},
     r"boost/numeric/odeint/": {"trajectory"},
     r"(gdal|ogr|cpl_|vrt)": {"terrain/gdal"},
-    r"CL/": {"ray/opencl"},
+    r"CL/": {"opencl"},
     r"(hdf5\.h|hdf5_hl\.h|H5)": {"hdf5", "files"},
     r"libdeflate": {"hdf5"},
     r"zlib": {"hdf5"},
     r"png\.h": {"picture"},
-    r"nlohmann/": {"base", "config", "files", "scene", "cli", "host", "report"},  # base: a header that several folders share
+    r"nlohmann/": {"base", "config", "files", "runs", "cli", "host", "report"},  # base: a header that several folders share
     r"CLI/": {"cli"},
     r"(iostream|fstream|chrono|ctime)$": {"config", "files", "meshio", "output", "cli"},
 }

@@ -15,8 +15,8 @@
 #include "config/draws_config.h"
 #include "files/table_reader.h"
 #include "report/draws_page.h"
-#include "scene/campaign.h"
-#include "scene/campaign_run.h"
+#include "runs/campaign.h"
+#include "runs/campaign_run.h"
 
 namespace landfall {
 namespace {

@@ -7,7 +7,7 @@
 #include "cli/outcomes.h"
 #include "cli/tool.h"
 #include "config/uncertainty_config.h"
-#include "scene/dem_output.h"
+#include "runs/dem_output.h"
 
 namespace landfall {
 namespace {

@@ -12,7 +12,7 @@
 #include "files/range_file.h"
 #include "files/scan_file.h"
 #include "files/table_reader.h"
-#include "scene/redraw.h"
+#include "runs/redraw.h"
 #include "scene/scene.h"
 #include "simulation/scan_pipeline.h"
 

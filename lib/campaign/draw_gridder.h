@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "campaign/opencl/device_gridder.h"
+#include "campaign/device_gridder.h"
 #include "evaluation/dem_layers.h"
 #include "gridding/accumulator.h"
 #include "gridding/grid_points.h"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/wide_sum.h"
 #include "campaign/draw_gridder.h"
-#include "campaign/wide_sum.h"
 #include "raster/grid.h"
 #include "raster/region.h"
 

@@ -7,12 +7,12 @@
 #include <span>
 #include <variant>
 
+#include "campaign/device_judge.h"
 #include "campaign/draw_gridder.h"
 #include "campaign/draw_maps.h"
-#include "campaign/opencl/device_judge.h"
+#include "evaluation/judge/verdict.h"
 #include "evaluation/metrics.h"
 #include "evaluation/parameters.h"
-#include "evaluation/verdict.h"
 #include "hazards/hazard_map.h"
 
 namespace landfall {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/tool.h"
-#include "scene/campaign_run.h"
+#include "runs/campaign_run.h"
 
 namespace landfall::cli {
 

@@ -12,8 +12,8 @@
 
 #include "base/parallel.h"
 #include "cli/print.h"
+#include "opencl/opencl_engine.h"
 #include "ray/heightfield_engine.h"
-#include "ray/opencl/opencl_engine.h"
 
 namespace landfall::cli {
 namespace {

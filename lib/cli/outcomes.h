@@ -8,8 +8,8 @@
 #include "exports/terrain_output.h"
 #include "files/scan_file.h"
 #include "hazards/hazard_map.h"
-#include "ray/opencl/opencl_engine.h"
-#include "scene/dem_output.h"
+#include "opencl/opencl_engine.h"
+#include "runs/dem_output.h"
 #include "simulation/simulation.h"
 
 namespace landfall::cli {

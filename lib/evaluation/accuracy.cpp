@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "evaluation/order_statistics.h"
 #include "evaluation/piecewise.h"
+#include "evaluation/quantile/order_statistics.h"
 
 namespace landfall {
 namespace {

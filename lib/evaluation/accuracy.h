@@ -4,7 +4,7 @@
 #include "base/progress.h"
 #include "evaluation/dem_layers.h"
 #include "evaluation/metrics.h"
-#include "evaluation/window_quantile.h"
+#include "evaluation/quantile/window_quantile.h"
 
 namespace landfall {
 

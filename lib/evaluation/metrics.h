@@ -124,9 +124,7 @@ struct Requirement {
   LANDFALL_FIELDS(value, limit, pass)
 };
 
-/// The requirements of schemas/dictionary/requirements.json: coverage, hole_size, hole_distance,
-/// relative_elevation, relative_horizontal, absolute_horizontal. A violation of a relative one has the limit
-/// 0.
+/// The requirements of schemas/dictionary/requirements.json, one member for each.
 struct RequirementMetrics {
 #define LANDFALL_REQUIREMENT(name) Requirement name;
   LANDFALL_REQUIREMENTS(LANDFALL_REQUIREMENT)

@@ -12,7 +12,7 @@
 #include "base/abbreviated.h"
 #include "base/error.h"
 #include "files/stored_json.h"
-#include "hdf5/file_seal.h"
+#include "hdf5/guard/file_seal.h"
 #include "hdf5/h5_close.h"
 
 namespace landfall {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-#include "hdf5/file_screening.h"
+#include "hdf5/guard/file_screening.h"
 #include "hdf5/h5.h"
 #include "terrain/gdal/gdal_loader.h"
 

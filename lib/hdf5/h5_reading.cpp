@@ -9,7 +9,7 @@
 #include "base/regular_file.h"
 #include "base/utf8.h"
 #include "hdf5/chunk_check.h"
-#include "hdf5/file_screening.h"
+#include "hdf5/guard/file_screening.h"
 #include "hdf5/h5.h"
 
 namespace landfall::h5 {

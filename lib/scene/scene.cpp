@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "base/error.h"
+#include "opencl/opencl_engine.h"
 #include "ray/cgal_engine.h"
 #include "ray/flat_ground.h"
 #include "ray/heightfield_engine.h"
-#include "ray/opencl/opencl_engine.h"
 
 namespace landfall {
 namespace {

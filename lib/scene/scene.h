@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 #include "files/terrain_file.h"
-#include "ray/opencl/opencl_engine.h"
+#include "opencl/opencl_engine.h"
 #include "ray/windowed_terrain.h"
 
 namespace landfall {

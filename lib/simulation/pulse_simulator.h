@@ -72,14 +72,14 @@ struct AimedPulse {
   Transform<DemFrame, LidarFrame> T_dem_lidar;  ///< the true lidar
 };
 
-/// Where its rays meet the ground; unused by a replay.
+/// The places where its rays meet the ground; unused by a replay.
 struct TracedPulse {
   std::vector<Beam> sample_beams;  ///< empty where a pixel has one sample
   std::vector<Ray> rays;           ///< of the beams that are not lost
   std::vector<double> hits_m;      ///< of all beams; NaN for a miss
 };
 
-/// What comes back, before errors.
+/// The echoes and ranges that come back, before errors.
 struct ReceivedPulse {
   std::vector<double> ranges_m;  ///< true ones of the pixels; NaN for a miss
   Waveforms waveforms;
@@ -92,7 +92,7 @@ struct ReceivedPulse {
   std::vector<double> cosines;  ///< of the incidence angles; NaN on the edge of a hole
 };
 
-/// What the instrument reports.
+/// The ranges that the instrument reports.
 struct MeasuredPulse {
   std::vector<double> tan_incidences;  ///< empty where the noise does not depend on them; 0 for a miss
   std::vector<Reception> receptions;   ///< by pixel, then return; empty without a receiver

@@ -36,7 +36,7 @@ class Requirement:
 
     @property
     def measured_in(self):
-        """What is measured, in its unit; footprints say it themselves."""
+        """The measured quantity and its unit; footprints say it themselves."""
         name = UNITS[self.unit][0]
         return self.measured if name in self.measured else f"{self.measured} ({name})"
 

@@ -124,6 +124,17 @@ class Structure(unittest.TestCase):
             files = {number: file for file, numbers in re.findall(r"`([^`]*)`\s\(([D\d,\s]*)\)", places) for number in re.findall(r"D\d+", numbers)}
             yield subject, files, re.findall(r"(?m)^- \*\*(D\d+) ", entries)
 
+    def test_where_to_add_what_names_each_file(self):
+        """The code files that know an example of a row, by name, are those that the row names."""
+        for row, example in (("requirement", "hole_size"), ("layer", "z_spread"), ("scan pattern", "lissajous"), ("error model", "mirror_time_sigma_s")):
+            [line] = [line for line in read("docs/architecture.md").splitlines() if line.startswith(f"| {row} |")]
+            named = tuple(re.findall(r"`((?:lib|tools|python|schemas)/[\w./]+)`", line))
+            knowing = [os.path.relpath(os.path.join(folder, name), ROOT) for top in ("lib", "tools", "python", "schemas")
+                       for folder, _, names in os.walk(os.path.join(ROOT, top)) for name in names
+                       if name.endswith((".h", ".cpp", ".py", ".js", ".json", ".cl")) and re.search(rf"\b{example}\b", read(os.path.join(folder, name)))]
+            self.assertGreater(len(knowing), 1)
+            self.assertEqual([name for name in knowing if not name.startswith(named)], [], row)
+
     def test_decisions_are_in_order_below_their_subjects(self):
         order = {subject: [int(number[1:]) for number in numbers] for subject, _, numbers in self.decisions()}
         self.assertEqual([subject for subject, numbers in order.items() if numbers != sorted(numbers)], [])

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ray/opencl/opencl_engine.h"
+#include "opencl/opencl_engine.h"
 
 namespace landfall {
 

@@ -20,8 +20,8 @@
 #include "files/table_reader.h"
 #include "files/terrain_file.h"
 #include "landfall_files.h"
-#include "scene/campaign_parts.h"
-#include "scene/redraw.h"
+#include "runs/campaign_parts.h"
+#include "runs/redraw.h"
 #include "trajectory/trajectory_columns.h"
 
 namespace landfall::fuzz {

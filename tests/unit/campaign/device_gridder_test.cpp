@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws on an OpenCL device against those of the CPU, to the last bit. The device is pocl's, the CPU, unless
 // the machine has another one.
-#include "campaign/opencl/device_gridder.h"
+#include "campaign/device_gridder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

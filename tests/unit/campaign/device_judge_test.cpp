@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Verdicts and maps of an OpenCL device against those of the CPU, to the last bit. The device is pocl's, the
 // CPU, unless the machine has another one.
-#include "campaign/opencl/device_judge.h"
+#include "campaign/device_judge.h"
 
 #include <gtest/gtest.h>
 

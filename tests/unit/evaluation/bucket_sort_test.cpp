@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/bucket_sort.h"
+#include "evaluation/quantile/bucket_sort.h"
 
 #include <gtest/gtest.h>
 

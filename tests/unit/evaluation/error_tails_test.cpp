@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sorted tails of a tile's windows, and who is a member of which, against the definition of a footprint.
-#include "evaluation/error_tails.h"
+#include "evaluation/quantile/error_tails.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "evaluation/tail_cursor.h"
+#include "evaluation/quantile/tail_cursor.h"
 
 namespace landfall {
 namespace {

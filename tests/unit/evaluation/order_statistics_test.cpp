@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sums and quantiles of many values: against a sort, over several pieces, at several numbers of threads.
-#include "evaluation/order_statistics.h"
+#include "evaluation/quantile/order_statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "evaluation/quantile.h"
+#include "evaluation/quantile/quantile.h"
 
 #include <gtest/gtest.h>
 

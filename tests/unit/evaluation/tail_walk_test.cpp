@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One walk over a tile's windows against a sort in each window.
-#include "evaluation/tail_walk.h"
+#include "evaluation/quantile/tail_walk.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "evaluation/quantile.h"
+#include "evaluation/quantile/quantile.h"
 
 namespace landfall {
 namespace {

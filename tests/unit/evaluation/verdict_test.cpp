@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // decide() against evaluate(), to the last bit.
-#include "evaluation/verdict.h"
+#include "evaluation/judge/verdict.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

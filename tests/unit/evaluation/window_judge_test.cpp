@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The parts of decide(): box sums, counts that decide, errors of a tile.
-#include "evaluation/window_judge.h"
+#include "evaluation/judge/window_judge.h"
 
 #include <gtest/gtest.h>
 

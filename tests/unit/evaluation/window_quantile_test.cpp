@@ -10,7 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "evaluation/window_quantile.h"
+#include "evaluation/quantile/window_quantile.h"
 #include "raster/masks.h"
 #include "raster/window_mean.h"
 

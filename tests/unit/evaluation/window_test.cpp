@@ -14,7 +14,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "evaluation/window_quantile.h"
+#include "evaluation/quantile/window_quantile.h"
 #include "raster/window_mean.h"
 
 namespace landfall {

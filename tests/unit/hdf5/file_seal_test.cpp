@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "hdf5/file_seal.h"
+#include "hdf5/guard/file_seal.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "files/landfall_file.h"
-#include "hdf5/metadata_guard.h"
+#include "hdf5/guard/metadata_guard.h"
 #include "hdf5/table.h"
 #include "temporary_folder.h"
 

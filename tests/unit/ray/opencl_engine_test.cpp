@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The engine opencl answers what the heightfield engine answers, to the last bit. Its device is pocl's, the
 // CPU, unless the machine has another one.
-#include "ray/opencl/opencl_engine.h"
+#include "opencl/opencl_engine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
+#include "opencl/opencl_engine.h"
 #include "ray/cgal_engine.h"
 #include "ray/engine.h"
 #include "ray/heightfield_engine.h"
-#include "ray/opencl/opencl_engine.h"
 #include "terrain/relief/triangulated_grid.h"
 #include "test_seed.h"
 

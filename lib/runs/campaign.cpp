@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D321
+#include "runs/campaign.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+#include "campaign/predicted_sigma.h"
+#include "config/config_path.h"
+#include "config/scan_config.h"
+#include "evaluation/evaluate.h"
+#include "files/evaluation_file.h"
+#include "files/table_reader.h"
+#include "runs/redraw.h"
+
+namespace landfall {
+namespace {
+
+/// The provenance that scan-sim --ranges-from would have.
+Provenance scan_provenance(const nlohmann::json& scan, const Scene& scene) {
+  Provenance provenance{.tool = "scan-sim", .config = scan};
+  static_cast<void>(scan_model(scan, "scan", recording_table_loader(provenance)));
+  provenance.add_input("terrain", scene.file_id, scene.chain);
+  return provenance;
+}
+
+/// Refuses draws whose configuration is not valid or whose rays differ from the scan's, before any is run.
+void require_same_rays(const RangeFile& scan, const Scene& scene, const DrawsConfig& config,
+                       const DrawSpan& span) {
+  Provenance provenance = scan_provenance(config.stages().scan, scene);
+  const auto check = [&](std::int64_t draw) {
+    provenance.config = config.stages(draw).scan;
+    require_redraw(scan, provenance, "");
+  };
+  try {
+    for (const std::int64_t draw : config.deciding_draws(span.first, span.end)) check(draw);
+  } catch (const UsageError&) {  // names the first one
+    for (std::int64_t draw = span.first; draw < span.end; ++draw) check(draw);
+    throw;
+  }
+}
+
+CampaignTruth read_truth(const RangeFile& scan, const ProgressCallback& progress) {
+  constexpr std::int64_t kPulsesPerPiece = 4096;
+  RangeFile file(scan.file().name());
+  const nlohmann::json& detector = scan.file().config().at("detector");
+  const auto pixels = detector.at("rows").get<std::size_t>() * detector.at("columns").get<std::size_t>();
+  const auto pulses = static_cast<std::int64_t>(scan.pulse_count());
+  CampaignTruth truth;
+  truth.ranges_m.resize(scan.pulse_count() * pixels);
+  if (file.keeps_echoes()) truth.echoes.resize(truth.ranges_m.size());
+  for (std::int64_t first = 0; first < pulses; first += kPulsesPerPiece) {
+    const RecordedRanges piece = file.read({first, std::min(kPulsesPerPiece, pulses - first)}, pixels);
+    const auto row = first * static_cast<std::int64_t>(pixels);
+    std::ranges::copy(piece.ranges_m, truth.ranges_m.begin() + row);
+    std::ranges::copy(piece.echoes, truth.echoes.begin() + row);
+    truth.later.insert(truth.later.end(), piece.later.begin(), piece.later.end());
+    report(progress, static_cast<double>(first) / static_cast<double>(pulses));
+  }
+  return truth;
+}
+
+void add_to(std::vector<DrawColumn>& columns, const std::vector<NamedNumber>& row) {
+  if (columns.empty())
+    for (const auto& [name, value] : row) columns.push_back({name, {}});
+  for (std::size_t i = 0; i < row.size(); ++i) columns.at(i).values.push_back(row[i].second);
+}
+
+}  // namespace
+
+Campaign::Campaign(const RangeFile& scan, const std::string& terrain, const DrawsConfig& config,
+                   const DrawSpan& span, std::optional<std::int64_t> pair,
+                   const std::optional<OpenClOptions>& device, Provenance& provenance,
+                   const ProgressCallback& progress)
+    : config_(config),
+      pair_(pair),
+      regrid_(regrid_config(config.stages().regrid, config.name() + ": /regrid")) {
+  provenance.add_input("scan", scan.file().file_id(), scan.file().chain());
+  scene_ = open_scene({.terrain = terrain, .use = SceneUse::surface});
+  provenance.add_input("terrain", scene_.file_id, scene_.chain);
+  const GridSpec& grid = regrid_.grid;
+  if (scene_.window)
+    scene_.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  require_same_rays(scan, scene_, config, span);
+  truth_ = read_truth(scan, progress);
+  std::optional<BinMask> mask;
+  if (const auto source = region_mask_source(config.stages().eval)) {
+    RegionMask read = read_region_mask(source->path, source->layer, grid);
+    provenance.add_input("region", read.file_id, nlohmann::json::array());
+    mask = std::move(read.mask);
+  }
+  const EvaluationParameters evaluation = evaluation_config(config.stages().eval, config.name() + ": /eval");
+  at_path(config.name() + ": /eval/",
+          [&] { region_ = judged_region(evaluation, grid, mask ? &*mask : nullptr); });
+  runner_ = std::make_unique<DrawRunner>(
+      CampaignScene{{truth_.ranges_m, truth_.echoes, truth_.later}, *scene_.surface, grid, region_},
+      config.has_layers(), device);
+  if (device && device->on_failure == DeviceFailure::throws) require_device(span);
+  if (config.predicted())
+    z_sigma_abs_ = predicted_sigma(runner_->scene(), setup_of(config.stages(), 0).scan, *config.predicted());
+}
+
+/// Before any draw is run.
+void Campaign::require_device(const DrawSpan& span) const {
+  for (std::int64_t draw = span.first; draw < span.end; ++draw) {
+    DrawSetup setup = setup_of(config_.stages(draw), draw);
+    try {
+      runner_->check_device(std::move(setup));
+    } catch (const UsageError& error) {
+      throw UsageError(config_.name() + ": draw " + std::to_string(draw) + ": " + error.what(),
+                       error.parameter());
+    }
+  }
+}
+
+Draws Campaign::empty(std::int64_t first) const {
+  Draws draws;
+  draws.table.first = first;
+  if (pair_) draws.table.varied.push_back({kPairColumn, {}});
+  for (const std::string& key : config_.varied_keys()) draws.table.varied.push_back({key, {}});
+  if (config_.has_layers()) {
+    draws.maps.emplace(regrid_.grid);
+    draws.region = region_;
+    draws.z_true_map.emplace(regrid_.grid);
+    std::ranges::transform(runner_->z_true_map()->values(), draws.z_true_map->values().begin(),
+                           [](double z_m) { return static_cast<float>(z_m); });
+    draws.z_sigma_abs = z_sigma_abs_;
+    if (config_.hazard()) draws.maps->safety.emplace(regrid_.grid);
+  }
+  return draws;
+}
+
+DrawSetup Campaign::setup_of(const DrawStages& stages, std::int64_t draw) const {
+  const std::string name = "draw " + std::to_string(draw);
+  Provenance tables;  // those of the scan, which are recorded already
+  const RegridConfig regrid = regrid_config(stages.regrid, name);
+  return {scan_model(stages.scan, name, recording_table_loader(tables)), regrid.method, regrid.truth_at,
+          evaluation_config(stages.eval, name), config_.hazard()};
+}
+
+void Campaign::complete(Draws& draws) {
+  const std::vector<std::int64_t> kept = std::exchange(on_device_, {});
+  if (kept.empty() || runner_->take_from_device(std::ssize(kept), *draws.maps)) return;
+  for (const std::int64_t draw : kept) static_cast<void>(run(draw, draws));  // by the CPU
+}
+
+DrawResult Campaign::run(std::int64_t draw, Draws& draws) {
+  DrawSetup setup = setup_of(config_.stages(draw), draw);
+  DrawResult result = at_path(config_.name() + ": /hazard/", [&] {
+    return runner_->run(std::move(setup), config_.metrics(), draws.maps ? &*draws.maps : nullptr);
+  });
+  if (result.is_on_device) on_device_.push_back(draw);
+  return result;
+}
+
+void Campaign::run_next(Draws& draws) {
+  DrawTable& table = draws.table;
+  const std::int64_t draw = table.end() - pair_.value_or(0) * config_.draw_count();
+  std::vector<double> values = config_.values(draw);
+  if (pair_) values.insert(values.begin(), static_cast<double>(*pair_));
+  const DrawResult result = run(draw, draws);
+  const std::optional<bool> pass = std::visit([](const auto& kind) { return kind.pass; }, result.metrics);
+  add_to(table.metrics, flat_metrics(result));
+  for (std::size_t i = 0; i < values.size(); ++i) table.varied[i].values.push_back(values[i]);
+  table.pass.push_back(pass.value_or(false) ? 1 : 0);
+  table.seeds.push_back(config_.seed(draw));
+}
+
+}  // namespace landfall

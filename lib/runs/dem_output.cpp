@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decisions: D398
+#include "runs/dem_output.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/number_text.h"
+#include "config/config_path.h"
+#include "config/uncertainty_config.h"
+#include "files/scan_poses.h"
+#include "scene/scene.h"
+
+namespace landfall {
+namespace {
+
+/// The inputs of an uncertainty map beside the bins.
+struct UncertaintyInputs {
+  UncertaintyParameters parameters;
+  PoseTrack poses;
+  std::string left_out;  ///< errors of the scans, comma-separated
+};
+
+UncertaintyInputs uncertainty_inputs(const Scans& scans, DemOutput& output) {
+  std::vector<ScanOrigin> origins;
+  std::vector<ScanPoses> poses;
+  for (const auto& scan : scans) {
+    origins.push_back({scan->file().name(), scan->file().config()});
+    poses.push_back(read_scan_poses(*scan));
+  }
+  nlohmann::json& config = output.provenance.config;
+  const UncertaintyParameters parameters = uncertainty_parameters(config, output.config_name, origins);
+  config["uncertainty"] = uncertainty_json(parameters);
+  std::string left_out;
+  for (const std::string& error : errors_left_out(parameters, origins))
+    left_out += (left_out.empty() ? "" : ", ") + error;
+  return at_path("--uncertainty: ", [&] {
+    return UncertaintyInputs{parameters, PoseTrack(poses), left_out};
+  });
+}
+
+std::vector<std::string> warnings_of(const UncertaintyInputs& inputs) {
+  std::vector<std::string> warnings;
+  if (inputs.parameters.range_sigma_m == 0)
+    warnings.emplace_back(
+        "--uncertainty: the range noise is 0; give --range-sigma METRES if the lidar has noise");
+  if (!inputs.left_out.empty())
+    warnings.push_back("--uncertainty: the sigmas leave out errors of the scans: " + inputs.left_out);
+  return warnings;
+}
+
+/// floor(x/s + 0.5) of a point on an edge is decided by the rounding of x/s: a regular pattern on the edges
+/// fills some bins twice and leaves others empty.
+std::vector<std::string> edge_warnings(const Scans& scans, const std::vector<EdgeSample>& edges,
+                                       double resolution_m) {
+  constexpr std::int64_t kMinReturns = 20;
+  constexpr double kShare = 0.05;
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const double share = static_cast<double>(edges[i].on_edge) / static_cast<double>(edges[i].count);
+    if (edges[i].count < kMinReturns || share <= kShare) continue;
+    warnings.push_back(scans[i]->file().name() + ": " + percent_text(share) + " of its first " +
+                       grouped(edges[i].count) + " returns lie on an edge between bins of " +
+                       number_text(resolution_m) +
+                       " m, where rounding decides the bin: move the pattern by half a bin, or change "
+                       "--resolution");
+  }
+  return warnings;
+}
+
+/// The text at a path of a scan's configuration, which may have any structure in a foreign file.
+std::string text_at(const nlohmann::json& config, const char* path, const char* otherwise) {
+  const nlohmann::json::json_pointer where(path);
+  const bool is_text = config.is_object() && config.contains(where) && config.at(where).is_string();
+  return is_text ? config.at(where).get<std::string>() : otherwise;
+}
+
+std::string returns_used(const Scans& scans) {
+  std::vector<std::string> all;
+  for (const auto& scan : scans) {
+    const nlohmann::json& config = scan->file().config();
+    const bool has_receiver = text_at(config, "/receiver/type", "none") != "none";
+    const std::string used = has_receiver ? text_at(config, "/receiver/returns", "first") : "one";
+    if (std::ranges::find(all, used) == all.end()) all.push_back(used);
+  }
+  std::string text;
+  for (const std::string& used : all) text += (text.empty() ? "" : ", ") + used;
+  return text;
+}
+
+/// The terrain of the true elevations; without one the scene has no surface.
+Scene open_truth(const DemSources& sources, const Scans& scans, const GridSpec& grid, DemOutput& output) {
+  if (sources.terrain.empty()) return {};
+  Scene truth;
+  output.phase("terrain", [&](const ProgressCallback& progress) {
+    truth = open_scene({.terrain = sources.terrain, .use = SceneUse::surface}, progress);
+  });
+  output.provenance.add_input("terrain", truth.file_id, truth.chain);
+  if (!sources.other_terrain) require_scans_of(scans, truth.file_id, sources.terrain);
+  if (truth.window)
+    truth.window->require({grid.x(0), grid.x(grid.cols - 1), grid.y(0), grid.y(grid.rows - 1)});
+  return truth;
+}
+
+/// Computes the maps from which the corrected elevations and the sigmas are taken.
+void compute_error_maps(GriddedScans& gridded, const std::optional<UncertaintyInputs>& inputs,
+                        const PhaseRunner& phase) {
+  phase("slope",
+        [&](const ProgressCallback& progress) { gridded.slopes = slope_layer(*gridded.nearest, progress); });
+  if (!inputs) return;
+  phase("uncertainty", [&](const ProgressCallback& progress) {
+    gridded.uncertainty = std::make_unique<UncertaintyMap>(*gridded.nearest, *gridded.moments, gridded.slopes,
+                                                           inputs->poses, inputs->parameters, progress);
+  });
+}
+
+}  // namespace
+
+BinnedReturns make_dem(const RegridConfig& config, const DemSources& sources, DemRequest layers,
+                       DemOutput output) {
+  const Scans scans = open_scans(sources.scans, output.provenance);
+  std::optional<UncertaintyInputs> uncertainty;
+  std::vector<std::string> warnings;
+  if (layers.uncertainty) {
+    uncertainty = uncertainty_inputs(scans, output);
+    warnings = warnings_of(*uncertainty);
+    if (!uncertainty->left_out.empty())
+      layers.left_out = "leaves out errors of the scans: " + uncertainty->left_out;
+  }
+  const Scene truth = open_truth(sources, scans, config.grid, output);
+  layers.epoch_s = scans.front()->epoch_s();
+  layers.truth = truth.surface.get();
+  layers.truth_at = config.truth_at;
+  check_layers(layers);
+  LandfallFileWriter file(output.file, "dem", output.provenance);
+  GriddedScans gridded;
+  output.phase("grid", [&](const ProgressCallback& progress) {
+    gridded = grid_scans(scans, {config.grid, config.method, layers.uncertainty}, progress);
+  });
+  for (std::string& warning : edge_warnings(scans, gridded.edges, config.grid.resolution_m))
+    warnings.push_back(std::move(warning));
+  if (layers.uncertainty || layers.corrected) compute_error_maps(gridded, uncertainty, output.phase);
+  std::int64_t empty_bins = 0;
+  output.phase("write", [&](const ProgressCallback& progress) {
+    empty_bins = write_dem(file, gridded, layers, scans.front()->crs_wkt(), progress);
+  });
+  return {gridded.bins->inside_count(), gridded.bins->outside_count(), empty_bins, std::move(warnings),
+          returns_used(scans)};
+}
+
+}  // namespace landfall
