@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A terrain that is not the one of the DEM is a warning, not an error as in `regrid`: only true elevations
+// of filled holes depend on it, and the DEM's `z_true` may come from another file than its scans.
 #include "cli/hazard_input.h"
 
 #include <utility>

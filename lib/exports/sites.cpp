@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A terrain that is not the one of the DEM is a warning, not an error as in `regrid`: only true elevations
-// of filled holes depend on it, and the DEM's `z_true` may come from another file than its scans.
-//
 // Landing sites become a GeoPackage, not GeoJSON. RFC 7946 allows longitude and latitude on WGS 84 only: a
 // site on another body or in a local frame has none, and metres in a GeoJSON file would be shown as
 // degrees off the coast of Africa. A GeoPackage holds any frame, and GDAL makes GeoJSON of it where that

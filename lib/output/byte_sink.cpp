@@ -2,8 +2,7 @@
 // A closed pipe is a success (exit 0): the reader does not need the rest, and `pipefail` scripts continue.
 //
 // Texts on a closed pipe (`landfall-info`, `--help`, `--print-config`) end the tool by SIGPIPE, like any
-// other program; only for the data of `landfall-export -o -` is there a reason to read a part
-// (lib/output/byte_sink.h).
+// other program; only for the data of `landfall-export -o -` is there a reason to read a part.
 #include "output/byte_sink.h"
 
 #include <fcntl.h>

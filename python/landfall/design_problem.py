@@ -12,8 +12,8 @@ import math
 import os
 import statistics
 
-from landfall import command, dictionary, model, progress, runs, schema
-from landfall.errors import Error, ToolError, UsageError, printable_lines
+from landfall import dictionary, model, runs, schema
+from landfall.errors import ToolError, UsageError
 
 ALL_REQUIREMENTS = "all six"
 CHOSEN_PLACE_SAFE = "chosen place safe"

@@ -4,7 +4,6 @@ import contextlib
 import ctypes
 import importlib
 import json
-import os
 from dataclasses import dataclass
 
 import h5py

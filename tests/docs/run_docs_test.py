@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Every command of the pages is run (tests/docs/run_docs_test.py) by tests/docs, page by page, in a new folder.
+# Every command of the pages is run, page by page, in a new folder.
 # Prerequisites of a page, and changes that shorten a run (a coarser terrain, 1,000 pulses), are in comments that
 # readers do not see; nothing is shortened whose numbers the page shows. The command of a study is given to `make -n`.
 #

@@ -5,6 +5,7 @@ import ast
 import contextlib
 import json
 import os
+import pathlib
 import pickle
 import shutil
 import subprocess
@@ -23,7 +24,7 @@ sys.dont_write_bytecode = True
 
 # pylint: disable=wrong-import-position
 import landfall
-from landfall import files, tools
+from landfall import command, files, tools
 from landfall.study import results
 
 GRID = {"grid": {"half_width_m": 4, "resolution_m": 0.1}, "features": [{"type": "cone", "x_m": 1, "radius_m": 1, "height_m": 0.5}]}
@@ -387,6 +388,16 @@ class Runs(Chain):
                 self.assertEqual(tools.find("scan-sim"), os.path.join(elsewhere, "scan-sim"))
                 with self.assertRaisesRegex(landfall.ToolError, "/nowhere/regrid: no such program, and none on PATH"):
                     landfall.run("regrid")
+
+
+class Outputs(unittest.TestCase):
+    def test_a_file_is_on_the_disk_before_it_has_its_name(self):
+        calls = []
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(os, "fsync", lambda _: calls.append("synced")), \
+                mock.patch.object(os, "replace", lambda *_: calls.append("named")):
+            command.write_whole(os.path.join(folder, "a.txt"), lambda name: pathlib.Path(name).write_text("text", encoding="utf-8"))
+            self.assertEqual(os.listdir(folder), [])
+        self.assertEqual(calls, ["synced", "named"])
 
 
 def imports(path):

@@ -9,7 +9,7 @@ import subprocess
 import time
 import unittest
 
-from case import BIN, ROOT, StudyTest, read, study
+from case import BIN, StudyTest, read, study
 
 TOOLS = ("terrain-gen", "scan-sim", "regrid", "dem-eval")
 PATIENCE_S = 300  # no test takes this long; a busy machine may take a while

@@ -2,8 +2,7 @@
 // An object that does not exist is a normal result; one that cannot be read is an error. If HDF5 cannot
 // determine whether a name exists, the run ends. A value of another type or shape than expected (a number
 // instead of a text) counts as missing, because other programs may write it. An object whose header cannot
-// be read ends the run even if it is not needed, because it cannot be screened
-// (lib/hdf5/guard/file_screening.h).
+// be read ends the run even if it is not needed, because it cannot be screened (below).
 //
 // HDF5 files are self-contained. A link that is not hard, a virtual dataset, and values stored in another
 // file are refused wherever they are, even if nothing would read them, and no option allows them: a file's

@@ -9,7 +9,7 @@
   sweep.py collect DIR                             results.csv and results.h5
   sweep.py prune DIR                               removes files that the plan does not name any more
 
-Of Makefile.studies alone:
+Called by Makefile.studies alone:
   sweep.py begin DIR                               removes temporary files that killed processes have left
   sweep.py tidy DIR                                removes shared files that no stage needs any more
 """

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Reads lines "SCHEMA CONFIGURATION" and writes a line for each: the resolved configuration, or "! " and the message.
+/// Reads lines "SCHEMA CONFIGURATION" and writes a line for each: the resolved configuration, or "! " and the
+/// message.
 #include <iostream>
 #include <string>
 
