@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""scripts/test and the presets in a project with one test: it runs after any earlier build, and no test at all is a failure."""
+"""scripts/test and the presets in a project with two tests: it runs after any earlier build, and no test at all is a failure."""
 import os
 import pathlib
 import shutil
@@ -14,7 +14,9 @@ project(one_test LANGUAGES NONE)
 option(LANDFALL_BUILD_TESTS "" ON)
 if(LANDFALL_BUILD_TESTS)
   enable_testing()
-  add_test(NAME only COMMAND ${CMAKE_COMMAND} -E RESULT)
+  add_test(NAME quick COMMAND ${CMAKE_COMMAND} -E RESULT)
+  add_test(NAME long COMMAND ${CMAKE_COMMAND} -E true)
+  set_tests_properties(long PROPERTIES LABELS "studies;slow")
 endif()
 """
 
@@ -42,7 +44,15 @@ class TestScript(unittest.TestCase):
         self.assertEqual(self.execute("cmake", "--preset", "release", "-DLANDFALL_BUILD_TESTS=OFF").returncode, 0)
         result = self.execute(self.folder / "scripts" / "test")
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-        self.assertIn("100% tests passed, 0 tests failed out of 1", result.stdout)
+        self.assertIn("100% tests passed, 0 tests failed out of 2", result.stdout)
+
+    def test_commit_leaves_out_slow_tests(self):
+        self.project()
+        for options in [], ["-R", "quick"]:
+            result = self.execute(self.folder / "scripts" / "test", "--commit", *options)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            self.assertIn("100% tests passed, 0 tests failed out of 1", result.stdout)
+        self.assertNotEqual(self.execute(self.folder / "scripts" / "test", "--commit", "-R", "long").returncode, 0)
 
     def test_fails_if_a_test_fails(self):
         self.project(result="false")

@@ -212,10 +212,9 @@ class Sequential(DesignTest):
 
 
 class Run(DesignTest):
-    def test_the_answer(self):
-        self.write(design_file())
-        text = self.run_it().stdout
-        answer = json.loads(read(self.path("out", "design.json")))
+    def check_answer(self, out, text):
+        """The files of a run, and what it prints."""
+        answer = json.loads(read(self.path(out, "design.json")))
         winner, problem = answer["winner"], design_problem.Problem(self.path("tiny.json"))
         self.assertEqual(answer["cost_frac"], problem.cost(problem.configs(winner["values"])) / (400 * 64))
         self.assertLess(answer["cost_frac"], 1)
@@ -231,15 +230,15 @@ class Run(DesignTest):
         self.assertEqual(answer["active"], max(winner["margins"], key=winner["margins"].get))
         for expected in ("Winner:", "active", "Neighbours that cost no more", "fresh draws pass"):
             self.assertIn(expected, text)
-        page = read(self.path("out", "report.html")).decode()
+        page = read(self.path(out, "report.html")).decode()
         self.assertIn(f"{100 * answer['cost_frac']:.1f} % of the base", page)
-        self.assertEqual(len(read(self.path("out", "candidates.csv")).decode().splitlines()), 25)
-        self.assertTrue(read(self.path("out", "design.png")).startswith(b"\x89PNG"))
+        self.assertEqual(len(read(self.path(out, "candidates.csv")).decode().splitlines()), 25)
+        self.assertTrue(read(self.path(out, "design.png")).startswith(b"\x89PNG"))
 
-    def test_killed_and_resumed_and_two_workers(self):
+    def test_the_answer_whole_killed_and_of_two_workers(self):
         """A run that is killed again and again, at any time, and one with two workers have the bytes of an undisturbed one."""
         self.write(design_file())
-        self.run_it(out="whole")
+        self.check_answer("whole", self.run_it(out="whole").stdout)
         generator, kills = random.Random(int(os.environ.get("LANDFALL_TEST_SEED", "1"))), 0
         command = [PYTHON, os.path.join(ROOT, "python", "commands", "design.py"), self.path("tiny.json"), "--out", self.path("killed"), "--bin", BIN]
         for _ in range(4):

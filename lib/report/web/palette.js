@@ -3,11 +3,7 @@
 // Colours by name. Okabe and Ito's palette is readable with every common colour blindness, too.
 
 export const BLUE = "#0072b2";
-export const SKY_BLUE = "#56b4e9";
 export const VERMILION = "#d55e00";
-export const ORANGE = "#e69f00";
-export const PURPLE = "#cc79a7";
-export const DARK_RED = "#661100";
 export const INK = "#1d2733";            // on maps, which look the same in light and dark mode
 export const TEXT_COLOR = "var(--ink)";  // beside maps
 // Lines of diagrams differ in light and dark mode (report.css).
