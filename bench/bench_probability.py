@@ -290,7 +290,7 @@ def figure(options):
     handles = {label: handle for ax in axes.flat for handle, label in zip(*ax.get_legend_handles_labels())}
     drawn.legend(handles.values(), handles.keys(), loc="lower right", fontsize=8)
     drawn.tight_layout()
-    drawn.savefig(options.figure, dpi=110, metadata={"Software": None})
+    drawn.savefig(options.figure, dpi=100, metadata={"Software": None})
 
 
 def main():
