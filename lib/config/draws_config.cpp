@@ -75,10 +75,10 @@ KeyPath split_key(const std::string& key) {
 }
 
 /// Why a key cannot vary on the same rays, grid and region; empty if it can.
-std::string fixed_because(const std::string& key) {
+std::string fixed_because(const std::string& key, const Json& scan) {
   if (key == "scan.seed") return "is set by the number of the draw";
   if (const auto& [stage, pointer] = split_key(key); stage == "scan") {
-    const std::optional<KeyEffect> effect = effect_of(pointer.to_string());
+    const std::optional<KeyEffect> effect = effect_of(pointer.to_string(), scan);
     if (effect == KeyEffect::beam)
       return "changes the rays, and only errors are drawn anew; trace a scan for each value "
              "(docs/user/studies)";
@@ -190,7 +190,7 @@ void DrawsConfig::add_variation(const std::string& owner, const std::string& key
   const auto [stage, pointer] = split_key(key);
   if (stage != "scan" && stage != "regrid" && stage != "eval")
     throw UsageError(where + "unknown key; its first part is scan, regrid or eval");
-  if (const std::string why = fixed_because(key); !why.empty()) throw UsageError(where + why);
+  if (const std::string why = fixed_because(key, stages_.scan); !why.empty()) throw UsageError(where + why);
   const Json& config = stage_of(stages_, stage);
   if (pointer.empty() || !config.contains(pointer)) throw UsageError(where + "unknown key of " + stage);
   if (!config.at(pointer).is_number())
