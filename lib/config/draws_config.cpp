@@ -177,7 +177,8 @@ Variation<double> variation_of(const Json& json) {
 }
 
 LandingParameters landing_of(const Json& json) {
-  LandingParameters landing{.drift_time_s = json.at("drift_time_s")};
+  LandingParameters landing;
+  landing.drift_time_s = json.at("drift_time_s");
   if (json.at("yaw_deg").is_number()) landing.yaw_deg = json.at("yaw_deg").get<double>();
   if (!json.at("blind_sigma_m").is_null()) landing.blind_sigma_m = json.at("blind_sigma_m").get<double>();
   return landing;

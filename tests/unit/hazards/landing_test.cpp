@@ -56,7 +56,8 @@ TEST(Landing, OverNoGroundIsNotSafe) {
 }
 
 TEST(Landing, NeedsLegsOfTwoBins) {
-  EXPECT_THROW(judge_landing({}, kLander, kLimits, 0.3, [](double, double) { return 0.0; }), UsageError);
+  const auto flat = [](double, double) { return 0.0; };
+  EXPECT_THROW(static_cast<void>(judge_landing({}, kLander, kLimits, 0.3, flat)), UsageError);
 }
 
 TEST(LandingErrors, DependOnTheSeedOnly) {
